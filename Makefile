@@ -14,7 +14,7 @@ NEWEST := $(firstword $(shell for v in 3.14 3.13 3.12; do \
   for p in python$$v $$HOME/.pyenv/versions/$$v.*/bin/python$$v; do \
   $$p -c "" 2>/dev/null && echo $$p; done; done))
 # Rooms without an engine, and the planar one: minutes, not half an hour.
-QUICK := tests/core tests/mechanics tests/rom tests/tracking tests/allocation \
+QUICK := tests/core tests/geometry tests/mechanics tests/rom tests/tracking tests/allocation \
   tests/planning tests/taskfile tests/planar studies/tests/allocation
 
 .PHONY: demo test test-long test-all test-newest quick search mutants lint results \

@@ -32,6 +32,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from pushpressslide import moved
+
 if TYPE_CHECKING:
     from pushpressslide import allocation, batch, mechanics, modes, planar
     from pushpressslide.control.controller import Controller
@@ -61,19 +63,19 @@ if TYPE_CHECKING:
         Robot,
         Support,
     )
-    from pushpressslide.core.shapes import (
-        Box,
-        Compound,
-        Cylinder,
-        MeshSolid,
-        Prism,
-    )
     from pushpressslide.core.task import (
         Limits,
         Motion,
         Sensing,
         Task,
         Tolerance,
+    )
+    from pushpressslide.geometry.shapes import (
+        Box,
+        Compound,
+        Cylinder,
+        MeshSolid,
+        Prism,
     )
     from pushpressslide.jobs.ask import plan, select
     from pushpressslide.jobs.run import (
@@ -145,22 +147,22 @@ __all__ = [
 
 _ROOMS = frozenset({"mechanics", "allocation", "modes", "batch", "planar", "report"})
 _HOMES = {
-    "Box": "core.shapes.Box",
+    "Box": "geometry.shapes.Box",
     "Choice": "core.plan.Choice",
-    "Compound": "core.shapes.Compound",
+    "Compound": "geometry.shapes.Compound",
     "Controller": "control.controller.Controller",
-    "Cylinder": "core.shapes.Cylinder",
+    "Cylinder": "geometry.shapes.Cylinder",
     "FlatFinger": "mechanics.line_push.FlatFinger",
     "InfeasibleTaskError": "core.errors.InfeasibleTaskError",
     "Limits": "core.task.Limits",
-    "MeshSolid": "core.shapes.MeshSolid",
+    "MeshSolid": "geometry.shapes.MeshSolid",
     "Motion": "core.task.Motion",
     "Object": "core.scene.ObjectModel",
     "Obstacle": "core.scene.Obstacle",
     "Plan": "core.plan.Plan",
     "Plant": "control.plant.Plant",
     "Pose2": "core.pose.Pose2",
-    "Prism": "core.shapes.Prism",
+    "Prism": "geometry.shapes.Prism",
     "PushPressSlideError": "core.errors.PushPressSlideError",
     "Record": "core.record.Record",
     "Robot": "core.scene.Robot",
@@ -184,6 +186,8 @@ _HOMES = {
     "select": "jobs.ask.select",
 }
 """Where each name stands."""
+
+moved.install()
 
 
 def __getattr__(name: str) -> Any:

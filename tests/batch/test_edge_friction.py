@@ -12,8 +12,8 @@ from pushpressslide.batch.edge_loops import compiled_row, row_friction
 from pushpressslide.batch.exact_surface import ExactSurface
 from pushpressslide.batch.support import exact_support, polygon_support
 from pushpressslide.core.formulas import plain
-from pushpressslide.core.quadrature import polygon_rule
 from pushpressslide.core.task import Box, Cylinder, Prism
+from pushpressslide.geometry.quadrature import polygon_rule
 from pushpressslide.mechanics.balance import CREEP
 from pushpressslide.mechanics.edge_friction import far, friction_of_row, near
 from pushpressslide.mechanics.face_pressure import face_pressure

@@ -105,7 +105,7 @@ def test_while_writing_pages_record_and_result_are_kept(
     press: str, tmp_path: Path
 ) -> None:
     patch = (
-        f"{press}import pushpressslide.planar.replay as r\n"
+        f"{press}import pushpressslide.view.planar.replay as r\n"
         "r.write_replay = pressed_after(r.write_replay)"
     )
     out = tmp_path / "out"

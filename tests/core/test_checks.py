@@ -12,9 +12,9 @@ from pushpressslide.core.checks import field_rules
 from pushpressslide.core.errors import InputError
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.scene import Belief, Opening, Scene
-from pushpressslide.core.shapes import Part, Shape
 from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.core.task import ToolUse
+from pushpressslide.geometry.shapes import Part, Shape
 
 BOX = pps.Box((0.2, 0.1, 0.05))
 CORNERS = ((0.0, 0.0), (0.1, 0.0), (0.0, 0.1))

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 from pydrake.geometry import Convex
 
 import pushpressslide as pps
-from pushpressslide.core.pieces import convex_pieces
 from pushpressslide.core.plan import Plan
-from pushpressslide.core.polygon import signed_area
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.shapes import Box, Compound, Cylinder, Part, Prism
+from pushpressslide.geometry.pieces import convex_pieces
+from pushpressslide.geometry.polygon import signed_area
+from pushpressslide.geometry.shapes import Box, Compound, Cylinder, Part, Prism
 from pushpressslide.planar.engine import run as run_planar
 from pushpressslide.report.metrics import result
 from pushpressslide.sim.engine import run as run_drake

@@ -18,9 +18,9 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.shapes import Cylinder, Prism, Shape
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.core.task import Box, ObjectModel
+from pushpressslide.geometry.shapes import Cylinder, Prism, Shape
 from pushpressslide.sim.contact import solve_contacts
 from pushpressslide.sim.plane import (
     add_plane,

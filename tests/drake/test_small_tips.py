@@ -19,9 +19,9 @@ from pydrake.systems.framework import DiagramBuilder
 
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.plan import Plan
-from pushpressslide.core.shapes import Box
 from pushpressslide.core.support_frame import TABLE
 from pushpressslide.core.task import ObjectModel
+from pushpressslide.geometry.shapes import Box
 from pushpressslide.jobs.run import simulate
 from pushpressslide.selection.solve import plan as make_plan
 from pushpressslide.sim.contact import solve_contacts

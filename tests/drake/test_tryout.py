@@ -19,6 +19,7 @@ from pushpressslide.robots.urdf import urdf_text
 from pushpressslide.sim.engine import run as run_drake
 from pushpressslide.sim.joints.clearance import CLEARANCE
 from pushpressslide.taskfile.load import task_from_data
+from pushpressslide.view.drake.live import LiveView
 
 ROD = '<frame name="tool" link="panda_link8" xyz="0 0 0.15" rpy="0 0 0"/></robot>'
 
@@ -233,7 +234,7 @@ def test_watching_live_changes_nothing_but_tells_where() -> None:
         plan, task=replace(plan.task, limits=replace(plan.task.limits, time=0.5))
     )
     told: list[str] = []
-    seen = run_drake(plan, live=told.append)
+    seen = run_drake(plan, view=LiveView(plan, told.append))
     unseen = run_drake(plan)
     assert len(told) == 1
     assert told[0].startswith("http://localhost:")

@@ -9,8 +9,8 @@ import pytest
 
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.scene import ObjectModel, Scene, Support
-from pushpressslide.core.shapes import Box
 from pushpressslide.core.twist_path import moved
+from pushpressslide.geometry.shapes import Box
 from pushpressslide.identification.center import (
     HEADING,
     CenterIdentifier,

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.shapes import Box, Compound, Part, Prism, Shape
 from pushpressslide.core.task import ObjectModel
 from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.geometry.shapes import Box, Compound, Part, Prism, Shape
 from pushpressslide.mechanics.dragging import DraggedBase
 from pushpressslide.mechanics.limit_surface import exact_twist_direction, exact_wrench
 from pushpressslide.mechanics.press_axle import Press

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from pushpressslide.core import quadrature
 from pushpressslide.core.task import Box, Cylinder, Prism
 from pushpressslide.core.wrench import Twist
+from pushpressslide.geometry import quadrature
 from pushpressslide.mechanics.limit_surface import exact_wrench
 from pushpressslide.mechanics.pressure import (
     PressureSamples,

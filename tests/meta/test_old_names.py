@@ -41,6 +41,28 @@ def test_the_studies_warn_and_are_those_of_the_new_name(
     assert "<string>:1:" in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("core.shapes", "geometry.shapes"),
+        ("planar.video", "view.planar.video"),
+        ("replay.course", "view.course"),
+        ("sim.view.camera", "view.drake.camera"),
+    ],
+)
+def test_a_moved_module_is_that_of_the_new_name(
+    old: str, new: str, tmp_path: Path
+) -> None:
+    code = (
+        f"import pushpressslide.{old} as old, pushpressslide.{new} as new\n"
+        "print(old is new)"
+    )
+    done = python(code, tmp_path)
+    assert done.stdout == "True\n", done.stderr
+    assert done.stderr.count("DeprecationWarning: pushpressslide.") == 1
+    assert "<string>:1:" in done.stderr
+
+
 def test_without_the_studies_their_old_name_says_what_to_install(
     tmp_path: Path,
 ) -> None:

@@ -18,9 +18,9 @@ from pushpressslide.core import margins
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice, Segment
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.shapes import Box, Cylinder, Prism, Shape
 from pushpressslide.core.task import Belief, ObjectModel, Task
 from pushpressslide.core.twist_path import TwistPath
+from pushpressslide.geometry.shapes import Box, Cylinder, Prism, Shape
 from pushpressslide.jobs.sampling import random_task
 from pushpressslide.modes import base, press_slide
 from pushpressslide.selection.select import select

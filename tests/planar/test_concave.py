@@ -9,8 +9,8 @@ from pushpressslide import load_task
 from pushpressslide.core.control import TipCommand
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.shapes import Prism
 from pushpressslide.core.task import ObjectModel, Task
+from pushpressslide.geometry.shapes import Prism
 from pushpressslide.planar.world import World, WorldState
 
 RADIUS = 0.01

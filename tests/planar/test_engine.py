@@ -12,7 +12,7 @@ import pushpressslide as pps
 from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.core.plan import Contact
 from pushpressslide.planar.engine import run
-from pushpressslide.planar.replay import replay_data, write_replay
+from pushpressslide.view.planar.replay import replay_data, write_replay
 
 
 @pytest.mark.parametrize("name", ["rear-push-rear", "rear-push-left"])

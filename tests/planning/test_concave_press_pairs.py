@@ -4,8 +4,8 @@ import math
 from dataclasses import replace
 
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.shapes import Prism
 from pushpressslide.core.task import ObjectModel, Task
+from pushpressslide.geometry.shapes import Prism
 from pushpressslide.mechanics.top import inside_top, top_places
 from pushpressslide.planning.press_pairs import placed_pairs
 from pushpressslide.taskfile.load import load_task

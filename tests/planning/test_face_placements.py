@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from pushpressslide import load_task
 from pushpressslide.core import margins
 from pushpressslide.core.scene import Belief, ObjectModel, Scene
-from pushpressslide.core.shapes import Box
+from pushpressslide.geometry.shapes import Box
 from pushpressslide.mechanics.faces import Face, faces
 from pushpressslide.planning.face_placements import (
     angle_between,

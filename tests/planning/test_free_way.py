@@ -11,7 +11,7 @@ import shapely
 
 from pushpressslide.core.footprint import gaps
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.shapes import Box, Cylinder, Prism
+from pushpressslide.geometry.shapes import Box, Cylinder, Prism
 from pushpressslide.planning.free_way import FreeSpace, between, convex_parts, moved
 
 BAR = Box((0.2, 0.1, 0.05))

@@ -11,8 +11,8 @@ from pushpressslide.core import margins
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import RefusedError
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.shapes import Box, Prism
 from pushpressslide.core.task import ObjectModel
+from pushpressslide.geometry.shapes import Box, Prism
 from pushpressslide.mechanics.dragging import DraggedBase
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.planning.rear_car import (

@@ -14,8 +14,6 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import SKIPPED, Refusal
 from pushpressslide.core.task import Box, Obstacle, ToolUse
 from pushpressslide.jobs.run import Output, write_pages
-from pushpressslide.planar.replay import write_replay
-from pushpressslide.planar.video import write_pictures
 from pushpressslide.report import series
 from pushpressslide.report.files import save_run
 from pushpressslide.report.metrics import result
@@ -23,6 +21,8 @@ from pushpressslide.report.page import UNFOLDED, again, search_part, write_repor
 from pushpressslide.report.plane import path_figure, plan_figure
 from pushpressslide.report.plots import comparison_plot, figures
 from pushpressslide.report.style import png
+from pushpressslide.view.planar.replay import write_replay
+from pushpressslide.view.planar.video import write_pictures
 
 NEEDS = Refusal("load", "needs 60 N & more, limits.normal_force is <40> N")
 REFUSED = Choice("press_slide", refusal=NEEDS)

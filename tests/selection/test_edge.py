@@ -16,8 +16,8 @@ from pushpressslide.core.errors import TaskError
 from pushpressslide.core.footprint import edge_depths
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.shapes import Box, Cylinder, Prism
 from pushpressslide.core.task import Task
+from pushpressslide.geometry.shapes import Box, Cylinder, Prism
 from pushpressslide.planning.swept import swept
 from pushpressslide.selection.edge import edge_refusal
 from pushpressslide.selection.select import select

@@ -11,10 +11,17 @@ import yaml
 
 from pushpressslide import load_task
 from pushpressslide.core.errors import TaskError
-from pushpressslide.core.pieces import triangles
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.shapes import Box, Compound, Cylinder, MeshSolid, Part, Prism
 from pushpressslide.core.task import Task
+from pushpressslide.geometry.pieces import triangles
+from pushpressslide.geometry.shapes import (
+    Box,
+    Compound,
+    Cylinder,
+    MeshSolid,
+    Part,
+    Prism,
+)
 from pushpressslide.selection.solve import plan
 from pushpressslide.taskfile.load import dump_task, task_from_data
 from pushpressslide.taskfile.mesh_file import read_mesh

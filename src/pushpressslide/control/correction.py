@@ -14,8 +14,8 @@ from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.sides import Side
 from pushpressslide.core.task import ObjectModel, Task
+from pushpressslide.geometry.sides import Side
 from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import Identified
 from pushpressslide.modes import MODES

@@ -23,11 +23,11 @@ from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Contact, Segment
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.record import ReasonCode
-from pushpressslide.core.sides import Side
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.execution.normal_force import NormalForceState
+from pushpressslide.geometry.sides import Side
 from pushpressslide.identification.center import CenterIdentifier, CenterState
 from pushpressslide.identification.findings import Findings
 from pushpressslide.identification.online import AxleIdentifier, AxleState

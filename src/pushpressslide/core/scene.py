@@ -16,8 +16,8 @@ from pushpressslide.core.checks import check_fields
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.entry import FRICTIONS, entry, setting
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.shapes import Shape
 from pushpressslide.core.support_frame import TABLE, SupportFrame
+from pushpressslide.geometry.shapes import Shape
 
 if TYPE_CHECKING:
     from shapely import Polygon

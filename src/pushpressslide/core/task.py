@@ -28,13 +28,13 @@ from pushpressslide.core.scene import Robot as Robot
 from pushpressslide.core.scene import Scene as Scene
 from pushpressslide.core.scene import Support as Support
 from pushpressslide.core.scene import assumption as assumption
-from pushpressslide.core.shapes import Box as Box
-from pushpressslide.core.shapes import Compound as Compound
-from pushpressslide.core.shapes import Cylinder as Cylinder
-from pushpressslide.core.shapes import MeshSolid as MeshSolid
-from pushpressslide.core.shapes import Part as Part
-from pushpressslide.core.shapes import Prism as Prism
-from pushpressslide.core.shapes import Shape as Shape
+from pushpressslide.geometry.shapes import Box as Box
+from pushpressslide.geometry.shapes import Compound as Compound
+from pushpressslide.geometry.shapes import Cylinder as Cylinder
+from pushpressslide.geometry.shapes import MeshSolid as MeshSolid
+from pushpressslide.geometry.shapes import Part as Part
+from pushpressslide.geometry.shapes import Prism as Prism
+from pushpressslide.geometry.shapes import Shape as Shape
 
 Vehicle = Literal[
     "unicycle", "car", "forklift", "pivot", "mixed", "differential", "synchronised"

@@ -39,8 +39,8 @@ from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Plan
-from pushpressslide.core.sides import FlatSide
 from pushpressslide.core.task import Sensing, Task
+from pushpressslide.geometry.sides import FlatSide
 from pushpressslide.jobs.engines import EngineName, engine_named
 from pushpressslide.jobs.rows import Row
 from pushpressslide.jobs.sampling import varied_task

@@ -94,12 +94,17 @@ class _Drake:
         """Run a plan and return its record."""
         from pushpressslide.sim.engine import run
 
+        view = None
+        if arms.live is not None:
+            from pushpressslide.view.drake.live import LiveView
+
+            view = LiveView(plan, arms.live)
         return run(
             plan,
             options,
             paths=arms.paths,
             models=arms.models,
-            live=arms.live,
+            view=view,
             knock=arms.knock,
         )
 
@@ -108,8 +113,8 @@ class _Drake:
     ) -> None:
         """Write the replay page of a run."""
         from pushpressslide.core.errors import SimulationError
-        from pushpressslide.sim.view.frames import write_pictures, write_video
-        from pushpressslide.sim.view.replay import write_replay
+        from pushpressslide.view.drake.frames import write_pictures, write_video
+        from pushpressslide.view.drake.replay import write_replay
 
         write_replay(plan, record, out, arms.models, arms.goals)
         # the replay needs no renderer of this machine; an animation is asked for
@@ -138,8 +143,8 @@ class _Planar:
         self, plan: Plan, record: Record, out: Path, arms: ArmOptions
     ) -> None:
         """Write the replay page of a run."""
-        from pushpressslide.planar.replay import write_replay
-        from pushpressslide.planar.video import write_pictures, write_video
+        from pushpressslide.view.planar.replay import write_replay
+        from pushpressslide.view.planar.video import write_pictures, write_video
 
         write_replay(plan, record, out, arms.goals)
         if not len(record.arrays["time"]):

@@ -10,12 +10,12 @@ from typing import Any
 
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
-from pushpressslide.planar.replay import write_replay
 from pushpressslide.report import style
 from pushpressslide.report.page import image, verdict
 from pushpressslide.report.page_tables import figures_table
 from pushpressslide.report.plane import plan_figure
 from pushpressslide.report.series import finite_part, ticks
+from pushpressslide.view.planar.replay import write_replay
 
 HEIGHT = 560  # [pixels] of a replay
 

@@ -14,10 +14,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pushpressslide.core import quadrature
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
-from pushpressslide.core.shapes import Shape
+from pushpressslide.geometry import quadrature
+from pushpressslide.geometry.shapes import Shape
 
 # Gauss points and weights of an edge from 0 to 1, exact to degree 7
 NODES = 0.5 + 0.5 * np.array(

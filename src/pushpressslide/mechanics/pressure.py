@@ -13,10 +13,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pushpressslide.core import quadrature
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
-from pushpressslide.core.shapes import Shape
+from pushpressslide.geometry import quadrature
+from pushpressslide.geometry.shapes import Shape
 
 # Torsional radius of a square cell over the root of its area: keeps the cell's second
 # moment, 1 / sqrt(12).

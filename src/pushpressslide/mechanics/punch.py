@@ -14,8 +14,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pushpressslide.core import quadrature
 from pushpressslide.core.pose import Point
+from pushpressslide.geometry import quadrature
 from pushpressslide.mechanics.pressure import CELL_RADIUS, PressureSamples
 
 

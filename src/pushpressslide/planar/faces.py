@@ -13,9 +13,9 @@ from typing import Protocol
 
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
-from pushpressslide.core.shapes import Shape
-from pushpressslide.core.sides import Side
 from pushpressslide.core.task import ObjectModel
+from pushpressslide.geometry.shapes import Shape
+from pushpressslide.geometry.sides import Side
 from pushpressslide.mechanics.balance import PASSED
 
 NEAR = 2e-3  # [m] a wall that is farther off is not met within a tick

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 from pushpressslide.core.pose import Point
-from pushpressslide.core.shapes import Shape
+from pushpressslide.geometry.shapes import Shape
 from pushpressslide.mechanics.face_pressure import face_pressure
 from pushpressslide.mechanics.pressure import support_pressure
 from pushpressslide.planar.polygon_friction import PolygonFriction

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.footprint import gaps
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.shapes import Shape
+from pushpressslide.geometry.shapes import Shape
 
 if TYPE_CHECKING:
     from shapely import Polygon

@@ -15,9 +15,9 @@ from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
 from pushpressslide.core.state import State
-from pushpressslide.replay.course import GOAL_ERROR, goal_errors
 from pushpressslide.report import series
 from pushpressslide.report.outcome import goal_error
+from pushpressslide.view.course import GOAL_ERROR, goal_errors
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from functools import partial
 from typing import Any
@@ -15,7 +15,7 @@ from pushpressslide.sim.joints.driven import clearance_driven
 from pushpressslide.sim.joints.joint_path import ArmPath
 from pushpressslide.sim.joints.placements import all_joint_paths
 from pushpressslide.sim.plant import DrakePlant
-from pushpressslide.sim.station import Station
+from pushpressslide.sim.station import LiveView, Station
 
 
 def run(
@@ -25,7 +25,7 @@ def run(
     paths: Sequence[tuple[ArmPath, ...]] | None = None,
     models: str = "generated",
     time_step: float | None = None,
-    live: Callable[[str], None] | None = None,
+    view: LiveView | None = None,
     knock: Knock | None = None,
 ) -> Record:
     """Run ``plan`` in the hydroelastic simulation and return its record.
@@ -33,17 +33,12 @@ def run(
     The record is deterministic for a seed on one kind of machine. ``paths`` are the
     joint paths of each placement, if made before; else this raises InfeasibleTaskError
     before anything moves where an arm has none. ``models`` names the robot models,
-    ``time_step`` [s] is that of the physics (default: the task's). ``live`` is called
-    with the address of a page that shows the run in real time. ``knock``: another body
-    pushes the object aside; ``knocked`` in the record's meta says how far.
+    ``time_step`` [s] is that of the physics (default: the task's). ``view`` shows the
+    run in real time. ``knock``: another body pushes the object aside; ``knocked`` in the
+    record's meta says how far.
     """
     if paths is None:
         paths = all_joint_paths(plan)
-    view = None
-    if live is not None:
-        from pushpressslide.sim.view.live import LiveView
-
-        view = LiveView(plan, live)
     task = plan.part(plan.segments[0])
     motion = task.motion
     step = time_step or motion.time_step

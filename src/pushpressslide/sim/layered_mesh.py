@@ -12,8 +12,8 @@ import math
 from dataclasses import dataclass
 
 from pushpressslide.core.control import Vector3
-from pushpressslide.core.pieces import triangles
 from pushpressslide.core.pose import Point, cross
+from pushpressslide.geometry.pieces import triangles
 from pushpressslide.sim.volume_mesh import Tetrahedron, VolumeMesh
 
 Prism = tuple[int, int, int, int, int, int]  # a triangle, and the one above it

@@ -32,12 +32,12 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, RigidBody
 
-from pushpressslide.core import quadrature
-from pushpressslide.core.pieces import convex_pieces, triangles
-from pushpressslide.core.polygon import turns
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.shapes import Shape
 from pushpressslide.core.support_frame import SupportFrame
+from pushpressslide.geometry import quadrature
+from pushpressslide.geometry.pieces import convex_pieces, triangles
+from pushpressslide.geometry.polygon import turns
+from pushpressslide.geometry.shapes import Shape
 from pushpressslide.sim.surfaces import (
     compliant_properties,
     rigid_properties,

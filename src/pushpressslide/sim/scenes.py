@@ -37,8 +37,8 @@ from pushpressslide.core import task as model
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
-from pushpressslide.core.polygon import counter_clockwise
 from pushpressslide.core.support_frame import TABLE, SupportFrame
+from pushpressslide.geometry.polygon import counter_clockwise
 from pushpressslide.sim.contact import solve_contacts
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.knock import Knocker

@@ -7,10 +7,11 @@ plant and the force sensors of the tips are read where they are.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
@@ -21,10 +22,17 @@ from pushpressslide.execution.arm import ArmState
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.force_sensor import ForceSensor
 from pushpressslide.sim.knock import NAME
-from pushpressslide.sim.scenes import build_scene, rest_height
+from pushpressslide.sim.scenes import DrakeScene, build_scene, rest_height
 
-if TYPE_CHECKING:
-    from pushpressslide.sim.view.live import LiveView
+
+class LiveView(Protocol):
+    """What shows a scene while it is simulated, and does not change the simulation."""
+
+    def connect(self, builder: DiagramBuilder, scene: DrakeScene) -> None:
+        """Show the bodies of ``scene``, whose builder is not built yet."""
+
+    def pace(self, simulator: Simulator) -> None:
+        """Limit the simulation to real time."""
 
 
 class Station:

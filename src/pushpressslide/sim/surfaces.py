@@ -29,10 +29,10 @@ from pydrake.multibody.plant import CoulombFriction
 
 from pushpressslide.core import task as model
 from pushpressslide.core.control import Vector3
-from pushpressslide.core.pieces import convex_pieces, triangles
-from pushpressslide.core.polygon import signed_area
 from pushpressslide.core.pose import Point
 from pushpressslide.core.support_frame import TABLE
+from pushpressslide.geometry.pieces import convex_pieces, triangles
+from pushpressslide.geometry.polygon import signed_area
 from pushpressslide.sim.layered_mesh import layered_mesh
 
 # [Pa] the indentation stays below 0.1 mm at the loads of a 3 kg object

@@ -10,8 +10,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pushpressslide.core.shapes import MeshSolid
-from pushpressslide.core.united import bordered
+from pushpressslide.geometry.shapes import MeshSolid
+from pushpressslide.geometry.united import bordered
 
 if TYPE_CHECKING:
     import numpy as np

@@ -9,11 +9,6 @@ from typing import Any
 
 from pushpressslide.core.entry import REQUIRED
 from pushpressslide.core.errors import Shown, path_value
-from pushpressslide.core.polygon import (
-    border_fault,
-    counter_clockwise,
-    without_straight_corners,
-)
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import (
     Box,
@@ -23,6 +18,11 @@ from pushpressslide.core.task import (
     Part,
     Prism,
     Shape,
+)
+from pushpressslide.geometry.polygon import (
+    border_fault,
+    counter_clockwise,
+    without_straight_corners,
 )
 from pushpressslide.taskfile.kinds import (
     TEXT,

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from pushpressslide.core.errors import SimulationError
-from pushpressslide.core.shapes import Box
 from pushpressslide.core.task import ObjectModel
+from pushpressslide.geometry.shapes import Box
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.taskfile.load import load_task
 from pushpressslide_studies.paper.virtual_axle import (

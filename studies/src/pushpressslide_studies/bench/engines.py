@@ -20,7 +20,7 @@ from pushpressslide.batch.pushed_bodies import PushedBodies
 from pushpressslide.batch.support import polygon_support
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.errors import MissingPackageError
-from pushpressslide.core.shapes import Box
+from pushpressslide.geometry.shapes import Box
 from pushpressslide.mechanics.face_pressure import face_pressure
 from pushpressslide.mechanics.pressure import rectangle_pressure
 from pushpressslide.mechanics.rho import rho_fit

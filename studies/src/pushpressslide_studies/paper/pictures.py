@@ -25,7 +25,7 @@ def write_pictures(folder: Path) -> Path | None:
     """
     from PIL import Image
 
-    from pushpressslide.sim.view.frames import FrameRenderer
+    from pushpressslide.view.drake.frames import FrameRenderer
 
     run = load_run(folder)
     (ticks,) = np.nonzero(series.contact_phase(run.record))

@@ -14,8 +14,8 @@ import math
 from dataclasses import dataclass
 
 from pushpressslide.core.pose import Point, Pose2, turned_left
-from pushpressslide.core.shapes import Prism
 from pushpressslide.core.task import ObjectModel
+from pushpressslide.geometry.shapes import Prism
 from pushpressslide.mechanics.face_push import on_face
 from pushpressslide.mechanics.faces import Face, faces
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface

@@ -1,0 +1,1 @@
+"""Plane geometry of bodies: polygons, outlines, sides, shapes."""

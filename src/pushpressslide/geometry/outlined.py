@@ -1,0 +1,292 @@
+"""A shape on any simple outline: of straight edges and arcs, concave or not.
+
+What is about a tip or about another body counts with the true footprint; what is about
+tipping counts with its convex hull. A load stays on the base as long as its centre is
+inside the hull.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from pushpressslide.core.pose import Point, turned_left
+from pushpressslide.geometry.border import Arc, Border, BorderSide, Edge
+from pushpressslide.geometry.polygon import (
+    centroid,
+    convex_hull,
+    distance_to_segment,
+    is_convex,
+)
+from pushpressslide.geometry.shape import Ends, Shape
+from pushpressslide.geometry.sides import (
+    ROUND_SIDES,
+    FlatSide,
+    RoundSide,
+    Side,
+    SidePlace,
+    on_arc,
+)
+from pushpressslide.geometry.touchable import free_way, touchable
+
+if TYPE_CHECKING:
+    from shapely import Polygon
+
+    from pushpressslide.core.arrays import Array
+
+FAR = 100.0  # [m] beyond every footprint
+TURNED = 1.0  # [m] off a side that a normal off by one radian counts as
+
+
+@dataclass(frozen=True, slots=True)
+class Hull(Shape):
+    """The convex hull of a footprint."""
+
+    ring: tuple[Point, ...]  # [m] corners in G, counter-clockwise
+    height: float  # [m]
+
+    @property
+    def corners(self) -> tuple[Point, ...]:
+        """Corners in G, counter-clockwise [m]."""
+        return self.ring
+
+    @property
+    def description(self) -> str:
+        """Kind in words."""
+        return "hull"
+
+
+class Outlined(Shape):
+    """What a shape answers by its border."""
+
+    @property
+    def border(self) -> Border:
+        """The border of the footprint in G."""
+        raise NotImplementedError
+
+    @property
+    def corners(self) -> tuple[Point, ...]:
+        """Corners of the footprint in G, counter-clockwise [m]; an arc has chords."""
+        return self.border.corners
+
+    @property
+    def edges(self) -> tuple[Ends | None, ...]:
+        """Ends of each side in G [m]; None of an arc."""
+        return tuple(
+            (side.start, side.end) if isinstance(side, Edge) else None
+            for side in self.border.sides
+        )
+
+    @cached_property
+    def area(self) -> Polygon:
+        """The footprint in G, for Shapely."""
+        from shapely import Polygon, prepare
+
+        area = Polygon(self.corners)
+        prepare(area)
+        return area
+
+    @cached_property
+    def convex(self) -> bool:
+        """Whether the footprint is convex."""
+        return is_convex(self.corners)
+
+    @cached_property
+    def hull(self) -> Shape:
+        """The upright body on the footprint's convex hull."""
+        return Hull(convex_hull(self.corners), self.height)
+
+    @cached_property
+    def centroid(self) -> Point:
+        """Centroid of the footprint in G [m]."""
+        return centroid(self.corners)
+
+    @property
+    def middle(self) -> Point:
+        """The hull's."""
+        return self.hull.middle
+
+    @property
+    def inner_radius(self) -> float:
+        """The hull's [m]."""
+        return self.hull.inner_radius
+
+    @property
+    def circumradius(self) -> float:
+        """Distance [m] from the middle to the farthest point of the outline."""
+        return self.hull.circumradius
+
+    @property
+    def half_width(self) -> float:
+        """The hull's [m]."""
+        return self.hull.half_width
+
+    @cached_property
+    def breadth(self) -> float:
+        """Width [m] of the footprint where it is narrow: four times its area over its
+        perimeter, as of a square, or that of its bounding rectangle.
+        """
+        whole = self.hull.breadth
+        if self.convex:
+            return whole
+        return min(whole, 4.0 * self.area.area / self.area.length)
+
+    def depth(self, point: Point) -> float:
+        """Return how far [m] a point in G lies inside the footprint; < 0 outside."""
+        from shapely import Point as Place
+
+        nearest = min(distance_to_segment(point, a, b) for a, b in self._edges())
+        return nearest if self.area.covers(Place(point)) else -nearest
+
+    def distance(self, point: Point) -> float:
+        """Return the distance [m] from a point in G to the footprint; 0 inside."""
+        return max(0.0, -self.depth(point))
+
+    def holds(self, point: Point, margin: float, origin: Point) -> bool:
+        """Return whether ``point`` [m] in B is ``margin`` [m] inside the footprint."""
+        return self.depth((point[0] + origin[0], point[1] + origin[1])) >= margin
+
+    def rooms(self, points: Array, origin: Point) -> Array:
+        """Return how far points (m, 2) [m] in B are inside the hull, in half widths."""
+        return self.hull.rooms(points, origin)
+
+    def chords(
+        self, direction: Point, margin: float, origin: Point
+    ) -> tuple[tuple[float, float], ...]:
+        """Return from where to where [m] a ray from B's origin along a unit vector is
+        ``margin`` [m] inside the outline, the nearest first.
+        """
+        from shapely import LineString, get_parts
+        from shapely import Point as Place
+
+        inner = self.area.buffer(-margin, join_style="mitre")
+        end = (origin[0] + FAR * direction[0], origin[1] + FAR * direction[1])
+        inside = get_parts(LineString([origin, end]).intersection(inner))
+        begin = Place(origin)
+        spans = (
+            sorted(begin.distance(Place(p)) for p in part.coords) for part in inside
+        )
+        return tuple(sorted((span[0], span[-1]) for span in spans if span))
+
+    def gauge(self) -> Callable[[float, float], float]:
+        """Return that of the hull."""
+        return self.hull.gauge()
+
+    def side_places(
+        self, clearance: float, tip_radius: float, origin: Point
+    ) -> tuple[SidePlace, ...]:
+        """Return places on what a tip can touch of each side; several on an arc."""
+        out: list[SidePlace] = []
+        for found in touchable(self.border, tip_radius):
+            part = found.part
+            if isinstance(part, Edge):
+                out.append(_edge_place(found.index, part, clearance, origin))
+            else:
+                out += _arc_places(found.index, part, clearance, origin)
+        return tuple(out)
+
+    def side(self, point: Point, normal: Point, origin: Point) -> Side:
+        """Return the side on which a contact at ``point`` [m] in B is."""
+        side = min(
+            self.border.sides, key=lambda side: _miss(side, point, normal, origin)
+        )
+        return _seen(side, point, normal, origin)
+
+    def walls(self, point: Point, normal: Point, origin: Point) -> tuple[Side, ...]:
+        """Return the sides but that of a contact at ``point`` [m] in B."""
+        own = min(
+            self.border.sides, key=lambda side: _miss(side, point, normal, origin)
+        )
+        out = []
+        for side in self.border.sides:
+            if side is own:
+                continue
+            if isinstance(side, Edge):
+                at = _shifted(side.start, origin)
+                out.append(_seen(side, at, side.normal, origin))
+            else:
+                out.append(_seen(side, point, normal, origin))
+        return tuple(out)
+
+    def free_way(
+        self, point: Point, normal: Point, tip_radius: float, origin: Point
+    ) -> float:
+        """Return how far [m] a tip can be drawn back from a contact at ``point`` [m] in
+        B against its inward ``normal``; infinite where nothing is in its way.
+        """
+        at = (point[0] + origin[0], point[1] + origin[1])
+        return free_way(self.border, at, normal, tip_radius)
+
+
+def _shifted(point: Point, origin: Point) -> Point:
+    return (point[0] - origin[0], point[1] - origin[1])
+
+
+def _edge_place(index: int, edge: Edge, clearance: float, origin: Point) -> SidePlace:
+    """Return the place nearest to the line through B's origin along the normal."""
+    a = _shifted(edge.start, origin)
+    length = edge.length
+    normal = edge.normal
+    u = (normal[1], -normal[0])
+    along = -(a[0] * u[0] + a[1] * u[1])
+    clear = min(clearance, 0.5 * length)
+    place = min(max(along, clear), length - clear)
+    foot = (a[0] + place * u[0], a[1] + place * u[1])
+    left = turned_left(normal)
+    b = _shifted(edge.end, origin)
+    ends = (b[0] * left[0] + b[1] * left[1], a[0] * left[0] + a[1] * left[1])
+    return SidePlace(index, foot, normal, ends)
+
+
+def _arc_places(
+    index: int, arc: Arc, clearance: float, origin: Point
+) -> list[SidePlace]:
+    """Return places in the directions in which a whole circle is offered; the middle of
+    an arc on which none of them is.
+    """
+    step = 2.0 * math.pi / ROUND_SIDES
+    if arc.whole:
+        angles = [i * step for i in range(ROUND_SIDES)]
+    else:
+        clear = clearance / arc.radius
+        low = math.ceil((arc.start + clear) / step - 1e-9)
+        high = math.floor((arc.start + arc.sweep - clear) / step + 1e-9)
+        angles = [i * step for i in range(low, high + 1)]
+    out = []
+    for angle in angles or [arc.start + 0.5 * arc.sweep]:
+        normal = (-math.cos(angle), -math.sin(angle))
+        out.append(SidePlace(index, _shifted(arc.at(angle), origin), normal, None))
+    return out
+
+
+def _miss(side: BorderSide, point: Point, normal: Point, origin: Point) -> float:
+    """Return how far [m] a contact is from a side, with what its normal is off it."""
+    x = point[0] + origin[0]
+    y = point[1] + origin[1]
+    if isinstance(side, Edge):
+        own = side.normal
+        away = distance_to_segment((x, y), side.start, side.end)
+    else:
+        dx = x - side.center[0]
+        dy = y - side.center[1]
+        distance = math.hypot(dx, dy)
+        own = (-dx / distance, -dy / distance) if distance > 0.0 else normal
+        away = abs(distance - side.radius)
+        if not (side.whole or on_arc((side.start, side.sweep), (dx, dy))):
+            away += side.radius
+    return away + TURNED * math.dist(own, normal)
+
+
+def _seen(side: BorderSide, point: Point, normal: Point, origin: Point) -> Side:
+    """Return a side as a contact at ``point`` [m] in B sees it."""
+    if isinstance(side, Arc):
+        arc = None if side.whole else (side.start, side.sweep)
+        return RoundSide(_shifted(side.center, origin), side.radius, normal, arc)
+    nx, ny = side.normal
+    ends = [_shifted(end, origin) for end in (side.start, side.end)]
+    depth = nx * ends[0][0] + ny * ends[0][1]
+    right, left = sorted(nx * y - ny * x for x, y in ends)
+    return FlatSide(point, side.normal, depth, (right, left))

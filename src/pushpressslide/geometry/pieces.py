@@ -1,0 +1,81 @@
+"""A polygon as convex pieces: a triangulation whose triangles are merged as far as they
+stay convex (Hertel and Mehlhorn 1983).
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from pushpressslide.core.pose import Point
+from pushpressslide.geometry.polygon import is_convex, turns
+
+Polygon = tuple[Point, ...]
+
+FLAT = -1e-9  # [rad] turn to the right that counts as none
+
+
+@lru_cache(maxsize=64)
+def convex_pieces(corners: Polygon) -> tuple[Polygon, ...]:
+    """Return convex polygons that make up a simple one, all counter-clockwise.
+
+    A convex polygon is its own only piece.
+    """
+    if is_convex(corners):
+        return (corners,)
+    pieces: list[Polygon] = [
+        (corners[a], corners[b], corners[c]) for a, b, c in triangles(corners)
+    ]
+    merged = _merged_once(pieces)
+    while merged is not None:
+        pieces = merged
+        merged = _merged_once(pieces)
+    return tuple(pieces)
+
+
+def triangles(corners: Polygon) -> list[tuple[int, int, int]]:
+    """Return a triangulation of a simple polygon by the numbers of its corners, each
+    triangle counter-clockwise.
+    """
+    import shapely
+
+    made = shapely.constrained_delaunay_triangles(shapely.Polygon(corners))
+    number = {corner: i for i, corner in enumerate(corners)}
+    out = []
+    for triangle in shapely.get_parts(shapely.orient_polygons(made)):
+        a, b, c = (number[(x, y)] for x, y in triangle.exterior.coords[:-1])
+        out.append((a, b, c))
+    return out
+
+
+def _merged_once(pieces: list[Polygon]) -> list[Polygon] | None:
+    """Return the pieces, two of them merged over the longest border that they share;
+    None where no two make a convex one.
+    """
+    owner = {
+        edge: i
+        for i, piece in enumerate(pieces)
+        for edge in zip(piece, piece[1:] + piece[:1], strict=True)
+    }
+    shared = [
+        (a, b) for (a, b), i in owner.items() if (b, a) in owner and i < owner[(b, a)]
+    ]
+    shared.sort(key=lambda edge: -_squared_length(*edge))
+    for a, b in shared:
+        i = owner[(a, b)]
+        j = owner[(b, a)]
+        whole = _joined(pieces[i], pieces[j], a, b)
+        if min(turns(whole)) > FLAT:
+            others = [piece for k, piece in enumerate(pieces) if k not in (i, j)]
+            return [*others, whole]
+    return None
+
+
+def _joined(one: Polygon, other: Polygon, a: Point, b: Point) -> Polygon:
+    """Return two polygons without the edge between them, a to b in the first."""
+    i = one.index(b)
+    j = other.index(a)
+    return one[i:] + one[:i] + (other[j:] + other[:j])[1:-1]
+
+
+def _squared_length(a: Point, b: Point) -> float:
+    return (a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2

@@ -1,0 +1,315 @@
+"""What is asked of a shape: an upright body on a footprint.
+
+A shape is given in its own frame G. A method with an ``origin`` [m] in G takes and
+gives points in B, which has G's axes and its origin there: the projected centre of
+mass.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from pushpressslide.core.pose import Point, Pose2, cross, turned_left
+from pushpressslide.geometry.border import Border, border_of
+from pushpressslide.geometry.polygon import centroid, distance_to_segment
+from pushpressslide.geometry.sides import ON_FACE, FlatSide, Side, SidePlace
+
+if TYPE_CHECKING:
+    from shapely import Polygon
+
+    from pushpressslide.core.arrays import Array
+
+ORIGIN: Point = (0.0, 0.0)
+
+Ends = tuple[Point, Point]
+"""Ends in G [m] of a straight edge of a footprint, counter-clockwise."""
+
+
+InwardEdge = tuple[float, float, float, float]
+"""Of an edge: inward unit normal (x, y), depth [m] of a point of G inside it, width [m]
+of the footprint across.
+"""
+
+KEPT = 256  # footprints of which the edges are remembered
+
+
+@lru_cache(maxsize=KEPT)
+def inward_edges(corners: tuple[Point, ...], origin: Point) -> tuple[InwardEdge, ...]:
+    """Return the edges of a convex polygon, counter-clockwise [m], as seen from
+    ``origin`` [m]. A tip on a top asks for them at every tick.
+    """
+    out = []
+    for (ax, ay), (bx, by) in zip(corners, corners[1:] + corners[:1], strict=True):
+        length = math.hypot(bx - ax, by - ay)
+        nx = -(by - ay) / length
+        ny = (bx - ax) / length
+        inside = (origin[0] - ax) * nx + (origin[1] - ay) * ny
+        width = max((x - ax) * nx + (y - ay) * ny for x, y in corners)
+        out.append((nx, ny, inside, width))
+    return tuple(out)
+
+
+class Shape:
+    """What every shape answers; here by the corners of a convex footprint."""
+
+    __slots__ = ()
+
+    if TYPE_CHECKING:  # a property here would be the default of a subclass's field
+
+        @property
+        def height(self) -> float:
+            """Height [m]."""
+
+        @property
+        def description(self) -> str:
+            """Kind and size in words, in millimetres."""
+
+    @property
+    def corners(self) -> tuple[Point, ...]:
+        """Corners of the footprint in G, counter-clockwise [m]; none of a round one.
+
+        Edge i, the foot of flat side i, leads from corner i to the next.
+        """
+        raise NotImplementedError
+
+    @property
+    def edges(self) -> tuple[Ends | None, ...]:
+        """Ends of each side of the footprint, counter-clockwise; None of a round one."""
+        return tuple(self._edges())
+
+    @property
+    def border(self) -> Border:
+        """The border of the footprint in G."""
+        return border_of(self.corners)
+
+    @property
+    def convex(self) -> bool:
+        """Whether the footprint is convex."""
+        return True
+
+    @property
+    def hull(self) -> Shape:
+        """The upright body on the convex hull of the footprint, which decides tipping."""
+        return self
+
+    @property
+    def centroid(self) -> Point:
+        """Centroid of the footprint in G [m]."""
+        return centroid(self.corners)
+
+    @property
+    def middle(self) -> Point:
+        """Mean of the corners in G [m]; the centre of a round footprint."""
+        xs, ys = zip(*self.corners, strict=True)
+        return (sum(xs) / len(xs), sum(ys) / len(ys))
+
+    @property
+    def inner_radius(self) -> float:
+        """Distance [m] from the middle to the nearest point of the outline."""
+        return min(depth for _, depth in self._outward_edges())
+
+    @property
+    def circumradius(self) -> float:
+        """Distance [m] from the middle to the farthest point of the outline."""
+        middle = self.middle
+        return max(math.dist(middle, corner) for corner in self.corners)
+
+    @property
+    def half_width(self) -> float:
+        """Half of the least width of the footprint [m]."""
+        return 0.5 * min(width for _, _, _, width in self._inward_edges(ORIGIN))
+
+    @property
+    def breadth(self) -> float:
+        """Width [m] of the footprint where it is narrow: of its bounding rectangle."""
+        x_min, x_max, y_min, y_max = self.bounds(Pose2())
+        return min(x_max - x_min, y_max - y_min)
+
+    def bounds(self, X_WG: Pose2) -> tuple[float, float, float, float]:
+        """Return x_min, x_max, y_min, y_max [m] of the footprint at a pose."""
+        xs, ys = zip(*(X_WG.apply(corner) for corner in self.corners), strict=True)
+        return (min(xs), max(xs), min(ys), max(ys))
+
+    def outline(self) -> tuple[Point, ...]:
+        """Return the points [m] in G through which to draw the footprint."""
+        return self.corners
+
+    def placed(self, X_WG: Pose2) -> Polygon:
+        """Return the footprint at a pose for Shapely; a circle has 256 sides."""
+        from shapely import Polygon
+
+        return Polygon([X_WG.apply(corner) for corner in self.corners])
+
+    def depth(self, point: Point) -> float:
+        """Return how far [m] a point in G lies inside the footprint; < 0 outside."""
+        depths = []
+        for a, b in self._edges():
+            edge = (b[0] - a[0], b[1] - a[1])
+            depths.append(
+                cross(edge, (point[0] - a[0], point[1] - a[1])) / math.hypot(*edge)
+            )
+        return min(depths)
+
+    def distance(self, point: Point) -> float:
+        """Return the distance [m] from a point in G to the footprint; 0 inside."""
+        if self.depth(point) >= 0.0:
+            return 0.0
+        return min(distance_to_segment(point, a, b) for a, b in self._edges())
+
+    def holds(self, point: Point, margin: float, origin: Point) -> bool:
+        """Return whether ``point`` [m] in B is ``margin`` [m] inside the footprint."""
+        return all(
+            inside + point[0] * nx + point[1] * ny >= margin
+            for nx, ny, inside, _ in self._inward_edges(origin)
+        )
+
+    def rooms(self, points: Array, origin: Point) -> Array:
+        """Return how far points (m, 2) [m] in B are inside the outline.
+
+        In half widths across the nearest edge; < 0 outside. Of shape (m,).
+        """
+        import numpy as np
+
+        nx, ny, inside, width = np.array(self._inward_edges(origin)).T
+        room: Array = (2.0 * (inside + points @ np.stack([nx, ny])) / width).min(1)
+        return room
+
+    def chords(
+        self, direction: Point, margin: float, origin: Point
+    ) -> tuple[tuple[float, float], ...]:
+        """Return from where to where [m] a ray from B's origin along a unit vector is
+        ``margin`` [m] inside the outline, the nearest first.
+        """
+        ux, uy = direction
+        far = min(
+            (inside - margin) / -(ux * nx + uy * ny)
+            for nx, ny, inside, _ in self._inward_edges(origin)
+            if ux * nx + uy * ny < -1e-9
+        )
+        return ((0.0, far),)
+
+    def extent(self, direction: Point, origin: Point) -> float:
+        """Return how far [m] the footprint extends from B's origin along a unit vector."""
+        return max(
+            (x - origin[0]) * direction[0] + (y - origin[1]) * direction[1]
+            for x, y in self.corners
+        )
+
+    def farthest(self, origin: Point) -> float:
+        """Return the distance [m] from B's origin to the farthest point of the outline."""
+        return max(math.dist(corner, origin) for corner in self.corners)
+
+    def gauge(self) -> Callable[[float, float], float]:
+        """Return a function of (x, y) [m] from the middle: 0 there, 1 on the outline.
+
+        It grows in proportion along each ray (the Minkowski gauge).
+        """
+        edges = [(x / depth, y / depth) for (x, y), depth in self._outward_edges()]
+
+        def gauge(x: float, y: float) -> float:
+            """Return 0 at the middle, 1 on the outline."""
+            farthest = 0.0
+            for a, b in edges:
+                out = a * x + b * y
+                if out > farthest:
+                    farthest = out
+            return farthest
+
+        return gauge
+
+    def side_places(
+        self, clearance: float, tip_radius: float, origin: Point
+    ) -> tuple[SidePlace, ...]:
+        """Return a place in B on each side that a tip of ``tip_radius`` [m] can touch.
+
+        The point nearest to the line through B's origin along the normal that is
+        ``clearance`` [m] away from the corners, or the middle of a short edge. A round
+        side counts as ``ROUND_SIDES`` sides.
+        """
+        corners = [(x - origin[0], y - origin[1]) for x, y in self.corners]
+        out = []
+        for i, (a, b) in enumerate(
+            zip(corners, (*corners[1:], corners[0]), strict=True)
+        ):
+            length = math.hypot(b[0] - a[0], b[1] - a[1])
+            u = ((b[0] - a[0]) / length, (b[1] - a[1]) / length)
+            along = -(a[0] * u[0] + a[1] * u[1])  # of the origin's foot, from corner a
+            clear = min(clearance, 0.5 * length)
+            place = min(max(along, clear), length - clear)
+            foot = (a[0] + place * u[0], a[1] + place * u[1])
+            normal = turned_left(u)
+            left = turned_left(normal)
+            ends = (b[0] * left[0] + b[1] * left[1], a[0] * left[0] + a[1] * left[1])
+            out.append(SidePlace(i, foot, normal, ends))
+        return tuple(out)
+
+    def side(self, point: Point, normal: Point, origin: Point) -> Side:
+        """Return the side on which a contact at ``point`` [m] in B is.
+
+        ``normal`` is the contact's inward unit normal.
+        """
+        nx, ny = normal
+        corners = [(x - origin[0], y - origin[1]) for x, y in self.corners]
+        depth = min(nx * x + ny * y for x, y in corners)
+        along = [
+            nx * y - ny * x for x, y in corners if nx * x + ny * y < depth + ON_FACE
+        ]
+        return FlatSide(point, normal, depth, (min(along), max(along)))
+
+    def walls(self, point: Point, normal: Point, origin: Point) -> tuple[Side, ...]:
+        """Return the sides that a tip may meet beside that of its contact at ``point``
+        [m] in B; none of a convex footprint.
+        """
+        return ()
+
+    def free_way(
+        self, point: Point, normal: Point, tip_radius: float, origin: Point
+    ) -> float:
+        """Return how far [m] a tip can be drawn back from a contact at ``point`` [m] in
+        B against its inward ``normal``; infinite where nothing is in its way.
+        """
+        return math.inf
+
+    @property
+    def base_corners(self) -> tuple[Point, ...]:
+        """Corners in G [m] of the polygon that a pressure is spread over: the
+        footprint's; a round one has many.
+        """
+        return self.corners
+
+    def base_rule(self, resolution: int) -> tuple[Array, Array]:
+        """Return points (m, 2) [m] in G and areas (m,) [m^2] to integrate over the base."""
+        from pushpressslide.geometry import quadrature
+
+        return quadrature.base_rule(self.corners, resolution)
+
+    def pressure(self, cop: Point, resolution: int) -> tuple[Array, Array, Array]:
+        """Return points and areas like ``base_rule``, and pressures (m,) there.
+
+        The pressure is linear and unilateral with its centre at ``cop`` [m] in G, of
+        any size. Raises ValueError for a ``cop`` outside the base.
+        """
+        from pushpressslide.geometry import quadrature
+
+        return quadrature.polygon_pressure(self.corners, cop, resolution)
+
+    def _edges(self) -> zip[tuple[Point, Point]]:
+        corners = self.corners
+        return zip(corners, corners[1:] + corners[:1], strict=True)
+
+    def _inward_edges(self, origin: Point) -> tuple[InwardEdge, ...]:
+        """The edges as seen from a point of G."""
+        return inward_edges(self.corners, origin)
+
+    def _outward_edges(self) -> list[tuple[Point, float]]:
+        """Outward unit normals and distances [m] from the middle."""
+        mx, my = self.middle
+        sides = []
+        for (ax, ay), (bx, by) in self._edges():
+            length = math.hypot(bx - ax, by - ay)
+            out = ((by - ay) / length, (ax - bx) / length)
+            sides.append((out, out[0] * (ax - mx) + out[1] * (ay - my)))
+        return sides

@@ -1,0 +1,365 @@
+"""Shapes of objects: boxes, prisms, cylinders, compounds of these, and meshes.
+
+A new kind of shape is one new class: it gives its corners, or its border, or answers
+itself.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from pushpressslide.core.checks import check_places, check_pose, check_positive
+from pushpressslide.core.errors import InputError
+from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.geometry.border import Border, border_of, round_border
+from pushpressslide.geometry.outlined import Outlined
+from pushpressslide.geometry.polygon import is_convex, signed_area
+from pushpressslide.geometry.shape import ORIGIN, Ends, Shape
+from pushpressslide.geometry.sides import ROUND_SIDES, RoundSide, Side, SidePlace
+from pushpressslide.geometry.united import united
+
+if TYPE_CHECKING:
+    from shapely import Polygon
+
+    from pushpressslide.core.arrays import Array
+
+__all__ = [
+    "Box",
+    "Compound",
+    "ConcavePrism",
+    "Cylinder",
+    "MeshSolid",
+    "Part",
+    "Prism",
+    "Shape",
+]
+
+OUTLINE_POINTS = 48  # of a drawn circle
+
+
+@dataclass(frozen=True, slots=True)
+class Box(Shape):
+    """A cuboid; its frame G is at its centre. Raises InputError unless its three lengths
+    are finite and > 0.
+    """
+
+    size: tuple[float, float, float]  # [m] full lengths along x, y, z
+
+    def __post_init__(self) -> None:
+        if len(self.size) != 3:
+            raise InputError(f"size {self.size} m; must be three lengths")
+        for length in self.size:
+            check_positive(length, "size")
+
+    @property
+    def height(self) -> float:
+        """Height [m]."""
+        return self.size[2]
+
+    @property
+    def corners(self) -> tuple[Point, ...]:
+        """Corners of the base in G, counter-clockwise [m]."""
+        a = 0.5 * self.size[0]
+        b = 0.5 * self.size[1]
+        return ((-a, -b), (a, -b), (a, b), (-a, b))
+
+    @property
+    def centroid(self) -> Point:
+        """G's origin."""
+        return ORIGIN
+
+    @property
+    def description(self) -> str:
+        """Kind and size in words, in millimetres."""
+        return "box " + " × ".join(f"{1e3 * v:g}" for v in self.size) + " mm"
+
+
+@dataclass(frozen=True, slots=True)
+class Prism(Shape):
+    """An upright prism on a simple polygon; its frame G is the polygon's own origin.
+
+    One on a concave polygon is a ``ConcavePrism``. Raises InputError for a height that
+    is not finite and > 0, and for corners that are not finite or run clockwise.
+    """
+
+    polygon: tuple[Point, ...]  # [m] corners in G, counter-clockwise
+    height: float  # [m]
+
+    def __new__(cls, polygon: tuple[Point, ...] = (), height: float = 0.0) -> Prism:
+        """Return a prism that answers by its hull only where that is its footprint."""
+        concave = len(polygon) > 2 and cls is Prism and not is_convex(polygon)
+        return object.__new__(ConcavePrism if concave else cls)
+
+    def __post_init__(self) -> None:
+        check_places(self.polygon, "polygon", 3)
+        check_positive(self.height, "height")
+        if not signed_area(self.polygon) > 0.0:
+            raise InputError("the corners of a prism must run counter-clockwise")
+
+    @property
+    def corners(self) -> tuple[Point, ...]:
+        """Corners of the base in G, counter-clockwise [m]."""
+        return self.polygon
+
+    @property
+    def description(self) -> str:
+        """Kind and size in words, in millimetres."""
+        return f"prism on {len(self.polygon)} corners, height {1e3 * self.height:g} mm"
+
+
+class ConcavePrism(Outlined, Prism):
+    """An upright prism on a concave polygon."""
+
+    @cached_property
+    def border(self) -> Border:
+        """The border of the footprint in G."""
+        return border_of(self.polygon)
+
+
+@dataclass(frozen=True, slots=True)
+class Cylinder(Shape):
+    """An upright cylinder; its frame G is at its centre. Raises InputError unless radius
+    and height are finite and > 0.
+    """
+
+    radius: float  # [m]
+    height: float  # [m]
+
+    def __post_init__(self) -> None:
+        check_positive(self.radius, "radius")
+        check_positive(self.height, "height")
+
+    @property
+    def corners(self) -> tuple[Point, ...]:
+        """No corners."""
+        return ()
+
+    @property
+    def edges(self) -> tuple[Ends | None, ...]:
+        """No edges."""
+        return ()
+
+    @property
+    def border(self) -> Border:
+        """The circle."""
+        return round_border(self.radius)
+
+    @property
+    def centroid(self) -> Point:
+        """G's origin."""
+        return ORIGIN
+
+    @property
+    def middle(self) -> Point:
+        """G's origin."""
+        return ORIGIN
+
+    @property
+    def inner_radius(self) -> float:
+        """The radius [m]."""
+        return self.radius
+
+    @property
+    def circumradius(self) -> float:
+        """The radius [m]."""
+        return self.radius
+
+    @property
+    def half_width(self) -> float:
+        """The radius [m]."""
+        return self.radius
+
+    @property
+    def description(self) -> str:
+        """Kind and size in words, in millimetres."""
+        radius = f"{1e3 * self.radius:g} mm"
+        return f"cylinder, radius {radius}, height {1e3 * self.height:g} mm"
+
+    def bounds(self, X_WG: Pose2) -> tuple[float, float, float, float]:
+        """Return x_min, x_max, y_min, y_max [m] of the footprint at a pose."""
+        r = self.radius
+        return (X_WG.x - r, X_WG.x + r, X_WG.y - r, X_WG.y + r)
+
+    def outline(self) -> tuple[Point, ...]:
+        """Return ``OUTLINE_POINTS`` points of the circle [m]."""
+        angles = (2.0 * math.pi * i / OUTLINE_POINTS for i in range(OUTLINE_POINTS))
+        return tuple(
+            (self.radius * math.cos(a), self.radius * math.sin(a)) for a in angles
+        )
+
+    def placed(self, X_WG: Pose2) -> Polygon:
+        """Return the circle at a pose for Shapely, as a polygon of 256 sides."""
+        from shapely import Point
+
+        return Point(X_WG.x, X_WG.y).buffer(self.radius, quad_segs=64)
+
+    def depth(self, point: Point) -> float:
+        """Return how far [m] a point in G lies inside the circle; < 0 outside."""
+        return self.radius - math.hypot(*point)
+
+    def distance(self, point: Point) -> float:
+        """Return the distance [m] from a point in G to the disc; 0 inside."""
+        return max(math.hypot(*point) - self.radius, 0.0)
+
+    def holds(self, point: Point, margin: float, origin: Point) -> bool:
+        """Return whether ``point`` [m] in B is ``margin`` [m] inside the circle."""
+        return (
+            math.hypot(point[0] + origin[0], point[1] + origin[1])
+            <= self.radius - margin
+        )
+
+    def rooms(self, points: Array, origin: Point) -> Array:
+        """Return the depths (m,) of points (m, 2) over the radius."""
+        import numpy as np
+
+        x, y = (points + np.array(origin)).T
+        room: Array = 1.0 - np.hypot(x, y) / self.radius
+        return room
+
+    def chords(
+        self, direction: Point, margin: float, origin: Point
+    ) -> tuple[tuple[float, float], ...]:
+        """Return one chord: up to the circle that is ``margin`` [m] smaller.
+
+        It ends at 0 where B's origin is outside that circle and its line misses it.
+        """
+        cx, cy = origin
+        radius = self.radius - margin
+        b = cx * direction[0] + cy * direction[1]
+        room = b * b - cx * cx - cy * cy + radius * radius
+        return ((0.0, -b + math.sqrt(room) if room > 0.0 else 0.0),)
+
+    def extent(self, direction: Point, origin: Point) -> float:
+        """Return how far [m] the circle extends along a unit vector."""
+        return self.radius - origin[0] * direction[0] - origin[1] * direction[1]
+
+    def farthest(self, origin: Point) -> float:
+        """Return the distance [m] from B's origin to the circle's far side."""
+        return math.hypot(*origin) + self.radius
+
+    def gauge(self) -> Callable[[float, float], float]:
+        """Return the distance from the centre over the radius."""
+        radius = self.radius
+
+        def gauge(x: float, y: float) -> float:
+            """Return 0 at the centre, 1 on the circle."""
+            return math.hypot(x, y) / radius
+
+        return gauge
+
+    def side_places(
+        self, clearance: float, tip_radius: float, origin: Point
+    ) -> tuple[SidePlace, ...]:
+        """Return places in ``ROUND_SIDES`` directions."""
+        out = []
+        for i in range(ROUND_SIDES):
+            angle = 2.0 * math.pi * i / ROUND_SIDES
+            normal = (math.cos(angle), math.sin(angle))
+            foot = (
+                -self.radius * normal[0] - origin[0],
+                -self.radius * normal[1] - origin[1],
+            )
+            out.append(SidePlace(i, foot, normal, None))
+        return tuple(out)
+
+    def side(self, point: Point, normal: Point, origin: Point) -> Side:
+        """Return the round side."""
+        return RoundSide((-origin[0], -origin[1]), self.radius, normal)
+
+    @property
+    def base_corners(self) -> tuple[Point, ...]:
+        """Corners in G [m] of a polygon of the disc's second moment."""
+        from pushpressslide.geometry import quadrature
+
+        return quadrature.disc_corners(self.radius)
+
+    def base_rule(self, resolution: int) -> tuple[Array, Array]:
+        """Return points (m, 2) and areas (m,): Gauss points on rings."""
+        from pushpressslide.geometry import quadrature
+
+        return quadrature.disc_rule(self.radius, resolution)
+
+    def pressure(self, cop: Point, resolution: int) -> tuple[Array, Array, Array]:
+        """Return points, areas and pressures; the far side lifts for a far ``cop``."""
+        from pushpressslide.geometry import quadrature
+
+        return quadrature.disc_pressure(self.radius, cop, resolution)
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One part of a compound."""
+
+    shape: Box | Prism | Cylinder
+    pose: Pose2  # of its own frame in the compound's G
+
+    def __post_init__(self) -> None:
+        check_pose(self.pose, "pose of a part")
+
+
+@dataclass(frozen=True)
+class Compound(Outlined):
+    """The union of upright parts of one height, in one piece without a hole.
+
+    What remains of a cylinder's side is round. Raises InputError without parts; its
+    border raises ValueError where the union has a hole or several pieces.
+    """
+
+    parts: tuple[Part, ...]
+
+    def __post_init__(self) -> None:
+        if not self.parts:
+            raise InputError("parts of a compound: none; must be one or more")
+
+    @property
+    def height(self) -> float:
+        """Height [m]: that of every part."""
+        return self.parts[0].shape.height
+
+    @cached_property
+    def border(self) -> Border:
+        """The border of the union in G."""
+        return united([part.shape.border.moved(part.pose) for part in self.parts])
+
+    @property
+    def description(self) -> str:
+        """Kind and size in words, in millimetres."""
+        height = f"height {1e3 * self.height:g} mm"
+        return f"compound of {len(self.parts)} parts, {height}"
+
+
+@dataclass(frozen=True)
+class MeshSolid(Outlined):
+    """An upright solid whose border was read from a mesh; G is the mesh's own frame."""
+
+    path: str  # of the file
+    scale: float  # [m] of one unit of the file
+    polygon: tuple[Point, ...]  # [m] corners in G, counter-clockwise
+    height: float  # [m]
+    center: Point  # [m] in G, centroid of the solid, from above
+
+    def __post_init__(self) -> None:
+        check_positive(self.scale, "scale")
+        check_places(self.polygon, "polygon", 3)
+        check_positive(self.height, "height")
+        check_places((self.center,), "center")
+
+    @cached_property
+    def border(self) -> Border:
+        """The border of the footprint in G."""
+        return border_of(self.polygon)
+
+    @property
+    def centroid(self) -> Point:
+        """Centroid of the solid in G, from above [m]."""
+        return self.center
+
+    @property
+    def description(self) -> str:
+        """Kind and size in words, in millimetres."""
+        height = f"height {1e3 * self.height:g} mm"
+        return f"mesh on {len(self.polygon)} corners, {height}"

@@ -1,0 +1,138 @@
+"""What of a border a round tip can touch: the border offset outwards by the tip's
+radius (by shapely).
+
+A place on a side can be touched if the tip, beside it, is clear of all the rest. The
+inside of a notch whose mouth is narrower than the tip cannot be touched, however wide
+the notch is behind it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from pushpressslide.core.pose import Point
+from pushpressslide.geometry.border import Arc, Border, BorderSide, Edge
+
+if TYPE_CHECKING:
+    from shapely import LineString
+    from shapely import Polygon as Area
+
+SLACK = 1e-4  # of the tip's radius, by which it may overlap: rounding, and chords
+QUADRANT = 64  # chords of a quarter of an offset corner
+DEGREE = math.radians(1.0)  # between the places of an arc that are tried
+OFF = 0.05  # of the tip's radius, off its contact, from where a way is looked at
+LEAST = 1e-6  # [m] of a side: less cannot be touched
+FAR = 1.0  # [m] up to which a way off a side is looked at
+
+
+@dataclass(frozen=True, slots=True)
+class Touchable:
+    """A part of one side of a border."""
+
+    index: int  # of the side
+    part: BorderSide
+
+
+@lru_cache(maxsize=64)
+def touchable(border: Border, tip_radius: float) -> tuple[Touchable, ...]:
+    """Return the parts of a border that a tip of ``tip_radius`` [m] can touch: all of
+    it for a point.
+    """
+    if tip_radius == 0.0:
+        return tuple(Touchable(i, side) for i, side in enumerate(border.sides))
+    blocked = _blocked(border, tip_radius, closed=True)
+    out = []
+    for index, side in enumerate(border.sides):
+        if isinstance(side, Edge):
+            parts: list[BorderSide] = [*_edge_parts(side, tip_radius, blocked)]
+        else:
+            parts = [*_arc_parts(side, tip_radius, blocked)]
+        out += [Touchable(index, part) for part in parts]
+    return tuple(out)
+
+
+def free_way(border: Border, point: Point, normal: Point, tip_radius: float) -> float:
+    """Return how far [m] a tip that touches a border at ``point`` can be drawn back
+    along the inward ``normal`` before it meets the border again; infinite if nowhere.
+    """
+    from shapely import LineString
+    from shapely import Point as Place
+
+    blocked = _blocked(border, tip_radius, closed=False)
+    # a measured point may be a little inside
+    out = (1.0 + OFF) * tip_radius
+    begin = (point[0] - out * normal[0], point[1] - out * normal[1])
+    end = (begin[0] - FAR * normal[0], begin[1] - FAR * normal[1])
+    met = LineString([begin, end]).intersection(blocked)
+    if met.is_empty:
+        return math.inf
+    return OFF * tip_radius + float(Place(begin).distance(met))
+
+
+@lru_cache(maxsize=64)
+def _blocked(border: Border, tip_radius: float, closed: bool) -> Area:
+    """Return where the tip's centre cannot be; ``closed``: nor in a notch that it
+    cannot enter.
+    """
+    from shapely import Polygon, prepare
+
+    swollen = Polygon(border.corners).buffer(
+        (1.0 - SLACK) * tip_radius, quad_segs=QUADRANT
+    )
+    area = Polygon(swollen.exterior) if closed else swollen
+    prepare(area)
+    return area
+
+
+def _edge_parts(edge: Edge, tip_radius: float, blocked: Area) -> list[Edge]:
+    """Return the parts of an edge that can be touched, in order."""
+    from shapely import LineString, get_parts
+
+    nx, ny = edge.normal
+    ends = [
+        (x - tip_radius * nx, y - tip_radius * ny) for x, y in (edge.start, edge.end)
+    ]
+    line = LineString(ends)
+    if not line.intersects(blocked):
+        return [edge]
+    parts = [
+        _between(edge, line, part)
+        for part in get_parts(line.difference(blocked))
+        if part.length > LEAST
+    ]
+    return sorted(parts, key=lambda part: math.dist(edge.start, part.start))
+
+
+def _between(edge: Edge, line: LineString, part: LineString) -> Edge:
+    """Return the part of an edge beside a part of its offset line."""
+    from shapely import Point as Place
+
+    first, last = sorted(line.project(Place(end)) for end in part.coords)
+    return Edge(edge.at(first), edge.at(min(last, edge.length)))
+
+
+def _arc_parts(arc: Arc, tip_radius: float, blocked: Area) -> list[Arc]:
+    """Return the parts of an arc that can be touched, in order."""
+    from shapely import contains_xy
+
+    steps = max(2, math.ceil(arc.sweep / DEGREE))
+    angles = [arc.start + arc.sweep * i / steps for i in range(steps + 1)]
+    wide = Arc(arc.center, arc.radius + tip_radius, arc.start, arc.sweep)
+    xs, ys = zip(*map(wide.at, angles), strict=True)
+    free = [not inside for inside in contains_xy(blocked, xs, ys)]
+    if all(free):
+        return [arc]
+    out = []
+    begin: float | None = None
+    for i, is_free in enumerate([*free, False]):
+        if is_free and begin is None:
+            begin = angles[i]
+        elif not is_free and begin is not None:
+            end = angles[i - 1]
+            if end > begin:
+                out.append(Arc(arc.center, arc.radius, begin, end - begin))
+            begin = None
+    return out

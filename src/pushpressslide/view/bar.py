@@ -1,0 +1,34 @@
+"""The play bar of a replay page: its parts as text, to be put into a page."""
+
+from __future__ import annotations
+
+import json
+from importlib import resources
+from typing import Any
+
+
+def part(name: str, room: str = "pushpressslide.view") -> str:
+    """Return a text file of a room of the package."""
+    return resources.files(room).joinpath(name).read_text("utf-8")
+
+
+def filled(template: str, values: dict[str, str]) -> str:
+    """Return a template with its places ``@NAME@`` filled, and those of the play bar:
+    ``@BAR_STYLE@``, ``@BAR@`` and ``@BAR_SCRIPT@``.
+    """
+    bar = {
+        "BAR_STYLE": part("bar.css"),
+        "BAR": part("bar.html"),
+        "BAR_SCRIPT": part("bar.js"),
+    }
+    for name, text in {**bar, **values}.items():
+        template = template.replace(f"@{name}@", text)
+    return template
+
+
+def json_in_page(data: Any) -> str:
+    """Return data as JSON that may stand in a script of a page; raises ValueError for
+    NaN.
+    """
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
+    return text.replace("</", "<\\/")

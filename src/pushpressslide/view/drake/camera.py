@@ -1,0 +1,166 @@
+"""The camera of a run: from where the contact is seen, and what the picture holds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.support_frame import SupportFrame
+from pushpressslide.view.drake.sight import Moment, force_share, seen_share, shown_share
+
+FIELD = math.radians(45.0)  # vertical field of view
+FILL = 0.82  # largest share of a picture that its points fill
+# [rad] between line of sight and support: steep enough that an object does not hide
+# what is behind it, shallow enough that heights are seen
+BEST_SLOPE = math.radians(38.0)
+LEAST_SLOPE = math.radians(24.0)
+SIDE_SLOPE = math.radians(12.0)
+TURNS = 24  # directions all round that are compared
+HEIGHTS = tuple(math.radians(a) for a in (0.0, 12.0, 25.0, 38.0, 52.0))
+# [rad] to each side, from where the contact is to be seen too: a near camera sees parts
+# of a scene from other directions
+SWAY = math.radians(12.0)
+# beside a hidden contact: of a force and of an object that are behind something
+FORCE_COST = 0.5
+BEHIND_COST = 0.5
+# what a share of hidden contacts is weighed against: a far camera, a slope that is not
+# the best one, and a line of sight along the push, which shortens the force
+FAR_COST = 0.4
+SLOPE_COST = 0.5  # of 1 rad
+ALONG_COST = 0.15
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """Position and target of a camera, in the world [m]."""
+
+    position: Any  # (3,); pydrake's stubs refuse every typed ndarray
+    target: Any  # (3,)
+
+
+class Directions:
+    """Directions of a camera that are compared, and what is hidden from each."""
+
+    def __init__(
+        self,
+        frame: SupportFrame,
+        moments: Sequence[Moment],
+        pushes: Array,
+        points: Array,
+    ) -> None:
+        """Judge all directions in front of a support.
+
+        ``pushes`` (K, 2) are directions of pushes along the support, ``points`` (N, 3)
+        [m], in the world, are to be in the picture.
+        """
+        self._directions = candidates(frame, SIDE_SLOPE)
+        own = [np.array(frame.components(tuple(d.tolist()))) for d in self._directions]
+        self._slopes = np.array([math.asin(min(1.0, float(d[2]))) for d in own])
+        spreads = np.array([_spread(points, d) for d in self._directions])
+        self._costs = np.array([_hidden(moments, d) for d in own])
+        self._costs += FAR_COST * (spreads / spreads.min() - 1.0)
+        if len(pushes):
+            along = [float(np.mean(np.abs(pushes @ d[:2]))) for d in own]
+            self._costs += ALONG_COST * np.array(along)
+
+    def best(self, slope: float = BEST_SLOPE) -> Array:
+        """Return the unit vector (3,), in the world, towards the camera that sees the
+        contacts best, preferably at ``slope`` [rad] between line of sight and support.
+        """
+        costs = self._costs + SLOPE_COST * np.abs(self._slopes - slope)
+        costs[self._slopes < min(LEAST_SLOPE, slope) - 1e-9] = math.inf
+        return self._directions[int(np.argmin(costs))]
+
+
+def _hidden(moments: Sequence[Moment], direction: Array) -> float:
+    """Return the share of contacts that a camera about ``direction`` (3,) does not see,
+    and those of the forces and of the object's corners, weighed; all in the support's
+    frame.
+    """
+    x, y, z = direction
+    costs = []
+    for angle in (-SWAY, 0.0, SWAY):
+        c = math.cos(angle)
+        s = math.sin(angle)
+        turned = np.array([c * x - s * y, s * x + c * y, z])
+        for moment in moments:
+            unseen = 1.0 - seen_share(moment, turned)
+            force = 1.0 - force_share(moment, turned)
+            behind = 1.0 - shown_share(moment, turned)
+            costs.append(unseen + FORCE_COST * force + BEHIND_COST * behind)
+    return float(np.mean(costs)) if costs else 0.0
+
+
+def candidates(frame: SupportFrame, least: float) -> list[Array]:
+    """Return unit vectors (3,) of the world in front of a support and not below the
+    horizon, at a slope of ``least`` [rad] or more to the support.
+    """
+    normal = np.array(frame.normal)
+    out = []
+    for height in HEIGHTS:
+        for turn in range(TURNS):
+            angle = 2.0 * math.pi * turn / TURNS
+            flat = math.cos(height)
+            x = flat * math.cos(angle)
+            y = flat * math.sin(angle)
+            direction = np.array([x, y, math.sin(height)])
+            if direction @ normal >= math.sin(least) - 1e-9:
+                out.append(direction)
+    return out
+
+
+def top_direction(frame: SupportFrame) -> Array:
+    """Return the unit vector (3,), in the world, out of the support; on a table a
+    little towards -y, so that x is to the right in the picture.
+    """
+    normal = np.array(frame.normal)
+    if abs(normal[2]) > 0.99:
+        normal = normal + np.array([0.0, -1e-3, 0.0])
+    return np.asarray(normal / np.linalg.norm(normal))
+
+
+def axes(direction: Array) -> tuple[Array, Array, Array]:
+    """Return right, down and ahead (3,) of an upright camera towards which
+    ``direction`` (3,) points.
+    """
+    z = -direction / np.linalg.norm(direction)
+    x = np.cross(z, [0.0, 0.0, 1.0])
+    x /= np.linalg.norm(x)
+    return x, np.cross(z, x), z
+
+
+def _spread(points: Array, direction: Array) -> float:
+    """Return the size [m] of a picture of ``points`` (N, 3) from far away."""
+    x, y, _ = axes(direction)
+    return max(float(np.ptp(points @ x)), float(np.ptp(points @ y)))
+
+
+def fit_view(
+    points: Array, direction: Array, field: float = FIELD, aspect: float = 16.0 / 9.0
+) -> View:
+    """Return the nearest view from ``direction`` (3,) that holds ``points`` (N, 3).
+
+    ``field`` [rad] is the vertical field of view; the picture is upright, its width
+    ``aspect`` times its height.
+    """
+    x, y, z = axes(direction)
+    target = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    reach = math.tan(0.5 * field) * FILL
+    size = float(np.linalg.norm(points - target, axis=1).max())
+    distance = size / (reach * min(1.0, aspect)) + size
+    # shift and distance depend on each other; a few iterations settle both
+    for _ in range(20):
+        ahead = (points - target) @ z + distance
+        across = ((points - target) @ x) / ahead
+        down = ((points - target) @ y) / ahead
+        right = 0.5 * (across.max() + across.min())
+        below = 0.5 * (down.max() + down.min())
+        target = target + distance * (right * x + below * y)
+        needed = max(float(np.ptp(across)) / aspect, float(np.ptp(down)))
+        distance *= (needed / (2.0 * reach)) ** 0.7
+    return View(target - distance * z, target)

@@ -1,0 +1,177 @@
+"""What is drawn of the contacts: forces, friction cones and discs, and where."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.control import PHASES, Phase
+from pushpressslide.core.plan import Contact
+from pushpressslide.core.pose import Pose2
+from pushpressslide.view.drake.playback import Playback
+from pushpressslide.view.drake.subject import CLEARANCE, body_pose, contacts_at
+from pushpressslide.view.film import Entry
+
+TOUCHING: tuple[Phase, ...] = ("touch", "move", "release")
+FORCE_SCALE = 0.02  # [m/N] largest
+LONGEST_ARROW = 0.15  # [m] of a force in the plane
+LONGEST_PRESS = 0.10  # [m]
+WIDEST_DISC = 0.09  # [m] radius of a friction disc
+LEAST_FORCE = 0.3  # [N] smaller forces have no arrow
+CONE_LENGTH = 0.12  # [m] of a friction cone
+CONE_SINK = 0.005  # [m] of a friction cone under its arrow
+
+
+@dataclass(frozen=True, eq=False)
+class Arrow:
+    """A force and where it is drawn from, along x, y and height of the support."""
+
+    tail: Array  # (3,) [m]
+    force: Array  # (3,) [N]
+    scale: float  # [m/N]
+
+    @property
+    def size(self) -> float:
+        """Size of the force [N]."""
+        return float(np.linalg.norm(self.force))
+
+    @property
+    def head(self) -> Array:
+        """Where it ends (3,) [m]."""
+        return self.tail + self.scale * self.force
+
+
+@dataclass(frozen=True, slots=True)
+class Disc:
+    """A friction disc: its centre [m] along x, y and height, and its radius [m]."""
+
+    x: float
+    y: float
+    height: float
+    radius: float
+
+
+class ContactMarks:
+    """The marks of all contacts of a run, in the support's frame."""
+
+    def __init__(self, playback: Playback, nearer: Array) -> None:
+        """Choose the scales; ``nearer`` (3,) points to the camera, in the world."""
+        self.playback = playback
+        self.friction = playback.task.contact_friction
+        self.height = playback.task.object.shape.height
+        forces = np.nan_to_num(playback.record.arrays["measured_force"])
+        loads = np.maximum(-forces[:, :, 2], 0.0)
+        every = [c for part in playback.placements for c in part.contacts]
+        self.arms = sorted({c.arm for c in every})
+        self.pressing = sorted({c.arm for c in every if c.kind == "top"})
+        self.pushes = any(c.kind == "side" for c in every)
+        self.scale = _scale(np.linalg.norm(forces[:, :, :2], axis=2), LONGEST_ARROW)
+        if self.pressing:
+            self.scale = min(self.scale, _scale(self.friction * loads, WIDEST_DISC))
+        self.press_scale = _scale(loads, LONGEST_PRESS)
+        frame = playback.task.support.frame
+        flat: Any = np.array(frame.components(tuple(nearer.tolist())))
+        flat[2] = 0.0
+        self._nearer = flat / max(float(np.linalg.norm(flat)), 1e-9)
+
+    def contact(self, arm: int, tick: int) -> Contact | None:
+        """Return the contact of an arm at a tick."""
+        touched = contacts_at(self.playback, tick)
+        return next((c for c in touched if c.arm == arm), None)
+
+    def push(self, arm: int, tick: int) -> Arrow:
+        """Return the force in the plane, over the object; a push begins at its contact,
+        the shear of a press at the tip's edge.
+        """
+        flat = np.array([*self._force(arm, tick)[:2], 0.0])
+        ahead = flat / max(float(np.linalg.norm(flat)), 1e-9)
+        contact = self.contact(arm, tick)
+        if contact is not None and contact.kind == "side":
+            ahead = np.array(contact.direction(body_pose(self.playback, tick)))
+        tail = self._above(arm, tick) + self._radius(arm) * ahead
+        return Arrow(tail, flat, self.scale)
+
+    def cone(self, arm: int, tick: int) -> tuple[Pose2, float] | None:
+        """Return apex and axis of a push's friction cone, and its height [m]; None for
+        no push.
+        """
+        contact = self.contact(arm, tick)
+        arrow = self.push(arm, tick)
+        if contact is None or contact.kind != "side" or arrow.size <= LEAST_FORCE:
+            return None
+        x, y, _ = contact.direction(body_pose(self.playback, tick))
+        apex = Pose2(float(arrow.tail[0]), float(arrow.tail[1]), math.atan2(y, x))
+        return apex, float(arrow.tail[2]) - CONE_SINK
+
+    def press(self, arm: int, tick: int) -> Arrow:
+        """Return the force of a press, which ends on the object beside its tip; 0 N for
+        no press.
+        """
+        down = np.zeros(3)
+        contact = self.contact(arm, tick)
+        if contact is not None and contact.kind == "top":
+            down[2] = min(self._force(arm, tick)[2], 0.0)
+        aside = (self._radius(arm) + CLEARANCE) * self._nearer
+        head = self._above(arm, tick) + aside
+        head[2] = self.height
+        return Arrow(head - self.press_scale * down, down, self.press_scale)
+
+    def disc(self, arm: int, tick: int) -> Disc | None:
+        """Return the friction disc of a press, in which the force in the plane ends;
+        None for no press.
+        """
+        load = self.press(arm, tick).size
+        if load <= LEAST_FORCE:
+            return None
+        x, y, z = self._above(arm, tick)
+        radius = self.scale * self.friction * load + self._radius(arm)
+        return Disc(float(x), float(y), float(z) - CONE_SINK, radius)
+
+    def entries(self) -> list[Entry]:
+        """Return what the colours of a replay mean."""
+        goal = "goal" if len(self.playback.goals) == 1 else "goals"
+        force = f"contact force in the plane, {1e3 * self.scale:.0f} mm a newton"
+        out = [
+            Entry("#d98c40", "object"),
+            Entry("#009e73", goal),
+            Entry("#222222", "planned path of the tracking point"),
+            Entry("#0072b2", "its trace; the pin is the virtual axle"),
+            Entry("#a8387d", force),
+        ]
+        cones = ["friction cone"] * self.pushes + ["friction disc"] * bool(
+            self.pressing
+        )
+        if cones:
+            out.append(Entry("#e69f00", " and ".join(cones)))
+        if self.pressing:
+            press = f"press, beside its tip, {1e3 * self.press_scale:.0f} mm a newton"
+            out.append(Entry("#d55e00", press))
+        return out
+
+    def _force(self, arm: int, tick: int) -> Any:
+        """Return the measured force (3,) [N] of an arm; before and after the contact,
+        where the sensor feels the arm's own motion, 0 N.
+        """
+        phase = PHASES[int(self.playback.record.arrays["phase"][tick])]
+        if phase not in TOUCHING:
+            return np.zeros(3)
+        return np.nan_to_num(self.playback.record.arrays["measured_force"][tick, arm])
+
+    def _above(self, arm: int, tick: int) -> Any:
+        """Return the place (3,) [m] over a tip and over the object."""
+        x, y, _ = self.playback.record.arrays["tip_position"][tick, arm]
+        return np.array([x, y, self.height + CLEARANCE])
+
+    def _radius(self, arm: int) -> float:
+        return self.playback.task.robots[arm].tip_radius
+
+
+def _scale(forces: Array, longest: float) -> float:
+    """Return the length of an arrow per force [m/N], so that none exceeds ``longest``
+    [m].
+    """
+    return min(FORCE_SCALE, longest / max(float(forces.max(initial=0.0)), 1e-9))

@@ -1,0 +1,167 @@
+"""The replay of a run as one Meshcat page that opens offline."""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.geometry import (
+    Meshcat,
+    MeshcatParams,
+    MeshcatVisualizer,
+    MeshcatVisualizerParams,
+    Role,
+)
+
+from pushpressslide.core.errors import SimulationError
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.record import Record
+from pushpressslide.core.whole_file import write_whole
+from pushpressslide.view.bar import filled, json_in_page, part
+from pushpressslide.view.course import Course, course, frames
+from pushpressslide.view.drake.camera import FIELD, FILL
+from pushpressslide.view.drake.contact_marks import ContactMarks
+from pushpressslide.view.drake.marks import Marks
+from pushpressslide.view.drake.playback import Placed, Playback
+from pushpressslide.view.drake.saved_page import small_page
+from pushpressslide.view.drake.views import PageView, page_views
+from pushpressslide.view.film import Entry
+
+ROOM = "pushpressslide.view.drake"
+KEY_STEP = 1e-3  # [s] to which times in the animation are rounded
+# direction of the page's light along x, y and height of a table, and of a wall
+LIGHT = (-0.5, 0.35, 1.0)
+STEEP_LIGHT = (0.4, 0.9, 0.8)
+SHADOW_ROOM = 0.6  # [m] about the near points in which shadows fall
+
+
+def write_replay(
+    plan: Plan,
+    record: Record,
+    out: Path,
+    models: str = "generated",
+    goals: Sequence[Placed] = (),
+) -> Path:
+    """Write the page to the file ``out`` and return its path.
+
+    In a folder ``out`` it is replay.html. It plays the recorded joint positions and
+    poses, at most 30 a second, and is written whole or not at all. Raises
+    SimulationError for a record without joint positions. ``models``: as in ``run``;
+    ``goals`` as of ``Playback``.
+    """
+    if len(record.arrays.get("time", ())) < 2:
+        raise SimulationError(
+            f"{out}: a record of fewer than two ticks cannot be replayed"
+        )
+    playback = Playback(plan, record, models, goals)
+    ticks = frames(record.arrays["time"])
+    views = page_views(playback, ticks)
+    meshcat = quiet_meshcat()
+    look(meshcat)
+    contacts = ContactMarks(playback, np.array(views[0].direction))
+    _animate(meshcat, contacts, ticks)
+    body = _body(contacts, course(plan, record, ticks), views)
+    page = small_page(meshcat.StaticHtml(), part("replay_head.html", ROOM), body)
+    return write_whole(out / "replay.html" if out.is_dir() else out, page)
+
+
+def _body(contacts: ContactMarks, told: Course, views: Sequence[PageView]) -> str:
+    """Return what the page has around Meshcat's scene."""
+    playback = contacts.playback
+    modes = ", ".join(playback.record.modes)
+    title = f"{playback.task.name}: {modes}, {told.ending}"
+    return filled(
+        part("replay.html", ROOM),
+        {
+            "STYLE": part("replay.css", ROOM),
+            "SCRIPT": part("replay.js", ROOM),
+            "TITLE": escape(title),
+            "LEGEND": "".join(map(_item, contacts.entries())),
+            "COURSE": json_in_page(told.plain()),
+            "VIEWS": json_in_page([view.plain() for view in views]),
+            "LOOK": json_in_page(_look(playback, np.array(views[0].points))),
+        },
+    )
+
+
+def _item(entry: Entry) -> str:
+    return f'<li style="--c:{entry.color}">{escape(entry.text)}</li>'
+
+
+def _look(playback: Playback, points: NDArray[np.float64]) -> dict[str, Any]:
+    """Return field of view [deg], light and where shadows fall, for the page."""
+    frame = playback.task.support.frame
+    light = LIGHT if frame.faces_up else STEEP_LIGHT
+    center = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    radius = float(np.linalg.norm(points - center, axis=1).max()) + SHADOW_ROOM
+    return {
+        "field": math.degrees(FIELD),
+        "fill": FILL,
+        "light": list(frame.direction(light)),
+        "center": [round(float(v), 3) for v in center],
+        "radius": round(radius, 3),
+        "arms": _arm_paths(playback),
+    }
+
+
+def _arm_paths(playback: Playback) -> list[list[str]]:
+    """Return the paths of the arms in Meshcat's tree."""
+    plant = playback.scene.plant
+    robots = playback.scene.robots
+    names = [plant.GetModelInstanceName(robot.model_instance) for robot in robots]
+    return [["drake", "visualizer", *name.split("::")] for name in names]
+
+
+def _animate(meshcat: Meshcat, contacts: ContactMarks, ticks: NDArray[np.intp]) -> None:
+    """Record the run at ``ticks`` as an animation, with its marks."""
+    playback = contacts.playback
+    parameters = MeshcatVisualizerParams()
+    parameters.role = Role.kIllustration
+    parameters.publish_period = KEY_STEP
+    scene = playback.scene
+    visualizer = MeshcatVisualizer.AddToBuilder(
+        scene.builder, scene.scene_graph, meshcat, parameters
+    )
+    diagram = scene.builder.Build()
+    context = diagram.CreateDefaultContext()
+    marks = Marks(meshcat, contacts, ticks)
+    recording = visualizer.StartRecording(set_transforms_while_recording=False)
+    recording.set_autoplay(False)
+    time = playback.record.arrays["time"]
+    for frame, tick in enumerate(ticks.tolist()):
+        # half a step on, so that rounding down keeps the frame's time
+        t = float(time[tick] - time[0]) + 0.5 * KEY_STEP
+        context.SetTime(t)
+        playback.set(context, tick)
+        diagram.ForcedPublish(context)
+        marks.show(frame, tick, t)
+    visualizer.StopRecording()
+    visualizer.PublishRecording()
+
+
+def quiet_meshcat() -> Meshcat:
+    """Return a Meshcat whose server listens on this machine only and prints nothing."""
+    log = logging.getLogger("drake")
+    level = log.level
+    log.setLevel(logging.WARNING)
+    try:
+        return Meshcat(MeshcatParams(host="localhost", port=0, show_stats_plot=False))
+    finally:
+        log.setLevel(level)
+
+
+def look(meshcat: Meshcat) -> None:
+    """Set a page's background and field of view, and hide Meshcat's grid and axes."""
+    camera = Meshcat.PerspectiveCamera()
+    camera.fov = math.degrees(FIELD)
+    meshcat.SetCamera(camera)
+    meshcat.SetProperty("/Grid", "visible", False)
+    meshcat.SetProperty("/Axes", "visible", False)
+    meshcat.SetProperty("/Background", "top_color", [0.93, 0.95, 0.97])
+    meshcat.SetProperty("/Background", "bottom_color", [1.0, 1.0, 1.0])

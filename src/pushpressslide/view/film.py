@@ -1,0 +1,165 @@
+"""An animation of a run: its size, its times, its caption, and its file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.errors import SimulationError
+from pushpressslide.core.whole_file import whole, write_whole
+from pushpressslide.view.canvas import Canvas, rgba
+from pushpressslide.view.course import Course, still_ticks
+
+SIZE = (1280, 720)  # [pixels] width and height
+FRAMES_PER_SECOND = 15.0
+FORMATS = (".webp", ".gif")
+NAME = "run.webp"
+PICTURES = "pictures"
+"""Folder of the pictures of a run: start.webp, contact.webp and end.webp."""
+STILL_SIZE = (960, 540)  # [pixels] of these
+QUALITY = 75  # of a .webp, up to 100
+LINE = 21.0  # [pixels] between lines of the legend
+ROOM = 12.0  # [pixels] about words
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A colour and what it stands for."""
+
+    color: str  # #rrggbb
+    text: str
+
+
+def film_ticks(time: Array, rate: float) -> list[int]:
+    """Return the tick of each picture, ``rate`` [1/s] of them; ``time`` (N,) [s]."""
+    grid = np.arange(float(time[0]), float(time[-1]) + 0.5 / rate, 1.0 / rate)
+    ticks = np.clip(np.searchsorted(time, grid), 0, len(time) - 1)
+    return [int(tick) for tick in ticks]
+
+
+def film_path(out: Path) -> Path:
+    """Return the file of an animation; a folder gets run.webp.
+
+    Raises SimulationError for a format that is not written.
+    """
+    out = out / NAME if out.is_dir() else out
+    if out.suffix not in FORMATS:
+        raise SimulationError(
+            f"{out}: an animation is written as {' or '.join(FORMATS)}"
+        )
+    return out
+
+
+class _Reel(Image.Image):
+    """Pictures one after the other as Pillow reads them of a file of several, so that
+    no more than one is kept.
+    """
+
+    def __init__(self, count: int, draw: Callable[[int], Image.Image]) -> None:
+        super().__init__()
+        self.n_frames = count
+        self._draw = draw
+        self._at = -1
+        self._show(0)
+
+    def _show(self, frame: int) -> None:
+        picture = self._draw(frame)
+        self.im = picture.im
+        self._mode = picture.mode
+        self._size = picture.size
+        self._at = frame
+
+    def seek(self, frame: int) -> None:
+        """Go to a picture; raises EOFError where there is none."""
+        if frame >= self.n_frames:
+            raise EOFError(f"there are {self.n_frames} pictures")
+        if frame != self._at:
+            self._show(frame)
+
+    def tell(self) -> int:
+        """Return the number of the picture."""
+        return self._at
+
+
+def write_film(
+    count: int, draw: Callable[[int], Image.Image], out: Path, rate: float
+) -> Path:
+    """Write ``count`` images of ``draw`` as an animation, ``rate`` [1/s] of them, whole
+    or not at all; return its path.
+    """
+    reel = _Reel(count, draw)
+    with whole(out) as temporary:
+        reel.save(
+            temporary,
+            save_all=True,
+            duration=round(1e3 / rate),
+            loop=0,
+            quality=QUALITY,
+            method=2,
+        )
+    return out
+
+
+def write_stills(
+    phase: Array, draw: Callable[[int], Image.Image], out: Path
+) -> list[Path]:
+    """Write the picture that ``draw`` makes of a tick for start, contact and end of a
+    run into the folder pictures of ``out``; return their paths. ``phase`` (N,) is that
+    of each tick.
+    """
+    paths = []
+    for name, tick in still_ticks(phase).items():
+        buffer = BytesIO()
+        draw(tick).save(buffer, "webp", quality=QUALITY)
+        path = out / PICTURES / f"{name}.webp"
+        paths.append(write_whole(path, buffer.getvalue()))
+    return paths
+
+
+def caption(canvas: Canvas, title: str, course: Course, frame: int) -> None:
+    """Write title, time, phase, force and way to the goal along the lower edge."""
+    width, height = canvas.size
+    top = height - 34.0
+    canvas.panel((0.0, top), (float(width), float(height)))
+    canvas.text((ROOM, top + 8.0), title)
+    words = moment(course, frame)
+    canvas.text((width - canvas.width_of(words) - ROOM, top + 8.0), words)
+
+
+def moment(course: Course, frame: int) -> str:
+    """Return what the course says of a frame, in a line."""
+    time = course.time[frame]
+    phase = next(
+        (span.name for span in reversed(course.phases) if span.begin <= time), ""
+    )
+    parts = [f"{time:.1f} s", phase]
+    parts += [mark.name for mark in course.marks if mark.time <= time][-1:]
+    many = len(course.arms) > 1
+    forces = [
+        f"{name.removesuffix(' arm')} {row[frame]:.1f} N"
+        if many
+        else f"{row[frame]:.1f} N"
+        for name, row in zip(course.arms, course.force, strict=True)
+    ]
+    parts.append("force " + ", ".join(forces))
+    parts.append(
+        f"to the goal {course.distance[frame]:.0f} mm, {course.turn[frame]:.0f}°"
+    )
+    return "   ".join(part for part in parts if part)
+
+
+def legend(canvas: Canvas, entries: Iterable[Entry]) -> None:
+    """Write what the colours mean into the upper left corner."""
+    rows = list(entries)
+    width = max(canvas.width_of(entry.text, 13.0) for entry in rows) + 40.0
+    canvas.panel((0.0, 0.0), (width, LINE * len(rows) + ROOM))
+    for i, entry in enumerate(rows):
+        y = 7.0 + LINE * i
+        canvas.line(((ROOM, y + 8.0), (ROOM + 14.0, y + 8.0)), rgba(entry.color), 7.0)
+        canvas.text((ROOM + 21.0, y), entry.text, 13.0)

@@ -1,0 +1,181 @@
+"""The planar engine's replay: one HTML page that plays a run seen from above, offline,
+without Drake.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.bodies import goal_places
+from pushpressslide.core.control import PHASES
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.record import Record
+from pushpressslide.core.task import Shape, Task
+from pushpressslide.core.whole_file import write_whole
+from pushpressslide.view.bar import filled, json_in_page, part
+from pushpressslide.view.course import course, frames
+
+ROOM = "pushpressslide.view.planar"
+FORCE_SCALE = 0.02  # [m/N] length of the force arrows
+GOAL = "#009e73"
+PATH = "#222222"
+TRACE = "#0072b2"
+REFERENCE = "#8a8a8a"
+FORCE = "#a8387d"
+CONE = "#e69f00"
+PRESS = "#cc79a7"
+OBJECT = "#d98c40"
+OBJECT_EDGE = "#8a5a1e"
+EDGE = "#6b7280"
+CONE_LENGTH = 0.12  # [m] of a friction cone
+
+Placed = tuple[Shape, Pose2]
+"""A shape at a pose X_WG."""
+
+
+def write_replay(
+    plan: Plan, record: Record, out: Path, goals: Sequence[Placed] = ()
+) -> Path:
+    """Write the page to the file ``out``, whole or not at all, and return its path.
+
+    In a folder ``out`` it is replay.html. ``goals`` are drawn in place of the task's
+    own, if there are any.
+    """
+    page = filled(
+        part("replay_page.html", ROOM),
+        {
+            "TITLE": escape(plan.task.name),
+            "MODE": escape(", ".join(record.modes)),
+            "LEGEND": "".join(map(_item, legend(plan))),
+            "SCRIPT": part("replay_page.js", ROOM),
+            "DATA": json_in_page(replay_data(plan, record, goals)),
+            "COURSE": json_in_page(
+                course(plan, record, frames(record.arrays["time"])).plain()
+            ),
+        },
+    )
+    return write_whole(out / "replay.html" if out.is_dir() else out, page)
+
+
+def task_goals(task: Task) -> list[Placed]:
+    """Return every goal of a task."""
+    return [(shape, X_WG) for _, shape, X_WG in goal_places(task)]
+
+
+def legend(plan: Plan) -> list[tuple[str, str, bool]]:
+    """Return colour, meaning and whether it is dashed of all that is drawn."""
+    kinds = {c.kind for part in plan.by_placement for c in part.contacts}
+    out = [
+        (GOAL, "goal", False),
+        (PATH, "planned path of the tracking point", True),
+        (TRACE, "its trace; the ring is the virtual axle", False),
+        (REFERENCE, "reference at this time", True),
+        (FORCE, f"contact force, {1e3 * FORCE_SCALE:.0f} mm a newton", False),
+    ]
+    if "side" in kinds:
+        out.append((CONE, "friction cone", False))
+    if "top" in kinds:
+        out += [(PRESS, "pressing tip", False), (CONE, "friction disc", False)]
+    return out
+
+
+def _item(entry: tuple[str, str, bool]) -> str:
+    color, text, dashed = entry
+    css = ' class="dash"' if dashed else ""
+    return f'<li style="--c:{color}"{css}>{escape(text)}</li>'
+
+
+def replay_data(
+    plan: Plan, record: Record, goals: Sequence[Placed] = ()
+) -> dict[str, Any]:
+    """Return what the page plays: metres, degrees and newtons, rounded to 0.1 mm, 0.01
+    degree and 0.01 N.
+    """
+    task = plan.task
+    arrays = record.arrays
+    ticks = frames(arrays["time"])
+    axles = [
+        task.X_GB.compose(Pose2(*map(float, row)))
+        for row in arrays["vehicle_frame"][ticks]
+    ]
+    tips = np.moveaxis(arrays["tip_position"][ticks][:, :, :2], 1, 0)
+    forces = np.nan_to_num(np.moveaxis(arrays["measured_force"][ticks], 1, 0))
+    return {
+        **_scene_data(task, goals or task_goals(task)),
+        "moving": (arrays["phase"][ticks] == PHASES.index("move")).tolist(),
+        "pose": _degrees(arrays["object_pose"][ticks]),
+        "reference": _degrees(arrays["reference_pose"][ticks]),
+        "tips": np.round(tips, 4).tolist(),
+        "forces": np.round(forces[:, :, :2], 2).tolist(),
+        "loads": np.round(np.maximum(0.0, -forces[:, :, 2]), 2).tolist(),
+        "contacts": _contacts(plan, record, ticks),
+        "friction": task.contact_friction,
+        "path": np.round(arrays["plan_path"][:, :2], 4).tolist(),
+        "axles": [
+            [round(X.x, 4), round(X.y, 4), round(math.degrees(X.yaw), 2)] for X in axles
+        ],
+    }
+
+
+def _contacts(
+    plan: Plan, record: Record, ticks: NDArray[np.intp]
+) -> list[list[float | str | None]]:
+    """Return for each arm and frame the direction of its push in the object's frame
+    [deg], "top" for a press, None without a contact.
+    """
+    parts = plan.by_placement
+    number = record.arrays["placement"][ticks].astype(int)
+    out: list[list[float | str | None]] = []
+    for arm in range(len(plan.task.robots)):
+        row: list[float | str | None] = []
+        for n in number:
+            contact = next((c for c in parts[n].contacts if c.arm == arm), None)
+            if contact is None:
+                row.append(None)
+            elif contact.kind == "top":
+                row.append("top")
+            else:
+                x, y = plan.task.X_GB.rotate(contact.normal)
+                row.append(round(math.degrees(math.atan2(y, x)), 2))
+        out.append(row)
+    return out
+
+
+def _scene_data(task: Task, goals: Sequence[Placed]) -> dict[str, Any]:
+    """Return what does not move: outlines, goals, obstacles and bases."""
+    outline = [[round(x, 5), round(y, 5)] for x, y in task.object.shape.outline()]
+    aims = [[list(X.apply(c)) for c in shape.outline()] for shape, X in goals]
+    obstacles = []
+    for obstacle in task.obstacles:
+        corners = obstacle.shape.outline()
+        places = [list(obstacle.pose.apply(corner)) for corner in corners]
+        obstacles.append({"name": obstacle.name, "corners": places})
+    bases = [robot.base for robot in task.robots if robot.model != "hand"]
+    wall = not task.support.frame.faces_up
+    return {
+        "radii": [robot.tip_radius for robot in task.robots],
+        "outline": outline,
+        "goals": aims,
+        "obstacles": obstacles,
+        "region": [list(corner) for corner in task.support.region or ()],
+        "bases": [] if wall else [[x, y] for x, y, _ in bases],
+        "forceScale": FORCE_SCALE,
+        "mirror": wall,  # on a wall x points to the left
+    }
+
+
+def _degrees(poses: Array) -> list[list[float]]:
+    out = np.column_stack(
+        [np.round(poses[:, :2], 4), np.round(np.degrees(poses[:, 2]), 2)]
+    )
+    plain: list[list[float]] = out.tolist()
+    return plain

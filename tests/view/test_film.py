@@ -1,0 +1,78 @@
+"""An animation is written picture by picture, with a caption that tells the moment."""
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from pushpressslide.core.errors import SimulationError
+from pushpressslide.view.canvas import Canvas, rgba
+from pushpressslide.view.course import course
+from pushpressslide.view.film import film_path, film_ticks, moment, write_film
+from pushpressslide.view.planar.video import write_video
+
+
+def plain(level):
+    return Image.fromarray(np.full((6, 8, 3), level, dtype=np.uint8))
+
+
+@pytest.mark.parametrize("name", ["a.webp", "a.gif"])
+def test_pictures_follow_in_order_as_they_are_drawn(tmp_path, name):
+    drawn = []
+
+    def draw(frame):
+        drawn.append(frame)
+        return plain(60 * frame)
+
+    out = write_film(4, draw, tmp_path / name, 10.0)
+    made = Image.open(out)
+    assert drawn[:4] == [0, 1, 2, 3]  # at its end Pillow may go back to the first
+    assert made.n_frames == 4
+    for frame in range(4):
+        made.seek(frame)
+        level = np.asarray(made.convert("RGB"), dtype=float).mean()
+        assert level == pytest.approx(60 * frame, abs=4.0)
+    assert [p.name for p in tmp_path.iterdir()] == [name]
+
+
+def test_a_film_of_an_unknown_kind_is_refused(tmp_path):
+    assert film_path(tmp_path).name == "run.webp"
+    with pytest.raises(SimulationError, match=r"\.webp or \.gif"):
+        film_path(tmp_path / "run.mp4")
+
+
+def test_pictures_are_taken_at_even_times_to_the_end():
+    time = 0.01 * np.arange(401)
+    assert film_ticks(time, 2.0) == [0, 50, 100, 150, 200, 250, 300, 350, 400]
+
+
+def test_the_caption_tells_time_phase_force_and_way_to_the_goal(run):
+    told = course(run.plan, run.record, np.array([0, 200, 449]))
+    assert moment(told, 1).startswith("2.0 s   move   force 3.2 N   to the goal ")
+    assert moment(told, 2).endswith("to the goal 0 mm, 0°")
+
+
+def test_two_arms_have_their_forces_told_apart(pressed):
+    told = course(pressed.plan, pressed.record, np.array([200]))
+    assert "force left 6.2 N, right 10.2 N" in moment(told, 0)
+
+
+def test_what_is_seen_through_is_mixed_with_what_is_under_it():
+    canvas = Canvas(np.full((20, 20, 3), 255, dtype=np.uint8))
+    corners = [(2.0, 2.0), (18.0, 2.0), (18.0, 18.0), (2.0, 18.0)]
+    canvas.polygon(corners, rgba("#000000", 0.5), rgba("#000000"), 1.0)
+    made = np.asarray(canvas.image())
+    assert made[10, 10] == pytest.approx([127, 127, 127], abs=2)
+    assert list(made[0, 0]) == [255, 255, 255]
+
+
+def test_the_planar_run_is_filmed_with_the_object_on_its_way(run, tmp_path):
+    out = write_video(
+        run.plan, run.record, tmp_path, frames_per_second=1.0, size=(320, 180)
+    )
+    made = Image.open(out)
+    assert out.name == "run.webp"
+    assert (made.n_frames, made.size) == (5, (320, 180))
+    first = np.asarray(made.convert("RGB"), dtype=float)
+    made.seek(4)
+    last = np.asarray(made.convert("RGB"), dtype=float)
+    assert np.abs(first - last).max() > 50.0
