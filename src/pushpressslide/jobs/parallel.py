@@ -32,11 +32,23 @@ def worker_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
         try:
             yield pool
         except BaseException:
+            _hush(pool)
             pool.shutdown(wait=False, cancel_futures=True)
             for process in multiprocessing.active_children():
                 # its work is lost
                 process.terminate()
             raise
+
+
+def _hush(pool: ProcessPoolExecutor) -> None:
+    """Let a pool that is ended say nothing of work that it can no longer hand out.
+
+    The thread that hands it out may find the workers' pipe closed, and would print that
+    with its traceback; Python has no public way to tell it not to.
+    """
+    queue = getattr(pool, "_call_queue", None)
+    if queue is not None:
+        queue._on_queue_feeder_error = lambda error, item: None
 
 
 def end_with_parent() -> None:
