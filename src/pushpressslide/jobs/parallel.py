@@ -8,7 +8,7 @@ from collections.abc import Callable, Hashable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from multiprocessing import connection
-from threading import Thread
+from threading import Event, Thread
 from typing import TypeVar
 
 from pushpressslide.jobs.interrupt import blocked_for_children
@@ -29,10 +29,12 @@ def worker_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
     with ProcessPoolExecutor(
         count, mp_context=context, initializer=end_with_parent
     ) as pool:
+        ended = Event()
+        _hushed(pool, ended)
         try:
             yield pool
         except BaseException:
-            _hush(pool)
+            ended.set()
             pool.shutdown(wait=False, cancel_futures=True)
             for process in multiprocessing.active_children():
                 # its work is lost
@@ -40,15 +42,24 @@ def worker_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
             raise
 
 
-def _hush(pool: ProcessPoolExecutor) -> None:
-    """Let a pool that is ended say nothing of work that it can no longer hand out.
+def _hushed(pool: ProcessPoolExecutor, ended: Event) -> None:
+    """Let a pool that has ``ended`` say nothing of work that it can no longer hand out.
 
     The thread that hands it out may find the workers' pipe closed, and would print that
-    with its traceback; Python has no public way to tell it not to.
+    with its traceback. Python has no public way to tell it not to, and the thread takes
+    the function when it starts: before the first work is handed in.
     """
     queue = getattr(pool, "_call_queue", None)
-    if queue is not None:
-        queue._on_queue_feeder_error = lambda error, item: None
+    say = getattr(queue, "_on_queue_feeder_error", None)
+    if queue is None or say is None:
+        return
+
+    def say_while_running(error: Exception, item: object) -> None:
+        """Say an error of a pool that goes on."""
+        if not ended.is_set():
+            say(error, item)
+
+    queue._on_queue_feeder_error = say_while_running
 
 
 def end_with_parent() -> None:
