@@ -35,7 +35,7 @@ from pushpressslide.mechanics.rho import rho_pole
 from pushpressslide.mechanics.top import inside_top
 from pushpressslide.mechanics.virtual_axle import sliding
 from pushpressslide.modes import MODES
-from pushpressslide.modes.base import Allocator, Mode
+from pushpressslide.modes.base import Allocator, Measured, Mode
 from pushpressslide.planar.engine import run
 from pushpressslide.planning.pressed.vehicle import press_of
 from pushpressslide.report.metrics import result
@@ -593,7 +593,11 @@ def test_a_new_plan_from_the_planned_start_and_contacts_is_no_longer_than_the_ol
         touched = tuple(c.point for c in choice.contacts)
         segments = made.segments
         length = segments[0].path.length
-        fresh = mode.replan(made.task, segments, X_WB, touched, 1.01 * length)
+        fresh = mode.replan(
+            made.task,
+            segments,
+            Measured.touching(X_WB, segments[0].contacts, touched, 1.01 * length),
+        )
         assert len(fresh) == len(segments)
         assert fresh[0].path.length <= 1.01 * length
         # a manoeuvre may choose new places between its turns
@@ -601,9 +605,20 @@ def test_a_new_plan_from_the_planned_start_and_contacts_is_no_longer_than_the_ol
             reached = made.object_pose(segment, segment.path.length)
             assert math.dist(reached.position, segment.goal.position) < 1e-7
         assert math.dist(fresh[-1].goal.position, made.goal.position) < 1e-7
-        short = mode.replan(made.task, segments, X_WB, touched, 0.5 * length)
+        short = mode.replan(
+            made.task,
+            segments,
+            Measured.touching(X_WB, segments[0].contacts, touched, 0.5 * length),
+        )
         assert not short or short[0].path.length <= 0.5 * length
-        assert mode.replan(made.task, segments, X_WB, touched, 0.05 * length) == ()
+        assert (
+            mode.replan(
+                made.task,
+                segments,
+                Measured.touching(X_WB, segments[0].contacts, touched, 0.05 * length),
+            )
+            == ()
+        )
 
 
 def test_a_wrench_of_one_contact_has_the_moment_of_its_force() -> None:

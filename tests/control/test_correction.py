@@ -13,6 +13,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Belief, Box, Obstacle, Robot, Task
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.modes import MODES
+from pushpressslide.modes.base import Measured
 
 HANDS = (Robot("hand", (0.0, 0.0, 0.0)),)
 TASK = replace(pps.load_task("rear-push-rear"), robots=HANDS, obstacles=())
@@ -25,7 +26,10 @@ OFF = SEGMENT.body_pose(0.0).compose(Pose2(0.002, 0.003, 0.02))
 
 def replanned(task: Task, plan: Plan = PLAN):
     longest = 1.3 * plan.segments[0].path.length
-    return Replanner(task).replan(plan.segments, OFF, TOUCHED, longest)
+    return Replanner(task).replan(
+        plan.segments,
+        Measured.touching(OFF, plan.segments[0].contacts, TOUCHED, longest),
+    )
 
 
 def test_a_free_path_is_replanned_from_where_the_object_is() -> None:
@@ -55,7 +59,13 @@ def test_a_replan_that_leaves_the_workspace_is_refused() -> None:
 
 
 def test_a_longer_path_than_allowed_is_refused() -> None:
-    assert Replanner(TASK).replan(PLAN.segments, OFF, TOUCHED, 0.5 * LENGTH) == ()
+    assert (
+        Replanner(TASK).replan(
+            PLAN.segments,
+            Measured.touching(OFF, PLAN.segments[0].contacts, TOUCHED, 0.5 * LENGTH),
+        )
+        == ()
+    )
 
 
 def test_another_attempt_is_free_too_and_keeps_its_leg() -> None:
@@ -64,7 +74,9 @@ def test_another_attempt_is_free_too_and_keeps_its_leg() -> None:
     segment = replace(made.segments[0], leg=0)
     touched = tuple(contact.point for contact in segment.contacts)
     X_WB = segment.body_pose(0.0)
-    (retried,) = Replanner(task).again(segment, X_WB, touched)
+    (retried,) = Replanner(task).again(
+        segment, Measured.touching(X_WB, segment.contacts, touched)
+    )
     assert retried.leg == segment.leg
     length = retried.path.length
     assert made.object_pose(retried, length).position == pytest.approx(
@@ -74,7 +86,12 @@ def test_another_attempt_is_free_too_and_keeps_its_leg() -> None:
         "post", Box((0.03, 0.03, 0.1)), made.object_pose(retried, 0.5 * length)
     )
     blocked = replace(task, obstacles=(post,))
-    assert Replanner(blocked).again(segment, X_WB, touched) == ()
+    assert (
+        Replanner(blocked).again(
+            segment, Measured.touching(X_WB, segment.contacts, touched)
+        )
+        == ()
+    )
 
 
 def guidance(progress: float, across: float) -> Guidance:
@@ -131,7 +148,9 @@ def test_a_replan_that_would_tip_into_an_opening_is_refused() -> None:
     for opening, free in ((task.support.opening, True), (below, False)):
         support = replace(task.support, opening=opening)
         replanner = Replanner(replace(task, support=support))
-        fresh = replanner.replan(to_opening, X_WB, touched, 1.0)
+        fresh = replanner.replan(
+            to_opening, Measured.touching(X_WB, to_opening[0].contacts, touched, 1.0)
+        )
         assert bool(fresh) == free
 
 
@@ -151,7 +170,7 @@ def test_a_replan_keeps_a_tool_straight_that_is_not_askew_already(
     moved = shift.compose(goal.inverse()).compose(rest.path.start)
     fresh = rest.follows(replace(rest.path, start=moved))
     monkeypatch.setattr(MODES[segment.mode], "replan", lambda *_: (fresh,))
-    replanned = Replanner(task).replan((rest,), Pose2(), (), 1.0)
+    replanned = Replanner(task).replan((rest,), Measured(Pose2(), rest.contacts, 1.0))
     assert bool(replanned) == free
 
 

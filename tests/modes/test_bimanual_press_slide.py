@@ -19,6 +19,7 @@ from pushpressslide.core.wrench import Twist
 from pushpressslide.jobs.sampling import random_task, varied_task
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 from pushpressslide.mechanics.pressure import center_of_pressure
+from pushpressslide.modes.base import Measured
 from pushpressslide.modes.bimanual_press_slide import MODE
 from pushpressslide.planar.engine import run as run_planar
 from pushpressslide.report.metrics import result
@@ -301,16 +302,43 @@ def test_a_plan_made_anew_leads_from_the_true_pose_and_contacts_to_the_goal() ->
     made = pps.plan(task, best(task))
     X_WB = Pose2(0.56, 0.01, 0.05)
     touched = ((0.003, 0.118), (-0.002, -0.123))
-    (fresh,) = MODE.replan(task, made.segments, X_WB, touched, 1.0)
+    (fresh,) = MODE.replan(
+        task,
+        made.segments,
+        Measured.touching(X_WB, made.segments[0].contacts, touched, 1.0),
+    )
     assert tuple(c.point for c in fresh.contacts) == touched
     assert made.object_pose(fresh, 0.0) == X_WB
     length = fresh.path.length
     goal = made.object_pose(fresh, length)
     assert math.dist(goal.position, task.goal.position) < 1e-9
-    assert MODE.replan(task, made.segments, X_WB, touched, 0.5 * length) == ()
-    assert MODE.replan(task, made.segments, task.goal, touched, 1.0) == ()
+    assert (
+        MODE.replan(
+            task,
+            made.segments,
+            Measured.touching(X_WB, made.segments[0].contacts, touched, 0.5 * length),
+        )
+        == ()
+    )
+    assert (
+        MODE.replan(
+            task,
+            made.segments,
+            Measured.touching(task.goal, made.segments[0].contacts, touched, 1.0),
+        )
+        == ()
+    )
     beyond = task.goal.compose(Pose2(0.004, 0.0, 0.0))
-    assert len(MODE.again(task, made.segments[0], beyond, touched)) == 1
+    assert (
+        len(
+            MODE.again(
+                task,
+                made.segments[0],
+                Measured.touching(beyond, made.segments[0].contacts, touched),
+            )
+        )
+        == 1
+    )
 
 
 @cache

@@ -14,6 +14,7 @@ from pushpressslide.core.task import Box, Cylinder, ObjectModel, Robot, Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.mechanics.friction import cone_margin
 from pushpressslide.modes import MODES
+from pushpressslide.modes.base import Measured
 from pushpressslide.planar.engine import run
 from pushpressslide.report.metrics import result
 from pushpressslide.rom.drives import CarDrive
@@ -169,7 +170,11 @@ def test_a_plan_made_anew_starts_where_the_object_is_and_ends_at_the_goal(
     X_WB = task.start.compose(Pose2(0.004, -0.005, 0.03))
     touched = tuple((c.point[0], c.point[1] + 0.004) for c in made.contacts)
     length = made.segments[0].path.length
-    (fresh,) = MODE.replan(task, made.segments, X_WB, touched, 1.2 * length)
+    (fresh,) = MODE.replan(
+        task,
+        made.segments,
+        Measured.touching(X_WB, made.segments[0].contacts, touched, 1.2 * length),
+    )
     assert [c.point for c in fresh.contacts] == list(touched)
     for s, wanted in ((0.0, X_WB), (fresh.path.length, task.goal)):
         pose = made.object_pose(fresh, s)
@@ -177,4 +182,11 @@ def test_a_plan_made_anew_starts_where_the_object_is_and_ends_at_the_goal(
         assert math.remainder(pose.yaw - wanted.yaw, 2.0 * math.pi) == pytest.approx(
             0.0, abs=1e-9
         )
-    assert MODE.replan(task, made.segments, X_WB, touched, 0.5 * length) == ()
+    assert (
+        MODE.replan(
+            task,
+            made.segments,
+            Measured.touching(X_WB, made.segments[0].contacts, touched, 0.5 * length),
+        )
+        == ()
+    )

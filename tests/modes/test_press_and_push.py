@@ -24,6 +24,7 @@ from pushpressslide.core.task import (
 )
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.jobs.sampling import varied_task
+from pushpressslide.modes.base import Measured
 from pushpressslide.modes.press_and_push import MODE
 from pushpressslide.planar.engine import run as run_planar
 from pushpressslide.planning import levers
@@ -241,13 +242,24 @@ def test_a_plan_made_anew_keeps_to_where_the_tips_truly_are() -> None:
     press, push = (contact.point for contact in made.contacts)
     touched = ((press[0] + 0.004, press[1] - 0.003), (push[0], push[1] + 0.005))
     X_WB = Pose2(0.503, 0.004, 0.1)
-    (fresh,) = MODE.replan(task, made.segments, X_WB, touched, 1.0)
+    (fresh,) = MODE.replan(
+        task,
+        made.segments,
+        Measured.touching(X_WB, made.segments[0].contacts, touched, 1.0),
+    )
     assert tuple(contact.point for contact in fresh.contacts) == touched
     assert fresh.X_BV.position == touched[0]
     length = fresh.path.length
     goal = made.object_pose(fresh, length)
     assert math.dist(goal.position, task.goal.position) < 1e-9
-    assert MODE.replan(task, made.segments, X_WB, touched, 0.5 * length) == ()
+    assert (
+        MODE.replan(
+            task,
+            made.segments,
+            Measured.touching(X_WB, made.segments[0].contacts, touched, 0.5 * length),
+        )
+        == ()
+    )
 
 
 def test_a_push_cannot_turn_the_object_back() -> None:
@@ -256,9 +268,19 @@ def test_a_push_cannot_turn_the_object_back() -> None:
     contacts = tuple(contact.point for contact in made.contacts)
     (segment,) = made.segments
     beyond = turned(task.start, CORNER, 50.0)
-    assert MODE.again(task, segment, beyond, contacts) == ()
+    assert (
+        MODE.again(task, segment, Measured.touching(beyond, segment.contacts, contacts))
+        == ()
+    )
     short = turned(task.start, CORNER, 43.0)
-    assert len(MODE.again(task, segment, short, contacts)) == 1
+    assert (
+        len(
+            MODE.again(
+                task, segment, Measured.touching(short, segment.contacts, contacts)
+            )
+        )
+        == 1
+    )
 
 
 @pytest.mark.long

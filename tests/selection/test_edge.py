@@ -18,6 +18,7 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.geometry.shapes import Box, Cylinder, Prism
+from pushpressslide.modes.base import Measured
 from pushpressslide.planning.swept import swept
 from pushpressslide.selection.edge import edge_refusal
 from pushpressslide.selection.select import select
@@ -160,9 +161,13 @@ def test_a_plan_made_on_the_way_stays_on_the_table() -> None:
     touched = tuple(contact.point for contact in segment.contacts)
     X_WB = segment.body_pose(0.0)
     cut = ((0.2, -0.4), (0.6, -0.4), (0.6, 0.4), (0.2, 0.4))
-    assert Replanner(part).replan(made.segments, X_WB, touched, 1.0)
+    assert Replanner(part).replan(
+        made.segments, Measured.touching(X_WB, made.segments[0].contacts, touched, 1.0)
+    )
     short = replace(part, support=replace(part.support, region=cut))
-    assert not Replanner(short).replan(made.segments, X_WB, touched, 1.0)
+    assert not Replanner(short).replan(
+        made.segments, Measured.touching(X_WB, made.segments[0].contacts, touched, 1.0)
+    )
 
 
 def test_the_task_comes_back_from_its_file() -> None:

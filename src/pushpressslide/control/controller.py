@@ -73,6 +73,7 @@ from pushpressslide.execution.normal_force import NormalForceRegulator, NormalFo
 from pushpressslide.identification.center import CenterIdentifier, CenterState
 from pushpressslide.identification.online import AxleState
 from pushpressslide.modes import MODES
+from pushpressslide.modes.base import Measured
 from pushpressslide.planning.side_contacts import room_before
 from pushpressslide.planning.workspace import poses_along
 
@@ -380,8 +381,9 @@ class Controller:
         )
         touched = state.binding.touched(X_WB, measurement.tips)
         found = findings(state)
+        measured = Measured.touching(X_WB, rest.contacts, touched, longest, found)
         fresh = self.replanner.believing(state.rho).replan(
-            (rest, *state.ahead), X_WB, touched, longest, found
+            (rest, *state.ahead), measured
         )
         moving = begin(state, "move", measurement)
         if fresh:
@@ -726,7 +728,10 @@ class Controller:
         segment = state.binding.segment
         touched = state.binding.touched(X_WB, measurement.tips)
         replanner = self.replanner.believing(state.rho)
-        fresh = replanner.again(segment, X_WB, touched, findings(state))
+        measured = Measured.touching(
+            X_WB, segment.contacts, touched, findings=findings(state)
+        )
+        fresh = replanner.again(segment, measured)
         return fresh if self._can_follow(fresh, measurement.time) else ()
 
     def _can_follow(self, segments: Sequence[Segment], time: float) -> bool:
@@ -779,14 +784,18 @@ class Controller:
         mode = MODES[planned.mode]
         # the axle is that of the segment before
         found = findings(state._replace(identifier=None))
-        fresh = replanner.replan(ahead, X_WB, touched, longest, found)
+        measured = Measured.touching(X_WB, planned.contacts, touched, longest, found)
+        fresh = replanner.replan(ahead, measured)
         center = found.center if fresh else state.followed_center
         fresh = fresh or ahead
         retries = state.retries
         if not state.ahead:
             retries += 1
         elif retries < RETRIES and mode.misses(part, fresh, X_WB):
-            anew = replanner.again(fresh[-1], X_WB, touched, found)
+            beyond = Measured.touching(
+                X_WB, fresh[-1].contacts, touched, findings=found
+            )
+            anew = replanner.again(fresh[-1], beyond)
             if anew and self._can_follow(anew, time):
                 fresh = anew
                 center = found.center

@@ -19,6 +19,7 @@ from pushpressslide.geometry.sides import Side
 from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import Identified
 from pushpressslide.modes import MODES
+from pushpressslide.modes.base import Measured
 from pushpressslide.planning.swept import swept
 from pushpressslide.planning.workspace import poses_along, workspace_refusal
 from pushpressslide.selection.clearance import obstacle_refusal
@@ -55,38 +56,25 @@ class Replanner:
         return Replanner(task)
 
     def replan(
-        self,
-        segments: Sequence[Segment],
-        X_WB: Pose2,
-        touched: Sequence[Point],
-        longest: float,
-        findings: Findings = NOTHING,
+        self, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
         """Return ``segments`` replanned from where object and contacts really are.
 
-        None are returned if the new path takes more than ``longest`` [m], or is not
-        free.
+        None are returned if the new path is longer than what was ``measured`` allows, or
+        is not free.
         """
         first = segments[0]
         part = self._parts[first.leg]
-        fresh = MODES[first.mode].replan(
-            part, segments, X_WB, touched, longest, findings
-        )
+        fresh = MODES[first.mode].replan(part, segments, measured)
         return fresh if _free(part, fresh) else ()
 
-    def again(
-        self,
-        segment: Segment,
-        X_WB: Pose2,
-        touched: Sequence[Point],
-        findings: Findings = NOTHING,
-    ) -> tuple[Segment, ...]:
+    def again(self, segment: Segment, measured: Measured) -> tuple[Segment, ...]:
         """Return the segments of another attempt at a segment's goal; empty if there is
         none.
         """
         part = self._parts[segment.leg]
         mode = MODES[segment.mode]
-        made = mode.again(part, segment, X_WB, touched, findings)
+        made = mode.again(part, segment, measured)
         fresh = tuple(replace(piece, leg=segment.leg) for piece in made)
         return fresh if _free(part, fresh) else ()
 
@@ -122,7 +110,9 @@ class Replanner:
             longest += 2.0 * moved
         rest = (rest_of(followed, guidance.progress), *segments[1:])
         replanner = self.believing(findings.rho)
-        fresh = replanner.replan(rest, X_WB, touched, longest, findings)
+        planned = followed.contacts
+        measured = Measured.touching(X_WB, planned, touched, longest, findings)
+        fresh = replanner.replan(rest, measured)
         if not fresh:
             return None
         return _at_speed(fresh, followed.profile)

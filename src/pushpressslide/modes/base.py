@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from heapq import heapify, heappop, heappush
 from itertools import count
-from typing import ClassVar, NamedTuple, Protocol
+from typing import ClassVar, NamedTuple, Protocol, Self
 
 from pushpressslide.core import margins
 from pushpressslide.core.allocation import Allocation
@@ -82,8 +82,26 @@ class Measured:
 
     X_WB: Pose2
     contacts: tuple[Contact, ...]  # where they really are
-    longest: float  # [m] that the way may be
+    longest: float = math.inf  # [m] that the way may be
     findings: Findings = NOTHING  # what was identified on the way
+
+    @classmethod
+    def touching(
+        cls,
+        X_WB: Pose2,
+        planned: Sequence[Contact],
+        touched: Sequence[Point],
+        longest: float = math.inf,
+        findings: Findings = NOTHING,
+    ) -> Self:
+        """What was measured where the tips of ``planned`` contacts touch the object at
+        the points ``touched`` [m] in B.
+        """
+        contacts = tuple(
+            replace(contact, point=point)
+            for contact, point in zip(planned, touched, strict=True)
+        )
+        return cls(X_WB, contacts, longest, findings)
 
 
 class Course(NamedTuple):
@@ -186,26 +204,6 @@ class Mode(ABC):
         """
 
     def replan(
-        self,
-        task: Task,
-        segments: Sequence[Segment],
-        X_WB: Pose2,
-        touched: Sequence[Point],
-        longest: float,
-        findings: Findings = NOTHING,
-    ) -> tuple[Segment, ...]:
-        """Return ``segments`` replanned from where object and contacts (points in B
-        [m]) really are; none if that takes more than ``longest`` [m]. ``findings``:
-        what was identified on the way.
-        """
-        contacts = tuple(
-            replace(contact, point=point)
-            for contact, point in zip(segments[0].contacts, touched, strict=True)
-        )
-        measured = Measured(X_WB, contacts, longest, findings)
-        return self.onward(task, segments, measured)
-
-    def onward(
         self, task: Task, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
         """Return ``segments`` with the first one on its course from what was
@@ -219,17 +217,12 @@ class Mode(ABC):
         return (led.follows(course.path), *others)
 
     def again(
-        self,
-        task: Task,
-        segment: Segment,
-        X_WB: Pose2,
-        touched: Sequence[Point],
-        findings: Findings = NOTHING,
+        self, task: Task, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
-        """Return the segments of another attempt at the goal, with the same contacts,
-        from ``X_WB`` near it; none where the mode cannot go back.
+        """The segments of another attempt at the goal, with the same contacts, from near
+        it; none where the mode cannot go back.
         """
-        return self.replan(task, (segment,), X_WB, touched, math.inf, findings)
+        return self.replan(task, (segment,), measured)
 
     def misses(self, task: Task, segments: Sequence[Segment], X_WB: Pose2) -> bool:
         """Whether ``segments``, led on from ``X_WB``, do not lead to the goal, so that

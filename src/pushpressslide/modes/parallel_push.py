@@ -20,11 +20,10 @@ from pushpressslide.allocation.twist_cone import TwistCone
 from pushpressslide.core import margins
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice, Contact, Segment
-from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal, literal, refusal_of
 from pushpressslide.core.task import Motion, Task, Vehicle
 from pushpressslide.core.wrench import Twist
-from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.mechanics.push_surface import push_surface
 from pushpressslide.modes.base import Allocator, Course, Draft, Measured, Tracker
@@ -216,19 +215,14 @@ class ParallelPush(TwistPushes):
         return parallel_push_allocator(points, contacts[0].normal, friction, rho)
 
     def again(
-        self,
-        task: Task,
-        segment: Segment,
-        X_WB: Pose2,
-        touched: Sequence[Point],
-        findings: Findings = NOTHING,
+        self, task: Task, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
         """Return the segment for what is left; none where that is not within the cone,
         or for a car, which does not go back.
         """
         if isinstance(segment.drive, CarDrive):
             return ()
-        return super().again(task, segment, X_WB, touched, findings)
+        return super().again(task, segment, measured)
 
     def course(self, task: Task, segment: Segment, measured: Measured) -> Course | None:
         """Return the course by the true contacts; how the object moves is believed as

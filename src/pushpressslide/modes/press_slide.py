@@ -25,7 +25,7 @@ from pushpressslide.core.refusal import RefusedError
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.identification.center import CenterIdentifier, doubt
-from pushpressslide.identification.findings import NOTHING, Findings, dragged_friction
+from pushpressslide.identification.findings import dragged_friction
 from pushpressslide.identification.online import (
     OFF,
     OFF_RHO,
@@ -248,23 +248,18 @@ class PressSlide(Mode):
         )
 
     def again(
-        self,
-        task: Task,
-        segment: Segment,
-        X_WB: Pose2,
-        touched: Sequence[Point],
-        findings: Findings = NOTHING,
+        self, task: Task, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
         """Return segments that go back and then to the goal; none for a turn on the
         spot, or where the object would tip.
         """
-        contact = replace(segment.contacts[0], point=touched[0])
-        measured = Measured(X_WB, (contact,), math.inf, findings)
-        task = dragged(task, contact, findings.drag)
-        if findings.center != ORIGIN:
+        (contact,) = measured.contacts
+        center = measured.findings.center
+        task = dragged(task, contact, measured.findings.drag)
+        if center != ORIGIN:
             there = _seen_from(task, (segment,), measured)
             made = self._again(there.task, there.segments[0], there.measured)
-            return _shifted(made, findings.center)
+            return _shifted(made, center)
         return self._again(task, segment, measured)
 
     def _again(
@@ -283,14 +278,14 @@ class PressSlide(Mode):
                 return choice.segments
         return self._manoeuvre(here, here.goal, measured)
 
-    def onward(
+    def replan(
         self, task: Task, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
         """Return ``segments`` led on: the first one, or all turns of a manoeuvre."""
         center = measured.findings.center
         if center != ORIGIN:
             there = _seen_from(task, segments, measured)
-            return _shifted(self.onward(*there), center)
+            return _shifted(self.replan(*there), center)
         (contact,) = measured.contacts
         if contact.point == ORIGIN:
             return ()
@@ -304,7 +299,7 @@ class PressSlide(Mode):
             mine, others = _of_first_leg(segments)
             turns = turns_onward(task, mine, measured.X_WB, contact)
             return (*turns, *others) if turns[0].path.length <= measured.longest else ()
-        return super().onward(task, segments, measured)
+        return super().replan(task, segments, measured)
 
     def misses(self, task: Task, segments: Sequence[Segment], X_WB: Pose2) -> bool:
         """Whether the turns of a manoeuvre end too far from its run-in."""

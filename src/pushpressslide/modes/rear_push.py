@@ -13,11 +13,10 @@ from pushpressslide.allocation.one_contact import Allocator, one_contact_allocat
 from pushpressslide.core import margins
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice, Contact, Segment
-from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.pose import Point
 from pushpressslide.core.scene import Scene
 from pushpressslide.core.task import Task
 from pushpressslide.identification.center import CenterIdentifier, doubt
-from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import (
     OFF_RHO,
     AxleIdentifier,
@@ -206,12 +205,7 @@ class RearPush(Mode):
         return one_contact_allocator(point, contact.normal, friction, rho)
 
     def again(
-        self,
-        task: Task,
-        segment: Segment,
-        X_WB: Pose2,
-        touched: Sequence[Point],
-        findings: Findings = NOTHING,
+        self, task: Task, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
         """Return nothing: a push does not go back."""
         return ()
