@@ -118,8 +118,8 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
         "finite number",
     ),
     "number for a bool": (
-        put("motion.joint_tracking", 1),
-        "motion.joint_tracking:",
+        put("obstacles", [{**post(0.5, 0.5), "movable": 1}]),
+        "obstacles[0].movable:",
         "true or false",
     ),
     "null for a number": (put("start.x", None), "start.x:", "finite number"),

@@ -9,6 +9,7 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.control.controller import Controller
+from pushpressslide.control.execution import USUAL
 from pushpressslide.control.state import bind, joint_progress
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.task import Robot
@@ -33,7 +34,7 @@ def test_a_turn_on_the_spot_that_goes_on_as_arcs_keeps_its_place_by_the_yaw(
     assert isinstance(turn.path, ArcPath)
     # its lengths are those of another point
     assert not math.isclose(turn.path.length, planned.path.length, rel_tol=0.1)
-    led = state._replace(binding=bind(task, turn), X_WB=X_WB)
+    led = state._replace(binding=bind(task, turn, USUAL.tracker(task, turn)), X_WB=X_WB)
     assert joint_progress(led) == pytest.approx(
         share * planned.path.length, abs=1e-6 * planned.path.length
     )

@@ -15,6 +15,7 @@ import pytest
 import pushpressslide as pps
 from pushpressslide.control import run_loop as module
 from pushpressslide.control.approach import TRAVEL_SPEED
+from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.limits import (
     MEAN_TIME,
     POSITION_MARGIN,
@@ -145,6 +146,7 @@ class Script:
         number: int = 0,
         gap: float | None = None,
         back: float = math.inf,
+        execution: Execution = USUAL,
     ) -> None:
         self.back = back
         self.halts: list[float] = []

@@ -7,6 +7,7 @@ import sys
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.control.execution import USUAL
 from pushpressslide.control.state import bind
 from pushpressslide.core.pose import Pose2
 
@@ -38,7 +39,7 @@ def test_track_and_allocate_enter_at_most_forty_functions(
     plan = pps.plan(task)
     (segment,) = plan.segments
     path = segment.path
-    binding = bind(task, segment)
+    binding = bind(task, segment, USUAL.tracker(task, segment))
     s = 0.3 * path.length
     X_WV = path.pose(s).compose(Pose2(0.0, off, 10.0 * off))
     X_WB = X_WV.compose(segment.X_BV.inverse())

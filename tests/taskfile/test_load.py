@@ -130,7 +130,6 @@ def task_dicts(draw: st.DrawFn) -> dict[str, Any]:
         "sensing": {"yaw_noise_deg": draw(reals(0, 45)), "delay": draw(reals(0, 1))},
         "motion": {
             "speed": draw(reals(1e-4, 0.2)),
-            "joint_tracking": draw(st.booleans()),
         },
     }
 

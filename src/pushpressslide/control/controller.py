@@ -27,6 +27,7 @@ from pushpressslide.control.correction import (
     touched_points,
 )
 from pushpressslide.control.entry import HOLD_TIME, SEAT_TIME, entry
+from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.state import (
     Binding,
     ControllerState,
@@ -107,13 +108,16 @@ class Controller:
         number: int = 0,
         gap: float | None = None,
         back: float = math.inf,
+        execution: Execution = USUAL,
     ) -> None:
         """Prepare everything that does not change from tick to tick.
 
         ``number`` is the placement's index in the plan; ``gap`` [m] is the free path
         that the approach leaves before the touch (default: as the task asks for);
-        ``back`` [m] is how far the tips can be drawn back from the end.
+        ``back`` [m] is how far the tips can be drawn back from the end; ``execution``
+        may change the laws.
         """
+        self.execution = execution
         self.back = min(margins.ARM.retreat, back)
         placements = plan.placements
         self.segments = placements[number]
@@ -149,9 +153,9 @@ class Controller:
             for contact in first.contacts
         )
         # the servo and what adds to it; an experiment without them gives the force alone
-        self.drives_on = motion.velocity_servo and motion.force_gain is None
-        self.force_gain = motion.force_gain or (1.0 if motion.velocity_servo else 1.05)
-        damping = motion.servo_damping if motion.velocity_servo else 0.0
+        self.drives_on = execution.servo and execution.force_gain is None
+        self.force_gain = execution.gain
+        damping = motion.servo_damping if execution.servo else 0.0
         friction = task.contact_friction
         noise = task.sensing.force_noise
         self.pose_gain = pose_gain(task.sensing)
@@ -193,7 +197,7 @@ class Controller:
             "touch",
             measurement.time,
             tips,
-            bind(self.parts[first.leg], first),
+            self._bound(first),
             measurement.time,
             first,
             tuple(ahead),
@@ -416,7 +420,8 @@ class Controller:
         return MODES[segment.mode].center_identifier(part, segment, center)
 
     def _bound(self, segment: Segment) -> Binding:
-        return bind(self.parts[segment.leg], segment)
+        part = self.parts[segment.leg]
+        return bind(part, segment, self.execution.tracker(part, segment))
 
     def _move(
         self, state: ControllerState, measurement: Measurement, X_WB: Pose2
@@ -434,7 +439,7 @@ class Controller:
         contacts = binding.segment.contacts
         twist = guidance.twist
         tasks = self._tip_tasks(state, measurement, twist, allocation)
-        tracking = self.parts[state.segment.leg].motion.joint_tracking
+        tracking = self.execution.joint_stiffness > 0.0
         progress = joint_reference(state, measurement.time, tracking)
         moved = []
         for memory, contact, task in zip(state.tips, contacts, tasks, strict=True):

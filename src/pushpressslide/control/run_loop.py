@@ -27,6 +27,7 @@ from pushpressslide.control.approach import (
     tip_path,
 )
 from pushpressslide.control.controller import Controller
+from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.limits import ArmReading, Guard
 from pushpressslide.control.plant import Plant, Situation
 from pushpressslide.control.recording import Recorder, Tick
@@ -69,6 +70,8 @@ class RunOptions:
     # changes the controller's commands at a time [s] on their way to the guard and the
     # arms, until a limit is broken; the record keeps the commands as given
     disturb: Callable[[float, Commands], Commands] | None = None
+    # the laws, where an experiment changes them
+    execution: Execution = USUAL
     # that the run goes on from; None: the task's start, with the arms before the object
     begin: Situation | None = None
 
@@ -165,8 +168,13 @@ class RunLoop:
             self.options.seed,
             wall_time,
             plan,
-            {**self.plant.meta, "events": self.events},
+            {**self.plant.meta, **self._own_laws(), "events": self.events},
         )
+
+    def _own_laws(self) -> dict[str, str]:
+        """What a record says of laws that an experiment changed; else nothing."""
+        execution = self.options.execution
+        return {} if execution.as_usual else {"execution": repr(execution)}
 
     def _tick(self) -> tuple[Tick, Measurement]:
         """Pass one control period; return what came of it, and what was measured."""
@@ -259,7 +267,9 @@ class RunLoop:
         else:
             travel = tip_paths(placement, held, measurement)
             self.approach = TipApproach(task.start, travel, held, time)
-        self.controller = Controller(self.plan, self.number, gap, back)
+        self.controller = Controller(
+            self.plan, self.number, gap, back, self.options.execution
+        )
         self.state = None
 
     def _hand_over(self, tick: Tick, measurement: Measurement) -> None:

@@ -64,8 +64,10 @@ class Binding:
         return touched_points(self.segment.contacts, self.sides, X_WB, tips)
 
 
-def bind(task: Task, segment: Segment) -> Binding:
-    """Return the laws of a segment's mode for its contacts; ``task`` is its leg's."""
+def bind(task: Task, segment: Segment, tracker: Tracker) -> Binding:
+    """Return the laws of a segment's mode for its contacts, led by ``tracker``; ``task``
+    is its leg's.
+    """
     mode = MODES[segment.mode]
     contacts = segment.contacts
     tip_points = tuple(
@@ -75,7 +77,7 @@ def bind(task: Task, segment: Segment) -> Binding:
     allocate = mode.allocator_of(segment, task.contact_friction)
     return Binding(
         segment,
-        mode.tracker(task, segment),
+        tracker,
         allocate,
         tip_points,
         sides_of(task.object, contacts),

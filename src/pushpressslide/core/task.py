@@ -217,14 +217,6 @@ class Motion:
     servo_damping: float = setting(
         500.0, "damping of the contact velocity servo", "N s/m", "[0, 10000]"
     )
-    joint_stiffness: float = setting(
-        10.0, "stiffness of the joint-tracking term", "N m/rad", "[0, 1000]"
-    )
-    force_gain: float | None = setting(
-        None,
-        "factor on the feed-forward force; null: 1 with the servo, 1.05 without",
-        within="(0, 2]",
-    )
     contact_height: float | None = setting(
         None,
         "height of a side contact above the support, below the object's top; null: "
@@ -234,13 +226,6 @@ class Motion:
     )
     approach_distance: float = setting(
         0.05, "distance from the contact at which the touch begins", "m", "[0.005, 0.5]"
-    )
-    # felt at the tip (paper, sec. IV-A)
-    joint_tracking: bool = setting(
-        False, "whether a joint impedance about the planned joint path is added"
-    )
-    velocity_servo: bool = setting(
-        True, "whether a velocity servo is added to the feed-forward force"
     )
     recoveries: int = setting(
         3,
@@ -315,11 +300,6 @@ class Motion:
         "by the mode",
         "m",
         "(0, 1]",
-    )
-    fixed_target: bool = setting(
-        False,
-        "whether a pressed object is aligned with a target fixed beyond the goal, as "
-        "in the paper, instead of one that moves along the path",
     )
 
     def __post_init__(self) -> None:

@@ -173,10 +173,6 @@ def _pushed_car(plan: Plan) -> tuple[RearSteerDrive, ArcPath]:
         raise _refused("a push on a round side", "pushes on flat faces")
     if not task.scene.carried(task.goal) or any(task.scene.weight_along):
         raise _refused(f"a {task.support.kind} as support", "level supports")
-    if not task.motion.velocity_servo or task.motion.force_gain is not None:
-        raise _refused(
-            "motion.velocity_servo with a force_gain or off", "the servo alone"
-        )
     sensing = task.sensing
     poses = Sensing(position_noise=sensing.position_noise, yaw_noise=sensing.yaw_noise)
     if sensing != poses:

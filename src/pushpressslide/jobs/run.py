@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Choice, Plan
@@ -37,14 +38,15 @@ def simulate(
     models: str = "generated",
     monitor: Monitor | None = None,
     knock: Knock | None = None,
+    execution: Execution = USUAL,
 ) -> tuple[Plan, Record, list[Choice]]:
     """Select, plan and run, and return the plan, the record and all choices.
 
     Choices that were passed over say why. Where the engine has arms a choice must also
     have a joint path: the first that has one is run. ``force`` runs the best choice
     that has a path even where it was judged infeasible. ``knock``: another body pushes
-    the object aside, on an engine with arms. Raises InfeasibleTaskError where nothing
-    can do the task.
+    the object aside, on an engine with arms. ``execution`` may change the laws. Raises
+    InfeasibleTaskError where nothing can do the task.
     """
     monitor = monitor or Monitor()
     chosen = engine_named(engine)
@@ -56,7 +58,9 @@ def simulate(
     with monitor.held():
         record = chosen.run(
             plan,
-            RunOptions(seed, monitor.progress, monitor.interrupt or bool),
+            RunOptions(
+                seed, monitor.progress, monitor.interrupt or bool, execution=execution
+            ),
             ArmOptions(models, preparation.paths, monitor.live, knock=knock),
         )
     meta = {**record.meta, **solution.notes}
@@ -140,8 +144,10 @@ def run_task(
     models: str = "generated",
     out: Output | None = None,
     monitor: Monitor | None = None,
+    execution: Execution = USUAL,
 ) -> dict[str, Any]:
-    """Run ``task`` and return its result.
+    """Run ``task``, one of a single goal with another ``execution``, and return its
+    result.
 
     With ``out`` all files of the run are written there. Raises InfeasibleTaskError
     before anything moves where nothing can do the task, and Interrupted on Ctrl-C once
@@ -160,6 +166,7 @@ def run_task(
         force=force,
         models=models,
         monitor=replace(monitor or Monitor(), interrupt=interrupt),
+        execution=execution,
     )
     with interrupt.held():
         result = measure(task, plan, record)

@@ -177,11 +177,7 @@ class PressSlide(Mode):
         if isinstance(drive, SpinDrive):
             return PivotTracker(drive)
         assert isinstance(drive, SteeredDrive)
-        path = segment.path
-        assert isinstance(path, ArcPath)
-        fixed = path.end if task.motion.fixed_target else None
-        law = LookAheadAlignment(drive.look_ahead, math.inf, fixed)
-        return UnicycleTracker(law, drive)
+        return UnicycleTracker(LookAheadAlignment(drive.look_ahead, math.inf), drive)
 
     def allocator(
         self,

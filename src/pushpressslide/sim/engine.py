@@ -43,11 +43,14 @@ def run(
     motion = task.motion
     step = time_step or motion.time_step
     station = Station(plan, models=models, time_step=step, view=view, knock=knock)
-    begin = None if options is None else options.begin
+    options = options or RunOptions()
     spare = None
     if view is None and knock is None:  # neither can be handed over
         spare = partial(Station, plan, models=models, time_step=step, convex=True)
-    plant = DrakePlant(plan, station, paths, models, begin, spare)
+    stiffness = options.execution.joint_stiffness
+    plant = DrakePlant(
+        plan, station, paths, models, options.begin, spare, joint_stiffness=stiffness
+    )
     record = run_loop(plant, plan, options)
     clearance, pair = clearance_driven(record)
     driven: dict[str, Any] = {"clearance_driven": clearance, "clearance_pair": pair}

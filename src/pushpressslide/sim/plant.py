@@ -53,8 +53,18 @@ NO_POINT = [math.nan] * 3
 class DrivenArm:
     """One arm of the station: its model, its executor, and its joint path."""
 
-    def __init__(self, plan: Plan, index: int, station: Station, models: str) -> None:
-        """Find the arm ``index`` in the station's state."""
+    def __init__(
+        self,
+        plan: Plan,
+        index: int,
+        station: Station,
+        models: str,
+        joint_stiffness: float = 0.0,
+    ) -> None:
+        """Find the arm ``index`` in the station's state; ``joint_stiffness`` as of
+        ``DrakePlant``.
+        """
+        self._stiffness = joint_stiffness
         robot = plan.task.robots[index]
         self.model = ArmModel(robot, models=models)
         self.instance = station.scene.robots[index].model_instance
@@ -77,11 +87,7 @@ class DrivenArm:
 
     def follow(self, task: Task, path: JointPath, attitude: ToolAttitude) -> None:
         """Take ``path`` as the joint reference, with the tool held as in ``attitude``."""
-        motion = task.motion
         facts = self.model.instance.facts
-        stiffness = 0.0
-        if motion.joint_tracking:
-            stiffness = motion.joint_stiffness
         self.path = path
         self._executor = ArmExecutor(
             facts.lower,
@@ -90,8 +96,8 @@ class DrivenArm:
             facts.torque_rate_limit,
             attitude.rotation_at,
             path.tool_yaw_offset,
-            stiffness,
-            motion.control_period,
+            self._stiffness,
+            task.motion.control_period,
             task.support.frame,
         )
 
@@ -207,12 +213,14 @@ class DrakePlant:
         models: str,
         begin: Situation | None = None,
         spare: Callable[[], Station] | None = None,
+        joint_stiffness: float = 0.0,
     ) -> None:
         """Put the arms of ``station`` where the first of ``paths`` begins, or arms and
         bodies as ``begin`` has them.
 
         There is one set of joint paths for each placement. ``spare`` makes a station
-        that takes over where the solver of ``station`` does not converge.
+        that takes over where the solver of ``station`` does not converge;
+        ``joint_stiffness`` [N m/rad] is as of ``control.execution.Execution``.
         """
         task = plan.part(plan.segments[0])
         plant = station.plant
@@ -226,7 +234,8 @@ class DrakePlant:
         self._prepared = PlacementPaths()  # of what is ahead
         self._prepared.paths = list(paths[1:])
         self._arms = [
-            DrivenArm(plan, i, station, models) for i in range(len(task.robots))
+            DrivenArm(plan, i, station, models, joint_stiffness)
+            for i in range(len(task.robots))
         ]
         self._follow(task, paths[0], begin)
         if begin is not None:

@@ -17,6 +17,7 @@ from pushpressslide.selection.tool_use import tool_use
 from pushpressslide.taskfile.checks import MODELS, check, wall_faults
 from pushpressslide.taskfile.dump import dump_task, task_data
 from pushpressslide.taskfile.goals import check_goals, goals_faults
+from pushpressslide.taskfile.gone import without_gone
 from pushpressslide.taskfile.legs import inherited, leg_faults, legs_to
 from pushpressslide.taskfile.place import Fault, Place, nearest, refuse
 from pushpressslide.taskfile.schema import SCHEMA
@@ -110,7 +111,7 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
     Raises:
         TaskError: as :func:`load_task`.
     """
-    plain = _plain(data, Place(source))
+    plain = _plain(without_gone(data, source, ran=False), Place(source))
     folder = Path(source).parent
     refuse(source, shape_faults("object.shape", plain["object"]["shape"]))
     for i, body in enumerate(plain["obstacles"]):
@@ -144,7 +145,8 @@ def load_written_task(path: Path) -> Task:
         TaskError: for a file of another layout, or a mesh that is gone.
     """
     source = str(path)
-    plain = _plain(read_yaml(path), Place(source, bounded=False))
+    data = without_gone(read_yaml(path), source, ran=True)
+    plain = _plain(data, Place(source, bounded=False))
     refuse(source, shape_faults("object.shape", plain["object"]["shape"]))
     for i, body in enumerate(plain["obstacles"]):
         refuse(source, shape_faults(f"obstacles[{i}]", body))

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from pushpressslide.control.execution import USUAL, Execution
+
 
 class Verdict(StrEnum):
     """What became of a claim."""
@@ -35,6 +37,14 @@ class Variant:
     # by key of result.json
     paper: Mapping[str, PaperFigure] = field(default_factory=dict)
     why: str = ""  # what makes it come out so, in a line
+    execution: Execution = USUAL
+
+    @property
+    def laws(self) -> str | None:
+        """What an experiment's execution changes, as Python has it; None where it is
+        that of every run.
+        """
+        return None if self.execution.as_usual else repr(self.execution)
 
     @property
     def settings(self) -> tuple[str, ...]:

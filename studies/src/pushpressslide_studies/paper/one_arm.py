@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 
+from pushpressslide.control.execution import Execution
+from pushpressslide_studies.paper.execution import FixedTarget
 from pushpressslide_studies.paper.experiment import (
     Comparison,
     Experiment,
@@ -31,20 +33,16 @@ PATH = (
 SHIPPED = ("tolerance.position=0.015",)
 
 
-def _force(share: float, path: tuple[str, ...] = PATH) -> tuple[str, ...]:
-    """Overrides for the pushing force alone, ``share`` of what slides the object.
+SLOW = "limits.time=300"  # far above the paper's slow run of over 100 s
+JOINT_STIFFNESS = 10.0  # [N m/rad]
 
-    The time limit is far above the paper's slow run of over 100 s.
+
+def _force(share: float, joint_stiffness: float = 0.0) -> Execution:
+    """The pushing force alone, ``share`` of what slides the object, or with the joint
+    term.
     """
-    return (
-        *path,
-        "motion.velocity_servo=false",
-        f"motion.force_gain={share:g}",
-        "limits.time=300",
-    )
+    return Execution(False, share, joint_stiffness)
 
-
-JOINT_TERM = ("motion.joint_tracking=true", "motion.joint_stiffness=10")
 
 JOINT_TRACKING = Experiment(
     name="joint-tracking",
@@ -58,7 +56,7 @@ JOINT_TRACKING = Experiment(
             "force",
             "Force equal to friction, alone",
             "rear-push-rear",
-            _force(1.0),
+            (*PATH, SLOW),
             {
                 "motion_duration": PaperFigure(100.0, "over"),
                 "rms_position_error": PaperFigure(0.095),
@@ -67,12 +65,13 @@ JOINT_TRACKING = Experiment(
             },
             "The paper gives neither force, friction, path nor speed. Here the box "
             "falls behind its reference, then creeps to the goal.",
+            _force(1.0),
         ),
         Variant(
             "force-joint",
             "Force equal to friction, with the joint term",
             "rear-push-rear",
-            (*_force(1.0), *JOINT_TERM),
+            (*PATH, SLOW),
             {
                 "motion_duration": PaperFigure(30.0, "about"),
                 "rms_position_error": PaperFigure(0.085),
@@ -81,37 +80,50 @@ JOINT_TRACKING = Experiment(
             },
             "The paper gives neither path nor speed. A lagging object is pushed "
             "harder, so that it ends with its reference.",
+            _force(1.0, JOINT_STIFFNESS),
         ),
         Variant(
-            "less", "Force 3 % below friction, alone", "rear-push-rear", _force(0.97)
+            "less",
+            "Force 3 % below friction, alone",
+            "rear-push-rear",
+            (*PATH, SLOW),
+            execution=_force(0.97),
         ),
         Variant(
             "less-joint",
             "Force 3 % below friction, with the joint term",
             "rear-push-rear",
-            (*_force(0.97), *JOINT_TERM),
+            (*PATH, SLOW),
+            execution=_force(0.97, JOINT_STIFFNESS),
         ),
         Variant(
-            "more", "Force 3 % above friction, alone", "rear-push-rear", _force(1.03)
+            "more",
+            "Force 3 % above friction, alone",
+            "rear-push-rear",
+            (*PATH, SLOW),
+            execution=_force(1.03),
         ),
         Variant(
             "more-joint",
             "Force 3 % above friction, with the joint term",
             "rear-push-rear",
-            (*_force(1.03), *JOINT_TERM),
+            (*PATH, SLOW),
+            execution=_force(1.03, JOINT_STIFFNESS),
         ),
         Variant(
             "joint-shipped",
             "Force equal to friction, with the joint term, on the shipped path",
             "rear-push-rear",
-            (*_force(1.0, SHIPPED), *JOINT_TERM),
+            (*SHIPPED, SLOW),
+            execution=_force(1.0, JOINT_STIFFNESS),
         ),
         Variant("servo", "Velocity servo, the default", "rear-push-rear", PATH),
         Variant(
             "servo-joint",
             "Velocity servo, with the joint term",
             "rear-push-rear",
-            (*PATH, *JOINT_TERM),
+            PATH,
+            execution=Execution(joint_stiffness=JOINT_STIFFNESS),
         ),
     ),
     why=(
@@ -241,7 +253,7 @@ PRESS_SLIDE = Experiment(
             "fixed-target",
             "Target fixed beyond the goal",
             "press-slide",
-            ("motion.fixed_target=true",),
+            execution=FixedTarget(),
         ),
     ),
     why=(
@@ -284,10 +296,10 @@ IDENTIFIED_RHO = Experiment(
                 "goal.y=0.32",
                 "goal.yaw_deg=180",
                 "motion.speed=0.03",
-                "motion.fixed_target=true",
                 "motion.look_ahead=0.06",
                 "belief.rho=0.07",
             ),
+            execution=FixedTarget(),
         ),
     ),
     why=(

@@ -129,7 +129,13 @@ def run_variant(
     """
     try:
         task = load_task(variant.task, variant.settings)
-        result = run_task(task, engine=engine, seed=seed, out=Output(folder))
+        result = run_task(
+            task,
+            engine=engine,
+            seed=seed,
+            out=Output(folder),
+            execution=variant.execution,
+        )
     except PushPressSlideError as error:
         return Outcome(folder, None, str(error))
     if engine_named(engine).has_arms and variant.name in experiment.pictured:
@@ -160,6 +166,7 @@ def _summary(experiment: Experiment, evidence: Evidence) -> Mapping[str, Any]:
                 "variant": variant.name,
                 "task": variant.task,
                 "overrides": list(variant.settings),
+                "execution": variant.laws,
                 "paper": {key: figure.value for key, figure in variant.paper.items()},
                 "measured": measured,
                 "failure": outcome.failure or None,

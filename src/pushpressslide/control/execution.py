@@ -1,0 +1,43 @@
+"""How a plan is executed, beside what its task says: as usual, or for an experiment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pushpressslide.core.plan import Segment
+from pushpressslide.core.task import Task
+from pushpressslide.modes import MODES
+from pushpressslide.modes.base import Tracker
+
+FORCE_ALONE = 1.05  # times friction: of a push that nothing but its force drives
+
+
+@dataclass(frozen=True, slots=True)
+class Execution:
+    """The laws that an experiment may change; by default those of every run."""
+
+    servo: bool = True  # whether a velocity servo is added to the feed-forward force
+    # factor on that force; with a factor nothing but the servo is added to it
+    force_gain: float | None = None
+    # [N m/rad] of a joint impedance about the planned joint path, felt at the tip
+    # (paper, sec. IV-A); 0: none
+    joint_stiffness: float = 0.0
+
+    def tracker(self, task: Task, segment: Segment) -> Tracker:
+        """The tracking law of a segment of ``task``: its mode's own."""
+        return MODES[segment.mode].tracker(task, segment)
+
+    @property
+    def gain(self) -> float:
+        """Factor on the feed-forward force."""
+        if self.force_gain is not None:
+            return self.force_gain
+        return 1.0 if self.servo else FORCE_ALONE
+
+    @property
+    def as_usual(self) -> bool:
+        """Whether it is that of every run."""
+        return self == Execution()
+
+
+USUAL = Execution()

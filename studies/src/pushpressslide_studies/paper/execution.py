@@ -1,0 +1,31 @@
+"""The paper's own ways to execute a plan."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from pushpressslide.control.execution import Execution
+from pushpressslide.core.path import ArcPath
+from pushpressslide.core.plan import Segment
+from pushpressslide.core.task import Task
+from pushpressslide.modes.base import Tracker
+from pushpressslide.rom.drives import TurnDrive, UnicycleDrive
+from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
+from pushpressslide.tracking.unicycle import UnicycleTracker
+
+
+@dataclass(frozen=True, slots=True)
+class FixedTarget(Execution):
+    """Pressed objects are aligned with a target fixed beyond the goal, the paper's
+    literal reading, in place of one that moves along the path.
+    """
+
+    def tracker(self, task: Task, segment: Segment) -> Tracker:
+        """The tracking law of a segment of ``task``."""
+        drive = segment.drive
+        path = segment.path
+        if isinstance(drive, UnicycleDrive | TurnDrive) and isinstance(path, ArcPath):
+            law = LookAheadAlignment(drive.look_ahead, math.inf, path.end)
+            return UnicycleTracker(law, drive)
+        return Execution.tracker(self, task, segment)

@@ -1,0 +1,22 @@
+"""Laws of a run that an experiment changes."""
+
+import pushpressslide as pps
+from pushpressslide.control.execution import Execution
+from pushpressslide.control.run_loop import RunOptions
+from pushpressslide.planar.engine import run
+
+PLAN = pps.plan(pps.load_task("rear-push-rear", ["motion.recoveries=0"]))
+
+
+def test_the_record_says_what_was_changed_and_nothing_else() -> None:
+    usual = run(PLAN)
+    assert "execution" not in usual.meta
+    alone = run(PLAN, RunOptions(execution=Execution(servo=False, force_gain=1.03)))
+    assert "force_gain=1.03" in alone.meta["execution"]
+    assert alone.arrays["time"][-1] != usual.arrays["time"][-1]
+
+
+def test_a_force_alone_is_a_little_above_friction() -> None:
+    assert Execution().gain == 1.0
+    assert Execution(servo=False).gain > 1.0
+    assert Execution(force_gain=0.9).gain == 0.9
