@@ -15,8 +15,8 @@ from pushpressslide.robots.inverse import (
     solve_ik,
 )
 from pushpressslide.robots.kinematics import ArmKinematics
-from pushpressslide.robots.reach import reach_problem, reachable
-from pushpressslide.robots.tool import ToolAttitude
+from pushpressslide.robots.reach import held_somehow_problem, reachable
+from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 
 CONTACT = 0.04  # [m] height of the tip's centre above the table
 PLACES = np.array(
@@ -107,14 +107,16 @@ def test_reach_does_not_depend_on_where_the_base_looks(azimuth):
 
 @pytest.mark.parametrize("far", [0.6, 1.3])
 def test_a_line_is_refused_where_its_far_end_is_out_of_reach(far):
-    robot = Robot("panda", (0.0, 0.0, 0.0))
+    kin = ArmKinematics(load_facts("panda"))
     points = [(0.4 + (far - 0.4) * i / 9, 0.1, CONTACT) for i in range(10)]
-    assert (reach_problem(robot, points) is None) == (far < 0.8)
+    assert reachable(kin, points).ok.all() == (far < 0.8)
 
 
 def test_the_reach_problem_names_robot_and_point():
-    text = reach_problem(
-        Robot("iiwa7", (0.0, 0.0, 0.0)), [(0.6, 0.0, 0.1), (1.4, 0.2, 0.1)]
+    text = held_somehow_problem(
+        Robot("iiwa7", (0.0, 0.0, 0.0)),
+        [(0.6, 0.0, 0.1), (1.4, 0.2, 0.1)],
+        [(UPRIGHT, None)],
     )
     assert text is not None
     assert "iiwa7" in text

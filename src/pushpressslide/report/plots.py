@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +17,6 @@ from pushpressslide.core.plan import Plan, Segment
 from pushpressslide.core.record import Record
 from pushpressslide.core.scene import arm_title
 from pushpressslide.core.task import Robot
-from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report import series, style
 from pushpressslide.report.arm_metrics import robot_facts
 from pushpressslide.report.axle_figures import axle_over_time
@@ -55,14 +53,6 @@ def figures(plan: Plan, record: Record) -> dict[str, Figure]:
     made["torques"] = torques_figure(plan, record)
     made["speeds"] = speeds_figure(plan, record)
     return {name: figure for name, figure in made.items() if figure is not None}
-
-
-def write_plots(plan: Plan, record: Record, out: Path) -> list[Path]:
-    """Write every figure as a PNG into folder ``out``; return their paths."""
-    return [
-        write_whole(out / f"{name}.png", style.png(figure))
-        for name, figure in figures(plan, record).items()
-    ]
 
 
 def errors_figure(plan: Plan, record: Record) -> Figure:

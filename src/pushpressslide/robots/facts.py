@@ -156,11 +156,6 @@ class RobotFacts:
         return np.array([j.velocity for j in self.moving])
 
     @cached_property
-    def acceleration_limit(self) -> Array:
-        """Acceleration limits (n,) [rad/s^2] or [m/s^2]."""
-        return np.array([j.acceleration for j in self.moving])
-
-    @cached_property
     def effort_limit(self) -> Array:
         """Torque limits (n,) [N m], force limits [N] of slides."""
         return np.array([j.effort for j in self.moving])

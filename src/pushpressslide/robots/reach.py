@@ -127,30 +127,6 @@ def _reach(solution: IkSolution) -> Reach:
     )
 
 
-def reach_problem(
-    robot: Robot,
-    points: Sequence[tuple[float, float, float]],
-    attitude: ToolAttitude = UPRIGHT,
-    joint_margin: float = REACH_MARGIN,
-) -> str | None:
-    """Return why a robot cannot bring its tip's centre to all points [m], or None.
-
-    The answer is one line, for a tool that is held as given. Raises PushPressSlideError
-    for a model that cannot be read.
-    """
-    kin = arm_kinematics(robot)
-    found = reachable(
-        kin,
-        np.array(points, dtype=np.float64).reshape(-1, 3),
-        attitude,
-        None,
-        joint_margin,
-    )
-    if found.ok.all():
-        return None
-    return _problem(kin, robot, points, found, joint_margin)
-
-
 def held_somehow_problem(
     robot: Robot,
     points: Sequence[tuple[float, float, float]],

@@ -13,12 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.multibody.math import SpatialForce
 
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.support_frame import TABLE, SupportFrame
-from pushpressslide.core.wrench import Wrench
 
 
 def rigid_transform(
@@ -80,8 +78,3 @@ def transform_from_positions(q: NDArray[np.float64]) -> RigidTransform:
     return RigidTransform(
         RotationMatrix(Quaternion(q[:4] / np.linalg.norm(q[:4]))), q[4:7]
     )
-
-
-def spatial_force(wrench: Wrench) -> SpatialForce:
-    """Return a planar wrench, in world axes, as Drake's [moment; force]."""
-    return SpatialForce([0.0, 0.0, wrench.tau], [wrench.fx, wrench.fy, 0.0])
