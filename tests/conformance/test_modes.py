@@ -642,7 +642,7 @@ def toy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Mode]:
     source = inspect.getsource(
         importlib.import_module("pushpressslide.modes.rear_push")
     )
-    begin = source.index("class RearPush(Mode)")
+    begin = source.index("class RearPush(Mode")
     head = source[:begin]
     body = source[begin:].replace("RearSteerDrive", "NudgeDrive")
     source = f"{head}{OWN_DRIVE}\n\n{body}"

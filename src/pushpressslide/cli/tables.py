@@ -52,7 +52,7 @@ def _number(value: object, scale: float = 1.0, digits: int = 2) -> str:
     return f"{value * scale:.{digits}f}"
 
 
-def mode_rows(modes: Iterable[Mode]) -> list[dict[str, Any]]:
+def mode_rows(modes: Iterable[Mode[Any]]) -> list[dict[str, Any]]:
     """Return what the library says of each mode, as plain data."""
     return [
         {

@@ -96,6 +96,16 @@ class Segment:
         """Pose of the body frame in the vehicle frame."""
         return self.X_BV.inverse()
 
+    @property
+    def arcs(self) -> ArcPath:
+        """The path of a segment along arcs.
+
+        Raises TypeError for another kind of path.
+        """
+        if not isinstance(self.path, ArcPath):
+            raise TypeError(f"a segment of {self.mode} is not along arcs")
+        return self.path
+
     def same_placement(self, other: Segment) -> bool:
         """Return whether the same mode does both with the same contacts."""
         return self.mode == other.mode and same_places(self.contacts, other.contacts)

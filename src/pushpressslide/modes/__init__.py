@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from pushpressslide.modes.base import Mode
 
@@ -19,18 +19,18 @@ if TYPE_CHECKING:  # so that type checkers, too, find them as attributes
     from pushpressslide.modes import rear_push as rear_push
 
 
-def discovered() -> dict[str, Mode]:
+def discovered() -> dict[str, Mode[Any]]:
     """Return the modes of all files on this package's path, by name."""
-    modes: dict[str, Mode] = {}
+    modes: dict[str, Mode[Any]] = {}
     for info in pkgutil.iter_modules(__path__):
         if info.ispkg or info.name == "base":
             continue
-        mode: Mode = importlib.import_module(f"{__name__}.{info.name}").MODE
+        mode: Mode[Any] = importlib.import_module(f"{__name__}.{info.name}").MODE
         modes[mode.name] = mode
     return modes
 
 
-MODES: dict[str, Mode] = discovered()
+MODES: dict[str, Mode[Any]] = discovered()
 """Every mode by its name."""
 
 

@@ -12,7 +12,15 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from heapq import heapify, heappop, heappush
 from itertools import count
-from typing import ClassVar, NamedTuple, Protocol, Self
+from typing import (
+    ClassVar,
+    Generic,
+    NamedTuple,
+    Protocol,
+    Self,
+    TypeVar,
+    cast,
+)
 
 from pushpressslide.core import margins
 from pushpressslide.core.allocation import Allocation
@@ -43,6 +51,7 @@ CROSSING = Refusal("arms_cross", "the arms would cross")
 BOTH_CROSSING = replace(CROSSING, text=f"{CROSSING}, whichever takes which contact")
 
 Allocator = Callable[[float, float, float], Allocation]
+D = TypeVar("D", bound=Drive)
 
 
 class Tracker(Protocol):
@@ -112,8 +121,8 @@ class Course(NamedTuple):
     path: MotionPath
 
 
-class Mode(ABC):
-    """One contact topology."""
+class Mode(ABC, Generic[D]):
+    """One contact topology, whose segments have drives ``D``."""
 
     name: ClassVar[str]
     arms: ClassVar[int]
@@ -174,6 +183,18 @@ class Mode(ABC):
         stands against all of them; nothing where the mode makes ``choices`` itself.
         """
         return ()
+
+    def drive_of(self, segment: Segment) -> D:
+        """The drive of one of the mode's own segments.
+
+        Raises TypeError for a segment of another mode.
+        """
+        drive = segment.drive
+        if not isinstance(drive, self.drives):
+            raise TypeError(
+                f"{self.name}: {type(drive).__name__} is none of its drives"
+            )
+        return cast("D", drive)
 
     @abstractmethod
     def tracker(self, task: Task, segment: Segment) -> Tracker:

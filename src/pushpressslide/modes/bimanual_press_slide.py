@@ -50,7 +50,7 @@ from pushpressslide.tracking.carried import CarriedTracker
 from pushpressslide.tracking.eased import EasedTracker
 
 
-class BimanualPressSlide(Mode):
+class BimanualPressSlide(Mode[HeldDrive]):
     """Two arms press on top and slide the object."""
 
     name = "bimanual_press_slide"
@@ -164,8 +164,7 @@ class BimanualPressSlide(Mode):
 
     def tracker(self, task: Task, segment: Segment) -> EasedTracker:
         """Return the holonomic law for a segment, within what the contacts hold."""
-        drive = segment.drive
-        assert isinstance(drive, HeldDrive)
+        drive = self.drive_of(segment)
         decay = margins.ARM.quick * segment.profile.speed
         law = CarriedTracker(
             drive.X_BV, drive.surface, task.scene.weight_along, drive.lever, decay
@@ -187,8 +186,7 @@ class BimanualPressSlide(Mode):
 
     def course(self, task: Task, segment: Segment, measured: Measured) -> Course | None:
         """Return the course by one twist from the object's true pose and contacts."""
-        planned = segment.drive
-        assert isinstance(planned, HeldDrive)
+        planned = self.drive_of(segment)
         ends = ends_onward(task.object, segment, measured.X_WB, planned.X_BV)
         path = path_onward(ends, planned.radius, measured.longest)
         if path is None:

@@ -18,7 +18,6 @@ from math import atan
 from pushpressslide.allocation.parallel import parallel_push_allocator
 from pushpressslide.allocation.twist_cone import TwistCone
 from pushpressslide.core import margins
-from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal, literal, refusal_of
@@ -233,10 +232,8 @@ class ParallelPush(TwistPushes):
             return super().course(task, segment, measured)
         ends = ends_onward(task.object, segment, measured.X_WB, drive.X_BV)
         straight = run_ins(task.motion)
-        planned = segment.path
-        assert isinstance(planned, ArcPath)
         path = gentle_path(
-            ends, drive.curvature, measured.longest, straight, planned.turning
+            ends, drive.curvature, measured.longest, straight, segment.arcs.turning
         )
         return Course(measured.contacts, drive, path)
 

@@ -57,7 +57,7 @@ class _Turn:
     time: float  # [s] of the whole run
 
 
-class PressAndPush(Mode):
+class PressAndPush(Mode[PinnedDrive]):
     """One arm pins a point, the other turns the object about it."""
 
     name = "press_and_push"
@@ -174,8 +174,7 @@ class PressAndPush(Mode):
 
     def tracker(self, task: Task, segment: Segment) -> EasedTracker:
         """Return the holonomic law for a segment, within what the contacts hold."""
-        drive = segment.drive
-        assert isinstance(drive, PinnedDrive)
+        drive = self.drive_of(segment)
         decay = margins.ARM.quick * segment.profile.speed
         law = HolonomicTracker(drive.X_BV, drive.surface, decay)
         friction = task.scene.contact_friction
@@ -200,8 +199,7 @@ class PressAndPush(Mode):
         """Return the course by one twist about the pin as it is; None where the push
         would have to pull.
         """
-        planned = segment.drive
-        assert isinstance(planned, PinnedDrive)
+        planned = self.drive_of(segment)
         radius = planned.radius
         contacts = measured.contacts
         pin = contacts[0].point

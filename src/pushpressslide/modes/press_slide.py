@@ -18,7 +18,6 @@ from typing import NamedTuple
 
 from pushpressslide.allocation.one_press import one_press_allocator
 from pushpressslide.core import margins
-from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import RefusedError
@@ -86,7 +85,7 @@ from pushpressslide.tracking.unicycle import PivotTracker, UnicycleTracker
 RETRY_SWINGS = (1.0, 2.0, math.pi, math.inf)
 
 
-class PressSlide(Mode):
+class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     """One arm presses on top and slides the object."""
 
     name = "press_slide"
@@ -173,10 +172,9 @@ class PressSlide(Mode):
 
     def tracker(self, task: Task, segment: Segment) -> UnicycleTracker | PivotTracker:
         """Return the look-ahead law for a segment, or that of a turn on the spot."""
-        drive = segment.drive
+        drive = self.drive_of(segment)
         if isinstance(drive, SpinDrive):
             return PivotTracker(drive)
-        assert isinstance(drive, SteeredDrive)
         return UnicycleTracker(LookAheadAlignment(drive.look_ahead, math.inf), drive)
 
     def allocator(
@@ -196,8 +194,7 @@ class PressSlide(Mode):
 
     def identifier(self, task: Task, segment: Segment) -> AxleIdentifier:
         """Return what identifies the virtual axle on the way."""
-        drive = segment.drive
-        assert isinstance(drive, UnicycleDrive | TurnDrive | SpinDrive)
+        drive = self.drive_of(segment)
         car = drive.car
         predicted = Identified(
             car.axle, abs(car.effective_wheelbase), drive.max_friction
@@ -224,13 +221,12 @@ class PressSlide(Mode):
         None for a turn on the spot, for a press at the CoM, and where rho was told,
         which may be wrong by more than is allowed for.
         """
-        drive = segment.drive
+        drive = self.drive_of(segment)
         (contact,) = segment.contacts
         if isinstance(drive, SpinDrive) or contact.point == ORIGIN:
             return None
         if task.scene.rho is not None:
             return None
-        assert isinstance(drive, SteeredDrive)
         scene = task.scene
         car = drive.car
         reach = math.dist(drive.X_BV.position, car.cop)
@@ -261,10 +257,9 @@ class PressSlide(Mode):
     def _again(
         self, task: Task, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
-        drive = segment.drive
+        drive = self.drive_of(segment)
         if isinstance(drive, SpinDrive):
             return ()
-        assert isinstance(drive, SteeredDrive)
         X_WB = measured.X_WB
         here = replace(task, start=X_WB.compose(task.X_GB.inverse()))
         (contact,) = measured.contacts
@@ -342,12 +337,11 @@ class PressSlide(Mode):
     def course(self, task: Task, segment: Segment, measured: Measured) -> Course | None:
         """Return the course by the true contact, with the axle as it was seen to be."""
         (contact,) = measured.contacts
-        drive = segment.drive
+        drive = self.drive_of(segment)
         if isinstance(drive, TurnDrive):
             (segment,) = pressed_at(task, (segment,), contact)
-            drive = segment.drive
+            drive = self.drive_of(segment)
         cop = pressed_cop(contact.point, contact.load, task.scene.weight_on)
-        assert isinstance(drive, UnicycleDrive | TurnDrive | SpinDrive)
         car = replace(drive.car, contact=contact.point, cop=cop)
         if isinstance(drive, SpinDrive):
             X_BV = _pivot(drive, measured.findings.axle)
@@ -359,10 +353,8 @@ class PressSlide(Mode):
             car = replace(car, rho=task.scene.rho)
         steered = _steered_by(drive, car, measured.findings.axle)
         ends = ends_onward(task.object, segment, measured.X_WB, steered.X_BV)
-        planned = segment.path
-        assert isinstance(planned, ArcPath)
         path = steered_path(
-            task.object, ends, steered, measured.longest, planned.turning
+            task.object, ends, steered, measured.longest, segment.arcs.turning
         )
         return Course((contact,), steered, path)
 

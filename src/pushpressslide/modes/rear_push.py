@@ -11,7 +11,6 @@ from functools import partial
 
 from pushpressslide.allocation.one_contact import Allocator, one_contact_allocator
 from pushpressslide.core import margins
-from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point
 from pushpressslide.core.scene import Scene
@@ -46,7 +45,7 @@ from pushpressslide.tracking.rear_car import RearPushTracker
 from pushpressslide.tracking.rear_stanley import rear_stanley
 
 
-class RearPush(Mode):
+class RearPush(Mode[RearSteerDrive]):
     """One arm pushes a side face from behind."""
 
     name = "rear_push"
@@ -139,8 +138,7 @@ class RearPush(Mode):
 
     def tracker(self, task: Task, segment: Segment) -> RearPushTracker:
         """Return the rear Stanley law for a segment."""
-        drive = segment.drive
-        assert isinstance(drive, RearSteerDrive)
+        drive = self.drive_of(segment)
         car = drive.car
         low, high = car.steering_limits
         reserve = margins.STEERING_RESERVE * 0.5 * (high - low)
@@ -154,8 +152,7 @@ class RearPush(Mode):
         """
         if task.scene.rho is None:
             return None
-        drive = segment.drive
-        assert isinstance(drive, RearSteerDrive)
+        drive = self.drive_of(segment)
         car = drive.car
         ex, ey = car.axis
         cop = car.cop[0] * ex + car.cop[1] * ey
@@ -175,8 +172,7 @@ class RearPush(Mode):
         """Return what identifies the CoM across the heading axis on the way: along it,
         it changes the effective wheelbase alone.
         """
-        drive = segment.drive
-        assert isinstance(drive, RearSteerDrive)
+        drive = self.drive_of(segment)
         (contact,) = segment.contacts
         car = drive.car
         reach = car.effective_wheelbase
@@ -215,8 +211,7 @@ class RearPush(Mode):
         was told, and its heading axis goes from the true contact through the CoM as
         identified.
         """
-        planned = segment.drive
-        assert isinstance(planned, RearSteerDrive)
+        planned = self.drive_of(segment)
         (contact,) = measured.contacts
         # a tip that rolls round a round side takes the normal along
         planned_at = segment.contacts[0].point
@@ -237,9 +232,7 @@ class RearPush(Mode):
             return None
         drive = replace(planned, car=car)
         ends = ends_onward(task.object, segment, measured.X_WB, drive.X_BV)
-        planned_path = segment.path
-        assert isinstance(planned_path, ArcPath)
-        turning = planned_path.turning
+        turning = segment.arcs.turning
         path = route_onward(ends, drive, measured.longest, turning)
         return None if path is None else Course((contact,), drive, path)
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 from pushpressslide.core.bodies import motion_task
 from pushpressslide.core.errors import TaskError
@@ -167,7 +168,7 @@ def _select(
     return _ranked(out)
 
 
-def _by_tip(task: Task, mode: Mode) -> list[Task]:
+def _by_tip(task: Task, mode: Mode[Any]) -> list[Task]:
     """Return the task for each kind of tip that ``mode`` may touch the object with, that
     of the nearer arm first.
 

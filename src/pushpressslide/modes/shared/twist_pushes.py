@@ -31,11 +31,11 @@ from pushpressslide.planning.in_cone import (
 )
 from pushpressslide.planning.segments import ends_onward, run_time, segment
 from pushpressslide.planning.side_contacts import assignments, given_to
-from pushpressslide.rom.drives import TwistDrive
+from pushpressslide.rom.drives import CarDrive, TwistDrive
 from pushpressslide.tracking.holonomic import HolonomicTracker
 
 
-class TwistPushes(Mode):
+class TwistPushes(Mode[CarDrive | TwistDrive]):
     """A mode of two pushes whose segments may have a TwistDrive."""
 
     def tracker(self, task: Task, segment: Segment) -> Tracker:
