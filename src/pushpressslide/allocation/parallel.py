@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from pushpressslide.allocation.allocator import Allocator
 from pushpressslide.allocation.contact_line import ContactLine
-from pushpressslide.allocation.one_contact import Allocator
 from pushpressslide.allocation.orthogonal import Feasibility
 from pushpressslide.allocation.projections import Projection
 from pushpressslide.allocation.two_contacts import two_contact_allocator

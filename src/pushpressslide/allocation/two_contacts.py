@@ -19,8 +19,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import inf, isfinite, nan
 
+from pushpressslide.allocation.allocator import Allocator
 from pushpressslide.allocation.contact_line import ContactPair, Split
-from pushpressslide.allocation.one_contact import Allocator
 from pushpressslide.allocation.projections import Projection, WrenchCone
 from pushpressslide.core.allocation import (
     EXACT,

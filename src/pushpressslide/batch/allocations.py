@@ -11,15 +11,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from pushpressslide.batch.checks import check_last
 from pushpressslide.batch.elementwise import Argument, Stage, Table, run, table
+from pushpressslide.batch.rows import Figures, Kernel, answers
 from pushpressslide.batch.wrench_twist import WrenchColumns
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.formulas import Flag, Formula
+from pushpressslide.kernels.allocation import INFEASIBLE as INFEASIBLE
+from pushpressslide.kernels.allocation import OK as OK
+from pushpressslide.kernels.allocation import PROJECTED as PROJECTED
 
 Statuses = NDArray[np.int8]
-# the statuses of ``core.allocation``, as numbers
-OK = 0
-PROJECTED = 1
-INFEASIBLE = 2
 OPEN = 3  # between two formulas: the first has not settled the row
 
 
@@ -81,6 +81,22 @@ def wrench_table(wrenches: Array, shape: tuple[int, ...]) -> Table:
 def is_finite(wrench: WrenchColumns) -> Flag:
     """Return where a wrench is a number."""
     return np.abs(wrench.fx) + np.abs(wrench.fy) + np.abs(wrench.tau) < math.inf
+
+
+def answered(
+    kernel: Kernel, rows: Sequence[Array], figures: Figures, contacts: int
+) -> Allocations:
+    """Return the allocations that the kernel of an allocator answers."""
+    across = 2 * contacts
+    margin = across + contacts
+    out = answers(kernel, rows, figures, columns=margin + 5)
+    return Allocations(
+        out[..., :across].reshape(*out.shape[:-1], contacts, 2),
+        out[..., across:margin],
+        out[..., margin],
+        out[..., margin + 1].astype(np.int8),
+        out[..., margin + 2 :],
+    )
 
 
 def allocations(

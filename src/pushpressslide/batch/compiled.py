@@ -1,0 +1,142 @@
+"""Kernels compiled over rows by numba. This module alone imports numba, and is imported at
+the first call of a batch.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic, register_jitable
+
+from pushpressslide import kernels
+from pushpressslide.kernels.kernel import KERNELS
+
+TABLE = types.Array(numba.float64, 2, "A", readonly=True)
+RESULTS = types.Array(numba.float64, 2, "C")
+
+Loop = Callable[..., None]
+
+
+@intrinsic
+def taken(typingctx: Any, row: Any, like: Any) -> Any:
+    """Return the numbers of a row (k,) as a tuple like another, nested as that is."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        cell = _cells(context, builder, signature.args[0], arguments[0])
+
+        def built(kind: Any) -> Any:
+            if isinstance(kind, types.BaseTuple):
+                parts = [built(part) for part in kind.types]
+                return context.make_tuple(builder, kind, parts)
+            return builder.load(cell())
+
+        return built(like)
+
+    return like(row, like), code
+
+
+@intrinsic
+def stored(typingctx: Any, row: Any, values: Any) -> Any:
+    """Write the numbers of a nested tuple into a row (k,), one after the other."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        cell = _cells(context, builder, signature.args[0], arguments[0])
+
+        def write(kind: Any, value: Any) -> None:
+            if isinstance(kind, types.BaseTuple):
+                parts = cgutils.unpack_tuple(builder, value)
+                for part, inner in zip(kind.types, parts, strict=True):
+                    write(part, inner)
+                return
+            builder.store(context.cast(builder, value, kind, types.float64), cell())
+
+        write(values, arguments[1])
+        return context.get_dummy_value()
+
+    return types.none(row, values), code
+
+
+def _cells(context: Any, builder: Any, kind: Any, row: Any) -> Callable[[], Any]:
+    """Return a function that gives the address of a row's next number."""
+    array = context.make_array(kind)(context, builder, row)
+    (stride,) = cgutils.unpack_tuple(builder, array.strides)
+    place = 0
+
+    def cell() -> Any:
+        nonlocal place
+        offset = builder.mul(stride, stride.type(place))
+        place += 1
+        return cgutils.pointer_add(builder, array.data, offset)
+
+    return cell
+
+
+@cache
+def loop_over(
+    kernel: Callable[..., Any], numbers: int, like: tuple[Any, ...], shared: bool
+) -> Loop:
+    """Return the loop of a kernel over rows of ``numbers`` columns and of figures that
+    are nested as ``like`` is, one row of them if they are ``shared`` by all.
+
+    numba keeps what it compiles beside this file, or in the user's cache, by the loop's
+    name: that holds a digest of all kernels, so that a change is compiled anew.
+    """
+    for function in KERNELS:
+        _register(function)
+    make = _loop_of_one if shared else _loop_of_each
+    loop = make(kernel, (0.0,) * numbers, like)
+    loop.__qualname__ = f"{kernel.__name__}_{_digest()}"
+    signature = numba.void(TABLE, TABLE, RESULTS)
+    out: Loop = numba.njit(signature, cache=True, error_model="numpy")(loop)
+    return out
+
+
+def _loop_of_one(
+    kernel: Callable[..., Any], head: tuple[float, ...], like: tuple[Any, ...]
+) -> Loop:
+    """Return the loop in which all rows share their figures: what follows from these
+    alone is worked out once.
+    """
+
+    def loop(rows: Any, figures: Any, out: Any) -> None:
+        given = taken(figures[0], like)
+        for i in range(len(out)):
+            stored(out[i], kernel(*(taken(rows[i], head) + given)))
+
+    return loop
+
+
+def _loop_of_each(
+    kernel: Callable[..., Any], head: tuple[float, ...], like: tuple[Any, ...]
+) -> Loop:
+    """Return the loop in which each row has figures of its own."""
+
+    def loop(rows: Any, figures: Any, out: Any) -> None:
+        for i in range(len(out)):
+            given = taken(rows[i], head) + taken(figures[i], like)
+            stored(out[i], kernel(*given))
+
+    return loop
+
+
+@cache
+def _register(function: Callable[..., Any]) -> None:
+    """Tell numba that it may compile a kernel."""
+    register_jitable(error_model="numpy", forceinline=True)(function)
+
+
+@cache
+def _digest() -> str:
+    """Return a digest of this file and of all kernels."""
+    texts = hashlib.sha256(Path(__file__).read_bytes())
+    for folder in sorted(kernels.__path__):
+        for file in sorted(Path(folder).glob("*.py")):
+            texts.update(file.read_bytes())
+    return texts.hexdigest()[:16]

@@ -1,0 +1,157 @@
+"""Kernels over rows of any leading shape: compiled by numba, the extra ``fast``, or in
+Python where it is not installed.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pushpressslide.batch import loops
+from pushpressslide.core.arrays import Array
+
+Kernel = Callable[..., tuple[Any, ...]]
+
+
+class Figures(NamedTuple):
+    """The figures of a law, for all rows or for each of them."""
+
+    table: Array  # (..., k) the numbers of ``like``, in their order
+    like: tuple[Any, ...]  # nested tuples of floats: what a kernel is given
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The leading shape."""
+        return self.table.shape[:-1]
+
+
+NO_FIGURES = Figures(np.zeros(0), ())
+
+
+def figures_of(*groups: Any) -> Figures:
+    """Return nested tuples of arrays (...) as figures of their leading shape."""
+    columns = np.broadcast_arrays(*leaves(groups))
+    return Figures(np.stack(columns, axis=-1), alike(groups, lambda _: 0.0))
+
+
+def halves(vectors: Array) -> tuple[Array, Array]:
+    """Return the two components of vectors (..., 2)."""
+    return vectors[..., 0], vectors[..., 1]
+
+
+def prepared(setup: Kernel, *groups: Any) -> Figures:
+    """Return what a kernel makes of nested tuples of arrays (...), as figures."""
+    given = figures_of(*groups)
+    width = given.table.shape[-1]
+    first = given.table.reshape(-1, width)[:1].tolist() or [[1.0] * width]
+    one = setup(*filled(given.like, first[0]))
+    like = alike(one, lambda _: 0.0)
+    if not given.shape:
+        return Figures(np.array(list(leaves(one))), like)
+    columns = sum(1 for _ in leaves(one))
+    return Figures(answers(setup, (), given, columns=columns), like)
+
+
+def leaves(values: Any) -> Iterator[Any]:
+    """Yield the members of nested tuples, from left to right."""
+    if isinstance(values, tuple):
+        for value in values:
+            yield from leaves(value)
+    else:
+        yield values
+
+
+def filled(like: Any, numbers: Sequence[float]) -> Any:
+    """Return numbers as tuples nested as ``like`` is."""
+    each = iter(numbers)
+    return alike(like, lambda _: next(each))
+
+
+def alike(values: Any, number: Callable[[Any], float]) -> Any:
+    """Return tuples nested as ``values`` are, each member by ``number``."""
+    if not isinstance(values, tuple):
+        return number(values)
+    parts = [alike(value, number) for value in values]
+    make = getattr(type(values), "_make", tuple)
+    return make(parts)
+
+
+def answers(
+    kernel: Kernel,
+    rows: Sequence[Array],
+    figures: Figures = NO_FIGURES,
+    *,
+    columns: int,
+) -> Array:
+    """Return ``kernel(*row, *figures)`` of each row (..., ``columns``), its nested tuples
+    flattened.
+
+    A row is the numbers of ``rows``, arrays (..., k), side by side; rows and figures
+    broadcast against each other.
+    """
+    shape = np.broadcast_shapes(*(array.shape[:-1] for array in rows), figures.shape)
+    table = _flat(_beside(rows, shape), shape)
+    out = np.empty((math.prod(shape), columns))
+    shared = figures.table.ndim == 1
+    loop = _compiled(kernel, table.shape[1], figures.like, shared)
+    loop(table, _flat(figures.table, shape), out)
+    return out.reshape(*shape, columns)
+
+
+def _beside(rows: Sequence[Array], shape: tuple[int, ...]) -> Array:
+    """Return arrays (..., k) side by side."""
+    if len(rows) == 1:
+        return rows[0]
+    if not rows:
+        return np.zeros(0)
+    return np.concatenate(
+        [np.broadcast_to(array, (*shape, array.shape[-1])) for array in rows], axis=-1
+    )
+
+
+def _flat(table: Array, shape: tuple[int, ...]) -> Array:
+    """Return a table of the leading ``shape`` as (n, k)."""
+    k = table.shape[-1]
+    if table.ndim == 1:
+        return np.broadcast_to(table, (math.prod(shape), k))
+    return np.broadcast_to(table, (*shape, k)).reshape(math.prod(shape), k)
+
+
+def _compiled(
+    kernel: Kernel, numbers: int, like: tuple[Any, ...], shared: bool
+) -> Callable[..., None]:
+    """Return the loop of a kernel: numba's, or one in Python."""
+    if loops.compiler() is None:
+        if loops.installed() is None:
+            _say_slow()
+        return _interpreted(kernel, like)
+    from pushpressslide.batch.compiled import loop_over
+
+    return loop_over(kernel, numbers, like, shared)
+
+
+@cache
+def _say_slow() -> None:
+    """Warn, once, that batches are slow without numba."""
+    warnings.warn(
+        "numba is not installed: batches run in Python, row by row; "
+        "pip install 'pushpressslide[fast]'",
+        stacklevel=5,
+    )
+
+
+def _interpreted(kernel: Kernel, like: tuple[Any, ...]) -> Callable[..., None]:
+    """Return the loop of a kernel in Python, as ``compiled.loop_over``."""
+
+    def loop(rows: Array, figures: Array, out: Array) -> None:
+        given = zip(rows.tolist(), figures.tolist(), strict=True)
+        for i, (row, numbers) in enumerate(given):
+            parts = filled(like, numbers)
+            out[i] = tuple(leaves(kernel(*row, *parts)))
+
+    return loop

@@ -1,0 +1,17 @@
+"""The mark of a kernel."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+KERNELS: list[Callable[..., Any]] = []
+"""All kernels of the modules that have been imported."""
+
+
+def kernel(function: Function) -> Function:
+    """Return the function as it is, and note that compiled code may call it."""
+    KERNELS.append(function)
+    return function
