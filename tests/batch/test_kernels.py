@@ -6,8 +6,10 @@ import math
 import numpy as np
 import pytest
 
+from pushpressslide.allocation import presses as loop_presses
 from pushpressslide.allocation.one_contact import one_contact_allocator
-from pushpressslide.batch import one_contact
+from pushpressslide.allocation.one_press import one_press_allocator
+from pushpressslide.batch import one_contact, presses
 from pushpressslide.core.allocation import STATUSES
 
 POINT = (-0.1, 0.03)
@@ -34,6 +36,11 @@ ALLOCATORS = {
         one_contact.OneContact(POINT, FORWARD, 0.5, RHO),
         one_contact.one_contact,
     ),
+    "one press": (
+        one_press_allocator(POINT, 2.0, 0.5, RHO),
+        presses.OnePress(POINT, 2.0, 0.5, RHO),
+        presses.one_press,
+    ),
 }
 
 
@@ -42,8 +49,23 @@ def test_a_batch_answers_as_the_allocator_of_its_kernel(engine, name):
     allocate, batch, kernel = ALLOCATORS[name]
     assert inspect.getclosurevars(allocate).nonlocals["kernel"] is kernel
     rows = wrenches()
-    answers = batch.allocate(rows)
-    single = [allocate(*row) for row in rows.tolist()]
+    assert_alike(batch.allocate(rows), [allocate(*row) for row in rows.tolist()])
+
+
+def test_a_batch_of_two_presses_answers_as_their_allocator(engine):
+    assert presses.two_presses is loop_presses.two_presses
+    points = (POINT, (0.1, 0.02))
+    rows = wrenches()
+    normals = np.random.default_rng(1).uniform(-0.1, 4.0, (ROWS, 2))
+    cops = np.random.default_rng(2).uniform(-0.1, 0.1, (ROWS, 2))
+    allocate = loop_presses.two_press_allocator(points, 0.5)
+    batch = presses.TwoPresses(points, 0.5).allocate(rows, normals, cops)
+    given = zip(rows.tolist(), normals.tolist(), cops.tolist(), strict=True)
+    assert_alike(batch, [allocate(*row, tuple(n), tuple(c)) for row, n, c in given])
+
+
+def assert_alike(answers, single):
+    """Same statuses, same numbers but for a root or a sine in its last place."""
     assert [STATUSES[i] for i in answers.status.tolist()] == [a.status for a in single]
     assert len({a.status for a in single}) > 1
     for part in ("forces", "normals", "margin", "residual"):

@@ -14,6 +14,7 @@ from typing import Literal
 
 from pushpressslide.core.errors import InputError
 from pushpressslide.core.pose import Point, from_axis, in_axis
+from pushpressslide.kernels.contact_line import contact_line, line_parts
 from pushpressslide.mechanics.checks import check_friction, check_normal
 
 Split = Literal["least_friction", "least_force"]
@@ -28,21 +29,19 @@ class ContactLine:
     Raises InputError if they coincide.
     """
 
-    __slots__ = ("e", "length", "middle")
+    __slots__ = ("e", "figures", "length", "middle")
 
     def __init__(self, first: Point, second: Point) -> None:
-        self.length = math.dist(first, second)
+        self.figures = contact_line(first, second)
+        ex, ey, self.length, middle_x, middle_y = self.figures
         """[m]"""
         if not 0.0 < self.length < math.inf:
             raise InputError(
                 f"contacts at {first} and {second} m; need two distinct, finite points"
             )
-        self.e = (
-            (second[0] - first[0]) / self.length,
-            (second[1] - first[1]) / self.length,
-        )
+        self.e = (ex, ey)
         """Unit vector from contact 1 to 2, in B."""
-        self.middle = (0.5 * (first[0] + second[0]), 0.5 * (first[1] + second[1]))
+        self.middle = (middle_x, middle_y)
 
     def in_axes(self, v: Point) -> Point:
         """Return (v.e, v.m) of a vector in B."""
@@ -60,12 +59,7 @@ class ContactLine:
         g_1 = F.m/2 - tau_mid/l and g_2 = F.m/2 + tau_mid/l, tau_mid the moment about
         the middle.
         """
-        along, across = self.in_axes((fx, fy))
-        moment = (
-            tau - (self.middle[0] - about[0]) * fy + (self.middle[1] - about[1]) * fx
-        )
-        turning = moment / self.length
-        return along, 0.5 * across - turning, 0.5 * across + turning
+        return line_parts(fx, fy, tau, self.figures, about)
 
 
 class ContactPair:

@@ -84,12 +84,12 @@ def is_finite(wrench: WrenchColumns) -> Flag:
 
 
 def answered(
-    kernel: Kernel, rows: Sequence[Array], figures: Figures, contacts: int
+    kernel: Kernel, row: Figures, figures: Figures, contacts: int
 ) -> Allocations:
     """Return the allocations that the kernel of an allocator answers."""
     across = 2 * contacts
     margin = across + contacts
-    out = answers(kernel, rows, figures, columns=margin + 5)
+    out = answers(kernel, row, figures, columns=margin + 5)
     return Allocations(
         out[..., :across].reshape(*out.shape[:-1], contacts, 2),
         out[..., across:margin],

@@ -80,10 +80,13 @@ def _cells(context: Any, builder: Any, kind: Any, row: Any) -> Callable[[], Any]
 
 @cache
 def loop_over(
-    kernel: Callable[..., Any], numbers: int, like: tuple[Any, ...], shared: bool
+    kernel: Callable[..., Any],
+    head: tuple[Any, ...],
+    like: tuple[Any, ...],
+    shared: bool,
 ) -> Loop:
-    """Return the loop of a kernel over rows of ``numbers`` columns and of figures that
-    are nested as ``like`` is, one row of them if they are ``shared`` by all.
+    """Return the loop of a kernel over rows nested as ``head`` is and of figures nested
+    as ``like`` is, one row of them if they are ``shared`` by all.
 
     numba keeps what it compiles beside this file, or in the user's cache, by the loop's
     name: that holds a digest of all kernels, so that a change is compiled anew.
@@ -91,7 +94,7 @@ def loop_over(
     for function in KERNELS:
         _register(function)
     make = _loop_of_one if shared else _loop_of_each
-    loop = make(kernel, (0.0,) * numbers, like)
+    loop = make(kernel, head, like)
     loop.__qualname__ = f"{kernel.__name__}_{_digest()}"
     signature = numba.void(TABLE, TABLE, RESULTS)
     out: Loop = numba.njit(signature, cache=True, error_model="numpy")(loop)
@@ -99,7 +102,7 @@ def loop_over(
 
 
 def _loop_of_one(
-    kernel: Callable[..., Any], head: tuple[float, ...], like: tuple[Any, ...]
+    kernel: Callable[..., Any], head: tuple[Any, ...], like: tuple[Any, ...]
 ) -> Loop:
     """Return the loop in which all rows share their figures: what follows from these
     alone is worked out once.
@@ -114,7 +117,7 @@ def _loop_of_one(
 
 
 def _loop_of_each(
-    kernel: Callable[..., Any], head: tuple[float, ...], like: tuple[Any, ...]
+    kernel: Callable[..., Any], head: tuple[Any, ...], like: tuple[Any, ...]
 ) -> Loop:
     """Return the loop in which each row has figures of its own."""
 

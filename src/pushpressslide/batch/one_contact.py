@@ -16,7 +16,7 @@ from pushpressslide.batch.checks import (
     check_units,
 )
 from pushpressslide.batch.elementwise import figures
-from pushpressslide.batch.rows import halves, prepared
+from pushpressslide.batch.rows import halves, prepared, spread
 from pushpressslide.kernels.one_contact import one_contact, one_contact_figures
 
 
@@ -46,4 +46,4 @@ class OneContact:
         """Return the allocations (...) of ``wrenches`` (..., 3) [N, N m] about B's
         origin, in B: those of ``one_contact_allocator``.
         """
-        return answered(one_contact, [wanted(wrenches)], self._figures, 1)
+        return answered(one_contact, spread(wanted(wrenches)), self._figures, 1)

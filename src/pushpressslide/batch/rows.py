@@ -54,7 +54,7 @@ def prepared(setup: Kernel, *groups: Any) -> Figures:
     if not given.shape:
         return Figures(np.array(list(leaves(one))), like)
     columns = sum(1 for _ in leaves(one))
-    return Figures(answers(setup, (), given, columns=columns), like)
+    return Figures(answers(setup, given, columns=columns), like)
 
 
 def leaves(values: Any) -> Iterator[Any]:
@@ -81,37 +81,36 @@ def alike(values: Any, number: Callable[[Any], float]) -> Any:
     return make(parts)
 
 
+def spread(array: Array) -> Figures:
+    """Return the numbers of an array (..., k) as k arguments of a kernel."""
+    return Figures(array, (0.0,) * array.shape[-1])
+
+
+def grouped(array: Array) -> Figures:
+    """Return the numbers of an array (..., k) as one argument of a kernel, a tuple."""
+    return Figures(array, ((0.0,) * array.shape[-1],))
+
+
+def beside(*parts: Figures) -> Figures:
+    """Return arguments of a kernel side by side; they broadcast against each other."""
+    shape = np.broadcast_shapes(*(part.shape for part in parts))
+    tables = [np.broadcast_to(p.table, (*shape, p.table.shape[-1])) for p in parts]
+    like = sum((part.like for part in parts), ())
+    return Figures(np.concatenate(tables, axis=-1), like)
+
+
 def answers(
-    kernel: Kernel,
-    rows: Sequence[Array],
-    figures: Figures = NO_FIGURES,
-    *,
-    columns: int,
+    kernel: Kernel, row: Figures, figures: Figures = NO_FIGURES, *, columns: int
 ) -> Array:
     """Return ``kernel(*row, *figures)`` of each row (..., ``columns``), its nested tuples
-    flattened.
-
-    A row is the numbers of ``rows``, arrays (..., k), side by side; rows and figures
-    broadcast against each other.
+    flattened; rows and figures broadcast against each other.
     """
-    shape = np.broadcast_shapes(*(array.shape[:-1] for array in rows), figures.shape)
-    table = _flat(_beside(rows, shape), shape)
+    shape = np.broadcast_shapes(row.shape, figures.shape)
     out = np.empty((math.prod(shape), columns))
     shared = figures.table.ndim == 1
-    loop = _compiled(kernel, table.shape[1], figures.like, shared)
-    loop(table, _flat(figures.table, shape), out)
+    loop = _compiled(kernel, row.like, figures.like, shared)
+    loop(_flat(row.table, shape), _flat(figures.table, shape), out)
     return out.reshape(*shape, columns)
-
-
-def _beside(rows: Sequence[Array], shape: tuple[int, ...]) -> Array:
-    """Return arrays (..., k) side by side."""
-    if len(rows) == 1:
-        return rows[0]
-    if not rows:
-        return np.zeros(0)
-    return np.concatenate(
-        [np.broadcast_to(array, (*shape, array.shape[-1])) for array in rows], axis=-1
-    )
 
 
 def _flat(table: Array, shape: tuple[int, ...]) -> Array:
@@ -123,16 +122,16 @@ def _flat(table: Array, shape: tuple[int, ...]) -> Array:
 
 
 def _compiled(
-    kernel: Kernel, numbers: int, like: tuple[Any, ...], shared: bool
+    kernel: Kernel, head: tuple[Any, ...], like: tuple[Any, ...], shared: bool
 ) -> Callable[..., None]:
     """Return the loop of a kernel: numba's, or one in Python."""
     if loops.compiler() is None:
         if loops.installed() is None:
             _say_slow()
-        return _interpreted(kernel, like)
+        return _interpreted(kernel, head, like)
     from pushpressslide.batch.compiled import loop_over
 
-    return loop_over(kernel, numbers, like, shared)
+    return loop_over(kernel, head, like, shared)
 
 
 @cache
@@ -145,13 +144,15 @@ def _say_slow() -> None:
     )
 
 
-def _interpreted(kernel: Kernel, like: tuple[Any, ...]) -> Callable[..., None]:
+def _interpreted(
+    kernel: Kernel, head: tuple[Any, ...], like: tuple[Any, ...]
+) -> Callable[..., None]:
     """Return the loop of a kernel in Python, as ``compiled.loop_over``."""
 
     def loop(rows: Array, figures: Array, out: Array) -> None:
         given = zip(rows.tolist(), figures.tolist(), strict=True)
         for i, (row, numbers) in enumerate(given):
-            parts = filled(like, numbers)
-            out[i] = tuple(leaves(kernel(*row, *parts)))
+            answer = kernel(*filled(head, row), *filled(like, numbers))
+            out[i] = tuple(leaves(answer))
 
     return loop
