@@ -9,7 +9,8 @@ import pytest
 from pushpressslide.allocation import presses as loop_presses
 from pushpressslide.allocation.one_contact import one_contact_allocator
 from pushpressslide.allocation.one_press import one_press_allocator
-from pushpressslide.batch import one_contact, presses
+from pushpressslide.allocation.press_and_push import press_and_push_allocator
+from pushpressslide.batch import one_contact, press_and_push, presses
 from pushpressslide.core.allocation import STATUSES
 
 POINT = (-0.1, 0.03)
@@ -40,6 +41,11 @@ ALLOCATORS = {
         one_press_allocator(POINT, 2.0, 0.5, RHO),
         presses.OnePress(POINT, 2.0, 0.5, RHO),
         presses.one_press,
+    ),
+    "press and push": (
+        press_and_push_allocator((0.1, 0.0), 2.0, POINT, FORWARD, 0.5),
+        press_and_push.PressAndPush((0.1, 0.0), 2.0, POINT, FORWARD, 0.5),
+        press_and_push.press_and_push,
     ),
 }
 
