@@ -9,12 +9,23 @@ import pytest
 from pushpressslide.allocation import presses as loop_presses
 from pushpressslide.allocation.one_contact import one_contact_allocator
 from pushpressslide.allocation.one_press import one_press_allocator
+from pushpressslide.allocation.parallel import parallel_push_allocator
 from pushpressslide.allocation.press_and_push import press_and_push_allocator
-from pushpressslide.batch import one_contact, press_and_push, presses
+from pushpressslide.allocation.two_contacts import two_contact_allocator
+from pushpressslide.batch import (
+    one_contact,
+    parallel,
+    press_and_push,
+    presses,
+    two_contacts,
+)
 from pushpressslide.core.allocation import STATUSES
 
 POINT = (-0.1, 0.03)
 FORWARD = (1.0, 0.0)
+BEHIND = ((-0.1, 0.06), (-0.1, -0.06))
+CORNER = (POINT, (0.04, 0.08))
+CORNER_NORMALS = (FORWARD, (-0.6, -0.8))
 RHO = 0.08
 ROWS = 300
 
@@ -46,6 +57,21 @@ ALLOCATORS = {
         press_and_push_allocator((0.1, 0.0), 2.0, POINT, FORWARD, 0.5),
         press_and_push.PressAndPush((0.1, 0.0), 2.0, POINT, FORWARD, 0.5),
         press_and_push.press_and_push,
+    ),
+    "two contacts": (
+        two_contact_allocator(CORNER, CORNER_NORMALS, 0.5, RHO),
+        two_contacts.TwoContacts(CORNER, CORNER_NORMALS, 0.5, RHO),
+        two_contacts.two_contacts,
+    ),
+    "two contacts with caps": (
+        two_contact_allocator(CORNER, CORNER_NORMALS, 0.5, RHO, caps=(0.4, 0.3)),
+        two_contacts.TwoContacts(CORNER, CORNER_NORMALS, 0.5, RHO, caps=(0.4, 0.3)),
+        two_contacts.two_contacts,
+    ),
+    "parallel pushes": (
+        parallel_push_allocator(BEHIND, FORWARD, 0.5, RHO),
+        parallel.ParallelPushes(BEHIND, FORWARD, 0.5, RHO),
+        parallel.parallel_pushes,
     ),
 }
 
