@@ -21,8 +21,7 @@ from pushpressslide.batch.angles import cos, sin
 from pushpressslide.batch.compliant_push import PushingTip, TipPushed, tip_pushed
 from pushpressslide.batch.elementwise import run
 from pushpressslide.batch.path_pieces import Piece, beside, eased
-from pushpressslide.batch.pushed_bodies import PoseColumns
-from pushpressslide.batch.tracking import (
+from pushpressslide.batch.path_steering import (
     Car,
     PathErrors,
     Stanley,
@@ -30,6 +29,7 @@ from pushpressslide.batch.tracking import (
     car_push,
     steered,
 )
+from pushpressslide.batch.pushed_bodies import PoseColumns
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.formulas import Column, Columns, greater, least, where
 

@@ -5,7 +5,7 @@ floats, for a control loop: what it costs is tested.
 from __future__ import annotations
 
 import math
-from math import cos, remainder, sin, sqrt, tan
+from math import cos, remainder, sin
 
 from pushpressslide.core import margins
 from pushpressslide.core.allocation import new
@@ -13,6 +13,7 @@ from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import TURN, ArcPath
 from pushpressslide.core.plan import MotionPath
 from pushpressslide.core.pose import Pose2
+from pushpressslide.kernels.tracking import steered_push
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.tracking.rear_stanley import Steering
 
@@ -35,13 +36,9 @@ class RearPushTracker:
             math.atan2(ey, ex),
             math.hypot(*X_BV.position),
             math.atan2(X_BV.y, X_BV.x),
-            ex,
-            ey,
-            max_friction,
-            stretch,
-            -car.lever,
-            -1.0 / car.effective_wheelbase,
         )
+        turning = -1.0 / car.effective_wheelbase
+        self._car = (ex, ey, max_friction, stretch, -car.lever, turning)
         self._law = (steer, car.cop, X_BV.position)
 
     def step(
@@ -51,9 +48,7 @@ class RearPushTracker:
         ``X_WB``.
         """
         assert isinstance(path, ArcPath)
-        heading_axis, reach, bearing, ex, ey, max_friction, stretch, arm, turning = (
-            self._figures
-        )
+        heading_axis, reach, bearing = self._figures
         steer, cop, axle = self._law
         yaw = X_WB.yaw + heading_axis
         ahead = X_WB.yaw + bearing
@@ -64,22 +59,22 @@ class RearPushTracker:
         )
         heading_error = remainder(heading - yaw, TURN)
         delta, saturated = steer(left, heading_error, curvature, grip)
-        k = tan(delta)
-        # |f| = mu_s N / sqrt(1 + (D sin(delta) / rho)^2); along e, and to its left
-        along = max_friction / sqrt(1.0 + stretch * k * k)
-        across = along * k
-        guidance = (
+        wrench, twist = steered_push(delta, speed, self._car)
+        fx, fy, tau = wrench
+        vx, vy, w = twist  # the axle moves along the heading axis
+        errors = (0.0, left, heading_error)
+        to_drive = (
             progress,
-            along * ex - across * ey,
-            along * ey + across * ex,
-            arm * across,
+            fx,
+            fy,
+            tau,
             cop,
-            speed * ex,  # the axle moves along e
-            speed * ey,
-            turning * speed * k,
+            vx,
+            vy,
+            w,
             axle,
             delta,
-            (0.0, left, heading_error),
+            errors,
             saturated,
         )
-        return new(Guidance, guidance)
+        return new(Guidance, to_drive)
