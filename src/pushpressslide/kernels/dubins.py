@@ -207,3 +207,37 @@ def shortest_solution(circles: Circles) -> Solution:
         if solution[0] < best[0] * (1.0 - ROUND_OFF):
             best = solution
     return best
+
+
+@kernel
+def shortest_dubins(
+    start: Pose, goal: Pose, kappa_left: float, kappa_right: float
+) -> tuple[float, int, Pose, Pose]:
+    """Return length [m], word, lengths [m] and curvatures [1/m] of the shortest path;
+    NaN and ``NONE`` where a pose is no number.
+    """
+    circles = turning_circles(start, goal, kappa_left, kappa_right)
+    if not isfinite(circles[4]):
+        return nan, NONE, (nan, nan, nan), (nan, nan, nan)
+    length, word, first, middle, last = shortest_solution(circles)
+    left = kappa_left
+    right = -kappa_right
+    begin = left if word in (LSL, LSR, LRL) else right
+    end = left if word in (LSL, RSL, LRL) else right
+    if word < RLR:
+        lengths = (first / abs(begin), middle, last / abs(end))
+        return length, word, lengths, (begin, 0.0, end)
+    bend = left if word == RLR else right
+    lengths = (first / abs(begin), middle / abs(bend), last / abs(end))
+    return length, word, lengths, (begin, bend, end)
+
+
+@kernel
+def shortest_dubins_length(
+    start: Pose, goal: Pose, kappa_left: float, kappa_right: float
+) -> tuple[float]:
+    """Return the length [m] of the shortest path; NaN where a pose is no number."""
+    circles = turning_circles(start, goal, kappa_left, kappa_right)
+    if not isfinite(circles[4]):
+        return (nan,)
+    return (shortest_solution(circles)[0],)
