@@ -72,6 +72,5 @@ def parallel_push_allocator(
     if projection == "nearest":
         return allocator_of(parallel_pushes, *figures)
     cone = WrenchCone(points, normals, friction, rho)
-    return moving_allocator(
-        parallel_pushes, figures, figures[1], cone.moved_by(projection)
-    )
+    moved = cone.moved_by(projection)
+    return moving_allocator(parallel_pushes, figures, figures[1], moved)

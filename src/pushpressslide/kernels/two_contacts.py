@@ -74,22 +74,11 @@ def two_contact_figures(
     """
     friction, rho = frictions
     line = contact_line(points[0], points[1])
-    ex, ey, _, _, _ = line
-    (n1x, n1y), (n2x, n2y) = normals
-    n1e = ex * n1x + ey * n1y
-    n1m = ex * n1y - ey * n1x
-    n2e = ex * n2x + ey * n2y
-    n2m = ex * n2y - ey * n2x
-    a1, a2 = apart(friction * n1e + n1m, friction * n1e - n1m)
-    a3, a4 = apart(-friction * n2e - n2m, -friction * n2e + n2m)
-    shares = (0.5, 0.0, 0.0)
-    squares = n1m * n1m + n2m * n2m
-    if choices[0] > 0.0 and squares > 0.0:
-        shares = (n2m * n2m / squares, n1m * n1e / squares, -n2m * n2e / squares)
-    split = (line, shares)
+    split = (line, split_shares(line, normals, choices[0]))
     x_fx, y_fx = first_force(1.0, 0.0, 0.0, split)
     x_fy, y_fy = first_force(0.0, 1.0, 0.0, split)
     x_tau, y_tau = first_force(0.0, 0.0, 1.0, split)
+    (n1x, n1y), (n2x, n2y) = normals
     low, high = caps if friction > 0.0 else (-inf, -inf)
     linear = (
         x_fx,
@@ -106,10 +95,38 @@ def two_contact_figures(
         low,
         high,
     )
-    inverse = (against(a1), against(a2), against(a3), against(a4))
-    sides = ((ex, ey), (n1e, n2e), (a1, a2, a3, a4), inverse)
     place = (points, rho, caps, choices[1])
-    return linear, (sides, place, split, wrench_cone(points, normals, friction, rho))
+    cone = wrench_cone(points, normals, friction, rho)
+    return linear, (cone_sides(line, normals, friction), place, split, cone)
+
+
+@kernel
+def in_axes(line: Line, v: Vector) -> Vector:
+    """Return the parts of a vector along the line of contacts and to its left."""
+    ex, ey, _, _, _ = line
+    return ex * v[0] + ey * v[1], ex * v[1] - ey * v[0]
+
+
+@kernel
+def split_shares(line: Line, normals: Points, least_friction: float) -> Wrench:
+    """Return the shares of F.e, g_1 and g_2 in contact 1's force along the line."""
+    n1e, n1m = in_axes(line, normals[0])
+    n2e, n2m = in_axes(line, normals[1])
+    squares = n1m * n1m + n2m * n2m
+    if least_friction > 0.0 and squares > 0.0:
+        return n2m * n2m / squares, n1m * n1e / squares, -n2m * n2e / squares
+    return 0.5, 0.0, 0.0
+
+
+@kernel
+def cone_sides(line: Line, normals: Points, friction: float) -> Sides:
+    """Return how the sides of both cones bound a force along the line."""
+    n1e, n1m = in_axes(line, normals[0])
+    n2e, n2m = in_axes(line, normals[1])
+    a1, a2 = apart(friction * n1e + n1m, friction * n1e - n1m)
+    a3, a4 = apart(-friction * n2e - n2m, -friction * n2e + n2m)
+    inverse = (against(a1), against(a2), against(a3), against(a4))
+    return (line[0], line[1]), (n1e, n2e), (a1, a2, a3, a4), inverse
 
 
 @kernel
