@@ -1,4 +1,4 @@
-"""One formula on tables, columns and single numbers, with stages: however the numbers
+"""One formula on tables, columns and single numbers: however the numbers
 lie in memory, a compiled loop and NumPy give what the formula gives row by row.
 """
 
@@ -28,29 +28,6 @@ def placed(point, rates):
     return rates.slope * point.x + point.y, where(held, 0, 3), point.y
 
 
-def doubled(point, rates):
-    held = point.y > rates.high
-    return 2.0 * point.x, where(held, 1, 4), rates.low
-
-
-def negated(point, rates):
-    return -point.x, 2, rates.high
-
-
-STAGES = ((3, doubled), (4, negated))
-
-
-def row_by_row(points, rates):
-    out = []
-    for point, rate in zip(points, rates, strict=True):
-        answer = placed(Point(*point), Rates(*rate))
-        for status, formula in STAGES:
-            if answer[1] == status:
-                answer = formula(Point(*point), Rates(*rate))
-        out.append(answer)
-    return np.array(out, dtype=float).reshape(-1, 3)
-
-
 def columns(lie, n):
     """Return three columns that lie in memory so."""
     rng = np.random.default_rng(n)
@@ -70,27 +47,19 @@ def columns(lie, n):
 @pytest.mark.parametrize(
     "lie", ["in one piece", "with gaps", "repeated", "numbers", "mixed"]
 )
-def test_stages_take_the_rows_that_are_left(engine, lie, n):
+def test_a_formula_is_run_on_each_row(engine, lie, n):
     points = np.random.default_rng(1).normal(size=(n, 2))
     rates = Rates(*columns(lie, n))
     out = np.full((2, n), np.nan)
     statuses = np.empty(n, dtype=np.int8)
-    run(
-        placed,
-        (Table(Point, points), rates),
-        (out[0], statuses, out[1]),
-        STAGES,
-        status=1,
-    )
-    rows = np.stack([np.broadcast_to(c, n) for c in rates], axis=1)
-    right = row_by_row(points, rows)
-    assert set(statuses) <= {0, 1, 2}
-    np.testing.assert_allclose(out[0], right[:, 0], rtol=1e-15)
-    np.testing.assert_array_equal(statuses, right[:, 1])
-    np.testing.assert_allclose(out[1], right[:, 2], rtol=1e-15)
+    run(placed, (Table(Point, points), rates), (out[0], statuses, out[1]))
+    low, _, slope = (np.broadcast_to(column, n) for column in rates)
+    np.testing.assert_allclose(out[0], slope * points[:, 0] + points[:, 1], rtol=1e-14)
+    np.testing.assert_array_equal(statuses, np.where(points[:, 0] > low, 0, 3))
+    np.testing.assert_array_equal(out[1], points[:, 1])
 
 
-def test_without_stages_a_status_is_a_number_like_others(engine):
+def test_columns_of_one_array_are_filled_one_after_the_other(engine):
     points = np.random.default_rng(2).normal(size=(200, 2))
     rates = Rates(*columns("in one piece", 200))
     out = np.empty((3, 200))

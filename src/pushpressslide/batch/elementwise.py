@@ -10,15 +10,11 @@ from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pushpressslide.batch import loops
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.formulas import Column, Columns, Formula
-
-EVERY = slice(None)
-Stage = tuple[int, Formula]
-"""A formula for the rows that have this status so far, greater than any that is final."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,14 +36,9 @@ Argument = Columns | Table | Numbers
 
 
 def run(
-    formula: Formula,
-    arguments: Sequence[Argument],
-    results: Sequence[Column],
-    stages: Sequence[Stage] = (),
-    status: int = 0,
+    formula: Formula, arguments: Sequence[Argument], results: Sequence[Column]
 ) -> None:
-    """Write ``formula(*arguments)`` into ``results``; then that of each stage, in the
-    rows that have its status in the result number ``status``.
+    """Write ``formula(*arguments)`` into ``results``.
 
     Each argument is a NamedTuple of columns, a table or numbers; the formula is given
     one row of each, as a NamedTuple. The results are arrays (n,) or (k, n), filled one after
@@ -55,18 +46,11 @@ def run(
     """
     if loops.compiler() is None:
         _run_numpy(formula, arguments, results)
-        _run_stages(stages, arguments, results, results[status])
         return
     kinds, letters, inputs = zip(*map(_for_loop, arguments), strict=True)
-    layout = loops.Layout(
-        kinds,
-        letters,
-        tuple((r.dtype.char, len(r) if r.ndim == 2 else 0) for r in results),
-        tuple(code for code, _ in stages),
-        status,
-    )
-    formulas = (formula, *(later for _, later in stages))
-    loops.compiled_loop(formulas, layout)(*chain(*inputs), *results)
+    lines = tuple((r.dtype.char, len(r) if r.ndim == 2 else 0) for r in results)
+    layout = loops.Layout(kinds, letters, lines)
+    loops.compiled_loop(formula, layout)(*chain(*inputs), *results)
 
 
 def _for_loop(argument: Argument) -> tuple[type[Columns], str, list[Array]]:
@@ -102,45 +86,26 @@ def _for_loop(argument: Argument) -> tuple[type[Columns], str, list[Array]]:
 
 
 def _run_numpy(
-    formula: Formula,
-    arguments: Sequence[Argument],
-    results: Sequence[Column],
-    rows: NDArray[np.intp] | slice = EVERY,
+    formula: Formula, arguments: Sequence[Argument], results: Sequence[Column]
 ) -> None:
     """Run a formula on whole columns."""
-    inputs = [_chosen(argument, rows) for argument in arguments]
+    inputs = [_columns(argument) for argument in arguments]
     with np.errstate(all="ignore"):
         values = formula(*inputs)
     columns = [
         c for result in results for c in (result if result.ndim == 2 else [result])
     ]
     for column, value in zip(columns, values, strict=True):
-        column[rows] = value
+        column[:] = value
 
 
-def _chosen(argument: Argument, rows: NDArray[np.intp] | slice) -> Columns:
-    """Return what a formula is given of an argument in ``rows``."""
+def _columns(argument: Argument) -> Columns:
+    """Return what a formula is given of an argument."""
     if isinstance(argument, Numbers):
         return argument.columns
     if isinstance(argument, Table):
-        return argument.kind(*(c[rows] for c in argument.rows.T))
-    return type(argument)(*(c if c.ndim == 0 else c[rows] for c in argument))
-
-
-def _run_stages(
-    stages: Sequence[Stage],
-    arguments: Sequence[Argument],
-    results: Sequence[Column],
-    statuses: Column,
-) -> None:
-    """Run each stage on the rows that have its status."""
-    codes = [code for code, _ in stages]
-    if not codes or statuses.max(initial=min(codes) - 1) < min(codes):
-        return
-    for code, formula in stages:
-        rows = (statuses == code).nonzero()[0]
-        if len(rows):
-            _run_numpy(formula, arguments, results, rows)
+        return argument.kind(*argument.rows.T)
+    return argument
 
 
 def table(kind: type[Columns], array: Array, shape: tuple[int, ...]) -> Table:

@@ -54,7 +54,6 @@ def loaded() -> bool:
 
 
 LANES = 64  # rows that a loop takes at a time
-PART = 16  # rows that a stage takes
 # The arithmetic stands in a loop of its own, of fixed length and on memory of its own:
 # so the compiler may work on several rows at once.
 LOOP = """
@@ -67,28 +66,9 @@ def {name}({parameters}):
         size = min(n - start, {lanes})
         {loads}
         for j in range({lanes}):
-            {results} = formula0({arguments})
-        {stages}
+            {results} = formula({arguments})
         {stores}
 """
-# A stage works on some lanes at a time, wherever one of them has its status, and counts
-# in those that have: that takes less than to gather them.
-STAGES = """
-        left = 0
-        for j in range({lanes}):
-            left += y[{place}, j] >= {least}
-        if left > 0:
-            {stages}"""
-STAGE = """
-            for part in range(0, {lanes}, {part}):
-                left = 0
-                for j in range(part, part + {part}):
-                    left += y[{place}, j] == {status}
-                if left > 0:
-                    for j in range(part, part + {part}):
-                        z = formula{number}({arguments})
-                        open = y[{place}, j] == {status}
-                        {choices}"""
 # An index without a sign needs no look at whether it counts from the end.
 MOVE = """
         for j in range(size):
@@ -99,13 +79,11 @@ MOVE = """
 class Layout(NamedTuple):
     """What a loop goes over."""
 
-    groups: tuple[type[Columns], ...]  # NamedTuples that the formulas are given
+    groups: tuple[type[Columns], ...]  # NamedTuples that the formula is given
     # of each group: t a table, else for each field c a column in one piece, v one with
     # gaps, s a single number
     letters: tuple[str, ...]
     results: tuple[tuple[str, int], ...]  # NumPy's letter, and the columns; 0: one only
-    statuses: tuple[int, ...]  # of the rows that each stage takes
-    status: int  # number of the result that holds them
 
     def text(self, name: str) -> str:
         """Return the loop as Python."""
@@ -127,34 +105,8 @@ class Layout(NamedTuple):
             loads=_moves(loads),
             results="".join(f"{lane}, " for lane in lanes),
             arguments=arguments,
-            stages=self._stages(lanes, arguments),
             stores=_moves(stores),
         )
-
-    def _stages(self, lanes: Sequence[str], arguments: str) -> str:
-        """Return the stages; their statuses are beyond all that settle a row."""
-        if not self.statuses:
-            return ""
-        choices = [
-            f"{lane} = z[{k}] if open else {lane}" for k, lane in enumerate(lanes)
-        ]
-        place = self._lane(self.status)
-        stages = "".join(
-            STAGE.format(
-                lanes=LANES,
-                part=PART,
-                place=place,
-                status=status,
-                number=number,
-                arguments=arguments,
-                choices=("\n" + 24 * " ").join(choices),
-            )
-            for number, status in enumerate(self.statuses, 1)
-        )
-        least = min(self.statuses)
-        return STAGES.format(
-            lanes=LANES, place=place, least=least, stages=stages.strip()
-        ).strip()
 
     def _arrays(self) -> Iterator[tuple[str, str]]:
         """Yield name and letter of each array that the loop is given: a table, the
@@ -178,7 +130,7 @@ class Layout(NamedTuple):
                 yield f"s{group}_{k} = s{group}[{place}]"
 
     def _inputs(self) -> tuple[str, list[list[str]]]:
-        """Return the formulas' arguments, and how their lanes are filled for row i: what
+        """Return the formula's arguments, and how their lanes are filled for row i: what
         goes together in a loop.
         """
         groups = []
@@ -204,7 +156,7 @@ class Layout(NamedTuple):
         return sum(columns or 1 for _, columns in self.results[:result])
 
     def _places(self) -> list[str]:
-        """Return where each number that a formula returns goes for row i."""
+        """Return where each number that the formula returns goes for row i."""
         return [
             f"r{number}[{k}, i]" if columns else f"r{number}[i]"
             for number, (_, columns) in enumerate(self.results)
@@ -235,23 +187,20 @@ def _moves(groups: Sequence[Sequence[str]]) -> str:
 
 
 @cache
-def compiled_loop(formulas: tuple[Formula, ...], layout: Layout) -> Callable[..., None]:
-    """Return the compiled loop over rows: of the first formula, and of one for each
-    stage.
+def compiled_loop(formula: Formula, layout: Layout) -> Callable[..., None]:
+    """Return the compiled loop of a formula over rows.
 
-    numba keeps what it compiles beside the first formula's file, and names it by the
-    loop's name: that holds a digest of the formulas and of all that they call, so that a
-    change anywhere is compiled anew.
+    numba keeps what it compiles beside the formula's file, and names it by the loop's
+    name: that holds a digest of the formula and of all that it calls, so that a change
+    anywhere is compiled anew.
     """
     numba = compiler()
     assert numba is not None
-    parts = [part for formula in formulas for part in registered(numba, formula)]
+    parts = registered(numba, formula)
     types = str(layout.results)
-    first = formulas[0]
-    name = digest_name(first, [layout.text("loop"), types], [*parts, *layout.groups])
-    scope: dict[str, Any] = {f"g{i}": group for i, group in enumerate(layout.groups)}
-    scope |= {f"formula{i}": formula for i, formula in enumerate(formulas)}
-    loop = loop_of_text(first, name, layout.text(name), scope)
+    name = digest_name(formula, [layout.text("loop"), types], [*parts, *layout.groups])
+    scope = {f"g{i}": group for i, group in enumerate(layout.groups)}
+    loop = loop_of_text(formula, name, layout.text(name), scope)
     compiled = numba.njit(layout.signature(numba), cache=True, error_model="numpy")
     with _interleaved(2):
         out: Callable[..., None] = compiled(loop)
