@@ -128,7 +128,7 @@ def _compiled(
     if loops.compiler() is None:
         if loops.installed() is None:
             _say_slow()
-        return _interpreted(kernel, head, like)
+        return _interpreted(kernel, head, like, shared)
     from pushpressslide.batch.compiled import loop_over
 
     return loop_over(kernel, head, like, shared)
@@ -145,14 +145,16 @@ def _say_slow() -> None:
 
 
 def _interpreted(
-    kernel: Kernel, head: tuple[Any, ...], like: tuple[Any, ...]
+    kernel: Kernel, head: tuple[Any, ...], like: tuple[Any, ...], shared: bool
 ) -> Callable[..., None]:
     """Return the loop of a kernel in Python, as ``compiled.loop_over``."""
 
     def loop(rows: Array, figures: Array, out: Array) -> None:
-        given = zip(rows.tolist(), figures.tolist(), strict=True)
-        for i, (row, numbers) in enumerate(given):
-            answer = kernel(*filled(head, row), *filled(like, numbers))
+        given: Any = ()
+        for i, row in enumerate(rows.tolist()):
+            if i == 0 or not shared:
+                given = filled(like, figures[i].tolist())
+            answer = kernel(*filled(head, row), *given)
             out[i] = tuple(leaves(answer))
 
     return loop
