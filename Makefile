@@ -12,7 +12,7 @@ NEWEST := $(firstword $(shell for v in 3.14 3.13 3.12; do \
   $$p -c "" 2>/dev/null && echo $$p; done; done))
 # Rooms without an engine, and the planar one: minutes, not half an hour.
 QUICK := tests/core tests/mechanics tests/rom tests/tracking tests/allocation \
-  tests/planning tests/taskfile tests/planar
+  tests/planning tests/taskfile tests/planar studies/tests/allocation
 
 .PHONY: demo test test-long test-all test-newest quick search mutants lint results \
   random-tasks picture figures docs size lock clean
@@ -49,13 +49,13 @@ mutants: $(READY)
 # The paper's experiments, and the documents that show their figures.
 results: $(READY)
 	$(BIN)/pps reproduce --out runs/results --force
-	$(BIN)/python -m pushpressslide.studies.paper.documents \
-	  runs/results/table.md docs/results.md README.md
+	$(BIN)/python -m pushpressslide_studies.paper.documents \
+	  runs/results/table.md studies/docs/results.md README.md
 
-# The random tasks of docs/random-tasks.md: hours; goes on where it ended.
+# The random tasks of studies/docs/random-tasks.md: hours; goes on where it ended.
 random-tasks: $(READY)
-	$(BIN)/python tools/random_tasks.py run
-	$(BIN)/python tools/random_tasks.py write
+	$(BIN)/python studies/tools/random_tasks.py run
+	$(BIN)/python studies/tools/random_tasks.py write
 
 picture: $(READY)
 	$(BIN)/pps reproduce --only rear-push --out runs/picture --force
@@ -78,11 +78,12 @@ lint: $(READY)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-$(READY): requirements.lock pyproject.toml
+$(READY): requirements.lock pyproject.toml studies/pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit(0 if sys.version_info >= (3, 11) else 'Python 3.11 or newer is needed; say make PYTHON=python3.12')"
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation \
+	  -e . -e ./studies
 	touch $(READY)
 
 # Megabytes that an installation downloads and takes, without extras and with Drake.

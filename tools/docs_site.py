@@ -1,8 +1,9 @@
 """Pages of the site that are made from other files, and links between them.
 
-mkdocs calls the ``on_`` functions (mkdocs.yml, ``hooks``). The pages in docs/ are read
-on a code host too, so they link to files of the repository; the site has its own pages
-for those, and a link to one leads there.
+mkdocs calls the ``on_`` functions (mkdocs.yml, ``hooks``). The pages in docs/ and
+studies/docs/ are read on a code host too, so they link to files of the repository; the
+site has its own pages for those, and a link to one leads there. What is in studies/docs/
+stands below studies/ on the site.
 """
 
 from __future__ import annotations
@@ -25,9 +26,10 @@ from mkdocs.structure.pages import Page
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "src" / "pushpressslide"
-READ = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")
-"""Pages of the repository outside docs/."""
-ROOMS_NOT_SHOWN = ("cli", "sim", "studies", "tasks")
+STUDIES = "studies/docs/"
+READ = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "studies/README.md")
+"""Pages of the repository outside docs/ and studies/docs/."""
+ROOMS_NOT_SHOWN = ("cli", "sim", "tasks")
 MOVED = {
     "README.md": "index.md",
     "CHANGELOG.md": "changelog.md",
@@ -35,7 +37,8 @@ MOVED = {
     "LICENSE": "license.md",
     "CITATION.cff": "citation.md",
     "examples": "examples/index.md",
-    "docs/data": "docs/data/index.md",
+    "studies/README.md": "studies/index.md",
+    "studies/docs/data": "studies/data/index.md",
 }
 """Files and folders of the repository, and their pages on the site."""
 
@@ -99,11 +102,11 @@ def examples() -> Iterator[tuple[str, str]]:
 
 
 def data() -> tuple[str, str]:
-    """Return name and text of the page that lists the files of docs/data."""
-    names = sorted(path.name for path in (ROOT / "docs" / "data").iterdir())
+    """Return name and text of the page that lists the files of studies/docs/data."""
+    names = sorted(path.name for path in (ROOT / STUDIES / "data").iterdir())
     rows = [f"- [{name}]({name})" for name in names]
     head = "# Data of the tables\n\nRows as the commands wrote them, one JSON a line.\n"
-    return "data/index.md", "\n".join([head, *rows, ""])
+    return "studies/data/index.md", "\n".join([head, *rows, ""])
 
 
 def commands() -> tuple[str, str]:
@@ -169,7 +172,12 @@ def made() -> Iterator[tuple[str, str]]:
 
 
 def on_files(files: Files, *, config: MkDocsConfig) -> Files:
-    """Add the pages that are made, and list those of a folder below its head."""
+    """Add the studies' pages and those that are made, and list those of a folder below
+    its head.
+    """
+    for path in sorted((ROOT / STUDIES).rglob("*.*")):
+        name = f"studies/{path.relative_to(ROOT / STUDIES).as_posix()}"
+        files.append(File.generated(config, name, abs_src_path=str(path)))
     folders: dict[str, list[str]] = {}
     for name, text in made():
         files.append(File.generated(config, name, content=text))
@@ -183,18 +191,27 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
     return files
 
 
+def home_of(page: str) -> str:
+    """Return the path in the repository of a page of the site."""
+    if page.startswith("examples/"):
+        return page
+    if page.startswith("studies/"):
+        return page.replace("studies/", STUDIES, 1)
+    return f"docs/{page}"
+
+
 def place_on_the_site(target: str, page: str) -> str:
     """Return where a link ``target`` of the file behind ``page`` leads on the site.
 
     Both are paths; ``page`` is that of the site.
     """
     homes = {MOVED[name]: name for name in READ}
-    home = page if page.startswith("examples/") else homes.get(page, f"docs/{page}")
+    home = homes.get(page) or home_of(page)
     full = posixpath.normpath(posixpath.join(posixpath.dirname(home), target))
     there = MOVED.get(full, full)
     if there.startswith("examples/"):
         there = re.sub(r"\.(py|ipynb)$", ".md", there)
-    there = there.removeprefix("docs/")
+    there = re.sub(r"^(studies/)?docs/", r"\1", there)
     return posixpath.relpath(there, posixpath.dirname(page) or ".")
 
 
@@ -203,7 +220,7 @@ def on_page_markdown(
 ) -> str:
     """Lead the links of a page to the pages of the site."""
     name = page.file.src_uri
-    if name.startswith(("api/", "data/")) or name == "commands.md":
+    if name.startswith(("api/", "studies/data/")) or name == "commands.md":
         return markdown
 
     def moved(match: re.Match[str]) -> str:

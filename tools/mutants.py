@@ -30,6 +30,7 @@ import tomllib
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from itertools import chain
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from types import CodeType, ModuleType
@@ -43,6 +44,8 @@ from mutations import Mutation, mutate, mutations
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCES = ROOT / "src"
+STUDIES = ROOT / "studies"
+TESTS = (ROOT / "tests", STUDIES / "tests")  # with a folder for each package
 PACKAGES = ("mechanics", "allocation", "rom", "tracking")
 EQUIVALENT = ROOT / "tools" / "equivalent_mutants.toml"
 SLOWER = 10.0  # a mutant that takes this many times the tests' own time is killed
@@ -104,7 +107,7 @@ def run_tests(package: str, mutation: Mutation | None, answer: Connection) -> No
     In a process of its own.
     """
     sys.stdout = sys.stderr = open(os.devnull, "w")  # noqa: SIM115
-    sys.path.insert(0, str(SOURCES))
+    sys.path[:0] = [str(SOURCES), str(STUDIES / "src")]
     if mutation is not None:
         sys.meta_path.insert(0, MutatedModule(mutation))
     failure = FirstFailure()
@@ -125,7 +128,8 @@ def ordered_tests(package: str, mutation: Mutation | None) -> list[list[Path]]:
     Each part is collected only if the one before finds nothing.
     """
     parts: list[list[Path]] = [[], [], []]
-    for path in sorted((ROOT / "tests" / package).glob("test_*.py")):
+    found = (sorted((folder / package).glob("test_*.py")) for folder in TESTS)
+    for path in chain.from_iterable(found):
         place = 2
         if mutation is not None and path.stem == f"test_{Path(mutation.file).stem}":
             place = 0
@@ -194,8 +198,8 @@ def hashes() -> dict[str, str]:
     found = {}
     for package in PACKAGES:
         digest = hashlib.sha256()
-        for folder in (SOURCES / "pushpressslide" / package, ROOT / "tests" / package):
-            for path in sorted(folder.rglob("*.py")):
+        for folder in (SOURCES / "pushpressslide", *TESTS):
+            for path in sorted((folder / package).rglob("*.py")):
                 digest.update(path.read_bytes())
         found[package] = digest.hexdigest()[:16]
     return found

@@ -115,6 +115,15 @@ def test_where_cases_meet(engine):
     assert (paths.length[:3] == 0.0).all()
 
 
+def test_a_tiny_way_straight_ahead_is_no_whole_circle(engine):
+    rng = np.random.default_rng(5)
+    starts = rng.uniform(-1.0, 1.0, (1000, 3)) * (5.0, 5.0, math.pi)
+    ways = 10.0 ** rng.uniform(-9.0, -5.0, 1000)
+    ahead = [np.cos(starts[:, 2]), np.sin(starts[:, 2]), np.zeros(1000)]
+    goals = starts + ways[:, None] * np.transpose(ahead)
+    assert np.all(shortest_lengths(starts, goals, 2.0, 3.0) <= ways + 1e-8)
+
+
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 @pytest.mark.parametrize("place", range(3))
 def test_a_pose_that_is_no_number_has_no_path(engine, bad, place):

@@ -294,9 +294,7 @@ def test_plan_writes_its_files_and_prints_json(tmp_path: Path) -> None:
         "run",
         "report",
         "sweep",
-        "reproduce",
         "identify",
-        "bench",
     ],
 )
 def test_every_command_of_the_contract_has_help(words: str) -> None:

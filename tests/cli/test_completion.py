@@ -9,8 +9,6 @@ import pytest
 
 from pushpressslide.cli import complete
 from pushpressslide.modes import MODES
-from pushpressslide.studies.bench.bench import BENCHMARKS
-from pushpressslide.studies.paper.experiments import AXLE, EXPERIMENTS
 from pushpressslide.taskfile.load import shipped_tasks
 
 
@@ -40,8 +38,6 @@ def completed(line: str, folder: Path) -> list[str]:
 
 def test_the_names_are_those_of_the_package() -> None:
     assert complete.mode_names() == sorted(MODES)
-    assert list(complete.BENCHMARKS) == list(BENCHMARKS)
-    assert list(complete.EXPERIMENTS) == [*EXPERIMENTS, AXLE]
     assert complete.tasks("")[: len(shipped_tasks())] == list(shipped_tasks())
 
 
@@ -66,8 +62,6 @@ def test_a_task_is_a_shipped_one_a_yaml_file_or_a_folder_on_the_way(
         ("pps show swa", ["swap"]),
         ("pps plan post --mode press_s", ["press_slide"]),
         ("pps run post --engine ", ["drake", "planar"]),
-        ("pps bench st", ["sticking", "start"]),
-        ("pps reproduce --only rear", ["rear-push"]),
     ],
 )
 def test_the_shell_is_offered(line: str, expected: list[str], tmp_path: Path) -> None:
@@ -85,8 +79,6 @@ def test_completion_is_installed_by_the_command(tmp_path: Path) -> None:
     ("command", "names"),
     [
         ("run", complete.mode_names()),
-        ("bench", complete.BENCHMARKS),
-        ("reproduce", complete.EXPERIMENTS),
         ("run", ("drake|planar", "generated|drake_models")),
     ],
 )

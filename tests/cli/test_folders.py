@@ -51,8 +51,6 @@ def holder(tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
         ("plan", "rear-push-rear"),
         ("select", "rear-push-rear"),
         ("sweep", "rear-push-rear", "--samples", "1", "--force"),
-        ("bench", "start"),
-        ("reproduce",),
         ("identify", "."),
     ],
 )

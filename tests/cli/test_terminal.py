@@ -10,7 +10,6 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from pushpressslide.cli import app, shell
-from pushpressslide.cli.bench_table import print_benchmarks
 from pushpressslide.cli.text import print_text
 
 Refusal = Callable[..., str]
@@ -69,30 +68,6 @@ def test_what_was_written_is_named_last(
     written = Path(invoke(command, task, "--out", str(tmp_path)).stdout.split()[-1])
     assert written.is_file()
     assert written.parent == tmp_path
-
-
-ROW = {
-    "task": "bimanual-slide",
-    "tick_us": 12.3,
-    "p99_us": 33.1,
-    "longest_us": 900.0,
-    "run_over_played_back": 1.25,
-    "wall_per_simulated": 0.38,
-    "apart_mm": 0.02,
-}
-
-
-@pytest.mark.parametrize("columns", [60, 80, 200])
-def test_a_table_that_is_too_wide_cuts_no_word(
-    columns: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("COLUMNS", str(columns))
-    print_benchmarks({"runs": [ROW]})
-    lines = capsys.readouterr().out.splitlines()
-    words = [word for line in lines for word in line.split()]
-    for expected in ("bimanual-slide", "percentile", "torques", "simulated", "1.25"):
-        assert expected in words
-    assert all(len(line) <= columns for line in lines)
 
 
 @pytest.mark.parametrize(

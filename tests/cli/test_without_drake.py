@@ -41,7 +41,6 @@ def pps(*args: str, folder: Path) -> subprocess.CompletedProcess[str]:
         ("run", "rear-push-rear", "--live"),
         ("select", "rear-push-rear", "--joints"),
         ("sweep", "rear-push-rear", "--samples", "2"),
-        ("reproduce", "--only", "rear-push"),
     ],
 )
 def test_what_needs_drake_says_how_to_install_it(
@@ -71,7 +70,10 @@ def test_every_module_outside_sim_is_imported(tmp_path: Path) -> None:
     names = []
     for path in SOURCE.rglob("*.py"):
         parts = path.relative_to(SOURCE).with_suffix("").parts
-        if parts[0] != "sim" and parts[-1] not in ("__init__", "__main__"):
+        if parts[0] not in ("sim", "studies") and parts[-1] not in (
+            "__init__",
+            "__main__",
+        ):
             names.append(".".join(parts))
     code = """
 from importlib import import_module
@@ -95,14 +97,3 @@ except pps.PushPressSlideError as error:
     done = python(code, folder=tmp_path)
     assert done.stdout.startswith("True engine drake: "), done.stderr
     assert INSTALLS in done.stdout
-
-
-def test_a_benchmark_names_what_is_missing_and_goes_on(tmp_path: Path) -> None:
-    code = """
-from pushpressslide.studies.bench.contestants import press_contestants, push_contestants
-for contestants in (push_contestants(0), press_contestants(0)):
-    print(contestants["Drake"], len(contestants["closed form"]) > 100)
-"""
-    done = python(code, folder=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.splitlines() == [f"not installed: {INSTALLS} True"] * 2

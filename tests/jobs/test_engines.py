@@ -7,7 +7,6 @@ from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.jobs.engines import DEFAULT, ENGINES, EngineName, engine_named
 from pushpressslide.jobs.run import run, run_choice, run_task, simulate
 from pushpressslide.jobs.sweep import SweepOptions, sweep
-from pushpressslide.studies.paper.reproduce import reproduce
 from pushpressslide.taskfile.load import load_task
 
 
@@ -32,9 +31,6 @@ ENTRIES = {
     "run_choice": lambda task, folder: run_choice(task, None, engine="plana"),
     "sweep": lambda task, folder: sweep(
         task, SweepOptions(samples=1, engine="plana"), folder
-    ),
-    "reproduce": lambda task, folder: reproduce(
-        ["rear-push"], out=folder, engine="plana"
     ),
 }
 

@@ -20,6 +20,7 @@ from pushpressslide.mechanics.pressing import (
     press_loads,
 )
 from pushpressslide.mechanics.top import inside_top, room_inside, top_places
+from pushpressslide.planning.pressed.placements import turned_by_tool
 from pushpressslide.taskfile.load import load_task
 
 BAR = ObjectModel(Box((0.6, 0.2, 0.1)), 0.3, (0.0, 0.0))
@@ -56,6 +57,8 @@ def test_at_the_least_lever_drag_and_tip_hold_each_other(
     if refusal is not None:
         assert refusal.figure == pytest.approx(own)
         assert refusal.allowed == pytest.approx(lever)
+    turned = turned_by_tool(scene, press)
+    assert turned == (margins.HELD_TURN * own >= lever)
 
 
 def test_what_the_object_pushes_is_dragged_along_too() -> None:

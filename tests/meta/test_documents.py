@@ -1,9 +1,6 @@
 """The documents do not lie: links, functions, tests, commands, fields, examples."""
 
-import importlib
-import json
 import re
-import runpy
 import tomllib
 from dataclasses import fields, replace
 from pathlib import Path
@@ -15,17 +12,21 @@ import yaml
 
 import pushpressslide
 from pushpressslide.cli import app
+from pushpressslide.cli.installed import PACKAGES
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Motion
 from pushpressslide.modes import MODES
-from pushpressslide.studies.paper.documents import renewed, summary_of
 from pushpressslide.taskfile.load import task_from_data
 
 ROOT = Path(__file__).parents[2]
-DOCS = sorted((ROOT / "docs").glob("*.md"))
-PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", ROOT / "CONTRIBUTING.md", *DOCS]
+STUDIES = ROOT / "studies"
+DOCS = sorted([*(ROOT / "docs").glob("*.md"), *(STUDIES / "docs").glob("*.md")])
+HEADS = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "studies/README.md")
+PAGES = [*(ROOT / name for name in HEADS), *DOCS]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-every_page = pytest.mark.parametrize("page", PAGES, ids=[p.name for p in PAGES])
+every_page = pytest.mark.parametrize(
+    "page", PAGES, ids=[str(p.relative_to(ROOT)) for p in PAGES]
+)
 
 
 @every_page
@@ -43,39 +44,15 @@ def test_no_page_names_a_place_on_somebodys_machine(page: Path) -> None:
 
 
 def test_every_page_of_docs_is_linked_from_another() -> None:
-    words = {p.name: p.read_text(encoding="utf-8") for p in PAGES}
+    words = {page: page.read_text(encoding="utf-8") for page in PAGES}
     for page in DOCS:
         assert any(
-            f"{page.name})" in text for name, text in words.items() if name != page.name
+            f"{page.name})" in text for other, text in words.items() if other != page
         ), page.name
 
 
-def rows_of_the_paper_map():
-    text = (ROOT / "docs" / "paper-map.md").read_text(encoding="utf-8")
-    return re.findall(r"\| `([a-z_.A-Z]+)` \| `([a-z_/]+\.py)` \|", text)
-
-
-def test_the_paper_map_has_rows() -> None:
-    assert len(rows_of_the_paper_map()) >= 20
-
-
-@pytest.mark.parametrize(("function", "test"), rows_of_the_paper_map())
-def test_the_paper_map_names_real_functions_and_tests(function: str, test: str) -> None:
-    parts = function.split(".")
-    package = ROOT / "src" / "pushpressslide"
-    depth = next(
-        n
-        for n in range(len(parts), 0, -1)
-        if package.joinpath(*parts[:n]).with_suffix(".py").is_file()
-    )
-    thing = importlib.import_module(".".join(["pushpressslide", *parts[:depth]]))
-    for part in parts[depth:]:
-        thing = getattr(thing, part)
-    assert (ROOT / "tests" / test).exists()
-
-
 def commands() -> set[str]:
-    return set(typer.main.get_command(app).commands)
+    return set(typer.main.get_command(app).commands) | {*PACKAGES}
 
 
 def test_every_command_of_the_readme_exists_and_every_command_is_there() -> None:
@@ -142,11 +119,14 @@ def test_the_mechanics_keep_their_section_numbers() -> None:
 
 
 @pytest.mark.parametrize(
-    "path", sorted((ROOT / "src").rglob("*.py")), ids=lambda p: p.stem
+    "path",
+    sorted([*(ROOT / "src").rglob("*.py"), *STUDIES.rglob("*.py")]),
+    ids=lambda p: p.stem,
 )
 def test_documents_that_the_code_cites_exist(path: Path) -> None:
-    for name in re.findall(r"docs/([a-z-]+\.md)", path.read_text(encoding="utf-8")):
-        assert (ROOT / "docs" / name).exists()
+    cited = r"\b((?:studies/)?docs/[a-z-]+\.md)"
+    for name in re.findall(cited, path.read_text(encoding="utf-8")):
+        assert (ROOT / name).exists(), name
 
 
 def test_the_example_of_adding_a_mode_reaches_its_goal(monkeypatch) -> None:
@@ -185,17 +165,3 @@ def test_the_citation_agrees_with_the_project() -> None:
     assert citation["version"] == named["version"]
     assert citation["license"] == named["license"]
     assert citation["authors"] == named["authors"]
-
-
-def test_the_readme_counts_what_the_results_count() -> None:
-    results = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
-    table = results.partition("results: begin (generated) -->")[2]
-    assert renewed(README, "results", summary_of(table)) == README
-
-
-def test_the_table_of_other_planners_is_that_of_its_rows() -> None:
-    tool = runpy.run_path(str(ROOT / "tools" / "other_planners.py"))
-    rows = json.loads(tool["DATA"].read_text(encoding="utf-8"))
-    assert [row["task"] for row in rows] == list(tool["TASKS"])
-    page = tool["PAGE"].read_text(encoding="utf-8")
-    assert renewed(page, "planners", tool["table"](rows)) == page

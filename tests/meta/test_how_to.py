@@ -81,13 +81,6 @@ def test_the_loop_at_the_pace_of_a_clock_reaches_the_goal(
     assert capsys.readouterr().out.startswith("goal_reached at most ")
 
 
-def test_the_finger_of_the_page_keeps_what_it_pushes(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    exec(compile(block("stable-push.md", "python"), "stable-push", "exec"), {})
-    assert capsys.readouterr().out.startswith("True ")
-
-
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("sets", "figures"),

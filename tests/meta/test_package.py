@@ -15,7 +15,8 @@ from pushpressslide.modes import MODES
 
 ROOT = Path(__file__).parents[2]
 SOURCE = ROOT / "src" / "pushpressslide"
-FILES = sorted(SOURCE.rglob("*.py"))
+STUDIES = ROOT / "studies" / "src" / "pushpressslide_studies"
+FILES = sorted([*SOURCE.rglob("*.py"), *STUDIES.rglob("*.py")])
 
 
 @cache
@@ -41,14 +42,19 @@ def imported(path: Path) -> set[str]:
     return names
 
 
+def place_of(path: Path) -> Path:
+    """Return where a file stands in its package."""
+    return path.relative_to(STUDIES if path.is_relative_to(STUDIES) else SOURCE)
+
+
 every_file = pytest.mark.parametrize(
-    "path", FILES, ids=[str(p.relative_to(SOURCE)) for p in FILES]
+    "path", FILES, ids=[str(p.relative_to(ROOT)) for p in FILES]
 )
 
 
 @every_file
 def test_a_file_keeps_the_rules(path: Path) -> None:
-    place = path.relative_to(SOURCE)
+    place = place_of(path)
     names = imported(path)
     assert "pydrake.all" not in names
     assert "pydrake" not in names, "import concrete modules of pydrake"
@@ -62,7 +68,7 @@ def test_a_file_keeps_the_rules(path: Path) -> None:
 
 @every_file
 def test_only_the_command_line_prints(path: Path) -> None:
-    if path.relative_to(SOURCE).parts[0] == "cli":
+    if place_of(path).parts[0] == "cli":
         return
     called = [
         node.func for node in ast.walk(tree_of(path)) if isinstance(node, ast.Call)
@@ -132,8 +138,9 @@ def test_the_help_of_the_package_begins_with_every_name_in_its_place() -> None:
 
 
 def test_importing_pydrake_all_is_nowhere_in_tests_either() -> None:
-    for path in (ROOT / "tests").rglob("*.py"):
-        assert "pydrake.all" not in imported(path)
+    for folder in ("tests", "studies/tests"):
+        for path in (ROOT / folder).rglob("*.py"):
+            assert "pydrake.all" not in imported(path)
 
 
 @pytest.mark.parametrize("section", [Motion, Limits, Sensing, Tolerance, Support])
@@ -158,13 +165,13 @@ KINDS = {"Box", "Prism", "Cylinder"}
 MAY_ASK_FOR_THE_KIND = {
     "sim/surfaces.py": "Drake's geometry has a class a kind",
     "sim/scenes.py": "Drake's inertia and mesh sizes have a formula a kind",
-    "studies/paper/virtual_axle.py": "the paper's object is a box of another height",
+    "paper/virtual_axle.py": "the paper's object is a box of another height",
 }
 
 
 @every_file
 def test_a_shape_is_asked_and_not_inspected(path: Path) -> None:
-    place = path.relative_to(SOURCE).as_posix()
+    place = place_of(path).as_posix()
     asked = [
         node
         for node in ast.walk(tree_of(path))
@@ -178,4 +185,5 @@ def test_a_shape_is_asked_and_not_inspected(path: Path) -> None:
 
 
 def test_the_package_says_that_it_is_typed() -> None:
-    assert (ROOT / "src" / "pushpressslide" / "py.typed").is_file()
+    assert (SOURCE / "py.typed").is_file()
+    assert (STUDIES / "py.typed").is_file()

@@ -33,6 +33,8 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_every_page_of_the_documents_is_on_the_site(site: Path) -> None:
     for page in (ROOT / "docs").glob("*.md"):
         assert (site / f"{page.stem}.html").is_file(), page.name
+    for page in (ROOT / "studies" / "docs").glob("*.md"):
+        assert (site / "studies" / f"{page.stem}.html").is_file(), page.name
 
 
 def test_every_example_is_on_the_site(site: Path) -> None:

@@ -76,6 +76,13 @@ def test_every_candidate_reaches_the_goal_within_the_limits_and_is_sorted(
         assert all(length > 0.0 for _, length in path.pieces)
 
 
+@given(poses, st.floats(1e-9, 1e-5), st.sampled_from(["S", "L", "R"]))
+def test_a_tiny_way_is_no_whole_circle(start, length, letter):
+    bent = {"S": 0.0, "L": 2.0, "R": -3.0}
+    path = ArcPath(start, ((bent[letter], length),))
+    assert shortest_path(start, path.end, 2.0, 3.0).length <= length + 1e-8
+
+
 @settings(max_examples=400)
 @given(
     poses,

@@ -1,8 +1,8 @@
 """The paper's own formulas for two contacts, by name, so that the difference can be
 shown; used nowhere else.
 
-They check no cone. Equations are numbered as in docs/paper-map.md; forces [N] on the
-object, in B, moments about the CoM.
+They check no cone. Equations are numbered as in studies/docs/paper-map.md; forces [N]
+on the object, in B, moments about the CoM.
 """
 
 from __future__ import annotations

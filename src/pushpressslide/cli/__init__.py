@@ -3,10 +3,10 @@
 A command imports what is heavy when it runs, so that help answers at once.
 """
 
-from pushpressslide.cli import commands, files, learning, pusht, studies
+from pushpressslide.cli import commands, files, learning, many_runs
 from pushpressslide.cli.app import app
 
-__all__ = ["app", "commands", "files", "learning", "main", "pusht", "studies"]
+__all__ = ["app", "commands", "files", "learning", "main", "many_runs"]
 
 
 def main() -> None:

@@ -47,8 +47,8 @@ def _options(
 ) -> None: ...
 
 
-def command(function: Callable[[Options], Status]) -> Callable[[Options], Status]:
-    """Register a command whose arguments and options are the fields of a dataclass.
+def unpacked(function: Callable[[Options], Status]) -> Callable[..., Status]:
+    """Return a function whose parameters are the fields of a dataclass.
 
     The dataclass is the annotation of the one parameter of ``function``.
     """
@@ -61,7 +61,15 @@ def command(function: Callable[[Options], Status]) -> Callable[[Options], Status
         return function(options(**values))
 
     vars(called)["__signature__"] = inspect.signature(options, eval_str=True)
-    app.command()(called)
+    return called
+
+
+def command(function: Callable[[Options], Status]) -> Callable[[Options], Status]:
+    """Register a command whose arguments and options are the fields of a dataclass.
+
+    The dataclass is the annotation of the one parameter of ``function``.
+    """
+    app.command()(unpacked(function))
     return function
 
 

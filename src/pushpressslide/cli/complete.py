@@ -1,4 +1,4 @@
-"""What the shell completes: names of tasks, modes, benchmarks and experiments."""
+"""What the shell completes: names of tasks and modes."""
 
 from __future__ import annotations
 
@@ -6,41 +6,6 @@ from collections.abc import Iterable
 from glob import escape, glob
 from importlib import resources
 from pathlib import Path
-
-BENCHMARKS = (
-    "pushes",
-    "presses",
-    "tick",
-    "agreement",
-    "coverage",
-    "turning",
-    "sticking",
-    "select",
-    "batches",
-    "dubins",
-    "planners",
-    "engines",
-    "mpc",
-    "runs",
-    "memory",
-    "truths",
-    "start",
-    "scaling",
-)
-"""Names of ``studies.bench.bench.BENCHMARKS``, which is slow to import."""
-
-EXPERIMENTS = (
-    "rear-push",
-    "joint-tracking",
-    "press-slide",
-    "identified-rho",
-    "tool-use",
-    "two-arms",
-    "pivot-and-move",
-    "press-fit",
-    "virtual-axle",
-)
-"""Names of ``studies.paper.experiments``, which is slow to import."""
 
 
 def mode_names() -> list[str]:
@@ -53,22 +18,12 @@ def tasks(incomplete: str) -> list[str]:
     paths = sorted(map(Path, glob(escape(incomplete) + "*")))
     files = [str(path) for path in paths if path.suffix in (".yaml", ".yml")]
     folders = [f"{path}/" for path in paths if path.is_dir()]
-    return _begun(_stems("tasks", ".yaml"), incomplete) + files + folders
+    return begun(_stems("tasks", ".yaml"), incomplete) + files + folders
 
 
 def modes(incomplete: str) -> list[str]:
     """Return the modes that begin so."""
-    return _begun(mode_names(), incomplete)
-
-
-def benchmarks(incomplete: str) -> list[str]:
-    """Return the benchmarks that begin so."""
-    return _begun(BENCHMARKS, incomplete)
-
-
-def experiments(incomplete: str) -> list[str]:
-    """Return the experiments of the paper that begin so."""
-    return _begun(EXPERIMENTS, incomplete)
+    return begun(mode_names(), incomplete)
 
 
 def _stems(folder: str, suffix: str) -> list[str]:
@@ -77,5 +32,6 @@ def _stems(folder: str, suffix: str) -> list[str]:
     return sorted(f.name.removesuffix(suffix) for f in files if f.name.endswith(suffix))
 
 
-def _begun(names: Iterable[str], incomplete: str) -> list[str]:
+def begun(names: Iterable[str], incomplete: str) -> list[str]:
+    """Return those of some names that begin so."""
     return [name for name in names if name.startswith(incomplete)]

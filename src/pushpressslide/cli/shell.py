@@ -20,6 +20,7 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
+from pushpressslide.cli import installed
 from pushpressslide.cli.folders import kept_files, leave_folders
 from pushpressslide.cli.text import print_text
 from pushpressslide.core.errors import (
@@ -55,7 +56,35 @@ class Interruption(Exception):
 
 
 class Commands(TyperGroup):
-    """The commands, with the exit statuses and the one-line errors that they promise."""
+    """The commands, with the exit statuses and the one-line errors that they promise.
+
+    Those of other packages are looked up when one of them, or all, are asked for.
+    """
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names of all commands."""
+        self._add_installed()
+        return super().list_commands(ctx)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a command; None if there is none of that name."""
+        if cmd_name not in self.commands:
+            self._add_installed()
+        return super().get_command(ctx, cmd_name)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return name, command and arguments.
+
+        Raises MissingPackageError for a command whose package is not installed.
+        """
+        if args[0] not in self.commands and not ctx.resilient_parsing:
+            installed.check_installed(args[0])
+        return super().resolve_command(ctx, args)
+
+    def _add_installed(self) -> None:
+        """Add the commands of other packages, behind the ones that are there."""
+        for name, made in installed.commands().items():
+            self.commands.setdefault(name, made)
 
     def main(
         self,

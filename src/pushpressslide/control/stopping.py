@@ -113,12 +113,14 @@ class Stop:
     _held: list[JointCommand | None] = field(init=False)  # where an arm holds
     _overload: list[int] = field(init=False)  # ticks of too much torque, of each arm
     _resting: int = 0  # ticks that all joints have been at rest
-    _taken_over: float | None = None  # [s] since when an arm no longer draws back
+    # [s] since when an arm no longer draws back; before that, when the stop began
+    _waiting: float = field(init=False)
 
     def __post_init__(self) -> None:
         self.levels = [StopLevel.DRAW_BACK] * len(self.arms)
         self._held = [None] * len(self.arms)
         self._overload = [0] * len(self.arms)
+        self._waiting = self.began
 
     @property
     def took_over(self) -> bool:
@@ -139,12 +141,13 @@ class Stop:
         """
         if not readings:
             return commands
+        drew_back = not self.took_over
         for i, (reading, runaway) in enumerate(zip(readings, runaways, strict=True)):
             self.levels[i] = max(self.levels[i], self._level(i, time, reading, runaway))
         if StopLevel.BRAKE in self.levels:
             self.levels = [max(level, StopLevel.HOLD) for level in self.levels]
-        if self.took_over and self._taken_over is None:
-            self._taken_over = time
+        if drew_back and self.took_over:
+            self._waiting = time
         self._watch_rest(readings)
         return tuple(
             self._command(i, reading, command)
@@ -156,7 +159,7 @@ class Stop:
         have been given long enough.
         """
         rested = self._resting * self.period >= REST_TIME
-        return rested or time - (self._taken_over or self.began) > LONGEST
+        return rested or time - self._waiting > LONGEST
 
     def _level(
         self, arm: int, time: float, reading: ArmReading, runaway: str | None

@@ -303,7 +303,7 @@ class ArmExecutor:
         Nothing along an axis on which the damper alone is as quick. For a tip that no
         spring leads.
         """
-        # (6, 2) of accelerations along x and y, and (2, 2) of that their forces there
+        # wrenches (6, 2) of accelerations along x and y, and their forces (2, 2) there
         if self._flat:
             wrenches = inertia[:, 3:5]
             forces = wrenches[3:5]

@@ -8,7 +8,7 @@ Markov-Dubins problem", J. Optim. Theory Appl. 150, 2011): LSL, RSR, LSR, RSL, R
 
 from __future__ import annotations
 
-from math import acos, atan2, cos, hypot, inf, isfinite, nan, pi, sin, sqrt
+from math import acos, atan2, cos, floor, hypot, inf, isfinite, nan, pi, sin, sqrt
 
 from pushpressslide.kernels.allocation import Vector
 from pushpressslide.kernels.kernel import kernel
@@ -28,17 +28,21 @@ ROUND_OFF = 1e-12
 # Poses this close, in radii and [rad], are one: next to the start the shortest length
 # jumps by whole circles.
 SAME_POSE = 5e-11
+# Of the coordinates and radii: what rounding leaves unknown of where a centre is. A
+# tangent along one of the headings but for that is along it: else a straight of 1e-8 m
+# begins or ends with a whole circle.
+BLUR = 1e-15
 
 Pose = tuple[float, float, float]
 Solution = tuple[float, int, float, float, float]
 """Length [m], word, first arc [rad], middle [rad] or [m], last arc [rad]; infinitely long
 where there is none.
 """
-Circles = tuple[float, float, Vector, Vector, float]
+Circles = tuple[float, float, Vector, Vector, float, float]
 """The turning circles of both ends, seen from the start pose: radii [m] of left and right
-turns, vectors [m] from the start's own position to the goal's left and right centre, and
-the yaw [rad] of the goal, NaN for poses that are no numbers. The start's centres are
-(0, rl) and (0, -rr).
+turns, vectors [m] from the start's own position to the goal's left and right centre, the
+yaw [rad] of the goal, NaN for poses that are no numbers, and what is unknown [m] of the
+centres. The start's centres are (0, rl) and (0, -rr).
 """
 Solutions = tuple[
     Solution, Solution, Solution, Solution, Solution, Solution, Solution, Solution
@@ -70,7 +74,7 @@ def turning_circles(
     dx = goal[0] - start[0]
     dy = goal[1] - start[1]
     if not (isfinite(yaw) and isfinite(dx) and isfinite(dy)):
-        return rl, rr, (nan, nan), (nan, nan), nan
+        return rl, rr, (nan, nan), (nan, nan), nan, nan
     c = cos(start[2])
     s = sin(start[2])
     x = c * dx + s * dy
@@ -83,7 +87,9 @@ def turning_circles(
             yaw = 0.0
     s = sin(yaw)
     c = cos(yaw)
-    return rl, rr, (x - rl * s, y + rl * c), (x + rr * s, y - rr * c), yaw
+    places = abs(start[0]) + abs(start[1]) + abs(goal[0]) + abs(goal[1])
+    blur = BLUR * (places + rl + rr)
+    return rl, rr, (x - rl * s, y + rl * c), (x + rr * s, y - rr * c), yaw, blur
 
 
 @kernel
@@ -91,10 +97,10 @@ def dubins_solutions(circles: Circles) -> Solutions:
     """Return the paths of all words, in their order; those of three arcs twice, for the
     two places of the middle circle.
     """
-    rl, rr, left, right, yaw = circles
+    rl, rr, left, right, yaw, _ = circles
     both = rl + rr
-    left_length, left_angle = centre_line(left[0], left[1] - rl, both)
-    right_length, right_angle = centre_line(right[0], right[1] + rr, both)
+    left_length, left_angle = centre_line(circles, left[0], left[1] - rl)
+    right_length, right_angle = centre_line(circles, right[0], right[1] + rr)
     first = full_turn(left_angle)
     last = full_turn(yaw - left_angle)
     lsl = (left_length + rl * (first + last), LSL, first, left_length, last)
@@ -112,12 +118,24 @@ def dubins_solutions(circles: Circles) -> Solutions:
 
 
 @kernel
-def centre_line(dx: float, dy: float, both: float) -> Vector:
-    """Return distance [m] and direction [rad] of two centres; none has the direction 0."""
+def centre_line(circles: Circles, dx: float, dy: float) -> Vector:
+    """Distance [m] and direction [rad] of two centres.
+
+    The direction is 0 where there is no distance, and a heading where the line is along
+    that but for rounding.
+    """
     length = hypot(dx, dy)
-    if length > ROUND_OFF * both:
-        return length, atan2(dy, dx)
-    return length, 0.0
+    if not length > ROUND_OFF * (circles[0] + circles[1]):
+        return length, 0.0
+    angle = atan2(dy, dx)
+    if abs(angle) * length <= circles[5]:
+        return length, 0.0
+    yaw = circles[4]
+    past = angle - yaw
+    past = past - TURN * floor(past / TURN + 0.5)
+    if abs(past) * length <= circles[5]:
+        return length, yaw
+    return length, angle
 
 
 @kernel
@@ -137,7 +155,7 @@ def inner_tangent(dx: float, dy: float, both: float) -> Pose:
 @kernel
 def left_right(circles: Circles) -> Solution:
     """Return LSR."""
-    rl, rr, _, right, yaw = circles
+    rl, rr, _, right, yaw, _ = circles
     straight, direction, opening = inner_tangent(right[0], right[1] - rl, rl + rr)
     if not straight >= 0.0:
         return inf, NONE, 0.0, 0.0, 0.0
@@ -150,7 +168,7 @@ def left_right(circles: Circles) -> Solution:
 @kernel
 def right_left(circles: Circles) -> Solution:
     """Return RSL."""
-    rl, rr, left, _, yaw = circles
+    rl, rr, left, _, yaw, _ = circles
     straight, direction, opening = inner_tangent(left[0], left[1] + rr, rl + rr)
     if not straight >= 0.0:
         return inf, NONE, 0.0, 0.0, 0.0
@@ -173,7 +191,7 @@ def middle_opening(half: float) -> float:
 @kernel
 def right_arcs(circles: Circles, angle: float, side: float, opening: float) -> Solution:
     """Return RLR with the middle circle at ``side`` [rad] of the line of centres."""
-    rl, rr, _, _, yaw = circles
+    rl, rr, _, _, yaw, _ = circles
     if opening < 0.0:
         return inf, NONE, 0.0, 0.0, 0.0
     to_middle = angle + side
@@ -187,7 +205,7 @@ def right_arcs(circles: Circles, angle: float, side: float, opening: float) -> S
 @kernel
 def left_arcs(circles: Circles, angle: float, side: float, opening: float) -> Solution:
     """Return LRL with the middle circle at ``side`` [rad] of the line of centres."""
-    rl, rr, _, _, yaw = circles
+    rl, rr, _, _, yaw, _ = circles
     if opening < 0.0:
         return inf, NONE, 0.0, 0.0, 0.0
     to_middle = angle + side

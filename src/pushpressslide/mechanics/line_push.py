@@ -1,10 +1,10 @@
 """A flat finger that pushes a face: does it stick, or does the object slip or turn off it?
 
-Source: docs/stable-push.md; Lynch and Mason, "Stable pushing", 1996. While the object
-moves with the finger its twist is given, so the wrench that it takes is the one on the
-exact limit surface. The finger can give it if the wrench is in the cone that the friction
-cones at both of its ends span. As all its forces act on one line, that is: the resultant
-is inside the friction cone, and acts between the ends.
+Source: studies/docs/stable-push.md; Lynch and Mason, "Stable pushing", 1996. While the
+object moves with the finger its twist is given, so the wrench that it takes is the one
+on the exact limit surface. The finger can give it if the wrench is in the cone that the
+friction cones at both of its ends span. As all its forces act on one line, that is: the
+resultant is inside the friction cone, and acts between the ends.
 """
 
 from __future__ import annotations

@@ -133,12 +133,14 @@ def least_lever(scene: Scene, load: float) -> float:
     return holding / scene.max_friction(load)
 
 
+def press_lever(scene: Scene, press: Contact) -> float:
+    """Distance [m] of a press from the centre of pressure."""
+    return math.dist(press.point, pressed_cop(press.point, press.load, scene.weight_on))
+
+
 def lever_refusal(scene: Scene, press: Contact) -> Refusal | None:
-    """Return that a press has too short a lever to turn the object; None if it has
-    not.
-    """
-    cop = pressed_cop(press.point, press.load, scene.weight_on)
-    lever = math.dist(press.point, cop)
+    """Reason against steering by a press: its lever is too short to turn the object."""
+    lever = press_lever(scene, press)
     least = least_lever(scene, press.load)
     if lever >= least:
         return None

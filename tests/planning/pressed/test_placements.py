@@ -9,8 +9,7 @@ import pytest
 
 from pushpressslide.core import margins
 from pushpressslide.core.task import Task
-from pushpressslide.mechanics.pressing import lever_refusal
-from pushpressslide.planning.pressed.placements import press_placements
+from pushpressslide.planning.pressed.placements import press_placements, turned_by_tool
 from pushpressslide.taskfile.load import load_task
 
 
@@ -67,7 +66,7 @@ def test_only_presses_whose_tip_holds_the_turn_are_left_out(
         for place in placements.contacts
         for load in placements.loads
     ]
-    turned = [p for p in every if lever_refusal(task.scene, p) is None]
+    turned = [p for p in every if turned_by_tool(task.scene, p)]
     assert presses == {(press.point, press.load) for press in turned}
 
 

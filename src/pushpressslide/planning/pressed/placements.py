@@ -12,7 +12,7 @@ from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.scene import Scene
 from pushpressslide.core.task import Task
-from pushpressslide.mechanics.pressing import lever_refusal, press_loads, pressed_cop
+from pushpressslide.mechanics.pressing import least_lever, press_lever, press_loads
 from pushpressslide.mechanics.top import inside_top, top_places
 from pushpressslide.planning.tool_drag import tool_load
 from pushpressslide.rom.drives import ORIGIN
@@ -40,7 +40,7 @@ class PressPlacements:
             [replace(place, load=load) for place in places] for load in self.loads
         ]
         groups = [
-            [press for press in group if lever_refusal(scene, press) is None]
+            [press for press in group if turned_by_tool(scene, press)]
             for group in groups
         ]
         firm = [[press for press in group if _firm(scene, press)] for group in groups]
@@ -50,10 +50,15 @@ class PressPlacements:
         return [group for group in (*firm, *loose) if group]
 
 
+def turned_by_tool(scene: Scene, press: Contact) -> bool:
+    """Whether a press has lever enough for a turn that its tool makes along."""
+    least = least_lever(scene, press.load) / margins.HELD_TURN
+    return press_lever(scene, press) >= least
+
+
 def _firm(scene: Scene, press: Contact) -> bool:
     """Return whether a press is far enough from the centre of pressure."""
-    cop = pressed_cop(press.point, press.load, scene.weight_on)
-    return math.dist(press.point, cop) >= margins.ARM.firm_lever
+    return press_lever(scene, press) >= margins.ARM.firm_lever
 
 
 def press_placements(task: Task) -> PressPlacements:

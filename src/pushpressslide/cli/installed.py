@@ -1,0 +1,61 @@
+"""Commands that other packages bring.
+
+Such a package names functions with typer's annotations as entry points of the group
+``pushpressslide.commands``; the name of an entry point is that of its command.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from pushpressslide.core.errors import MissingPackageError, PushPressSlideError
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint, EntryPoints
+
+GROUP = "pushpressslide.commands"
+STUDIES = "pushpressslide-studies"
+PACKAGES = {"bench": STUDIES, "gym-pusht": STUDIES, "reproduce": STUDIES}
+"""Known commands, and the packages that bring them."""
+
+
+@cache
+def entries() -> EntryPoints:
+    """Return the entry points of the packages that are installed."""
+    from importlib.metadata import entry_points
+
+    return entry_points(group=GROUP)
+
+
+def commands() -> dict[str, Any]:
+    """Return the commands of the packages that are installed, by their names.
+
+    Raises PushPressSlideError for one that does not fit to this version.
+    """
+    return {entry.name: _command(entry) for entry in entries()}
+
+
+def _command(entry: EntryPoint) -> Any:
+    """Return the parser's command of an entry point."""
+    try:
+        function = entry.load()
+    except (ImportError, AttributeError) as error:
+        raise PushPressSlideError(
+            f"{entry.name}: {entry.value} cannot be imported ({error}); install versions of "
+            "both packages that belong together"
+        ) from error
+    alone = typer.Typer(add_completion=False, rich_markup_mode=None)
+    alone.command(entry.name)(function)
+    return typer.main.get_command(alone)
+
+
+def check_installed(name: str) -> None:
+    """Raise MissingPackageError where another package would bring this command."""
+    package = PACKAGES.get(name)
+    if package is not None and name not in entries().names:
+        raise MissingPackageError(
+            f"{name}: {package} is not installed; pip install {package}"
+        )

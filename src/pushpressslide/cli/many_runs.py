@@ -1,0 +1,220 @@
+"""The commands on many runs: sweep and identify."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pushpressslide.cli.app import answer, command, task_of
+from pushpressslide.cli.folders import results_folder
+from pushpressslide.cli.options import (
+    Drawing,
+    Engine,
+    Force,
+    Json,
+    ModeName,
+    Out,
+    Quiet,
+    Seed,
+    Sets,
+    TaskName,
+    Variation,
+    World,
+)
+from pushpressslide.cli.shell import progress_bar
+from pushpressslide.cli.text import print_text
+from pushpressslide.jobs.engines import DEFAULT
+
+
+@dataclass(frozen=True)
+class SweepOptions:
+    """Argument and options of ``pps sweep``, in the order of its help."""
+
+    task: TaskName
+    samples: Annotated[
+        int,
+        typer.Option("--samples", min=0, max=1_000_000, help="Number of variations."),
+    ] = 0
+    attempts: Annotated[
+        int,
+        typer.Option(
+            "--attempts",
+            min=0,
+            max=1_000_000,
+            help="Draw until so many samples are not refused, in place of --samples.",
+        ),
+    ] = 0
+    engine: Engine = DEFAULT
+    vary: Annotated[
+        Variation,
+        typer.Option(
+            "--vary",
+            help="truth: what is true of the task; tasks: new tasks for its robots; "
+            "start: other starts; knocks: another body pushes the object 3 cm and about "
+            "15 degrees aside in mid-contact (on drake).",
+        ),
+    ] = Variation.truth
+    draw: Annotated[
+        Drawing,
+        typer.Option(
+            "--draw",
+            help="Of new tasks. ahead: goals about ahead of the push, objects of medium "
+            "size; any: goals in all directions, objects of all sizes, mass off centre; "
+            "cluttered: start and goal anywhere in reach, among obstacles, any mode.",
+        ),
+    ] = Drawing.ahead
+    world: Annotated[
+        World,
+        typer.Option(
+            "--world",
+            help="Of new tasks. known: as believed; uncertain: other frictions, mass and "
+            "centre of mass, noisy and late sensors.",
+        ),
+    ] = World.known
+    check_refusals: Annotated[
+        int,
+        typer.Option(
+            "--check-refusals",
+            min=0,
+            help="Run the three best choices of so many refused samples all the same.",
+        ),
+    ] = 0
+    sample_time: Annotated[
+        float,
+        typer.Option(
+            "--sample-time", min=0.0, help="Seconds that a sample may take; 0: any."
+        ),
+    ] = 0.0
+    batched: Annotated[
+        bool,
+        typer.Option(
+            "--batched",
+            help="Of --vary truth: plan once and run all samples on arrays, without "
+            "engine, arms, touch and new plans; for plans of one rear_push.",
+        ),
+    ] = False
+    mode: ModeName = None
+    jobs: Annotated[
+        int, typer.Option("--jobs", min=0, help="Processes; 0: one for each core.")
+    ] = 0
+    cluster: Annotated[
+        str,
+        typer.Option(
+            "--cluster",
+            metavar="ADDRESS",
+            help="Dask scheduler whose workers run the samples, as tcp://10.0.0.1:8786.",
+        ),
+    ] = ""
+    seed: Seed = 0
+    out: Out = None
+    sets: Sets = None
+    as_json: Json = False
+    quiet: Quiet = False
+    force: Force = False
+
+
+@command
+def sweep(options: SweepOptions) -> None:
+    """Run a task under random variations.
+
+    In parallel; with the same --out it goes on where it was interrupted.
+    """
+    from pushpressslide.jobs import sweep as sweep_job
+
+    if (options.samples > 0) == (options.attempts > 0):
+        raise typer.BadParameter("give --samples or --attempts, one of them")
+    task = task_of(options.task, options.sets, options.mode)
+    folder = results_folder(options.out, f"sweep-{task.name}", options.force)
+    job = sweep_job.SweepOptions(
+        samples=options.samples,
+        attempts=options.attempts,
+        vary=options.vary.value,
+        draw=options.draw.value,
+        world=options.world.value,
+        seed=options.seed,
+        engine=options.engine,
+        check_refusals=options.check_refusals,
+        sample_time=options.sample_time,
+        jobs=options.jobs,
+        cluster=options.cluster,
+        force=options.force,
+        batched=options.batched,
+    )
+    label = f"{options.samples} samples on {job.engine_name}"
+    if options.attempts:
+        label = f"{options.attempts} attempts on {options.engine}"
+    with progress_bar(label, not options.quiet) as progress:
+        result = sweep_job.sweep(task, job, folder, progress)
+
+    def show() -> None:
+        """Print the figures, and where the results are."""
+        from pushpressslide.cli.tables import print_figures
+
+        print_figures(result)
+        typer.echo(folder)
+
+    answer(result, options, show)
+
+
+@dataclass(frozen=True)
+class IdentifyOptions:
+    """Argument and options of ``pps identify``, in the order of its help."""
+
+    data: Annotated[
+        Path,
+        typer.Argument(
+            metavar="DATA", help="A log of recorded pushes, or a folder with logs."
+        ),
+    ]
+    seed: Seed = 0
+    splits: Annotated[
+        int,
+        typer.Option("--splits", min=1, max=10_000, help="Random splits to score on."),
+    ] = 20
+    fit_share: Annotated[
+        float,
+        typer.Option(
+            "--fit-share",
+            min=0.05,
+            max=0.95,
+            help="Share of the pushes that is fitted.",
+        ),
+    ] = 0.5
+    out: Out = None
+    as_json: Json = False
+    quiet: Quiet = False
+    force: Force = False
+
+
+@command
+def identify(options: IdentifyOptions) -> None:
+    """Identify rho, friction and pressure from recorded pushes.
+
+    The models are scored on pushes that were held out.
+    """
+    from pushpressslide.jobs.identify import identify as identify_all
+
+    folder = results_folder(options.out, "identify", options.force)
+    label = f"pushes of {options.data.name}"
+    with progress_bar(label, not options.quiet) as progress:
+        result, identifications = identify_all(
+            options.data,
+            out=folder,
+            progress=progress,
+            seed=options.seed,
+            splits=options.splits,
+            fit_share=options.fit_share,
+        )
+
+    def show() -> None:
+        """Print the table, and where the page is."""
+        from pushpressslide.cli.identification_table import lines
+
+        for line in [*lines(identifications, result), *result["notes"]]:
+            print_text(line)
+        typer.echo(folder / "report.html")
+
+    answer(result, options, show)

@@ -1,0 +1,110 @@
+"""Contestants side by side: medians of times, and ratios in the same rounds."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Callable, Mapping, Sequence
+from time import perf_counter
+from typing import Any, TypeVar
+
+import numpy as np
+
+Outcome = TypeVar("Outcome")
+Row = dict[str, Any]
+Call = tuple[Callable[..., object], tuple[Any, ...]]
+"""A function, and what to call it with."""
+Contestants = dict[str, Sequence[Call] | str]
+"""The calls of each contestant, or why there are none; ours first."""
+ROUNDS = 9
+
+
+def times(calls: Sequence[Call]) -> list[float]:
+    """Return the times [s] of single calls, each timed by itself."""
+    out = []
+    for function, arguments in calls:
+        started = perf_counter()
+        function(*arguments)
+        out.append(perf_counter() - started)
+    return out
+
+
+def compared(
+    contestants: Contestants, counts: Mapping[str, int] | None = None
+) -> list[Row]:
+    """Return the median time of each contestant, the 99th percentile, and the ratio of
+    its median to the first one's; for one of the ``counts`` things that a call does.
+
+    All in turn, in several rounds; the figures are medians over the rounds, so that
+    what else the machine does falls on all alike. A text in place of calls says why
+    there are none: ratios are then those to the first that has any.
+    """
+    counts = counts or {}
+    medians: dict[str, list[float]] = {name: [] for name in contestants}
+    highs: dict[str, list[float]] = {name: [] for name in contestants}
+    for _ in range(ROUNDS):
+        for name, calls in contestants.items():
+            if isinstance(calls, str):
+                continue
+            spent = np.array(times(calls)) / counts.get(name, 1)
+            medians[name].append(float(np.median(spent)))
+            highs[name].append(float(np.percentile(spent, 99)))
+    first = next(name for name in contestants if medians[name])
+    rows: list[Row] = []
+    for name, calls in contestants.items():
+        row: Row = {"what": name, "median_us": None, "p99_us": None, "ratio": None}
+        if isinstance(calls, str):
+            rows.append(row | {"note": calls})
+            continue
+        pairs = zip(medians[name], medians[first], strict=True)
+        figures = {
+            "median_us": 1e6 * statistics.median(medians[name]),
+            "p99_us": 1e6 * statistics.median(highs[name]),
+            "ratio": statistics.median(time / ours for time, ours in pairs),
+        }
+        rows.append(row | figures | {"note": ""})
+    return rows
+
+
+def measured(what: str, median: float, first: float, **figures: float) -> Row:
+    """Return the row of a contestant: its median time [s], over that of the first, and
+    what else was found.
+    """
+    times = {"median_us": 1e6 * median, "ratio": median / first}
+    return {"what": what, **times, **figures, "note": ""}
+
+
+def not_installed(extra: str) -> str:
+    """Return the note on a contestant that an extra brings, as ``pushpressslide[drake]``."""
+    return f"not installed: pip install '{extra}'"
+
+
+def missing(what: str, note: str) -> Row:
+    """Return the row of a contestant that is not there, and why."""
+    return {"what": what, "median_us": None, "ratio": None, "note": note}
+
+
+def rows_of_runs(
+    runs: Mapping[str, Callable[[], Outcome | str]],
+    rounds: int,
+    seconds: Callable[[Outcome], float],
+    figures: Callable[[Outcome, float], Mapping[str, float]],
+) -> list[Row]:
+    """Return the row of each contestant that is run whole, so many times: its median
+    time over that of the first.
+
+    ``seconds`` is the time [s] of an outcome, ``figures`` are what else its row holds,
+    from the first outcome and the median [s]. A text in place of an outcome says why
+    there is none.
+    """
+    rows: list[Row] = []
+    first: float | None = None
+    for name, run in runs.items():
+        found = [run() for _ in range(rounds)]
+        outcomes = [one for one in found if not isinstance(one, str)]
+        if not outcomes:
+            rows.append(missing(name, str(found[0])))
+            continue
+        median = float(np.median([seconds(one) for one in outcomes]))
+        first = first or median
+        rows.append(measured(name, median, first, **figures(outcomes[0], median)))
+    return rows

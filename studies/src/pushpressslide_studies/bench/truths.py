@@ -1,0 +1,73 @@
+"""Samples of one planned push from behind: on arrays, and each by the whole run loop on
+the planar engine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from time import perf_counter
+
+from pushpressslide.batch.loops import by_numpy, installed
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.task import Task
+from pushpressslide_studies.bench.compared import Row, rows_of_runs
+from pushpressslide_studies.bench.engines import NO_NUMBA
+
+TASK = "rear-push-rear"
+SAMPLES = 10_000  # in a batch
+LOOPS = 3  # runs of the loop in a round
+ROUNDS = 3
+
+
+def truths(seed: int) -> list[Row]:
+    """Return a row for each way: the time of a sample, over that of the compiled batch,
+    and the seconds that ``SAMPLES`` of them take.
+
+    Drawing the samples counts; making the one plan does not.
+    """
+    from pushpressslide.jobs.batched import planned
+    from pushpressslide.taskfile.load import load_task
+
+    task = load_task(TASK)
+    plan = planned(task)
+    makers: dict[str, Callable[[], float | str]] = {
+        "batch, compiled": lambda: (
+            _batch(plan, task, seed) if installed() else NO_NUMBA
+        ),
+        "batch, NumPy": lambda: _numpy_batch(plan, task, seed),
+        "run loop, planar engine": lambda: _loop(plan, task, seed),
+    }
+    if installed():
+        _batch(plan, task, seed, 1)  # compiled at the first use
+    return rows_of_runs(
+        makers,
+        ROUNDS,
+        seconds=lambda time: time,
+        figures=lambda _, median: {"samples_s": SAMPLES * median},
+    )
+
+
+def _batch(plan: Plan, task: Task, seed: int, count: int | None = None) -> float:
+    """Return the time of a sample [s]."""
+    from pushpressslide.jobs.batched import batched, drawn_truths
+
+    count = count or SAMPLES
+    began = perf_counter()
+    batched(plan, drawn_truths(task, seed, count), seed)
+    return (perf_counter() - began) / count
+
+
+def _numpy_batch(plan: Plan, task: Task, seed: int) -> float:
+    with by_numpy():
+        return _batch(plan, task, seed)
+
+
+def _loop(plan: Plan, task: Task, seed: int) -> float:
+    from pushpressslide.jobs.sampling import varied_task
+    from pushpressslide.planar.engine import run
+
+    began = perf_counter()
+    for index in range(LOOPS):
+        run(replace(plan, task=varied_task(task, index, seed)))
+    return (perf_counter() - began) / LOOPS

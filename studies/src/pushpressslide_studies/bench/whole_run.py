@@ -1,0 +1,68 @@
+"""A whole run in Drake beside the same simulation with its torques played back, and the
+times of its ticks.
+"""
+
+from __future__ import annotations
+
+import math
+import statistics
+
+import numpy as np
+
+from pushpressslide.core.plan import ENOUGH
+from pushpressslide_studies.bench.compared import Row
+
+TASKS = (
+    "rear-push-rear",
+    "press-slide",
+    "pivot",
+    "parallel-push",
+    "orthogonal-push",
+    "bimanual-slide",
+)
+ROUNDS = 5
+
+
+def runs() -> list[Row]:
+    """Return a row for each shipped task: its ticks inside a run, its plan, and the
+    run's wall time over that of its torques played back. Best of five rounds of both.
+    """
+    return [_row(name) for name in TASKS]
+
+
+def _row(name: str) -> Row:
+    from pushpressslide.control.run_loop import RunOptions
+    from pushpressslide.jobs.engines import ArmOptions, engine_named
+    from pushpressslide.selection.solve import solve
+    from pushpressslide.taskfile.load import load_task
+    from pushpressslide_studies.sim.playback import played_back
+
+    task = load_task(name)
+    engine = engine_named("drake")
+    preparation = engine.preparation(False)
+    solution = solve(preparation, task, ENOUGH)
+    records = []
+    played = []
+    arms = ArmOptions(paths=preparation.paths)
+    for _ in range(ROUNDS):
+        record = engine.run(solution.plan, RunOptions(0), arms)
+        records.append(record)
+        played.append(played_back(solution.plan, record))
+    whole = [record.wall_time for record in records]
+    physics = [playback.wall_time for playback in played]
+    ratios = [run / alone for run, alone in zip(whole, physics, strict=True)]
+    simulated = float(records[0].arrays["time"][-1]) + task.motion.control_period
+    ticks = [record.arrays["tick_total"] for record in records]
+    pose = records[0].arrays["object_pose_3d"][-1]
+    apart = math.dist(played[0].object_pose[4:], pose[4:])
+    return {
+        "task": name,
+        "tick_us": 1e6 * min(float(np.median(t)) for t in ticks),
+        "p99_us": 1e6 * min(float(np.percentile(t, 99)) for t in ticks),
+        "longest_us": 1e6 * min(float(t.max()) for t in ticks),
+        "late": min(int((t > task.motion.control_period).sum()) for t in ticks),
+        "run_over_played_back": statistics.median(ratios),
+        "wall_per_simulated": min(whole) / simulated,
+        "planned_s": sum(solution.planning_time.values()),
+        "apart_mm": 1e3 * apart,
+    }

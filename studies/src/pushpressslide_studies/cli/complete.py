@@ -1,0 +1,50 @@
+"""What the shell completes: names of benchmarks and experiments."""
+
+from __future__ import annotations
+
+from pushpressslide.cli.complete import begun
+
+BENCHMARKS = (
+    "pushes",
+    "presses",
+    "tick",
+    "agreement",
+    "coverage",
+    "turning",
+    "sticking",
+    "select",
+    "batches",
+    "dubins",
+    "planners",
+    "engines",
+    "mpc",
+    "runs",
+    "memory",
+    "truths",
+    "start",
+    "scaling",
+)
+"""Names of ``bench.bench.BENCHMARKS``, which is slow to import."""
+
+EXPERIMENTS = (
+    "rear-push",
+    "joint-tracking",
+    "press-slide",
+    "identified-rho",
+    "tool-use",
+    "two-arms",
+    "pivot-and-move",
+    "press-fit",
+    "virtual-axle",
+)
+"""Names of ``paper.experiments``, which is slow to import."""
+
+
+def benchmarks(incomplete: str) -> list[str]:
+    """Return the benchmarks that begin so."""
+    return begun(BENCHMARKS, incomplete)
+
+
+def experiments(incomplete: str) -> list[str]:
+    """Return the experiments of the paper that begin so."""
+    return begun(EXPERIMENTS, incomplete)

@@ -1,0 +1,65 @@
+"""How the free pusher comes to the first contact of a push, one action at a time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+from pushpressslide.core.pose import Point, Pose2
+from pushpressslide_studies.pusht.detours import free_way
+from pushpressslide_studies.pusht.pushes import Push
+from pushpressslide_studies.pusht.servo import Pusher
+from pushpressslide_studies.pusht.tee import BODY, CENTER, PUSHER_RADIUS
+
+OFF_FACE = 2.0  # [px] between pusher and face before a push
+NEAR = 3.0  # [px] from there
+SLOW = 80.0  # [px/s] of a pusher that has arrived
+STEPS = (45.0, 30.0, 18.0, 10.0, 5.0)  # [px] along a way in one action
+CLEAR = 0.5  # [px] of the pusher from the T on the way
+
+
+def arrived(X_WB: Pose2, pusher: Pusher, push: Push) -> bool:
+    """Return whether the pusher is before the contact of a push, and slow."""
+    near = math.dist(pusher.position, _before(X_WB, push)) < NEAR
+    return near and math.hypot(*pusher.velocity) < SLOW
+
+
+def on_way(X_WB: Pose2, pusher: Pusher, push: Push) -> Point:
+    """Return where the pusher shall be after the next action of its way to a push.
+
+    The longest of ``STEPS`` on which it does not touch the T, by the exact servo.
+    """
+    goal = _before(X_WB, push)
+    way = free_way(X_WB, pusher.position, goal) or (goal,)
+    targets = [_along((pusher.position, *way), step) for step in STEPS]
+    for target in targets:
+        if _clear(X_WB, pusher, target):
+            return target
+    return targets[-1]
+
+
+def _before(X_WB: Pose2, push: Push) -> Point:
+    """Return the pusher's place [px] in W before a push."""
+    return X_WB.apply(push.pushed.pusher(push.left, OFF_FACE))
+
+
+def _along(way: Sequence[Point], length: float) -> Point:
+    """Return the point [px] of a way at a length from its start, or its end."""
+    for a, b in pairwise(way):
+        piece = math.dist(a, b)
+        if piece >= length > 0.0:
+            part = length / piece
+            return (a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1]))
+        length -= piece
+    return way[-1]
+
+
+def _clear(X_WB: Pose2, pusher: Pusher, target: Point) -> bool:
+    """Return whether the pusher keeps off the T on its way to ``target``."""
+    for moved in pusher.periods(pusher.action_to(target)):
+        x, y = X_WB.unapply(moved.position)
+        distance = BODY.shape.distance((x + CENTER[0], y + CENTER[1]))
+        if distance < PUSHER_RADIUS + CLEAR:
+            return False
+    return True

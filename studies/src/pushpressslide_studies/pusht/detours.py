@@ -1,0 +1,125 @@
+"""Ways of the free pusher round the T."""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Sequence
+from functools import cache, lru_cache
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+from pushpressslide.core.pose import Point, Pose2
+from pushpressslide_studies.pusht.tee import CORNERS, PUSHER_RADIUS, WORLD
+
+if TYPE_CHECKING:
+    from shapely import Polygon
+
+MARGIN = 6.0  # [px] between pusher and T on a way
+INSIDE = 0.01  # [px] by which a way may enter the grown T: rounding
+
+
+@cache
+def _grown() -> Polygon:
+    """Return the T in B, grown by the pusher and the margin; two chords a corner."""
+    from shapely import Polygon
+
+    return Polygon(CORNERS).buffer(PUSHER_RADIUS + MARGIN, quad_segs=2)
+
+
+@cache
+def _blocked() -> Polygon:
+    """Return where a way may not go, in B."""
+    from shapely import prepare
+
+    area = _grown().buffer(-INSIDE, join_style="mitre")
+    prepare(area)
+    return area
+
+
+@cache
+def _nodes() -> tuple[Point, ...]:
+    """Return the places [px] in B at which a way may turn."""
+    return tuple((x, y) for x, y in _grown().exterior.coords[:-1])
+
+
+def nearest_free(point: Point) -> Point:
+    """Return the nearest place [px] in B outside the grown T."""
+    from shapely import Point as Place
+    from shapely.ops import nearest_points
+
+    place = Place(point)
+    if not _blocked().contains(place):
+        return point
+    free, _ = nearest_points(_grown().exterior, place)
+    return (free.x, free.y)
+
+
+def free_way(X_WB: Pose2, start: Point, goal: Point) -> tuple[Point, ...]:
+    """Return the shortest way [px] in W, ``start`` left out, round the T at a pose.
+
+    It leaves the T to the nearest free place, where the start is beside it, and comes to
+    the goal likewise. It is empty where there is none: turns are made only where the
+    pusher can be sent.
+    """
+    begin = X_WB.unapply(start)
+    end = X_WB.unapply(goal)
+    turns = [node for node in _nodes() if reachable(X_WB.apply(node))]
+    places = [nearest_free(begin), nearest_free(end), *turns]
+    way = _shortest(places)
+    if not way:
+        return ()
+    if math.dist(places[0], begin) == 0.0:
+        way = way[1:]
+    if math.dist(places[1], end) > 0.0:
+        way = [*way, end]
+    return tuple(X_WB.apply(place) for place in way)
+
+
+def reachable(point: Point) -> bool:
+    """Return whether the pusher can be sent to a place [px] in W."""
+    return 0.0 <= point[0] <= WORLD and 0.0 <= point[1] <= WORLD
+
+
+@lru_cache(maxsize=4096)
+def _sees(a: Point, b: Point) -> bool:
+    """Return whether the straight way between two places in B is free."""
+    from shapely import LineString
+
+    return not _blocked().intersects(LineString([a, b]))
+
+
+def _shortest(places: Sequence[Point]) -> list[Point]:
+    """Return the shortest way from the first place to the second (Dijkstra)."""
+    best = {0: 0.0}
+    before: dict[int, int] = {}
+    queue = [(0.0, 0)]
+    while queue:
+        length, here = heapq.heappop(queue)
+        if here == 1:
+            break
+        if length > best[here]:
+            continue
+        for there in range(1, len(places)):
+            further = length + math.dist(places[here], places[there])
+            if there == here or further >= best.get(there, math.inf):
+                continue
+            if _sees(places[here], places[there]):
+                best[there] = further
+                before[there] = here
+                heapq.heappush(queue, (further, there))
+    if 1 not in before:
+        return []
+    way = [1]
+    while way[-1] in before:
+        way.append(before[way[-1]])
+    return [places[index] for index in reversed(way)]
+
+
+def way_length(X_WB: Pose2, start: Point, goal: Point) -> float:
+    """Return the length [px] of ``free_way``; infinite where there is none."""
+    way = free_way(X_WB, start, goal)
+    if not way:
+        return math.inf
+    ends = (start, *way)
+    return sum(math.dist(a, b) for a, b in pairwise(ends))

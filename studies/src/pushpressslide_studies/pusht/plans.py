@@ -1,0 +1,166 @@
+"""Which three pushes: the fastest ones that keep clear of the walls."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.pose import Point, Pose2
+from pushpressslide_studies.pusht.detours import reachable, way_length
+from pushpressslide_studies.pusht.joins import Contacts, Joins, contacts, joins
+from pushpressslide_studies.pusht.pushes import (
+    PUSH_STEP,
+    Push,
+    final_pose,
+    pushed_pose,
+)
+from pushpressslide_studies.pusht.tee import (
+    CORNERS,
+    FACES,
+    GOAL_BODY,
+    RHO,
+    WALLS,
+    WORLD,
+    overlap,
+)
+
+WAY_STEP = 30.0  # [px] of the free pusher in one action
+SLIDE_STEP = 15.0  # [px] of the pusher along a face in one action
+LEAVE_STEPS = 5.0  # actions to leave a face and come to another
+JUDGED = 400  # plans, the fastest first, that are looked at
+PIECE = 15.0  # [px] of a push between poses that are looked at
+ROOM = 4.0  # [px] of the T from a wall
+LAST = 10.0  # [px] of the pusher in the last push, at least
+BEFORE_LAST = 0.9  # greatest overlap before the last push
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Pushes that lead to the goal."""
+
+    pushes: tuple[Push, ...] = ()
+    intrusion: float = 0.0  # [px] of the T into the room before the walls, at most
+
+
+NO_PLAN = Plan()
+
+
+def best_plan(X_WB: Pose2, pusher: Point) -> Plan:
+    """Return the three pushes that lead fastest from a pose to the goal; ``pusher``
+    [px] in W is where the pusher is.
+
+    Where the walls are in the way of all, the ones that run least into them; an empty
+    plan where the pusher can reach no contact.
+    """
+    found = joins(X_WB, GOAL_BODY)
+    steps = _steps(found) + _first_ways(X_WB, pusher)[found.triples[:, 0]]
+    order = np.argsort(steps)[:JUDGED]
+    allowed = _intrusion(X_WB)
+    best = Plan(intrusion=math.inf)
+    for index in order[np.isfinite(steps[order])].tolist():
+        pushes = _pushes(found, index)
+        if overlap(final_pose(X_WB, pushes[:-1])) > BEFORE_LAST:
+            continue
+        deepest = intrusion(X_WB, pushes)
+        if deepest < best.intrusion:
+            best = Plan(pushes, deepest)
+        if deepest <= allowed:
+            break
+    return best
+
+
+def intrusion(X_WB: Pose2, pushes: Sequence[Push]) -> float:
+    """Return how far [px] the T runs into the room before the walls in pushes from a
+    pose on; infinite where the pusher cannot be sent.
+    """
+    deepest = 0.0
+    for push in pushes:
+        pieces = max(1, math.ceil(push.length / PIECE))
+        part = replace(push, length=push.length / pieces)
+        pusher = push.pushed.pusher(push.left)
+        if not reachable(X_WB.apply(pusher)):
+            return math.inf
+        for _ in range(pieces):
+            X_WB = pushed_pose(X_WB, part)
+            deepest = max(deepest, _intrusion(X_WB))
+            if not reachable(X_WB.apply(pusher)):
+                return math.inf
+    return deepest
+
+
+def _intrusion(X_WB: Pose2) -> float:
+    """Return how far [px] the T is in the room before the walls; 0 if it is not."""
+    low, high = WALLS
+    deepest = 0.0
+    for corner in CORNERS:
+        for place in X_WB.apply(corner):
+            deepest = max(deepest, low + ROOM - place, place - high + ROOM)
+    return deepest
+
+
+def _pushes(found: Joins, index: int) -> tuple[Push, ...]:
+    triple = found.triples[index].tolist()
+    lengths = found.lengths[index].tolist()
+    return tuple(map(contacts().push, triple, lengths))
+
+
+def _steps(found: Joins) -> Array:
+    """Return the actions (t,) that pushes and ways between them take; infinite where the
+    last push is short.
+    """
+    ratios = 1.0 + (contacts().lefts / RHO) ** 2
+    pusher = found.lengths * ratios[found.triples]
+    first, middle, last = found.triples.T
+    between = _changes()
+    steps: Array = pusher.sum(1) / PUSH_STEP
+    steps += between[first, middle] + between[middle, last]
+    steps[pusher[:, 2] < LAST] = math.inf
+    return steps
+
+
+@cache
+def _changes() -> Array:
+    """Return the actions (m, m) from one contact to another."""
+    tried = contacts()
+    count = len(tried.lefts)
+    out = np.zeros((count, count))
+    for a in range(count):
+        for b in range(a):
+            out[a, b] = _change(tried, a, b)
+            out[b, a] = out[a, b]
+    return out
+
+
+def _change(tried: Contacts, a: int, b: int) -> float:
+    """Return the actions from one contact to another, on a T in the middle."""
+    if tried.faces[a] == tried.faces[b]:
+        return 1.0 + abs(float(tried.lefts[a] - tried.lefts[b])) / SLIDE_STEP
+    middle = Pose2(0.5 * WORLD, 0.5 * WORLD)
+    start, goal = (
+        middle.apply(FACES[tried.faces[i]].pusher(float(tried.lefts[i])))
+        for i in (a, b)
+    )
+    return _way_steps(way_length(middle, start, goal))
+
+
+def _way_steps(length: float) -> float:
+    """Return the actions that a free way of a length [px] takes."""
+    return LEAVE_STEPS + length / WAY_STEP
+
+
+def _first_ways(X_WB: Pose2, pusher: Point) -> Array:
+    """Return the actions (m,) from where the pusher is to each contact; infinite where
+    it cannot be sent.
+    """
+    tried = contacts()
+    out = np.full(len(tried.lefts), math.inf)
+    for index, (face, left) in enumerate(zip(tried.faces, tried.lefts, strict=True)):
+        place = X_WB.apply(FACES[face].pusher(float(left)))
+        if reachable(place):
+            out[index] = _way_steps(way_length(X_WB, pusher, place))
+    return out
