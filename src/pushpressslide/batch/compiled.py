@@ -16,7 +16,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic, register_jitable
 
 from pushpressslide import kernels
-from pushpressslide.kernels.kernel import KERNELS
+from pushpressslide.kernels.kernel import APART, KERNELS
 
 TABLE = types.Array(numba.float64, 2, "A", readonly=True)
 RESULTS = types.Array(numba.float64, 2, "C")
@@ -132,7 +132,8 @@ def _loop_of_each(
 @cache
 def _register(function: Callable[..., Any]) -> None:
     """Tell numba that it may compile a kernel."""
-    register_jitable(error_model="numpy", forceinline=True)(function)
+    inlined = {} if function in APART else {"forceinline": True}
+    register_jitable(error_model="numpy", **inlined)(function)
 
 
 @cache
