@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numba
+import numpy as np
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic, register_jitable
@@ -84,9 +85,11 @@ def loop_over(
     head: tuple[Any, ...],
     like: tuple[Any, ...],
     shared: bool,
+    kinds: tuple[tuple[str, int], ...] = (),
 ) -> Loop:
     """Return the loop of a kernel over rows nested as ``head`` is and of figures nested
-    as ``like`` is, one row of them if they are ``shared`` by all.
+    as ``like`` is, one row of them if they are ``shared`` by all, and of arrays of such
+    ``kinds``: NumPy's letter and the number of axes.
 
     numba keeps what it compiles beside this file, or in the user's cache, by the loop's
     name: that holds a digest of all kernels, so that a change is compiled anew.
@@ -96,8 +99,28 @@ def loop_over(
     make = _loop_of_one if shared else _loop_of_each
     loop = make(kernel, head, like)
     loop.__qualname__ = f"{kernel.__name__}_{_digest()}"
-    signature = numba.void(TABLE, TABLE, RESULTS)
+    arrays = [_array(letter, axes) for letter, axes in kinds]
+    signature = numba.void(TABLE, TABLE, types.Tuple(arrays), RESULTS)
     out: Loop = numba.njit(signature, cache=True, error_model="numpy")(loop)
+    return out
+
+
+def _array(letter: str, axes: int) -> types.Array:
+    """Return the type of an array in one piece that is only read."""
+    return types.Array(numba.from_dtype(np.dtype(letter)), axes, "C", readonly=True)
+
+
+@cache
+def call_of(kernel: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a kernel compiled for single calls, of the arguments of its first one."""
+    for function in KERNELS:
+        _register(function)
+
+    def call(*arguments: Any) -> Any:
+        return kernel(*arguments)
+
+    call.__qualname__ = f"call_of_{kernel.__name__}_{_digest()}"
+    out: Callable[..., Any] = numba.njit(cache=True, error_model="numpy")(call)
     return out
 
 
@@ -108,10 +131,10 @@ def _loop_of_one(
     alone is worked out once.
     """
 
-    def loop(rows: Any, figures: Any, out: Any) -> None:
+    def loop(rows: Any, figures: Any, arrays: Any, out: Any) -> None:
         given = taken(figures[0], like)
         for i in range(len(out)):
-            stored(out[i], kernel(*(taken(rows[i], head) + given)))
+            stored(out[i], kernel(*(taken(rows[i], head) + given + arrays)))
 
     return loop
 
@@ -121,10 +144,10 @@ def _loop_of_each(
 ) -> Loop:
     """Return the loop in which each row has figures of its own."""
 
-    def loop(rows: Any, figures: Any, out: Any) -> None:
+    def loop(rows: Any, figures: Any, arrays: Any, out: Any) -> None:
         for i in range(len(out)):
             given = taken(rows[i], head) + taken(figures[i], like)
-            stored(out[i], kernel(*given))
+            stored(out[i], kernel(*(given + arrays)))
 
     return loop
 

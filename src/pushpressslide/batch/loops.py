@@ -7,10 +7,8 @@ from __future__ import annotations
 import hashlib
 import importlib
 import inspect
-import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from contextvars import ContextVar
 from functools import cache
 from pathlib import Path
 from types import FunctionType, ModuleType
@@ -18,40 +16,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pushpressslide.batch.fast import compiler, installed, loaded, without_numba
 from pushpressslide.core.formulas import COMPILED, Columns, Formula
 
-_by_numpy: ContextVar[bool] = ContextVar("by_numpy", default=False)
-
-
-@contextmanager
-def by_numpy() -> Iterator[None]:
-    """Run formulas by NumPy inside, whether numba is installed or not."""
-    token = _by_numpy.set(True)
-    try:
-        yield
-    finally:
-        _by_numpy.reset(token)
-
-
-def compiler() -> ModuleType | None:
-    """Return numba; None where it is not installed or not wanted."""
-    return None if _by_numpy.get() else installed()
-
-
-@cache
-def installed() -> ModuleType | None:
-    """Return numba; None where it is not installed."""
-    try:
-        importlib.import_module("numba.extending")
-    except ImportError:
-        return None
-    return importlib.import_module("numba")
-
-
-def loaded() -> bool:
-    """Return whether numba has been imported, and is wanted."""
-    return "numba" in sys.modules and compiler() is not None
-
+__all__ = ["compiler", "installed", "loaded"]
+by_numpy = without_numba
 
 LANES = 64  # rows that a loop takes at a time
 # The arithmetic stands in a loop of its own, of fixed length and on memory of its own:

@@ -11,11 +11,13 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from pushpressslide.batch import loops
+from pushpressslide.batch import fast
 from pushpressslide.core.arrays import Array
 
 Kernel = Callable[..., tuple[Any, ...]]
+AnyArray = NDArray[Any]
 
 
 class Figures(NamedTuple):
@@ -81,6 +83,11 @@ def alike(values: Any, number: Callable[[Any], float]) -> Any:
     return make(parts)
 
 
+def nested(values: Any) -> Any:
+    """Return nested lists as nested tuples."""
+    return tuple(map(nested, values)) if isinstance(values, list) else values
+
+
 def spread(array: Array) -> Figures:
     """Return the numbers of an array (..., k) as k arguments of a kernel."""
     return Figures(array, (0.0,) * array.shape[-1])
@@ -100,16 +107,26 @@ def beside(*parts: Figures) -> Figures:
 
 
 def answers(
-    kernel: Kernel, row: Figures, figures: Figures = NO_FIGURES, *, columns: int
+    kernel: Kernel,
+    row: Figures,
+    figures: Figures = NO_FIGURES,
+    arrays: tuple[AnyArray, ...] = (),
+    *,
+    columns: int,
 ) -> Array:
-    """Return ``kernel(*row, *figures)`` of each row (..., ``columns``), its nested tuples
-    flattened; rows and figures broadcast against each other.
+    """Return ``kernel(*row, *figures, *arrays)`` of each row (..., ``columns``), its
+    nested tuples flattened; rows and figures broadcast against each other.
+
+    ``arrays`` are the same for all rows; in Python a kernel is given them as nested
+    tuples.
     """
     shape = np.broadcast_shapes(row.shape, figures.shape)
     out = np.empty((math.prod(shape), columns))
     shared = figures.table.ndim == 1
-    loop = _compiled(kernel, row.like, figures.like, shared)
-    loop(_flat(row.table, shape), _flat(figures.table, shape), out)
+    given = tuple(np.ascontiguousarray(array) for array in arrays)
+    kinds = tuple((array.dtype.char, array.ndim) for array in given)
+    loop = _compiled(kernel, row.like, figures.like, shared, kinds)
+    loop(_flat(row.table, shape), _flat(figures.table, shape), given, out)
     return out.reshape(*shape, columns)
 
 
@@ -122,16 +139,20 @@ def _flat(table: Array, shape: tuple[int, ...]) -> Array:
 
 
 def _compiled(
-    kernel: Kernel, head: tuple[Any, ...], like: tuple[Any, ...], shared: bool
+    kernel: Kernel,
+    head: tuple[Any, ...],
+    like: tuple[Any, ...],
+    shared: bool,
+    kinds: tuple[tuple[str, int], ...],
 ) -> Callable[..., None]:
     """Return the loop of a kernel: numba's, or one in Python."""
-    if loops.compiler() is None:
-        if loops.installed() is None:
+    if fast.compiler() is None:
+        if fast.installed() is None:
             _say_slow()
         return _interpreted(kernel, head, like, shared)
     from pushpressslide.batch.compiled import loop_over
 
-    return loop_over(kernel, head, like, shared)
+    return loop_over(kernel, head, like, shared, kinds)
 
 
 @cache
@@ -149,12 +170,15 @@ def _interpreted(
 ) -> Callable[..., None]:
     """Return the loop of a kernel in Python, as ``compiled.loop_over``."""
 
-    def loop(rows: Array, figures: Array, out: Array) -> None:
+    def loop(
+        rows: Array, figures: Array, arrays: tuple[AnyArray, ...], out: Array
+    ) -> None:
         given: Any = ()
+        rest = tuple(nested(array.tolist()) for array in arrays)
         for i, row in enumerate(rows.tolist()):
             if i == 0 or not shared:
                 given = filled(like, figures[i].tolist())
-            answer = kernel(*filled(head, row), *given)
+            answer = kernel(*filled(head, row), *given, *rest)
             out[i] = tuple(leaves(answer))
 
     return loop
