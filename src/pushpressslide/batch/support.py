@@ -8,7 +8,6 @@ all three are speeds, and forces.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,20 +16,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pushpressslide.batch import loops
 from pushpressslide.batch.checks import check_positive
-from pushpressslide.batch.edge_loops import compiled_rows
 from pushpressslide.batch.elementwise import Table, figures, values
+from pushpressslide.batch.rows import Figures, answers, spread
 from pushpressslide.batch.wrench_twist import TwistColumns
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.formulas import Column, Columns
-from pushpressslide.mechanics.balance import CREEP
-from pushpressslide.mechanics.edge_friction import FASTEST, at_rest, far, near
+from pushpressslide.kernels.edge_friction import polygon_friction
+from pushpressslide.kernels.support_friction import CREEP, ellipsoid_friction
 from pushpressslide.mechanics.face_pressure import FacePressure
 from pushpressslide.mechanics.pressure import PressureSamples
 
 BLOCK = 32_768  # speeds of samples that are worked out at a time, to stay in the cache
-ROWS = 1_024  # twists that edges are worked out for at a time
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,14 +39,14 @@ class EllipsoidSupport:
 
     def frictions(self, twists: Array) -> Array:
         """Return ``balance.Friction`` (9, n) of ``twists`` (n, 3) [m/s]."""
-        return _columns(friction_of_ellipsoid, Table(TwistColumns, twists))
+        return answers(ellipsoid_friction, spread(twists), columns=9).T
 
 
 @dataclass(frozen=True, eq=False)
 class PolygonSupport:
     """Bodies on the exact surface of one pressure on a polygon."""
 
-    # of the pressure, over rho, as ``mechanics.edge_friction`` has them
+    # of the pressure, over rho, as ``kernels.edge_friction`` has them
     edges: Array  # (8, m)
     plane: Array  # (5,)
     series: NDArray[np.complex128]  # (10,)
@@ -58,35 +55,9 @@ class PolygonSupport:
 
     def frictions(self, twists: Array) -> Array:
         """Return ``balance.Friction`` (9, n) of ``twists`` (n, 3) [m/s]."""
-        out = np.empty((9, len(twists)))
-        if loops.compiler() is None:
-            for start in range(0, len(twists), ROWS):
-                block = slice(start, start + ROWS)
-                self._fill(twists[block], out[:, block])
-        else:
-            rows = np.ascontiguousarray(twists)
-            compiled_rows()(self.edges, self.plane, self.series, rows, out)
-        return out
-
-    def _fill(self, twists: Array, out: Array) -> None:
-        """Write what ``friction_of_row`` gives of each row."""
-        plane = self.plane
-        vx, vy, w = twists.T
-        with np.errstate(all="ignore"):
-            square = vx * vx + vy * vy
-            turn = w * w
-            known = square + turn <= FASTEST
-        turning = known & (turn > plane[3] * plane[3] * square)
-        straight = known & ~turning & (square > 0.0)
-        still = known & ~turning & ~straight
-        out[:] = math.nan
-        with np.errstate(all="ignore"):
-            if turning.any():
-                x, y, w = twists[turning].T
-                out[:, turning] = near(self.edges, plane, x, y, w, True)
-            if straight.any():
-                out[:, straight] = far(self.series, *twists[straight].T)
-        out[:, still] = np.array(at_rest(plane))[:, None]
+        arrays = (self.edges, self.series)
+        figures = Figures(self.plane, ((0.0,) * 5,))
+        return answers(polygon_friction, spread(twists), figures, arrays, columns=9).T
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,26 +133,6 @@ def _columns(formula: Callable[..., Columns], *tables: Table) -> Array:
     """Return the nine columns (9, n) of a formula."""
     (out,) = values(formula, tables, (len(tables[0].rows),), (9,))
     return out.T
-
-
-def friction_of_ellipsoid(twist: TwistColumns) -> Columns:
-    """Return ``balance.Friction``."""
-    x, y, w = twist
-    inverse = 1.0 / np.sqrt(x * x + y * y + w * w + CREEP * CREEP)
-    fx = x * inverse
-    fy = y * inverse
-    tau = w * inverse
-    return (
-        fx,
-        fy,
-        tau,
-        inverse * (1.0 - fx * fx),
-        -inverse * fx * fy,
-        -inverse * fx * tau,
-        inverse * (1.0 - fy * fy),
-        -inverse * fy * tau,
-        inverse * (1.0 - tau * tau),
-    )
 
 
 def friction_of_sums(twist: TwistColumns, s: Sums) -> Columns:

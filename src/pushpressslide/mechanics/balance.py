@@ -2,7 +2,8 @@
 ``planar.sliding`` for one body, of ``batch.sliding`` for many.
 """
 
-CREEP = 1e-8  # [m/s] up to which the friction grows with the speed; stands for rest
+from pushpressslide.kernels.support_friction import CREEP as CREEP
+
 BALANCE = 1e-9  # of mu N: force left over at which a tick is solved
 # of mu N: force left over from which Newton's slope is tried twice
 CLOSE = 0.1
