@@ -12,8 +12,8 @@ from pushpressslide.batch.exact_surface import ExactSurface
 from pushpressslide.batch.support import exact_support, polygon_support
 from pushpressslide.core.quadrature import polygon_rule
 from pushpressslide.core.task import Box, Cylinder, Prism
-from pushpressslide.mechanics.balance import CREEP
 from pushpressslide.kernels.edge_friction import far, near, polygon_friction
+from pushpressslide.mechanics.balance import CREEP
 from pushpressslide.mechanics.face_pressure import face_pressure
 from pushpressslide.mechanics.limit_surface import exact_wrenches
 from pushpressslide.mechanics.pressure import rectangle_pressure
