@@ -7,13 +7,15 @@ import math
 import numpy as np
 import pytest
 
-from pushpressslide.batch import fast, support
+from pushpressslide.batch import fast
 from pushpressslide.batch.exact_surface import ExactSurface
+from pushpressslide.batch.rows import answers, spread
 from pushpressslide.batch.support import exact_support, polygon_support
 from pushpressslide.core.quadrature import polygon_rule
 from pushpressslide.core.task import Box, Cylinder, Prism
 from pushpressslide.kernels.edge_friction import far, near, polygon_friction
-from pushpressslide.mechanics.balance import CREEP
+from pushpressslide.kernels.sampled_friction import sampled_friction
+from pushpressslide.kernels.support_friction import CREEP
 from pushpressslide.mechanics.face_pressure import face_pressure
 from pushpressslide.mechanics.limit_surface import exact_wrenches
 from pushpressslide.mechanics.pressure import rectangle_pressure
@@ -47,6 +49,12 @@ def arguments(face):
 
 def friction(face, twist):
     return np.array(polygon_friction(*twist, *arguments(face)))
+
+
+def frictions(face, twists):
+    """Of many twists (n, 3), (n, 9)."""
+    arrays = (np.array(face.plane()), face.edges(), np.array(face.series()))
+    return answers(polygon_friction, spread(twists), arrays=arrays, columns=9)
 
 
 def about(center, w):
@@ -216,12 +224,9 @@ def rows(face, rng):
 
 
 def test_a_batch_gives_what_its_kernel_gives(engine, face):
-    assert support.polygon_friction is polygon_friction
-    bodies = polygon_support(face, 1.0)
     twists = rows(face, np.random.default_rng(4))
-    unit = face.scaled(face.rho)
-    wanted = [polygon_friction(*twist, *arguments(unit)) for twist in twists.tolist()]
-    np.testing.assert_array_equal(bodies.frictions(twists).T, wanted)
+    wanted = [polygon_friction(*twist, *arguments(face)) for twist in twists.tolist()]
+    np.testing.assert_array_equal(frictions(face, twists), wanted)
 
 
 def test_under_one_body_it_is_the_same_to_the_last_bit_compiled_or_not(
@@ -336,9 +341,9 @@ def test_a_polygon_that_turns_about_its_edge_has_the_friction_of_beside_it(
         for place, other in zip(places, near_by, strict=True):
             found = friction(face, about(place, 0.7))[:3]
             assert found / scale == pytest.approx(other / scale, abs=2e-6)
-        rows = np.array([about(place / face.rho, 0.7) for place in places])
-        columns = polygon_support(face, 1.0).frictions(rows).T[:, :3]
-        assert columns == pytest.approx(np.array(near_by) / scale, abs=2e-6)
+        rows = np.array([about(place, 0.7) for place in places])
+        found = frictions(face, rows)[:, :3] / scale
+        assert found == pytest.approx(np.array(near_by) / scale, abs=2e-6)
 
 
 NO_NUMBER = (math.nan, math.inf, -math.inf, 1e300)
@@ -353,9 +358,9 @@ def test_the_friction_of_a_twist_that_is_no_number_is_none(engine, place, bad, o
     twist[place] = bad
     assert np.isnan(friction(face, twist)).all()
     good = [0.1, 0.2, 0.3]
-    columns = polygon_support(face, 1.0).frictions(np.array([good, twist, good]))
-    assert np.isnan(columns[:, 1]).all()
-    assert np.isfinite(columns[:, [0, 2]]).all()
+    found = frictions(face, np.array([good, twist, good]))
+    assert np.isnan(found[1]).all()
+    assert np.isfinite(found[[0, 2]]).all()
 
 
 @pytest.mark.parametrize("bad", NO_NUMBER[:3])
@@ -367,7 +372,7 @@ def test_samples_have_no_friction_of_a_twist_that_is_no_number(engine, place, ba
     for found in (
         exact_wrenches(samples, 0.3, np.array([twist]))[0],
         ExactSurface(samples, 0.3).wrenches(np.array([twist]))[0],
-        exact_support(samples, 0.3).frictions(np.array([twist])).T[0],
+        sampled_friction(*twist, exact_support(samples, 0.3).arrays[0].tolist()),
     ):
         assert not np.isfinite(found).all()
         assert np.isnan(found[:3]).any()

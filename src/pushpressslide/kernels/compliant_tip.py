@@ -15,11 +15,11 @@ from math import copysign, hypot
 from pushpressslide.kernels.allocation import Vector
 from pushpressslide.kernels.kernel import kernel
 
-FREE = 0
-STICK = 1
-SLIP = 2
-SLIP_LEFT = 3
-SLIP_RIGHT = 4
+STICK = 0
+SLIP_LEFT = 1
+SLIP_RIGHT = 2
+FREE = 3
+SLIP = 4
 PULL = 5
 
 ENTERING = 1e-9  # [m/s] into a wall, that is rounding

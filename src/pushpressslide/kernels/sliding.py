@@ -14,6 +14,7 @@ from typing import Any
 
 from pushpressslide.kernels.compliant_tip import FREE, Touch
 from pushpressslide.kernels.kernel import kernel, kernel_apart
+from pushpressslide.kernels.support_friction import CREEP, Friction
 
 BALANCE = 1e-9  # of mu N: force left over at which a tick is solved
 # of mu N: force left over from which Newton's slope is tried twice
@@ -24,7 +25,6 @@ STEPS = 25  # of Newton's method
 HALVINGS = 40  # of one step that goes too far
 # of the friction over the speed, added to its slope: it has none along the motion
 SOFTENING = 1e-6
-SLOW = 1e-8  # [m/s] added to the speed there
 # [m/s] of which the drag is mu N, when balance is looked for by letting the body go
 DRAG_SPEED = 0.01
 TRIALS = 60
@@ -37,12 +37,8 @@ Drag = tuple[float, Triple]
 """A drag [N s/m], and the twist that it holds the body back to."""
 Support = tuple[Any, float, float]
 """What ``Laws`` know the support by, mu N [N], rho [m]."""
-Resistance = tuple[float, float, float, float, float, float, float, float, float]
-"""The wrench that slides the body with a twist, and its symmetric slope: xx, xy, xw, yy,
-yw, ww.
-"""
 Laws = tuple[
-    Callable[[float, float, float, Any, float, bool], Resistance],
+    Callable[[float, float, float, Any, float, bool], Friction],
     Callable[[float, float, float, Any], Touch],
 ]
 """The friction of a twist, of what the support is known by and of mu N [N]; it may leave
@@ -162,7 +158,9 @@ def left_over_and_slope(
         w_y += px * yy - py * xy
         w_w += px * yw - py * xw
     turn = rho * rho
-    soft = drag[0] + SOFTENING * limit / (sqrt(vx * vx + vy * vy + turn * w * w) + SLOW)
+    soft = drag[0] + SOFTENING * limit / (
+        sqrt(vx * vx + vy * vy + turn * w * w) + CREEP
+    )
     slope = (
         (x_x + soft, x_y, x_w),
         (y_x, y_y + soft, y_w),

@@ -21,11 +21,11 @@ from pushpressslide.kernels.compliant_tip import (
 
 ContactStatus = Literal["free", "stick", "slip", "slip_left", "slip_right", "pull"]
 STATUSES: tuple[ContactStatus, ...] = (
-    "free",
     "stick",
-    "slip",
     "slip_left",
     "slip_right",
+    "free",
+    "slip",
     "pull",
 )
 """By the numbers of ``kernels.compliant_tip``."""

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from pushpressslide.kernels import sliding
 from pushpressslide.kernels.sliding import REST as REST
-from pushpressslide.kernels.sliding import Resistance
+from pushpressslide.kernels.support_friction import Friction as Taken
 from pushpressslide.planar.contact import Contact, touched
 from pushpressslide.planar.support import Friction
 from pushpressslide.planar.support_friction import Vector
@@ -32,7 +32,7 @@ def slide(
 
 def _resistance(
     vx: float, vy: float, w: float, friction: Friction, limit: float, sloped: bool
-) -> Resistance:
+) -> Taken:
     """Return the wrench that slides the object, and its slope, 0 if it is not asked for."""
     if not sloped:
         wrench = friction.wrench((vx, vy, w), limit)
