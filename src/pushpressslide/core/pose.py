@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from pushpressslide.kernels.plane import cross as cross
 from pushpressslide.kernels.plane import from_axis as from_axis
 from pushpressslide.kernels.plane import in_axis as in_axis
 
@@ -16,11 +17,6 @@ def wrap_angle(angle: float) -> float:
     """Return ``angle`` [rad] wrapped into (-pi, pi]."""
     wrapped = math.remainder(angle, 2.0 * math.pi)
     return math.pi if wrapped == -math.pi else wrapped
-
-
-def cross(a: Point, b: Point) -> float:
-    """Return the z component of a x b."""
-    return a[0] * b[1] - a[1] * b[0]
 
 
 def turned_left(a: Point) -> Point:

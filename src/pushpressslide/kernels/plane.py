@@ -31,6 +31,12 @@ def from_axis(axis: Vector, v: Vector) -> Vector:
 
 
 @kernel
+def cross(a: Vector, b: Vector) -> float:
+    """Return the z component of a x b."""
+    return a[0] * b[1] - a[1] * b[0]
+
+
+@kernel
 def heading(yaw: float) -> Vector:
     """Return the unit vector at an angle [rad]; no numbers for one that is not finite."""
     if not isfinite(yaw):
