@@ -14,7 +14,7 @@ from pushpressslide.batch.support import exact_support, polygon_support
 from pushpressslide.core.quadrature import polygon_rule
 from pushpressslide.core.task import Box, Cylinder, Prism
 from pushpressslide.kernels.edge_friction import far, near, polygon_friction
-from pushpressslide.kernels.sampled_friction import sampled_friction
+from pushpressslide.kernels.exact_surface import sampled_friction
 from pushpressslide.kernels.support_friction import CREEP
 from pushpressslide.mechanics.face_pressure import face_pressure
 from pushpressslide.mechanics.limit_surface import exact_wrenches
@@ -372,7 +372,7 @@ def test_samples_have_no_friction_of_a_twist_that_is_no_number(engine, place, ba
     for found in (
         exact_wrenches(samples, 0.3, np.array([twist]))[0],
         ExactSurface(samples, 0.3).wrenches(np.array([twist]))[0],
-        sampled_friction(*twist, exact_support(samples, 0.3).arrays[0].tolist()),
+        sampled_friction(*twist, exact_support(samples, 0.3).arrays[0]),
     ):
         assert not np.isfinite(found).all()
         assert np.isnan(found[:3]).any()

@@ -14,13 +14,16 @@ import numba
 import numpy as np
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic, register_jitable
+from numba.extending import intrinsic, overload
 
 from pushpressslide import kernels
-from pushpressslide.kernels.kernel import APART, KERNELS
+from pushpressslide.kernels.kernel import APART, COMPILED, KERNELS, SUMS
 
 TABLE = types.Array(numba.float64, 2, "A", readonly=True)
 RESULTS = types.Array(numba.float64, 2, "C")
+
+# what the compiler may do to a sum: another order, products and sums in one step
+REORDERED = {"reassoc", "contract", "nsz", "arcp"}
 
 Loop = Callable[..., None]
 
@@ -154,9 +157,14 @@ def _loop_of_each(
 
 @cache
 def _register(function: Callable[..., Any]) -> None:
-    """Tell numba that it may compile a kernel."""
-    inlined = {} if function in APART else {"forceinline": True}
-    register_jitable(error_model="numpy", **inlined)(function)
+    """Tell numba how it may compile a kernel."""
+    options: dict[str, Any] = {"error_model": "numpy"}
+    if function not in APART:
+        options["forceinline"] = True
+    if function in SUMS:
+        options["fastmath"] = REORDERED
+    body = COMPILED.get(function, function)
+    overload(function, jit_options=options, strict=False)(lambda *_, **__: body)
 
 
 @cache

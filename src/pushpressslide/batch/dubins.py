@@ -13,8 +13,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pushpressslide.batch.checks import check_last, check_positive
-from pushpressslide.batch.elementwise import figures
-from pushpressslide.batch.rows import Figures, answers, beside, figures_of, grouped
+from pushpressslide.batch.rows import (
+    Figures,
+    answers,
+    beside,
+    figures,
+    figures_of,
+    grouped,
+)
 from pushpressslide.core.arrays import Array
 from pushpressslide.kernels.dubins import NONE as NONE
 from pushpressslide.kernels.dubins import shortest_dubins, shortest_dubins_length

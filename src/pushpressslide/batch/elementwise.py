@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from pushpressslide.batch import loops
+from pushpressslide.batch.rows import figures as figures
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.formulas import Column, Columns, Formula
 
@@ -137,11 +137,6 @@ def column(array: Array, shape: tuple[int, ...]) -> Column:
         return array
     whole = array if array.shape == shape else np.broadcast_to(array, shape)
     return whole.reshape(-1)
-
-
-def figures(*values: ArrayLike) -> tuple[Array, ...]:
-    """Return numbers and sequences as arrays of floats."""
-    return tuple(np.asarray(value, dtype=np.float64) for value in values)
 
 
 def values(

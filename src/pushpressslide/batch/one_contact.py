@@ -15,8 +15,7 @@ from pushpressslide.batch.checks import (
     check_positive,
     check_units,
 )
-from pushpressslide.batch.elementwise import figures
-from pushpressslide.batch.rows import halves, prepared, spread
+from pushpressslide.batch.rows import figures, halves, prepared, spread
 from pushpressslide.kernels.one_contact import one_contact, one_contact_figures
 
 

@@ -20,8 +20,7 @@ from pushpressslide.batch.checks import (
     check_positive,
     check_units,
 )
-from pushpressslide.batch.elementwise import figures
-from pushpressslide.batch.rows import halves, prepared, spread
+from pushpressslide.batch.rows import figures, halves, prepared, spread
 from pushpressslide.batch.two_contacts import both, check_pair
 from pushpressslide.kernels.parallel import parallel_figures, parallel_pushes
 

@@ -20,9 +20,8 @@ from pushpressslide.batch.checks import (
     check_positive,
     check_units,
 )
-from pushpressslide.batch.elementwise import figures
 from pushpressslide.batch.pushing import SEPARATE
-from pushpressslide.batch.rows import Figures, answers
+from pushpressslide.batch.rows import Figures, answers, figures
 from pushpressslide.batch.support import Support
 from pushpressslide.core.arrays import Array
 

@@ -19,8 +19,7 @@ from pushpressslide.batch.checks import (
     check_positive,
     check_units,
 )
-from pushpressslide.batch.elementwise import figures
-from pushpressslide.batch.rows import halves, prepared, spread
+from pushpressslide.batch.rows import figures, halves, prepared, spread
 from pushpressslide.kernels.press_and_push import (
     press_and_push,
     press_and_push_figures,

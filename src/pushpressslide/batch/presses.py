@@ -17,8 +17,7 @@ from pushpressslide.batch.checks import (
     check_last,
     check_positive,
 )
-from pushpressslide.batch.elementwise import figures
-from pushpressslide.batch.rows import beside, grouped, halves, prepared, spread
+from pushpressslide.batch.rows import beside, figures, grouped, halves, prepared, spread
 from pushpressslide.kernels.one_press import one_press, one_press_figures
 from pushpressslide.kernels.presses import press_pair, two_presses
 

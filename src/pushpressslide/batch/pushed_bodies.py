@@ -19,8 +19,14 @@ from pushpressslide.batch.checks import (
     check_positive,
     check_units,
 )
-from pushpressslide.batch.elementwise import figures
-from pushpressslide.batch.rows import answers, beside, figures_of, grouped, halves
+from pushpressslide.batch.rows import (
+    answers,
+    beside,
+    figures,
+    figures_of,
+    grouped,
+    halves,
+)
 from pushpressslide.core.arrays import Array
 from pushpressslide.kernels.pushing import pushed_on
 

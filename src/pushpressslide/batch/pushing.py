@@ -18,11 +18,11 @@ from pushpressslide.batch.checks import (
     check_positive,
     check_units,
 )
-from pushpressslide.batch.elementwise import figures
 from pushpressslide.batch.rows import (
     NO_FIGURES,
     answers,
     beside,
+    figures,
     figures_of,
     grouped,
     halves,

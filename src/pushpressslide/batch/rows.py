@@ -11,7 +11,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from pushpressslide.batch import fast
 from pushpressslide.core.arrays import Array
@@ -33,6 +33,11 @@ class Figures(NamedTuple):
 
 
 NO_FIGURES = Figures(np.zeros(0), ())
+
+
+def figures(*values: ArrayLike) -> tuple[Array, ...]:
+    """Return numbers and sequences as arrays of floats."""
+    return tuple(np.asarray(value, dtype=np.float64) for value in values)
 
 
 def figures_of(*groups: Any) -> Figures:

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pushpressslide.batch.checks import check_positive
-from pushpressslide.batch.elementwise import figures
-from pushpressslide.batch.rows import AnyArray, Kernel
+from pushpressslide.batch.rows import AnyArray, Kernel, figures
 from pushpressslide.core.arrays import Array
 from pushpressslide.kernels.planar_steps import (
     slide_on_ellipsoid,
@@ -69,10 +68,10 @@ def exact_support(samples: PressureSamples, friction: ArrayLike) -> Support:
     (mu,) = figures(friction)
     check_positive(mu, "friction", "")
     check_positive(samples.radii[samples.loads > 0.0], "radius of a sample", "m")
-    arms = samples.points - np.array(samples.cop)
+    x, y = (samples.points - np.array(samples.cop)).T
     shares = samples.loads / samples.total_load
-    square = (arms**2).sum(axis=1) + samples.radii**2
-    rho = np.sqrt(shares @ square)
-    table = np.column_stack([arms, square, shares])
+    own = samples.radii**2
+    rho = np.sqrt(shares @ (x * x + y * y + own))
+    table = np.stack([x, y, own, shares])
     force = mu * samples.total_load
     return Support(step_on_samples, slide_on_samples, (table,), rho, force)

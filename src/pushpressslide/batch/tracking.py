@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pushpressslide.batch.checks import check_last, check_positive
-from pushpressslide.batch.elementwise import figures
 from pushpressslide.batch.rows import (
     answers,
     beside,
+    figures,
     figures_of,
     grouped,
     halves,

@@ -21,8 +21,7 @@ from pushpressslide.batch.checks import (
     check_positive,
     check_units,
 )
-from pushpressslide.batch.elementwise import figures
-from pushpressslide.batch.rows import halves, prepared, spread
+from pushpressslide.batch.rows import figures, halves, prepared, spread
 from pushpressslide.core.arrays import Array
 from pushpressslide.kernels.two_contacts import two_contact_figures, two_contacts
 

@@ -11,6 +11,10 @@ KERNELS: list[Callable[..., Any]] = []
 """All kernels of the modules that have been imported."""
 APART: list[Callable[..., Any]] = []
 """Those of them that are compiled once, not in each of their callers."""
+COMPILED: dict[Callable[..., Any], Callable[..., Any]] = {}
+"""What compiled code runs in the place of a kernel."""
+SUMS: list[Callable[..., Any]] = []
+"""Kernels that compiled code may add up in any order, and so several at a time."""
 
 
 def kernel(function: Function) -> Function:
@@ -23,3 +27,19 @@ def kernel_apart(function: Function) -> Function:
     """Mark a kernel that is long, or called in many places."""
     APART.append(function)
     return kernel(function)
+
+
+def compiled_as(
+    other: Callable[..., Any], *, sums: bool = False
+) -> Callable[[Function], Function]:
+    """Return a mark of kernels in whose place compiled code runs ``other``, as it gives
+    the same but for rounding; with ``sums`` in any order.
+    """
+
+    def marked(function: Function) -> Function:
+        COMPILED[function] = other
+        if sums:
+            SUMS.append(function)
+        return kernel(function)
+
+    return marked

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from pushpressslide.kernels.compliant_tip import Side, side_touch
 from pushpressslide.kernels.edge_friction import Edges, Plane, Series
+from pushpressslide.kernels.exact_surface import Samples
 from pushpressslide.kernels.kernel import kernel
 from pushpressslide.kernels.plane import Pose
-from pushpressslide.kernels.sampled_friction import Samples
 from pushpressslide.kernels.sliding import Triple, slide
 from pushpressslide.kernels.supports import on_ellipsoid, on_polygon, on_samples
 from pushpressslide.kernels.tip_step import Body, Face, Led, State, two_tip_step

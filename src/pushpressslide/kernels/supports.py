@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from pushpressslide.kernels.edge_friction import polygon_friction
+from pushpressslide.kernels.exact_surface import sampled_friction
 from pushpressslide.kernels.kernel import kernel
-from pushpressslide.kernels.sampled_friction import sampled_friction
 from pushpressslide.kernels.support_friction import Friction, ellipsoid_friction
 
 

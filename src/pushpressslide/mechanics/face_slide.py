@@ -12,6 +12,7 @@ from functools import cached_property
 
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.kernels.edge_friction import far, near
+from pushpressslide.kernels.exact_surface import across
 from pushpressslide.kernels.support_friction import Friction
 from pushpressslide.mechanics.face_pressure import FacePressure
 
@@ -142,15 +143,6 @@ class _Power:
         p = (self.ab * self.gb - bb * self.ga) / determinant
         q = (self.ab * self.ga - aa * self.gb) / determinant
         return p, q
-
-
-def across(unit: Triple) -> tuple[Triple, Triple]:
-    """Return two unit vectors at right angles to a ``unit`` vector and to each other."""
-    x, y, z = unit
-    sign = math.copysign(1.0, z)
-    a = -1.0 / (sign + z)
-    b = x * y * a
-    return (1.0 + sign * x * x * a, sign * b, -sign * x), (b, sign + y * y * a, -y)
 
 
 def _dot(a: Triple, b: Triple) -> float:
