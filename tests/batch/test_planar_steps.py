@@ -77,8 +77,9 @@ def one_tick(name, count, rows):
 @pytest.mark.parametrize("name", SUPPORTS)
 def test_a_compiled_tick_is_the_interpreted_one(name, count):
     """To the bit where the C library gives compiled and interpreted code the same sines,
-    else to 1e-12.
+    else to 1e-12; sums over samples go in another order, and end in balance elsewhere.
     """
+    near = 1e-8 if name == "samples" else 1e-12
     if fast.compiler() is None:
         pytest.skip("numba is not installed: pip install 'pushpressslide[fast]'")
     rows = ROWS if name == "polygon" else ROWS // 10
@@ -90,4 +91,4 @@ def test_a_compiled_tick_is_the_interpreted_one(name, count):
     for part in ("poses", "tips", "twists", "forces"):
         a = getattr(compiled, part)
         b = getattr(interpreted, part)
-        np.testing.assert_allclose(a, b, rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(a, b, rtol=near, atol=near)

@@ -29,7 +29,6 @@ from pushpressslide.batch.path_steering import (
     car_push,
     steered,
 )
-from pushpressslide.batch.pushed_bodies import PoseColumns
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.formulas import Column, Columns, greater, least, where
 
@@ -40,6 +39,14 @@ ASTRAY = 3
 """How a run stands: ``Motion.end``."""
 TURN = 2.0 * math.pi
 TOGETHER = 64  # ticks after which the runs that have ended are left out
+
+
+class PoseColumns(NamedTuple):
+    """A pose."""
+
+    x: Column
+    y: Column
+    yaw: Column
 
 
 class Motion(NamedTuple):

@@ -20,8 +20,8 @@ from pushpressslide.batch.checks import (
 )
 from pushpressslide.batch.rows import (
     NO_FIGURES,
+    Figures,
     answers,
-    beside,
     figures,
     figures_of,
     grouped,
@@ -72,17 +72,17 @@ class SideContact:
         check_frictions(mu)
         check_positive(length, "rho", "m")
         check_positive(force, "max_force", "N")
-        self._contact = figures_of((halves(r), halves(n), mu, length))
-        self._max_force = figures_of(force)
-        self.shape = np.broadcast_shapes(self._contact.shape, force.shape)
+        self._contact = figures_of((halves(r), halves(n), mu, length), force)
+        self.shape = self._contact.shape
         """The leading shape of the contact."""
 
     def motion_cones(self) -> tuple[Array, Array]:
         """Return the right and left edges (..., 2) of the velocities at which the
         contact sticks, as ``mechanics.friction.motion_cone``.
         """
-        out = answers(motion_cone, NO_FIGURES, self._contact, columns=4)
-        out = np.broadcast_to(out, (*self.shape, 4))
+        table, like = self._contact
+        contact = Figures(table[..., :-1], like[:1])
+        out = answers(motion_cone, NO_FIGURES, contact, columns=4)
         return out[..., :2], out[..., 2:]
 
     def push(self, velocities: ArrayLike) -> PushOutcomes:
@@ -91,8 +91,7 @@ class SideContact:
         """
         (rows,) = figures(velocities)
         check_last(rows, (2,), "velocities")
-        contact = beside(self._contact, self._max_force)
-        out = answers(pushed_with_force, grouped(rows), contact, columns=7)
+        out = answers(pushed_with_force, grouped(rows), self._contact, columns=7)
         kind = out[..., 0].astype(np.int8)
         return PushOutcomes(kind, out[..., 1:3], out[..., 3:6], out[..., 6])
 

@@ -60,6 +60,12 @@ def carried(pose: Pose, rate: Rate, length: float) -> Pose:
     """Return the pose reached after ``length`` [m], or [s], at a constant body twist: the
     exponential map.
     """
+    return carried_from(heading(pose[2]), pose, rate, length)
+
+
+@kernel
+def carried_from(axis: Vector, pose: Pose, rate: Rate, length: float) -> Pose:
+    """Return the same of a pose whose axis is known."""
     vx, vy, w = rate
     angle = w * length
     if abs(angle) < STRAIGHT:
@@ -70,5 +76,5 @@ def carried(pose: Pose, rate: Rate, length: float) -> Pose:
         c = 2.0 * sin(0.5 * angle) ** 2 / w
         x = vx * s - vy * c
         y = vx * c + vy * s
-    dx, dy = from_axis(heading(pose[2]), (x, y))
+    dx, dy = from_axis(axis, (x, y))
     return pose[0] + dx, pose[1] + dy, pose[2] + angle

@@ -6,12 +6,13 @@ Frame B; the left tangent is the inward normal n turned by +90 degrees.
 
 from __future__ import annotations
 
-from math import inf, isfinite, sqrt
+from math import inf, isfinite
 
 from pushpressslide.kernels.allocation import Vector
 from pushpressslide.kernels.compliant_tip import FREE, SLIP_LEFT, SLIP_RIGHT, STICK
 from pushpressslide.kernels.kernel import kernel
-from pushpressslide.kernels.plane import Pose, carried, cross, heading, in_axis
+from pushpressslide.kernels.limit_surface import ellipsoid_wrench
+from pushpressslide.kernels.plane import Pose, carried_from, cross, heading, in_axis
 from pushpressslide.kernels.sliding import REST, Triple
 
 Edges = tuple[Vector, Vector]
@@ -109,11 +110,8 @@ def pushed_with_force(
 ) -> tuple[int, Vector, Triple, float]:
     """Return ``pushed`` with the pusher's force [N]; ``max_force`` [N] is mu_s N."""
     kind, twist, slip = pushed(velocity, contact)
-    vx, vy, w = twist
-    turning = contact[3] * w
-    norm = sqrt(vx * vx + vy * vy + turning * turning)
-    k = max_force / norm if norm > 0.0 else 0.0
-    return kind, (k * vx, k * vy), twist, slip
+    fx, fy, _ = ellipsoid_wrench(*twist, max_force, contact[3])
+    return kind, (fx, fy), twist, slip
 
 
 @kernel
@@ -131,7 +129,8 @@ def pushed_on(
     edge. The twist is constant in the body's own frame.
     """
     foot, normal, ends, friction, rho = face
-    velocity = in_axis(heading(pose[2]), velocity)
+    axis = heading(pose[2])
+    velocity = in_axis(axis, velocity)
     into = velocity[0] * normal[0] + velocity[1] * normal[1]
     along = cross(normal, velocity)
     until = 0.0
@@ -146,5 +145,5 @@ def pushed_on(
         return pose, place + along * time, inf if until < dt else left_over
     lever = (foot[0] - normal[1] * place, foot[1] + normal[0] * place)
     _, twist, slip = pushed(velocity, (lever, normal, friction, rho))
-    after = carried(pose, twist, time)
+    after = carried_from(axis, pose, twist, time)
     return after, place + slip * time, 0.0 if into > 0.0 else left_over

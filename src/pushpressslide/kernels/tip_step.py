@@ -21,7 +21,7 @@ from pushpressslide.kernels.compliant_tip import (
 from pushpressslide.kernels.kernel import kernel, kernel_apart
 from pushpressslide.kernels.plane import (
     Pose,
-    carried,
+    carried_from,
     flat_gap,
     from_axis,
     heading,
@@ -78,12 +78,14 @@ def tip_law(axis: Vector, force: Vector, damping: Vector) -> Law:
 
 
 @kernel
-def carried_body(pose: Pose, twist: Triple, cop: Vector, dt: float) -> Pose:
+def carried_body(
+    axis: Vector, pose: Pose, twist: Triple, cop: Vector, dt: float
+) -> Pose:
     """Return the pose of a body after a tick at the ``twist`` of its centre of pressure."""
     vx, vy, w = twist
     ry = 0.0 - cop[1]
     rx = 0.0 - cop[0]
-    return carried(pose, (vx - w * ry, vy + w * rx, w), dt)
+    return carried_from(axis, pose, (vx - w * ry, vy + w * rx, w), dt)
 
 
 @kernel
@@ -157,7 +159,7 @@ def one_tip_step(
     axis = heading(pose[2])
     reach, contact = reached(pose, axis, led, face, body)
     twist = slide(guess, (contact,), (surface, limit, rho), laws)
-    after = carried_body(pose, twist, cop, dt)
+    after = carried_body(axis, pose, twist, cop, dt)
     return after, twist, followed(reach, contact, (twist, cop, after, dt))
 
 
@@ -177,7 +179,7 @@ def two_tip_step(
     reach, contact = reached(pose, axis, leds[0], faces[0], body)
     other_reach, other = reached(pose, axis, leds[1], faces[1], body)
     twist = slide(guess, (contact, other), (surface, limit, rho), laws)
-    after = carried_body(pose, twist, cop, dt)
+    after = carried_body(axis, pose, twist, cop, dt)
     motion = (twist, cop, after, dt)
     return (
         after,

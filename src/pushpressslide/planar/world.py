@@ -189,7 +189,8 @@ class World:
             (vx, vy, w), tipping = self._carried(
                 X_WB, Twist(vx, vy, w, cop), tipping or not held
             )
-        X_after = carried_body((X_WB.x, X_WB.y, X_WB.yaw), (vx, vy, w), cop, self.dt)
+        pose = (X_WB.x, X_WB.y, X_WB.yaw)
+        X_after = carried_body(axis, pose, (vx, vy, w), cop, self.dt)
         motion = ((vx, vy, w), cop, X_after, self.dt)
         tips = list(state.tips)
         for arm, command in enumerate(commands):
