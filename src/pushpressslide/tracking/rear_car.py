@@ -5,15 +5,16 @@ floats, for a control loop: what it costs is tested.
 from __future__ import annotations
 
 import math
-from math import cos, remainder, sin
+from math import cos, sin
 
 from pushpressslide.core import margins
 from pushpressslide.core.allocation import new
 from pushpressslide.core.guidance import Guidance
-from pushpressslide.core.path import TURN, ArcPath
+from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import MotionPath
 from pushpressslide.core.pose import Pose2
-from pushpressslide.kernels.tracking import steered_push
+from pushpressslide.kernels.arc_path import wrapped
+from pushpressslide.kernels.tracking import Car, steered_push
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.tracking.rear_stanley import Steering
 
@@ -31,14 +32,12 @@ class RearPushTracker:
         ``max_friction`` is mu_s N [N].
         """
         ex, ey = car.axis
-        stretch = 1.0 + (car.lever / car.rho) ** 2
         self._figures = (
             math.atan2(ey, ex),
             math.hypot(*X_BV.position),
             math.atan2(X_BV.y, X_BV.x),
         )
-        turning = -1.0 / car.effective_wheelbase
-        self._car = (ex, ey, max_friction, stretch, -car.lever, turning)
+        self._car = figures_of_car(car, max_friction)
         self._law = (steer, car.cop, X_BV.position)
 
     def step(
@@ -57,7 +56,7 @@ class RearPushTracker:
         progress, left, heading, curvature = path.nearest(
             x, y, progress, EASING * speed
         )
-        heading_error = remainder(heading - yaw, TURN)
+        heading_error = wrapped(heading - yaw)
         delta, saturated = steer(left, heading_error, curvature, grip)
         wrench, twist = steered_push(delta, speed, self._car)
         fx, fy, tau = wrench
@@ -78,3 +77,13 @@ class RearPushTracker:
             saturated,
         )
         return new(Guidance, to_drive)
+
+
+def figures_of_car(car: RearSteerCar, max_friction: float) -> Car:
+    """Return what ``kernels.tracking.steered_push`` knows a car by; ``max_friction`` is
+    mu_s N [N].
+    """
+    ex, ey = car.axis
+    stretch = 1.0 + (car.lever / car.rho) ** 2
+    turning = -1.0 / car.effective_wheelbase
+    return ex, ey, max_friction, stretch, -car.lever, turning
