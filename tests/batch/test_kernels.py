@@ -13,6 +13,8 @@ from pushpressslide.allocation.parallel import parallel_push_allocator
 from pushpressslide.allocation.press_and_push import press_and_push_allocator
 from pushpressslide.allocation.two_contacts import two_contact_allocator
 from pushpressslide.batch import (
+    fast,
+    loops,
     one_contact,
     parallel,
     press_and_push,
@@ -105,3 +107,13 @@ def assert_alike(answers, single):
         np.testing.assert_allclose(
             getattr(answers, part), expected, rtol=1e-12, atol=1e-12
         )
+
+
+def test_batches_can_leave_numba_out_and_take_it_again(monkeypatch):
+    monkeypatch.setattr(fast, "installed", lambda: math)
+    assert fast.compiler() is math
+    with fast.without_numba():
+        assert fast.compiler() is None
+    assert fast.compiler() is math
+    with pytest.warns(DeprecationWarning, match="without_numba"), loops.by_numpy():
+        assert fast.compiler() is None

@@ -7,10 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pushpressslide.batch.checks import check_last
+from pushpressslide.batch.checks import Flags, check_last
 from pushpressslide.batch.rows import Figures, Kernel, answers
 from pushpressslide.core.arrays import Array
-from pushpressslide.core.formulas import Flag
 from pushpressslide.kernels.allocation import INFEASIBLE as INFEASIBLE
 from pushpressslide.kernels.allocation import OK as OK
 from pushpressslide.kernels.allocation import PROJECTED as PROJECTED
@@ -28,9 +27,10 @@ class Allocations(NamedTuple):
     residual: Array  # (..., 3) [N, N m] wanted minus realised
 
     @property
-    def ok(self) -> Flag:
+    def ok(self) -> Flags:
         """Where nothing had to be changed (...)."""
-        return self.status == OK
+        out: Flags = self.status == OK
+        return out
 
 
 def answered(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pushpressslide.batch import loops
+from pushpressslide.batch import fast
 from pushpressslide_studies.bench import batches, compared
 
 
@@ -39,18 +39,10 @@ def test_a_short_batch_is_called_several_times_a_round(monkeypatch):
         return compared.compared(calls, counts)
 
     monkeypatch.setattr(batches, "compared", seen_and_compared)
-    monkeypatch.setattr(batches, "installed", lambda: loops)
+    monkeypatch.setattr(batches, "installed", lambda: fast)
     law = next(batches.allocators(np.random.default_rng(0), 500))
     batches._row(law, 500)
     assert seen == [{"copy": 5, "compiled": 5, "NumPy": 5, "one by one": 1}]
-
-
-def test_by_numpy_leaves_the_compiler_out_and_brings_it_back(monkeypatch):
-    monkeypatch.setattr(loops, "installed", lambda: loops)
-    assert loops.compiler() is loops
-    with loops.by_numpy():
-        assert loops.compiler() is None
-    assert loops.compiler() is loops
 
 
 def test_a_batch_of_dubins_paths_stands_beside_ompl(monkeypatch):

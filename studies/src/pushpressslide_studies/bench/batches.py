@@ -20,8 +20,8 @@ from pushpressslide.allocation.presses import two_press_allocator
 from pushpressslide.allocation.two_contacts import two_contact_allocator
 from pushpressslide.batch.dubins import shortest_lengths, shortest_paths
 from pushpressslide.batch.exact_surface import ExactSurface
+from pushpressslide.batch.fast import installed, without_numba
 from pushpressslide.batch.limit_surface import EllipsoidSurface
-from pushpressslide.batch.loops import by_numpy, installed
 from pushpressslide.batch.one_contact import OneContact
 from pushpressslide.batch.parallel import ParallelPushes
 from pushpressslide.batch.press_and_push import PressAndPush
@@ -160,10 +160,10 @@ def _compared(
 
 
 def _numpy(run: Call) -> Call:
-    """Return a call with NumPy alone."""
+    """Return a call without numba."""
 
     def call() -> object:
-        with by_numpy():
+        with without_numba():
             return run()
 
     return call
