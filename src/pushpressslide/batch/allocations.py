@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +35,10 @@ class Allocations(NamedTuple):
 
 
 def answered(
-    kernel: Kernel, row: Figures, figures: Figures, contacts: int
+    kernel: Kernel,
+    row: Figures | Sequence[Figures],
+    figures: Figures,
+    contacts: int,
 ) -> Allocations:
     """Return the allocations that the kernel of an allocator answers."""
     across = 2 * contacts

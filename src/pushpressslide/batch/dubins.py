@@ -16,7 +16,6 @@ from pushpressslide.batch.checks import check_last, check_positive
 from pushpressslide.batch.rows import (
     Figures,
     answers,
-    beside,
     figures,
     figures_of,
     grouped,
@@ -61,11 +60,11 @@ def shortest_lengths(
 
 def _arguments(
     starts: ArrayLike, goals: ArrayLike, kappa_left: ArrayLike, kappa_right: ArrayLike
-) -> tuple[Figures, Figures]:
+) -> tuple[tuple[Figures, Figures], Figures]:
     """Return the poses and the limits of paths."""
     a, b, left, right = figures(starts, goals, kappa_left, kappa_right)
     check_last(a, (3,), "starts")
     check_last(b, (3,), "goals")
     check_positive(left, "kappa_left", "1/m")
     check_positive(right, "kappa_right", "1/m")
-    return beside(grouped(a), grouped(b)), figures_of(left, right)
+    return (grouped(a), grouped(b)), figures_of(left, right)

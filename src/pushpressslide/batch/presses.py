@@ -17,7 +17,7 @@ from pushpressslide.batch.checks import (
     check_last,
     check_positive,
 )
-from pushpressslide.batch.rows import beside, figures, grouped, halves, prepared, spread
+from pushpressslide.batch.rows import figures, grouped, halves, prepared, spread
 from pushpressslide.kernels.one_press import one_press, one_press_figures
 from pushpressslide.kernels.presses import press_pair, two_presses
 
@@ -95,5 +95,5 @@ class TwoPresses:
         loads, places = figures(normals, cops)
         check_last(loads, (2,), "normals")
         check_last(places, (2,), "cops")
-        row = beside(spread(rows), grouped(loads), grouped(places))
+        row = (spread(rows), grouped(loads), grouped(places))
         return answered(two_presses, row, self._figures, 2)

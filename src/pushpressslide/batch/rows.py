@@ -18,13 +18,15 @@ from pushpressslide.core.arrays import Array
 
 Kernel = Callable[..., tuple[Any, ...]]
 AnyArray = NDArray[Any]
+Like = tuple[Any, ...]
+"""Nested tuples of floats: what a kernel is given."""
 
 
 class Figures(NamedTuple):
     """The figures of a law, for all rows or for each of them."""
 
     table: Array  # (..., k) the numbers of ``like``, in their order
-    like: tuple[Any, ...]  # nested tuples of floats: what a kernel is given
+    like: Like
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -42,8 +44,23 @@ def figures(*values: ArrayLike) -> tuple[Array, ...]:
 
 def figures_of(*groups: Any) -> Figures:
     """Return nested tuples of arrays (...) as figures of their leading shape."""
-    columns = np.broadcast_arrays(*leaves(groups))
-    return Figures(np.stack(columns, axis=-1), alike(groups, lambda _: 0.0))
+    return Figures(_table(list(leaves(groups))), alike(groups, lambda _: 0.0))
+
+
+def _table(columns: Sequence[ArrayLike]) -> Array:
+    """Return columns (...) as an array (..., k) that keeps each in one piece."""
+    if not any(map(np.ndim, columns)):
+        return np.array(columns, dtype=np.float64)
+    shape = np.broadcast_shapes(*map(np.shape, columns))
+    out = np.empty((len(columns), *shape))
+    for place, column in enumerate(columns):
+        out[place] = column
+    return _turned(out)
+
+
+def _turned(array: Array) -> Array:
+    """Return an array with its first axis as the last one."""
+    return array.transpose(*range(1, array.ndim), 0)
 
 
 def halves(vectors: Array) -> tuple[Array, Array]:
@@ -59,7 +76,7 @@ def prepared(setup: Kernel, *groups: Any) -> Figures:
     one = setup(*filled(given.like, first[0]))
     like = alike(one, lambda _: 0.0)
     if not given.shape:
-        return Figures(np.array(list(leaves(one))), like)
+        return Figures(_table(list(leaves(one))), like)
     columns = sum(1 for _ in leaves(one))
     return Figures(answers(setup, given, columns=columns), like)
 
@@ -103,17 +120,22 @@ def grouped(array: Array) -> Figures:
     return Figures(array, ((0.0,) * array.shape[-1],))
 
 
+def columns_of(*columns: Array) -> tuple[Figures, ...]:
+    """Return arrays (...) as one argument of a kernel each."""
+    return tuple(Figures(column[..., None], (0.0,)) for column in columns)
+
+
 def beside(*parts: Figures) -> Figures:
     """Return arguments of a kernel side by side; they broadcast against each other."""
-    shape = np.broadcast_shapes(*(part.shape for part in parts))
-    tables = [np.broadcast_to(p.table, (*shape, p.table.shape[-1])) for p in parts]
-    like = sum((part.like for part in parts), ())
-    return Figures(np.concatenate(tables, axis=-1), like)
+    columns = [
+        c for p in parts for c in p.table.transpose(-1, *range(p.table.ndim - 1))
+    ]
+    return Figures(_table(columns), sum((part.like for part in parts), ()))
 
 
 def answers(
     kernel: Kernel,
-    row: Figures,
+    row: Figures | Sequence[Figures],
     figures: Figures = NO_FIGURES,
     arrays: tuple[AnyArray, ...] = (),
     *,
@@ -122,31 +144,35 @@ def answers(
     """Return ``kernel(*row, *figures, *arrays)`` of each row (..., ``columns``), its
     nested tuples flattened; rows and figures broadcast against each other.
 
-    ``arrays`` are the same for all rows; in Python a kernel is given them as nested
-    tuples.
+    A ``row`` may be several figures, side by side. ``arrays`` are the same for all rows;
+    in Python a kernel is given them as nested tuples.
     """
-    shape = np.broadcast_shapes(row.shape, figures.shape)
-    out = np.empty((math.prod(shape), columns))
+    parts = (row,) if isinstance(row, Figures) else tuple(row)
+    shape = np.broadcast_shapes(*(part.shape for part in parts), figures.shape)
+    rows = tuple(_flat(part.table, shape) for part in parts)
+    out = np.empty((columns, math.prod(shape)))
     shared = figures.table.ndim == 1
     given = tuple(np.ascontiguousarray(array) for array in arrays)
     kinds = tuple((array.dtype.char, array.ndim) for array in given)
-    loop = _compiled(kernel, row.like, figures.like, shared, kinds)
-    loop(_flat(row.table, shape), _flat(figures.table, shape), given, out)
-    return out.reshape(*shape, columns)
+    heads = tuple(part.like for part in parts)
+    loop = _compiled(kernel, heads, figures.like, shared, kinds)
+    table = figures.table[None] if shared else _flat(figures.table, shape)
+    loop(rows, table, given, out)
+    return _turned(out.reshape(columns, *shape))
 
 
 def _flat(table: Array, shape: tuple[int, ...]) -> Array:
     """Return a table of the leading ``shape`` as (n, k)."""
     k = table.shape[-1]
-    if table.ndim == 1:
-        return np.broadcast_to(table, (math.prod(shape), k))
-    return np.broadcast_to(table, (*shape, k)).reshape(math.prod(shape), k)
+    if table.shape[:-1] != shape:
+        table = np.broadcast_to(table, (*shape, k))
+    return table.reshape(math.prod(shape), k)
 
 
 def _compiled(
     kernel: Kernel,
-    head: tuple[Any, ...],
-    like: tuple[Any, ...],
+    heads: tuple[Like, ...],
+    like: Like,
     shared: bool,
     kinds: tuple[tuple[str, int], ...],
 ) -> Callable[..., None]:
@@ -154,10 +180,10 @@ def _compiled(
     if fast.compiler() is None:
         if fast.installed() is None:
             _say_slow()
-        return _interpreted(kernel, head, like, shared)
+        return _interpreted(kernel, sum(heads, ()), like, shared)
     from pushpressslide.batch.compiled import loop_over
 
-    return loop_over(kernel, head, like, shared, kinds)
+    return loop_over(kernel, heads, like, shared, kinds)
 
 
 @cache
@@ -171,19 +197,22 @@ def _say_slow() -> None:
 
 
 def _interpreted(
-    kernel: Kernel, head: tuple[Any, ...], like: tuple[Any, ...], shared: bool
+    kernel: Kernel, head: Like, like: Like, shared: bool
 ) -> Callable[..., None]:
     """Return the loop of a kernel in Python, as ``compiled.loop_over``."""
 
     def loop(
-        rows: Array, figures: Array, arrays: tuple[AnyArray, ...], out: Array
+        rows: tuple[Array, ...],
+        figures: Array,
+        arrays: tuple[AnyArray, ...],
+        out: Array,
     ) -> None:
         given: Any = ()
         rest = tuple(nested(array.tolist()) for array in arrays)
-        for i, row in enumerate(rows.tolist()):
+        for i, row in enumerate(np.concatenate(rows, axis=1).tolist()):
             if i == 0 or not shared:
                 given = filled(like, figures[i].tolist())
             answer = kernel(*filled(head, row), *given, *rest)
-            out[i] = tuple(leaves(answer))
+            out[:, i] = tuple(leaves(answer))
 
     return loop

@@ -18,6 +18,7 @@ from pushpressslide.batch.checks import check_last, check_positive
 from pushpressslide.batch.rows import (
     answers,
     beside,
+    columns_of,
     figures,
     figures_of,
     grouped,
@@ -60,7 +61,7 @@ def rear_stanley(
     check_positive(length, "wheelbase", "m")
     side, turned, bend, rate, share = figures(left, heading, curvature, gain, grip)
     law = prepared(stanley_law, length, *halves(bounds), rate, ahead)
-    row = figures_of(side, turned, bend)
+    row = columns_of(side, turned, bend)
     law = beside(figures_of(share), law)
     out = answers(stanley_steering, row, law, columns=2)
     delta = out[..., 0]
@@ -87,7 +88,7 @@ def lookahead_curvature(
     check_positive(length, "look_ahead", "m")
     side, turned, bend = figures(left, heading, curvature)
     turned = _angles(turned)
-    row = figures_of(side, turned, bend)
+    row = columns_of(side, turned, bend)
     law = figures_of(length, share * most)
     out = answers(look_ahead_curvature, row, law, columns=2)
     return out[..., 0], out[..., 1] > 0.0
@@ -119,7 +120,7 @@ def rear_push(
     ex, ey = halves(e)
     ratio = d / length
     car = (ex, ey, force, 1.0 + ratio * ratio, -d, -d / (length * length))
-    row = figures_of(delta)
+    row = columns_of(delta)
     out = answers(steered_push, row, figures_of(v, car), columns=6)
     return out[..., :3], out[..., 3:]
 
@@ -152,7 +153,7 @@ def holonomic(
     if _angles(yaw) is not yaw:
         rows = np.stack([rows[..., 0], rows[..., 1], _angles(yaw)], axis=-1)
     law = figures_of((v, way, length, hold * part * way))
-    row = beside(spread(rows), grouped(path))
+    row = (spread(rows), grouped(path))
     out = answers(pulled_twist, row, law, columns=6)
     return out[..., :3], out[..., 5] > 0.0
 

@@ -8,10 +8,20 @@ Markov-Dubins problem", J. Optim. Theory Appl. 150, 2011): LSL, RSR, LSR, RSL, R
 
 from __future__ import annotations
 
-from math import acos, atan2, cos, floor, hypot, inf, isfinite, nan, pi, sin, sqrt
+from math import inf, isfinite, nan, pi, sqrt
 
 from pushpressslide.kernels.allocation import Vector
-from pushpressslide.kernels.kernel import kernel
+from pushpressslide.kernels.elementary import (
+    TURN,
+    arccosine,
+    arctangent2,
+    cosine,
+    hypotenuse,
+    rounded_down,
+    sine,
+    turn_part,
+)
+from pushpressslide.kernels.kernel import kernel, kernel_wide
 
 NONE = -1
 LSL = 0
@@ -21,7 +31,6 @@ RSL = 3
 RLR = 4
 LRL = 5
 
-TURN = 2.0 * pi
 # Angles [rad] this close to none or a full turn, and distances of this share of the
 # radii, count as zero.
 ROUND_OFF = 1e-12
@@ -57,7 +66,7 @@ def full_turn(angle: float) -> float:
     elif -TURN < angle < 0.0:
         angle = angle + TURN
     elif not 0.0 <= angle < TURN:
-        angle = angle % TURN  # the same, for many turns, at many times the cost
+        angle = turn_part(angle)  # the same, for many turns, at many times the cost
     if ROUND_OFF < angle < TURN - ROUND_OFF:
         return angle
     return 0.0
@@ -75,18 +84,18 @@ def turning_circles(
     dy = goal[1] - start[1]
     if not (isfinite(yaw) and isfinite(dx) and isfinite(dy)):
         return rl, rr, (nan, nan), (nan, nan), nan, nan
-    c = cos(start[2])
-    s = sin(start[2])
+    c = cosine(start[2])
+    s = sine(start[2])
     x = c * dx + s * dy
     y = -s * dx + c * dy
-    if hypot(x, y) <= SAME_POSE * (rl + rr):
-        off = yaw % TURN
+    if hypotenuse(x, y) <= SAME_POSE * (rl + rr):
+        off = turn_part(yaw)
         if off <= SAME_POSE or TURN - off <= SAME_POSE:
             x = 0.0
             y = 0.0
             yaw = 0.0
-    s = sin(yaw)
-    c = cos(yaw)
+    s = sine(yaw)
+    c = cosine(yaw)
     places = abs(start[0]) + abs(start[1]) + abs(goal[0]) + abs(goal[1])
     blur = BLUR * (places + rl + rr)
     return rl, rr, (x - rl * s, y + rl * c), (x + rr * s, y - rr * c), yaw, blur
@@ -124,15 +133,15 @@ def centre_line(circles: Circles, dx: float, dy: float) -> Vector:
     The direction is 0 where there is no distance, and a heading where the line is along
     that but for rounding.
     """
-    length = hypot(dx, dy)
+    length = hypotenuse(dx, dy)
     if not length > ROUND_OFF * (circles[0] + circles[1]):
         return length, 0.0
-    angle = atan2(dy, dx)
+    angle = arctangent2(dy, dx)
     if abs(angle) * length <= circles[5]:
         return length, 0.0
     yaw = circles[4]
     past = angle - yaw
-    past = past - TURN * floor(past / TURN + 0.5)
+    past = past - TURN * rounded_down(past / TURN + 0.5)
     if abs(past) * length <= circles[5]:
         return length, yaw
     return length, angle
@@ -149,7 +158,7 @@ def inner_tangent(dx: float, dy: float, both: float) -> Pose:
     if not square >= -(ROUND_OFF * both) * both:
         return -1.0, 0.0, 0.0
     straight = sqrt(max(square, 0.0))
-    return straight, atan2(dy, dx), atan2(both, straight)
+    return straight, arctangent2(dy, dx), arctangent2(both, straight)
 
 
 @kernel
@@ -185,7 +194,7 @@ def middle_opening(half: float) -> float:
     """
     if not half <= 1.0 + ROUND_OFF:
         return -1.0
-    return acos(min(half, 1.0))
+    return arccosine(min(half, 1.0))
 
 
 @kernel
@@ -219,15 +228,18 @@ def left_arcs(circles: Circles, angle: float, side: float, opening: float) -> So
 @kernel
 def shortest_solution(circles: Circles) -> Solution:
     """Return the shortest path; of equally short words the first."""
-    solutions = dubins_solutions(circles)
-    best = solutions[0]
-    for solution in solutions:
-        if solution[0] < best[0] * (1.0 - ROUND_OFF):
-            best = solution
-    return best
+    lsl, rsr, lsr, rsl, rlr_1, rlr_2, lrl_1, lrl_2 = dubins_solutions(circles)
+    best = shorter(shorter(shorter(lsl, rsr), lsr), rsl)
+    return shorter(shorter(shorter(shorter(best, rlr_1), rlr_2), lrl_1), lrl_2)
 
 
 @kernel
+def shorter(first: Solution, second: Solution) -> Solution:
+    """Return the shorter of two paths, the first where they are equally short."""
+    return second if second[0] < first[0] * (1.0 - ROUND_OFF) else first
+
+
+@kernel_wide
 def shortest_dubins(
     start: Pose, goal: Pose, kappa_left: float, kappa_right: float
 ) -> tuple[float, int, Pose, Pose]:
@@ -250,7 +262,7 @@ def shortest_dubins(
     return length, word, lengths, (begin, bend, end)
 
 
-@kernel
+@kernel_wide
 def shortest_dubins_length(
     start: Pose, goal: Pose, kappa_left: float, kappa_right: float
 ) -> tuple[float]:

@@ -11,6 +11,8 @@ KERNELS: list[Callable[..., Any]] = []
 """All kernels of the modules that have been imported."""
 APART: list[Callable[..., Any]] = []
 """Those of them that are compiled once, not in each of their callers."""
+WIDE: list[Callable[..., Any]] = []
+"""Kernels of which compiled loops take four rows at once, every branch of each."""
 COMPILED: dict[Callable[..., Any], Callable[..., Any]] = {}
 """What compiled code runs in the place of a kernel."""
 SUMS: list[Callable[..., Any]] = []
@@ -26,6 +28,14 @@ def kernel(function: Function) -> Function:
 def kernel_apart(function: Function) -> Function:
     """Mark a kernel that is long, or called in many places."""
     APART.append(function)
+    return kernel(function)
+
+
+def kernel_wide(function: Function) -> Function:
+    """Mark a kernel whose branches no processor foresees: to work out all of them, for
+    four rows at once, takes less than to guess.
+    """
+    WIDE.append(function)
     return kernel(function)
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 from math import sqrt
 
 from pushpressslide.kernels.allocation import Wrench
+from pushpressslide.kernels.elementary import square
 from pushpressslide.kernels.kernel import kernel
 
 Twist = tuple[float, float, float]
@@ -41,13 +42,13 @@ def dragged_wrench(vx: float, vy: float, w: float, surface: Ellipsoid) -> Wrench
     pressure without drag; none for no twist.
     """
     max_force, rho, lift = surface
-    turn = (rho * w) ** 2
-    shift = (lift * w) ** 2
+    turn = square(rho * w)
+    shift = square(lift * w)
     # |v_center|^2 = v^2 (1 + shift / (v^2 + turn)) for the speed v of the moved centre
     # of pressure
-    square = vx * vx + vy * vy
-    half = 0.5 * (square - turn - shift)
-    v_squared = half + sqrt(half * half + square * turn)
+    resting = vx * vx + vy * vy
+    half = 0.5 * (resting - turn - shift)
+    v_squared = half + sqrt(half * half + resting * turn)
     norm = sqrt((0.0 if v_squared < 0.0 else v_squared) + turn)
     if norm == 0.0:
         return 0.0, 0.0, 0.0
@@ -57,7 +58,7 @@ def dragged_wrench(vx: float, vy: float, w: float, surface: Ellipsoid) -> Wrench
     return (
         scale * (vx - k * vy),
         scale * (vy + k * vx),
-        max_force * rho**2 * w / norm,
+        max_force * square(rho) * w / norm,
     )
 
 
@@ -89,7 +90,7 @@ def ellipsoid_level(
     fx: float, fy: float, tau: float, max_force: float, rho: float
 ) -> float:
     """Return H(W) of a wrench about the centre of pressure: 1 on the surface."""
-    return (fx * fx + fy * fy + (tau / rho) ** 2) / max_force**2
+    return (fx * fx + fy * fy + square(tau / rho)) / square(max_force)
 
 
 @kernel

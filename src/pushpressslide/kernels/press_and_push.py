@@ -8,7 +8,7 @@ inside its disc.
 
 from __future__ import annotations
 
-from math import hypot, inf, sqrt
+from math import inf, sqrt
 
 from pushpressslide.kernels.allocation import (
     EXACT,
@@ -19,7 +19,8 @@ from pushpressslide.kernels.allocation import (
     Vector,
 )
 from pushpressslide.kernels.contact_line import contact_line
-from pushpressslide.kernels.kernel import kernel
+from pushpressslide.kernels.elementary import hypotenuse
+from pushpressslide.kernels.kernel import kernel, kernel_wide
 
 Push = tuple[float, float, float, float, float, float, float]
 """The push in B: unit vector x, y from the press to it, unit inward normal x, y, lever
@@ -54,7 +55,7 @@ def press_and_push_figures(
     return pushed, (px, py, load, friction * load, friction)
 
 
-@kernel
+@kernel_wide
 def press_and_push(fx: float, fy: float, tau: float, push: Push, press: Press) -> Two:
     """Return the allocation of a wrench [N, N m] about the centre of pressure."""
     px, py, load, most, friction = press
@@ -64,7 +65,7 @@ def press_and_push(fx: float, fy: float, tau: float, push: Push, press: Press) -
     a, s, gx, gy, status = shared(fx, fy, tau, push, press)
     gx = gx - s * ex
     gy = gy - s * ey
-    size = hypot(gx, gy)
+    size = hypotenuse(gx, gy)
     scale = 1.0
     if size > most * (1.0 + 1e-12):
         scale = most / size

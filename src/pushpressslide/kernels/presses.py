@@ -7,7 +7,7 @@ without opposite signs is free of antagonistic shear.
 
 from __future__ import annotations
 
-from math import hypot, inf, sqrt
+from math import inf, sqrt
 
 from pushpressslide.kernels.allocation import (
     EXACT,
@@ -20,6 +20,7 @@ from pushpressslide.kernels.allocation import (
     Wrench,
 )
 from pushpressslide.kernels.contact_line import contact_line
+from pushpressslide.kernels.elementary import hypotenuse
 from pushpressslide.kernels.kernel import kernel
 
 # of the discs' radii, allowed beyond them: what one contact alone can give may be asked
@@ -118,7 +119,7 @@ def onto_discs(
     f1y = s * ey + g1 * ex
     f2x = scale * fx - f1x
     f2y = scale * fy - f1y
-    margin = min(most1 - hypot(f1x, f1y), most2 - hypot(f2x, f2y))
+    margin = min(most1 - hypotenuse(f1x, f1y), most2 - hypotenuse(f2x, f2y))
     lost = 1.0 - scale
     status = OK if lost <= GIVEN else PROJECTED
     residual = (lost * fx, lost * fy, lost * tau)

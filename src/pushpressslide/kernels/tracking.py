@@ -4,9 +4,10 @@
 
 from __future__ import annotations
 
-from math import atan, cos, sin, sqrt, tan
+from math import sqrt
 
 from pushpressslide.kernels.allocation import Wrench
+from pushpressslide.kernels.elementary import arctangent, cosine, sine, square, tangent
 from pushpressslide.kernels.kernel import kernel
 
 Twist = tuple[float, float, float]
@@ -41,7 +42,9 @@ def stanley_steering(
 ) -> tuple[float, bool]:
     """Return the steering angle [rad], and whether it was clipped."""
     slope, length, low, high = law
-    delta = -heading_error - atan(slope * left_error) - atan(length * curvature)
+    delta = (
+        -heading_error - arctangent(slope * left_error) - arctangent(length * curvature)
+    )
     if grip * low <= delta <= grip * high:
         return delta, False
     return grip * (low if delta < 0.0 else high), True
@@ -58,7 +61,7 @@ def look_ahead_curvature(
     """Return the curvature [1/m] to drive towards a target that slides along the path,
     and whether it was clipped.
     """
-    lateral = left_error * cos(heading_error) + look_ahead * sin(heading_error)
+    lateral = left_error * cosine(heading_error) + look_ahead * sine(heading_error)
     return clipped(path_curvature + 4.0 * lateral / (look_ahead * look_ahead), limit)
 
 
@@ -78,7 +81,7 @@ def steered_push(delta: float, speed: float, car: Car) -> tuple[Wrench, Twist]:
     a push at the steering angle ``delta`` [rad], in B; ``speed`` [m/s] of the axle.
     """
     ex, ey, max_friction, stretch, arm, turning = car
-    k = tan(delta)
+    k = tangent(delta)
     # |f| = mu_s N / sqrt(1 + (D sin(delta) / rho)^2); along e, and to its left
     along = max_friction / sqrt(1.0 + stretch * k * k)
     across = along * k
@@ -98,11 +101,11 @@ def pulled_twist(
     """
     vx, vy, w = rate
     speed, decay, radius, most = law
-    c = cos(turned)
-    s = sin(turned)
+    c = cosine(turned)
+    s = sine(turned)
     ahead = c * vx - s * vy
     aside = s * vx + c * vy
-    off = sqrt(x * x + y * y + (radius * turned) ** 2)
+    off = sqrt(x * x + y * y + square(radius * turned))
     pull = speed / decay
     if off > most:
         pull = speed / decay * (most / off)
