@@ -19,7 +19,6 @@ from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
 from pushpressslide import kernels
-from pushpressslide.batch.rows import leaves
 from pushpressslide.kernels.kernel import APART, COMPILED, KERNELS, SUMS, WIDE
 
 TABLE = types.Array(numba.float64, 2, "A", readonly=True)
@@ -96,10 +95,9 @@ def copied(typingctx: Any, target: Any, tables: Any, row: Any, likes: Any) -> An
 
 
 def _width(kind: Any) -> int:
-    """Return how many numbers a nested tuple type has."""
-    if isinstance(kind, types.BaseTuple):
-        return sum(map(_width, kind.types))
-    return 1
+    """Return how many numbers a nested tuple, or the type of one, has."""
+    parts = kind.types if isinstance(kind, types.BaseTuple) else kind
+    return sum(map(_width, parts)) if isinstance(parts, tuple) else 1
 
 
 def _cells(context: Any, builder: Any, kind: Any, row: Any) -> Callable[[], Any]:
@@ -190,7 +188,7 @@ def _loop_of_one(
     alone is worked out once.
     """
     head = sum(heads, ())
-    width = len(list(leaves(head)))
+    width = _width(head)
 
     def loop(rows: Any, figures: Any, arrays: Any, out: Any) -> None:
         given = taken(figures[0], like)
@@ -214,7 +212,7 @@ def _loop_of_each(
 ) -> Loop:
     """Return the loop in which each row has figures of its own."""
     head = sum((*heads, like), ())
-    width = len(list(leaves(head)))
+    width = _width(head)
     likes = (*heads, like)
 
     def loop(rows: Any, figures: Any, arrays: Any, out: Any) -> None:

@@ -121,7 +121,9 @@ def with_side(low: float, high: float, slack: float, slope: float) -> Vector:
         return max(low, -slack / slope), high
     if slope < 0.0:
         return low, min(high, -slack / slope)
-    return (inf if slack < 0.0 else low), high
+    if slack < 0.0:
+        return inf, -inf
+    return low, high
 
 
 @kernel
