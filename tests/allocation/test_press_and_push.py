@@ -120,6 +120,20 @@ def test_a_push_never_pulls() -> None:
     assert out.residual == (0.0, 0.0, -3.0)
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_push_never_pulls_where_an_edge_of_its_cone_is_along_the_line(
+    side: float,
+) -> None:
+    """The line of contacts is at 45 degrees to the normal, the friction is 1."""
+    allocate = press_and_push_allocator(
+        (0.0, 0.0), 2.0, (0.1, side * 0.1), (1.0, 0.0), 1.0
+    )
+    pulled = allocate(0.5, 0.1, side * 0.02)
+    assert pulled.forces == ((0.5, 0.1), (0.0, 0.0))
+    assert pulled.status == "projected"
+    assert allocate(0.5, 0.1, -side * 0.02).status == "ok"
+
+
 @pytest.mark.parametrize(
     ("load", "normal", "field"),
     [(0.0, (1.0, 0.0), "load 0.0 N"), (5.0, (0.19, 0.40), "lever")],

@@ -1,13 +1,15 @@
 import pytest
 
-from pushpressslide.batch import loops
+from pushpressslide.batch import fast
 
 
-@pytest.fixture(params=["numpy", "numba"])
-def engine(request, monkeypatch):
-    """Each way to run a formula."""
-    if request.param == "numpy":
-        monkeypatch.setattr(loops, "compiler", lambda: None)
-    elif loops.compiler() is None:
+@pytest.fixture(params=["python", "numba"])
+def engine(request):
+    """Each way to run a batch."""
+    if request.param == "python":
+        with fast.without_numba():
+            yield request.param
+        return
+    if fast.compiler() is None:
         pytest.skip("numba is not installed: pip install 'pushpressslide[fast]'")
-    return request.param
+    yield request.param

@@ -21,7 +21,7 @@ from pushpressslide.batch.presses import OnePress, TwoPresses
 from pushpressslide.batch.two_contacts import TwoContacts
 from pushpressslide.mechanics.contacts import wrench_of_forces
 
-CASES = 10_000
+CASES = 400
 CODES = {"ok": OK, "projected": PROJECTED, "infeasible": INFEASIBLE}
 INF = (math.inf, math.inf)
 BEHIND = ((-0.1, 0.06), (-0.1, -0.06))
@@ -70,7 +70,7 @@ def test_two_contacts_anywhere(engine, split, capped):
     rng = np.random.default_rng(0)
     points = rng.uniform(-0.1, 0.1, (CASES, 2, 2))
     normals = units(rng.uniform(-math.pi, math.pi, (CASES, 2)))
-    normals[:100, 1] = normals[:100, 0]
+    normals[:20, 1] = normals[:20, 0]
     friction = rng.uniform(0.1, 1.4, CASES)
     friction[:50] = 0.0
     rho = rng.uniform(0.03, 0.1, CASES)
@@ -132,7 +132,7 @@ def test_two_contacts_where_cases_meet(engine, points, normals, friction, caps):
 def test_parallel_pushes(engine, caps, friction):
     rng = np.random.default_rng(1)
     wrenches = np.concatenate([random_wrenches(rng), degenerate_wrenches()])
-    wrenches[:5000, 0] = np.abs(wrenches[:5000, 0]) + 1.0
+    wrenches[:200, 0] = np.abs(wrenches[:200, 0]) + 1.0
     batch = ParallelPushes(BEHIND, (1.0, 0.0), friction, RHO, caps=caps)
     allocate = parallel_push_allocator(BEHIND, (1.0, 0.0), friction, RHO, caps=caps)
     single = [allocate(*wrench) for wrench in wrenches.tolist()]
@@ -148,7 +148,7 @@ def test_one_contact(engine):
     friction[:50] = 0.0
     rho = rng.uniform(0.03, 0.1, CASES)
     wrenches = random_wrenches(rng)
-    given = slice(0, 4000)
+    given = slice(0, 160)
     wrenches[given, :2] = normals[given] + 0.5 * friction[given, None] * np.stack(
         [-normals[given, 1], normals[given, 0]], axis=-1
     )
@@ -186,8 +186,8 @@ def test_one_press(engine):
     friction[:50] = 0.0
     wrenches = random_wrenches(rng)
     arm = points - cops
-    wrenches[:4000, 2] = (
-        arm[:4000, 0] * wrenches[:4000, 1] - arm[:4000, 1] * wrenches[:4000, 0]
+    wrenches[:160, 2] = (
+        arm[:160, 0] * wrenches[:160, 1] - arm[:160, 1] * wrenches[:160, 0]
     )
     batch = OnePress(points, loads, friction, RHO, cops).allocate(wrenches)
     single = [
@@ -225,8 +225,8 @@ def test_two_presses(engine):
     friction = rng.uniform(0.0, 1.0, CASES)
     friction[:50] = 0.0
     normals = rng.uniform(0.0, 5.0, (CASES, 2))
-    normals[50:100, 0] = 0.0
-    normals[100:120] = 0.0
+    normals[50:70, 0] = 0.0
+    normals[70:80] = 0.0
     cops = rng.uniform(-0.1, 0.1, (CASES, 2))
     wrenches = random_wrenches(rng)
     batch = TwoPresses(points, friction).allocate(wrenches, normals, cops)

@@ -10,9 +10,11 @@ from hypothesis import strategies as st
 from pushpressslide.batch.dubins import NONE, WORDS, shortest_lengths, shortest_paths
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.pose import Pose2, wrap_angle
+from pushpressslide.kernels import dubins as kernels
+from pushpressslide.planning import dubins as single
 from pushpressslide.planning.dubins import shortest_path
 
-CASES = 10_000
+CASES = 1000
 NEAR = 1e-9
 
 
@@ -21,7 +23,7 @@ def random_poses(rng, size):
 
 
 @pytest.mark.parametrize("size", [0.1, 1.0, 4.0])
-def test_ten_thousand_paths_are_the_single_ones(engine, size):
+def test_a_thousand_paths_are_the_single_ones(engine, size):
     rng = np.random.default_rng(0)
     starts = random_poses(rng, size)
     goals = random_poses(rng, size)
@@ -32,15 +34,20 @@ def test_ten_thousand_paths_are_the_single_ones(engine, size):
     rows = zip(
         starts.tolist(), goals.tolist(), left.tolist(), right.tolist(), strict=True
     )
-    single = [shortest_path(Pose2(*a), Pose2(*b), kl, kr) for a, b, kl, kr in rows]
-    lengths = [path.length for path in single]
+    expected = [shortest_path(Pose2(*a), Pose2(*b), kl, kr) for a, b, kl, kr in rows]
+    lengths = [path.length for path in expected]
     np.testing.assert_allclose(paths.length, lengths, rtol=0.0, atol=NEAR)
     np.testing.assert_allclose(paths.lengths.sum(axis=-1), lengths, atol=NEAR)
-    words = np.array(["".join(letter(k) for k, _ in path.pieces) for path in single])
+    words = np.array(["".join(letter(k) for k, _ in path.pieces) for path in expected])
     got = np.array(WORDS)[paths.word]
     full = np.array([len(word) == 3 for word in words])
     assert (got[full] == words[full]).all()
     assert full.mean() > 0.99
+
+
+def test_a_batch_runs_the_kernel_of_planning():
+    assert kernels.shortest_solution is single.shortest_solution
+    assert kernels.turning_circles is single.turning_circles
 
 
 def letter(curvature):
@@ -103,8 +110,8 @@ def test_where_cases_meet(engine):
         ]
     )
     paths = shortest_paths((0.0, 0.0, 0.0), goals, 1.0, 1.0)
-    single = [shortest_path(Pose2(), Pose2(*g), 1.0, 1.0) for g in goals.tolist()]
-    np.testing.assert_allclose(paths.length, [p.length for p in single], atol=NEAR)
+    expected = [shortest_path(Pose2(), Pose2(*g), 1.0, 1.0) for g in goals.tolist()]
+    np.testing.assert_allclose(paths.length, [p.length for p in expected], atol=NEAR)
     assert (paths.length[:3] == 0.0).all()
 
 

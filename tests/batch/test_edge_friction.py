@@ -1,5 +1,5 @@
 """Friction under polygons in closed form: the integral over the base wherever the centre
-of rotation is, the same in columns, compiled loops and plain floats.
+of rotation is, the same in Python and compiled.
 """
 
 import math
@@ -7,18 +7,19 @@ import math
 import numpy as np
 import pytest
 
-from pushpressslide.batch import loops
-from pushpressslide.batch.edge_loops import compiled_row, row_friction
+from pushpressslide.batch import fast
 from pushpressslide.batch.exact_surface import ExactSurface
+from pushpressslide.batch.rows import answers, spread
 from pushpressslide.batch.support import exact_support, polygon_support
-from pushpressslide.core.formulas import plain
 from pushpressslide.core.task import Box, Cylinder, Prism
 from pushpressslide.geometry.quadrature import polygon_rule
-from pushpressslide.mechanics.balance import CREEP
-from pushpressslide.mechanics.edge_friction import far, friction_of_row, near
+from pushpressslide.kernels.edge_friction import far, near, polygon_friction
+from pushpressslide.kernels.exact_surface import sampled_friction
+from pushpressslide.kernels.support_friction import CREEP
 from pushpressslide.mechanics.face_pressure import face_pressure
 from pushpressslide.mechanics.limit_surface import exact_wrenches
 from pushpressslide.mechanics.pressure import rectangle_pressure
+from pushpressslide.planar.polygon_friction import friction_under
 
 ELL = ((0.0, 0.0), (0.2, 0.0), (0.2, 0.05), (0.05, 0.05), (0.05, 0.2), (0.0, 0.2))
 CASES = {
@@ -33,7 +34,6 @@ CASES = {
     "ell": (Prism(ELL, 0.1), (0.0, 0.0)),
     "ell, lifted": (Prism(ELL, 0.1), (0.035, 0.01)),
 }
-ROW = plain(friction_of_row)
 SAGITTA = (2.0 * math.pi / 64) ** 2 / 8.0  # of an edge of the polygon, over the radius
 
 
@@ -44,11 +44,17 @@ def face(request):
 
 
 def arguments(face):
-    return face.edges().tolist(), face.plane(), face.series()
+    return face.plane(), face.edges().tolist(), face.series()
 
 
 def friction(face, twist):
-    return np.array(ROW(*arguments(face), *twist, True))
+    return np.array(polygon_friction(*twist, *arguments(face)))
+
+
+def frictions(face, twists):
+    """Of many twists (n, 3), (n, 9)."""
+    arrays = (np.array(face.plane()), face.edges(), np.array(face.series()))
+    return answers(polygon_friction, spread(twists), arrays=arrays, columns=9)
 
 
 def about(center, w):
@@ -162,13 +168,13 @@ def convex_parts(face):
 
 def test_series_and_edges_agree_where_they_meet(face):
     rng = np.random.default_rng(2)
-    edges, plane, series = arguments(face)
+    plane, edges, series = arguments(face)
     scale = np.array((1.0, 1.0, face.rho))
     for angle in rng.uniform(-math.pi, math.pi, 500):
         for sign in (-1.0, 1.0):
             v = (math.cos(angle), math.sin(angle), sign * plane[3])
-            one = np.array(plain(near)(edges, plane, *v, True))
-            other = np.array(plain(far)(series, *v))
+            one = np.array(near(*v, plane, edges))
+            other = np.array(far(*v, series))
             assert one[:3] / scale == pytest.approx(other[:3] / scale, abs=1e-9)
             rows = np.array((1.0, 1.0, face.rho, 1.0, face.rho, face.rho**2))
             assert one[3:] / rows == pytest.approx(other[3:] / rows, abs=1e-5)
@@ -217,36 +223,23 @@ def rows(face, rng):
     return np.concatenate([drawn, special, still, np.eye(3), -np.eye(3)])
 
 
-def test_columns_and_compiled_loops_give_what_plain_floats_give(engine, face):
-    support = polygon_support(face, 1.0)
+def test_a_batch_gives_what_its_kernel_gives(engine, face):
     twists = rows(face, np.random.default_rng(4))
-    found = support.frictions(twists).T
-    figures = (support.edges.tolist(), support.plane.tolist(), support.series.tolist())
-    wanted = np.array([ROW(*figures, *twist, True) for twist in twists.tolist()])
-    speeds = np.maximum(np.linalg.norm(twists, axis=1), CREEP)[:, None]
-    assert found[:, :3] == pytest.approx(wanted[:, :3], abs=1e-10)
-    assert found[:, 3:] * speeds == pytest.approx(wanted[:, 3:] * speeds, abs=1e-5)
+    wanted = [polygon_friction(*twist, *arguments(face)) for twist in twists.tolist()]
+    np.testing.assert_array_equal(frictions(face, twists), wanted)
 
 
-def test_compiled_for_one_body_it_gives_the_same_to_the_last_bit(face):
-    if loops.compiler() is None:
+def test_under_one_body_it_is_the_same_to_the_last_bit_compiled_or_not(
+    face, monkeypatch
+):
+    if fast.compiler() is None:
         pytest.skip("numba is not installed: pip install 'pushpressslide[fast]'")
-    edges, plane, series = face.edges(), face.plane(), face.series()
-    figures = (edges, np.array(plane), np.array(series))
-    columns = tuple(map(tuple, edges.tolist()))
+    compiled = friction_under(face)
+    monkeypatch.setattr(fast, "loaded", lambda: False)
+    interpreted = friction_under(face)
     for twist in rows(face, np.random.default_rng(5)).tolist():
         for sloped in (True, False):
-            assert compiled_row()(*figures, *twist, sloped) == ROW(
-                columns, plane, series, *twist, sloped
-            )
-
-
-def test_one_body_is_compiled_only_where_numba_is_loaded(face, monkeypatch):
-    monkeypatch.setattr(loops, "loaded", lambda: False)
-    assert row_friction(face).func is ROW
-    monkeypatch.undo()
-    if loops.loaded():
-        assert row_friction(face).func is compiled_row()
+            assert compiled(*twist, sloped) == interpreted(*twist, sloped)
 
 
 KINDS = ("convex", "star", "box", "chamfer", "sliver", "concave sliver")
@@ -348,9 +341,9 @@ def test_a_polygon_that_turns_about_its_edge_has_the_friction_of_beside_it(
         for place, other in zip(places, near_by, strict=True):
             found = friction(face, about(place, 0.7))[:3]
             assert found / scale == pytest.approx(other / scale, abs=2e-6)
-        rows = np.array([about(place / face.rho, 0.7) for place in places])
-        columns = polygon_support(face, 1.0).frictions(rows).T[:, :3]
-        assert columns == pytest.approx(np.array(near_by) / scale, abs=2e-6)
+        rows = np.array([about(place, 0.7) for place in places])
+        found = frictions(face, rows)[:, :3] / scale
+        assert found == pytest.approx(np.array(near_by) / scale, abs=2e-6)
 
 
 NO_NUMBER = (math.nan, math.inf, -math.inf, 1e300)
@@ -365,9 +358,9 @@ def test_the_friction_of_a_twist_that_is_no_number_is_none(engine, place, bad, o
     twist[place] = bad
     assert np.isnan(friction(face, twist)).all()
     good = [0.1, 0.2, 0.3]
-    columns = polygon_support(face, 1.0).frictions(np.array([good, twist, good]))
-    assert np.isnan(columns[:, 1]).all()
-    assert np.isfinite(columns[:, [0, 2]]).all()
+    found = frictions(face, np.array([good, twist, good]))
+    assert np.isnan(found[1]).all()
+    assert np.isfinite(found[[0, 2]]).all()
 
 
 @pytest.mark.parametrize("bad", NO_NUMBER[:3])
@@ -379,7 +372,7 @@ def test_samples_have_no_friction_of_a_twist_that_is_no_number(engine, place, ba
     for found in (
         exact_wrenches(samples, 0.3, np.array([twist]))[0],
         ExactSurface(samples, 0.3).wrenches(np.array([twist]))[0],
-        exact_support(samples, 0.3).frictions(np.array([twist])).T[0],
+        sampled_friction(*twist, exact_support(samples, 0.3).arrays[0]),
     ):
         assert not np.isfinite(found).all()
         assert np.isnan(found[:3]).any()

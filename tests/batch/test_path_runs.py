@@ -1,4 +1,4 @@
-"""A tip, a path and a tick on arrays, like one of them by the single form."""
+"""Many truths of a plan run the laws of the run loop and of the planar engine."""
 
 import math
 
@@ -6,14 +6,18 @@ import numpy as np
 import pytest
 
 from pushpressslide.batch.compliant_push import PushingTip, tip_pushed
-from pushpressslide.batch.elementwise import run
-from pushpressslide.batch.path_pieces import Piece, beside, eased, pieces_of
+from pushpressslide.batch.rows import answers, spread
+from pushpressslide.control import controller, tip_motion
+from pushpressslide.core import path as core_path
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.pose import Pose2
+from pushpressslide.kernels import arc_path, leading, path_run, tip_step, tracking
+from pushpressslide.kernels.arc_path import wrapped
 from pushpressslide.mechanics.pressure import PressureSamples
 from pushpressslide.planar.contact import TipLaw, side_contact
 from pushpressslide.planar.sliding import slide
 from pushpressslide.planar.support_friction import SupportFriction
+from pushpressslide.tracking import rear_car, rear_stanley
 
 ROWS = 400
 DAMPING = 500.0  # [N s/m]
@@ -21,6 +25,45 @@ RADIUS = 0.02  # [m]
 PATH = ArcPath(
     Pose2(0.4, 0.2, 0.3), ((-9.0, 0.21), (0.0, 0.09), (7.0, 0.9), (0.0, 0.16))
 )
+
+
+def test_a_run_is_made_of_the_kernels_of_loop_and_engine():
+    assert path_run.one_tip_step is tip_step.one_tip_step
+    assert core_path.nearest is path_run.nearest is arc_path.nearest
+    assert core_path.trapezoid is path_run.trapezoid
+    assert controller.paced is path_run.paced is leading.paced
+    assert controller.corrected is path_run.corrected
+    assert controller.eased_grip is path_run.eased_grip
+    assert tip_motion.approached is path_run.approached
+    assert rear_car.steered_push is path_run.steered_push is tracking.steered_push
+    assert rear_stanley.stanley_steering is path_run.stanley_steering
+
+
+def test_the_nearest_point_of_a_path_compiled_is_that_of_the_path(engine):
+    """On all pieces, beyond the end, and where bends are eased."""
+    rng = np.random.default_rng(1)
+    s = rng.uniform(0.0, PATH.length + 0.05, ROWS)
+    left = rng.uniform(-0.03, 0.03, ROWS)
+    poses = [PATH.pose(one) for one in s]
+    x = np.array([p.x - a * math.sin(p.yaw) for p, a in zip(poses, left, strict=True)])
+    y = np.array([p.y + a * math.cos(p.yaw) for p, a in zip(poses, left, strict=True)])
+    behind = s - rng.uniform(0.0, 0.004, ROWS)
+    rows = np.column_stack([x, y, behind, np.full(ROWS, 0.012)])
+    arrays = tuple(np.array(table) for table in PATH.rows)
+    found = answers(arc_path.nearest, spread(rows), arrays=arrays, columns=4)
+    wanted = [PATH.nearest(*row) for row in rows.tolist()]
+    np.testing.assert_allclose(found, wanted, rtol=1e-12, atol=1e-12)
+    assert found[:, 0] == pytest.approx(s, abs=1e-9)
+    assert found[:, 1] == pytest.approx(-left, abs=1e-9)
+
+
+@pytest.mark.parametrize("turns", [0.0, 1.0, 2.0, 5.0, 1000.0])
+def test_wrapped_angles_have_no_rounding(turns):
+    for angle in np.random.default_rng(2).uniform(-math.pi, math.pi, 100).tolist():
+        for whole in (turns, -turns):
+            far = angle + whole * 2.0 * math.pi
+            assert wrapped(far) == math.remainder(far, 2.0 * math.pi)
+    assert wrapped(math.pi) == math.pi
 
 
 def pushes() -> PushingTip:
@@ -40,69 +83,25 @@ def pushes() -> PushingTip:
     )
 
 
-def formula(tip: PushingTip):
-    return tuple(tip_pushed(tip))
-
-
-def test_a_compliant_tip_pushes_as_on_the_planar_engine(engine):
+def test_the_name_that_a_compliant_tip_had_still_answers(engine):
     tips = pushes()
-    out = np.empty((5, ROWS))
-    run(formula, (tips,), (out,))
+    with pytest.warns(DeprecationWarning, match="sliding.slide"):
+        out = tip_pushed(tips)
     statuses = set()
     for i in range(ROWS):
-        fn, ft, pn, pt, cn, mu, drag, square = (float(c[i]) for c in tips)
+        fn, ft, _, pt, cn, mu, drag, square = (float(c[i]) for c in tips)
         law = TipLaw((1.0, 0.0), (fn, ft), (DAMPING, DAMPING))
         contact = side_contact((cn, pt), RADIUS, 0.0, law, mu, 0.004)
-        assert contact.point == pytest.approx((pn, pt))
         pin = PressureSamples(
             np.zeros((1, 2)), np.ones(1), np.full(1, math.sqrt(square))
         )
         twist = slide(SupportFriction(pin), drag, [contact], (0.0, 0.0, 0.0))
         answer = contact.response(twist)
         statuses.add(answer.status)
-        assert out[:2, i] == pytest.approx(answer.force, abs=2e-4)
-        rate = out[2, i] / DAMPING
-        moment = pn * out[1, i] - pt * out[0, i]
-        found = rate * np.array((out[0, i], out[1, i], moment / square))
-        assert found == pytest.approx(twist, abs=2e-5)
+        force = (out.fn[i], out.ft[i])
+        assert force == pytest.approx(answer.force, abs=2e-4)
+        velocity = out.slide[i] / DAMPING * np.array(force)
+        assert velocity == pytest.approx(twist[:2], abs=2e-5)
+        assert out.touches[i] == (answer.status != "free")
+        assert out.sticks[i] == (answer.status == "stick")
     assert statuses == {"free", "stick", "slip_left", "slip_right"}
-
-
-def places(at: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return points beside the path, on its piece at arc length ``at`` [m]."""
-    rng = np.random.default_rng(1)
-    index = PATH._piece(at)
-    start = PATH.starts[index][0]
-    end = PATH.starts[index + 1][0]
-    s = rng.uniform(start + 1e-3, end - 1e-3, ROWS)
-    left = rng.uniform(-0.03, 0.03, ROWS)
-    poses = [PATH.pose(one) for one in s]
-    x = np.array([p.x - a * math.sin(p.yaw) for p, a in zip(poses, left, strict=True)])
-    y = np.array([p.y + a * math.cos(p.yaw) for p, a in zip(poses, left, strict=True)])
-    return s, x, y
-
-
-@pytest.mark.parametrize("number", range(4))
-def test_the_nearest_point_of_a_piece_is_that_of_the_path(number):
-    at = PATH.starts[number][0] + 1e-3
-    s, x, y = places(at)
-    piece = Piece(*(np.full(ROWS, v) for v in pieces_of(PATH)[:, number]))
-    found = beside(x, y, s, piece)
-    smooth = eased(found, np.float64(0.012), piece)
-    for i in range(ROWS):
-        wanted = PATH.nearest(float(x[i]), float(y[i]), float(s[i]))
-        assert [float(np.broadcast_to(c, ROWS)[i]) for c in found] == pytest.approx(
-            wanted, abs=1e-9
-        )
-        turned, bent = PATH.eased(wanted[0], 0.012)
-        assert smooth.yaw[i] - wanted[2] == pytest.approx(turned, abs=1e-9)
-        assert smooth.curvature[i] - wanted[3] == pytest.approx(bent, abs=1e-9)
-
-
-def test_the_line_after_the_path_goes_on_straight():
-    piece = Piece(*pieces_of(PATH)[:, -1])
-    end = PATH.pose(PATH.length + 0.05)
-    found = eased(beside(end.x, end.y, PATH.length, piece), np.float64(0.01), piece)
-    assert found.progress == pytest.approx(PATH.length + 0.05)
-    assert found.left == pytest.approx(0.0, abs=1e-12)
-    assert found.curvature == 0.0

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from pushpressslide.batch import pushing as batch
 from pushpressslide.batch.pushing import (
     SEPARATE,
     SLIP_LEFT,
@@ -13,12 +14,14 @@ from pushpressslide.batch.pushing import (
     SideContact,
     virtual_axles,
 )
+from pushpressslide.kernels import pushing as kernel
+from pushpressslide.mechanics import friction
 from pushpressslide.mechanics.friction import motion_cone, push_outcome
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.rom.unicycle import Unicycle
 
-CASES = 10_000
+CASES = 2_000
 KINDS = {
     "stick": STICK,
     "slip_left": SLIP_LEFT,
@@ -40,6 +43,11 @@ def contacts():
     friction[:10] = 0.0
     rho = rng.uniform(0.03, 0.1, CASES)
     return levers, normals, friction, rho, rng.uniform(0.5, 5.0, CASES)
+
+
+def test_a_batch_compiles_what_single_pushes_call():
+    assert friction.pushing.pushed is kernel.pushed
+    assert friction.pushing.motion_cone is batch.motion_cone is kernel.motion_cone
 
 
 def rows_of(contacts):

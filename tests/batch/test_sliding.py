@@ -20,6 +20,7 @@ from pushpressslide.planar.support_friction import SupportFriction
 
 LOAD = 10.0  # [N]
 RADIUS = 0.02  # [m] of the tips
+ROWS = 400
 BOX = rectangle_pressure(0.2, 0.12, LOAD, (0.01, 0.0), 4)
 LIFTED = rectangle_pressure(0.2, 0.12, LOAD, (0.05, 0.02), 4)
 PINS = pin_pressure(((0.1, 0.0), (-0.05, 0.06), (-0.05, -0.06)), (0.01, 0.005))
@@ -92,7 +93,7 @@ def answers(supports, limits, count):
 @cache
 def on_ellipsoids(count):
     rng = np.random.default_rng(7)
-    rho = rng.uniform(0.02, 0.12, 10_000)
+    rho = rng.uniform(0.02, 0.12, ROWS)
     limits = LOAD * rng.uniform(0.1, 0.8, len(rho))
     supports = [
         SupportFriction(PressureSamples(np.zeros((1, 2)), [LOAD], [r]))
@@ -107,14 +108,14 @@ def test_the_twist_is_that_of_the_single_form_on_the_ellipsoid(engine, count):
     many, one = compared(ellipsoid_support(limits, rho), single)
     np.testing.assert_allclose(many, one, rtol=1e-6, atol=1e-8)
     moving = np.abs(one).max(axis=1) > 1e-4
-    assert 2000 < moving.sum() < 8000
-    assert ((one == 0.0).all(axis=1)).sum() > 100
+    assert 0.2 * ROWS < moving.sum() < 0.8 * ROWS
+    assert ((one == 0.0).all(axis=1)).sum() > 0.01 * ROWS
 
 
 @cache
 def on_pressure(samples, count):
     friction = SupportFriction(samples)
-    limits = LOAD * np.random.default_rng(8).uniform(0.1, 0.8, 1000)
+    limits = LOAD * np.random.default_rng(8).uniform(0.1, 0.8, ROWS)
     return limits, answers([friction] * len(limits), limits, count)
 
 
@@ -126,7 +127,7 @@ def test_the_twist_is_that_of_the_single_form_on_the_exact_surface(
     limits, single = on_pressure(samples, count)
     many, one = compared(exact_support(samples, limits / LOAD), single)
     np.testing.assert_allclose(many, one, rtol=1e-6, atol=1e-8)
-    assert (np.abs(one).max(axis=1) > 1e-4).sum() > 200
+    assert (np.abs(one).max(axis=1) > 1e-4).sum() > 0.2 * ROWS
 
 
 def test_a_support_needs_a_size():

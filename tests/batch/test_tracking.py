@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from pushpressslide.batch import tracking
 from pushpressslide.batch.tracking import (
     holonomic,
     lookahead_curvature,
@@ -15,11 +16,13 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.mechanics.height_term import DraggedSurface
 from pushpressslide.rom.rear_steer_car import RearSteerCar
+from pushpressslide.tracking import holonomic as holonomic_tracker
+from pushpressslide.tracking import lookahead_alignment, rear_car
 from pushpressslide.tracking import rear_stanley as single_stanley
 from pushpressslide.tracking.holonomic import HolonomicTracker
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 
-CASES = 10_000
+CASES = 500
 
 
 @pytest.fixture(scope="module")
@@ -116,6 +119,19 @@ def test_the_holonomic_law(engine):
     )
     np.testing.assert_allclose(got, twists, atol=1e-14)
     assert flags.tolist() == limited.tolist()
+
+
+@pytest.mark.parametrize(
+    ("single", "kernel"),
+    [
+        (single_stanley, "stanley_steering"),
+        (lookahead_alignment, "look_ahead_curvature"),
+        (rear_car, "steered_push"),
+        (holonomic_tracker, "pulled_twist"),
+    ],
+)
+def test_a_batch_runs_the_kernel_of_the_loop(single, kernel):
+    assert getattr(tracking, kernel) is getattr(single, kernel)
 
 
 def test_laws_of_any_shape(engine):

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from pushpressslide.batch.loops import by_numpy
-from pushpressslide.batch.path_runs import ARRIVED, LEFT_FACE
+from pushpressslide.batch.fast import without_numba
 from pushpressslide.cli import app
 from pushpressslide.control import controller
 from pushpressslide.core.errors import PushPressSlideError
@@ -25,6 +24,7 @@ from pushpressslide.jobs.batched import (
 )
 from pushpressslide.jobs.sampling import varied_task
 from pushpressslide.jobs.sweep import SweepOptions, sweep
+from pushpressslide.kernels.path_run import ARRIVED, LEFT_FACE
 from pushpressslide.planar.engine import run
 from pushpressslide.taskfile.load import load_task
 
@@ -90,12 +90,12 @@ def test_final_poses_are_those_of_the_planar_engine_without_new_plans(
     assert np.allclose(times, found.times, atol=0.02)
 
 
-def test_numpy_and_compiled_loops_give_the_same():
+def test_compiled_and_interpreted_runs_are_the_same():
     task = load_task("rear-push-rear")
     plan = planned(task)
     truths = drawn_truths(task, 0, 4)
     first = batched(plan, truths, 3)
-    with by_numpy():
+    with without_numba():
         second = batched(plan, truths, 3)
     assert np.abs(first.poses - second.poses).max() < 1e-9
     assert (first.ends == second.ends).all()

@@ -15,6 +15,8 @@ from gymnasium.vector import AutoresetMode  # noqa: E402
 
 import pushpressslide as pps  # noqa: E402
 import pushpressslide.learning  # noqa: E402 - registers the environments
+from pushpressslide.batch import fast  # noqa: E402
+from pushpressslide.core.errors import MissingPackageError  # noqa: E402
 from pushpressslide.learning.environment import PushEnv  # noqa: E402
 from pushpressslide.learning.registration import COMMANDS, ENVIRONMENTS  # noqa: E402
 from pushpressslide.learning.vector import PushVectorEnv  # noqa: E402
@@ -206,3 +208,13 @@ def test_what_is_believed_moves_nothing(exact) -> None:
             observation, *_ = env.step(np.array([0.04, 0.01]))
         ends.append(observation)
     np.testing.assert_array_equal(*ends)
+
+
+def test_many_objects_at_once_need_numba(monkeypatch) -> None:
+    monkeypatch.setattr(fast, "installed", lambda: None)
+    with pytest.raises(MissingPackageError) as caught:
+        PushVectorEnv(2)
+    assert str(caught.value) == (
+        "vectorised environments need numba, which is not installed: "
+        "pip install 'pushpressslide[fast]'"
+    )

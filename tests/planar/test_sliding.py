@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from pushpressslide.core.pose import cross
 from pushpressslide.core.task import Box, Cylinder
 from pushpressslide.core.wrench import Wrench
-from pushpressslide.mechanics.balance import BALANCE, CREEP
+from pushpressslide.kernels.sliding import BALANCE
+from pushpressslide.kernels.support_friction import CREEP
 from pushpressslide.mechanics.face_pressure import face_pressure
 from pushpressslide.mechanics.friction import cone_margin, push_outcome
 from pushpressslide.mechanics.limit_surface import (

@@ -14,10 +14,10 @@ from typing import Literal
 
 from pushpressslide.core.errors import InputError
 from pushpressslide.core.pose import Point, from_axis, in_axis
+from pushpressslide.kernels.contact_line import contact_line, line_parts
 from pushpressslide.mechanics.checks import check_friction, check_normal
 
 Split = Literal["least_friction", "least_force"]
-ALONG = 1e-9  # sine below which the side of a cone counts as along the line of contacts
 # sine of the angle to the line of contacts within which friction leaves the split open
 FACING = 0.03
 
@@ -28,21 +28,19 @@ class ContactLine:
     Raises InputError if they coincide.
     """
 
-    __slots__ = ("e", "length", "middle")
+    __slots__ = ("e", "figures", "length", "middle")
 
     def __init__(self, first: Point, second: Point) -> None:
-        self.length = math.dist(first, second)
+        self.figures = contact_line(first, second)
+        ex, ey, self.length, middle_x, middle_y = self.figures
         """[m]"""
         if not 0.0 < self.length < math.inf:
             raise InputError(
                 f"contacts at {first} and {second} m; need two distinct, finite points"
             )
-        self.e = (
-            (second[0] - first[0]) / self.length,
-            (second[1] - first[1]) / self.length,
-        )
+        self.e = (ex, ey)
         """Unit vector from contact 1 to 2, in B."""
-        self.middle = (0.5 * (first[0] + second[0]), 0.5 * (first[1] + second[1]))
+        self.middle = (middle_x, middle_y)
 
     def in_axes(self, v: Point) -> Point:
         """Return (v.e, v.m) of a vector in B."""
@@ -60,72 +58,22 @@ class ContactLine:
         g_1 = F.m/2 - tau_mid/l and g_2 = F.m/2 + tau_mid/l, tau_mid the moment about
         the middle.
         """
-        along, across = self.in_axes((fx, fy))
-        moment = (
-            tau - (self.middle[0] - about[0]) * fy + (self.middle[1] - about[1]) * fx
-        )
-        turning = moment / self.length
-        return along, 0.5 * across - turning, 0.5 * across + turning
+        return line_parts(fx, fy, tau, self.figures, about)
 
 
-class ContactPair:
-    """Two side contacts: how a wrench is split over them, and how their friction cones
-    bound the split.
-
-    A force d [N] more of contact 1 along e, and of contact 2 against it, leaves the
-    wrench as it is. It changes the slack q of each side of the cones to q + a d. Raises
-    ValueError as ``two_contact_allocator``.
+def check_pair(
+    points: Sequence[Point], normals: Sequence[Point], friction: float, split: Split
+) -> None:
+    """Raise InputError unless forces can be split over two side contacts: friction < 0,
+    normals of other lengths, contacts that coincide, and for "least_friction" normals
+    that lie both along the line of contacts.
     """
-
-    __slots__ = ("_weights", "line", "n1e", "n2e", "slopes")
-
-    def __init__(
-        self,
-        points: Sequence[Point],
-        normals: Sequence[Point],
-        friction: float,
-        split: Split,
-    ) -> None:
-        check_friction(friction)
-        for normal in normals:
-            check_normal(normal)
-        self.line = ContactLine(*points)
-        (n1e, n1m), (n2e, n2m) = (self.line.in_axes(n) for n in normals)
-        self.n1e = n1e
-        self.n2e = n2e
-        self.slopes = (
-            *_apart(friction * n1e + n1m, friction * n1e - n1m),
-            *_apart(-friction * n2e - n2m, -friction * n2e + n2m),
+    check_friction(friction)
+    for normal in normals:
+        check_normal(normal)
+    line = ContactLine(*points)
+    (_, n1m), (_, n2m) = (line.in_axes(n) for n in normals)
+    if split == "least_friction" and n1m * n1m + n2m * n2m < FACING * FACING:
+        raise InputError(
+            "contacts that face each other; allowed there: split 'least_force'"
         )
-        """a of the slacks mu f_n - f_t, mu f_n + f_t of contact 1, then of contact 2;
-        none of them zero.
-        """
-        self._weights = (0.5, 0.0, 0.0)
-        if split == "least_friction":
-            squares = n1m * n1m + n2m * n2m
-            if squares < FACING * FACING:
-                raise InputError(
-                    "contacts that face each other; allowed there: split 'least_force'"
-                )
-            self._weights = (
-                n2m * n2m / squares,
-                n1m * n1e / squares,
-                -n2m * n2e / squares,
-            )
-
-    def first_force(self, fx: float, fy: float, tau: float) -> Point:
-        """Return the force [N] of contact 1, in B, that the split asks for."""
-        along, g1, g2 = self.line.parts(fx, fy, tau)
-        a, b, c = self._weights
-        return self.line.in_body((a * along + b * g1 + c * g2, g1))
-
-
-def _apart(a: float, b: float) -> tuple[float, float]:
-    """Return the slopes of a cone's sides, none of them zero.
-
-    A side along the line of contacts bounds nothing if its slack is >= 0, and else
-    leaves nothing: as a bound far off, opposite to that of the other side.
-    """
-    if abs(a) < ALONG:
-        return math.copysign(ALONG, -b), b
-    return a, b if abs(b) > ALONG else math.copysign(ALONG, -a)

@@ -4,17 +4,15 @@ press (docs/mechanics.md, sections 4 and 8).
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from math import inf, sqrt
-
-from pushpressslide.core.allocation import Allocation, nothing
+from pushpressslide.allocation.allocator import Allocator, allocator_of
 from pushpressslide.core.pose import Point
+from pushpressslide.kernels.one_press import one_press, one_press_figures
 from pushpressslide.mechanics.checks import check_point, check_press, check_rho
 
 
 def one_press_allocator(
     point: Point, load: float, friction: float, rho: float, cop: Point = (0.0, 0.0)
-) -> Callable[[float, float, float], Allocation]:
+) -> Allocator:
     """Return ``allocate(fx, fy, tau)`` for a top contact at ``point`` [m] in B, pressed
     with ``load`` [N].
 
@@ -29,30 +27,4 @@ def one_press_allocator(
     check_point(cop, "cop")
     check_press(load, friction)
     check_rho(rho)
-    rx = point[0] - cop[0]
-    ry = point[1] - cop[1]
-    most = friction * load
-    inv = 1.0 / (rho * rho)
-    shrink = 1.0 / (1.0 + (rx * rx + ry * ry) * inv)
-
-    def allocate(fx: float, fy: float, tau: float) -> Allocation:
-        """Return the allocation of a wrench [N, N m]."""
-        off = tau - rx * fy + ry * fx
-        size = sqrt(fx * fx + fy * fy)
-        if size <= most and abs(off) <= 1e-12 * most:
-            return Allocation(((fx, fy),), (load,), most - size, "ok", (0.0, 0.0, off))
-        if not size + abs(tau) < inf:
-            return nothing((load,), (fx, fy, tau))
-        # least squares of (f - F, (r x f - tau) / rho) over f
-        k = off * inv * shrink
-        gx = fx - k * ry
-        gy = fy + k * rx
-        size = sqrt(gx * gx + gy * gy)
-        if size > most:
-            gx = gx * most / size
-            gy = gy * most / size
-            size = most
-        residual = (fx - gx, fy - gy, tau - rx * gy + ry * gx)
-        return Allocation(((gx, gy),), (load,), most - size, "projected", residual)
-
-    return allocate
+    return allocator_of(one_press, *one_press_figures(point, load, friction, rho, cop))

@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from pushpressslide.allocation.contact_line import ContactLine
-from pushpressslide.allocation.one_contact import Allocator
+from pushpressslide.allocation.allocator import Allocator, allocator_of
+from pushpressslide.allocation.contact_line import ContactLine, check_pair
 from pushpressslide.allocation.orthogonal import Feasibility
-from pushpressslide.allocation.projections import Projection
-from pushpressslide.allocation.two_contacts import two_contact_allocator
-from pushpressslide.core.allocation import EXACT, Allocation, new
+from pushpressslide.allocation.projections import Projection, WrenchCone
+from pushpressslide.allocation.two_contacts import moving_allocator
 from pushpressslide.core.errors import InputError
 from pushpressslide.core.pose import Point
+from pushpressslide.kernels.parallel import parallel_figures, parallel_pushes
+from pushpressslide.mechanics.checks import check_caps, check_rho
 
 
 def feasibility(
@@ -57,44 +58,19 @@ def parallel_push_allocator(
             f"points {points[0]}, {points[1]} m; must lie at right angles to normal "
             f"{normal}"
         )
-    general = two_contact_allocator(
-        points, (normal, normal), friction, rho, caps=caps, projection=projection
+    check_rho(rho)
+    check_caps(caps)
+    normals = (normal, normal)
+    check_pair(points, normals, friction, "least_friction")
+    figures = parallel_figures(
+        (points[0], points[1]),
+        normal,
+        (friction, rho),
+        (caps[0], caps[1]),
+        (1.0, float(projection != "nearest")),
     )
-    return _linear(line, normal, friction, caps, general)
-
-
-def _linear(
-    line: ContactLine,
-    normal: Point,
-    friction: float,
-    caps: Sequence[float],
-    general: Allocator,
-) -> Allocator:
-    """Return the allocator; the normal force of contact 1 is linear in the wrench. What
-    the contacts cannot give is left to ``general``.
-    """
-    sign = math.copysign(1.0, line.in_axes(normal)[1])
-    x, y, t = (
-        sign * line.parts(*unit)[1]
-        for unit in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-    )
-    nx, ny = normal
-    cap1, cap2 = caps
-
-    def allocate(fx: float, fy: float, tau: float) -> Allocation:
-        """Return the allocation of a wrench [N, N m]."""
-        push = nx * fx + ny * fy
-        slide = nx * fy - ny * fx
-        f1n = x * fx + y * fy + t * tau
-        f2n = push - f1n
-        margin = friction * push - (slide if slide > 0.0 else -slide)
-        if push > 0.0 and margin >= 0.0 and 0.0 <= f1n <= cap1 and 0.0 <= f2n <= cap2:
-            share = f1n / push
-            f1x = share * fx
-            f1y = share * fy
-            least = share if share < 0.5 else 1.0 - share
-            forces = ((f1x, f1y), (fx - f1x, fy - f1y))
-            return new(Allocation, (forces, (f1n, f2n), least * margin, "ok", EXACT))
-        return general(fx, fy, tau)
-
-    return allocate
+    if projection == "nearest":
+        return allocator_of(parallel_pushes, *figures)
+    cone = WrenchCone(points, normals, friction, rho)
+    moved = cone.moved_by(projection)
+    return moving_allocator(parallel_pushes, figures, figures[1], moved)

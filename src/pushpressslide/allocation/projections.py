@@ -10,25 +10,22 @@ moment kept. Closed forms of fixed cost, plain floats.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import combinations
 from typing import Literal, NamedTuple
 
-from pushpressslide.core.pose import Point, cross
+from pushpressslide.core.pose import Point
+from pushpressslide.kernels.wrench_cone import FLAT, nearest_parts, wrench_cone
 from pushpressslide.mechanics.checks import (
     check_friction,
     check_normal,
     check_point,
     check_rho,
 )
-from pushpressslide.mechanics.friction import cone_edges
 
 Vector = tuple[float, float, float]
-# two edges, their product, and one over the square of their cross product
-Span = tuple[int, int, float, float]
 Projection = Literal["nearest", "force_priority", "torque_priority"]
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-FLAT = 1e-9  # sine of the angle below which two edge wrenches span no facet
 
 
 class EdgeForces(NamedTuple):
@@ -67,16 +64,15 @@ class WrenchCone:
         for normal in normals:
             check_normal(normal)
         self._rho = rho
-        self._rays = tuple(
-            ray for normal in normals for ray in cone_edges(normal, friction)
+        first, second = points
+        self._cone = wrench_cone(
+            (first, second), (normals[0], normals[1]), friction, rho
         )
-        self._edges = tuple(
-            (ray[0], ray[1], cross(points[i // 2], ray) / rho)
-            for i, ray in enumerate(self._rays)
-        )
+        self._edges = tuple(edge[:3] for edge in self._cone[0])
         """Edge wrenches with the moment over rho, for a normal force of 1 N."""
-        self._squares = tuple(_dot(edge, edge) for edge in self._edges)
-        self._pairs, planes = self._spans()
+        self._squares = tuple(edge[3] for edge in self._cone[0])
+        pairs = zip(combinations(self._edges, 2), self._cone[1], strict=True)
+        planes = [_cross(a, b) for (a, b), (_, inverse) in pairs if inverse > 0.0]
         if friction == 0.0:
             planes += self._planes_across(planes)
         self.facets: tuple[Vector, ...] = tuple(
@@ -86,21 +82,6 @@ class WrenchCone:
         it is all wrenches.
         """
         self._push = (normals[0][0] + normals[1][0], normals[0][1] + normals[1][1])
-
-    def _spans(self) -> tuple[tuple[Span, ...], list[Vector]]:
-        """Return the pairs of edges that span a plane, and the planes' normals."""
-        pairs = []
-        planes: list[Vector] = []
-        for i, j in combinations(range(4), 2):
-            plane = _cross(self._edges[i], self._edges[j])
-            square = _dot(plane, plane)
-            if square < FLAT * FLAT * self._squares[i] * self._squares[j]:
-                continue
-            product = _dot(self._edges[i], self._edges[j])
-            size = math.sqrt(square)
-            pairs.append((i, j, product, 1.0 / (size * size)))
-            planes.append(plane)
-        return tuple(pairs), planes
 
     def _planes_across(self, planes: Sequence[Vector]) -> list[Vector]:
         """Return normals of planes that bound a flat cone, which that of contacts
@@ -138,42 +119,22 @@ class WrenchCone:
         )
 
     def nearest(self, fx: float, fy: float, tau: float) -> EdgeForces:
-        """Return the forces whose wrench is nearest to one that is not inside the cone.
+        """Return the forces whose wrench is nearest to one that is not inside the cone."""
+        k1, k2, k3, k4 = nearest_parts(fx, fy, tau / self._rho, self._cone)
+        a, b, c, d = self._cone[0]
+        first = (k1 * a[0] + k2 * b[0], k1 * a[1] + k2 * b[1])
+        second = (k3 * c[0] + k4 * d[0], k3 * c[1] + k4 * d[1])
+        return EdgeForces((first, second), (k1 + k2, k3 + k4))
 
-        That wrench lies on a facet, so it is the best of the four edges and their six
-        pairs: least squares with coefficients >= 0, by enumeration.
+    def moved_by(
+        self, projection: Projection
+    ) -> Callable[[float, float, float], Vector]:
+        """Return what moves a wrench into the cone, or leaves it, with its force or its
+        moment kept.
         """
-        z = tau / self._rho
-        along = [a * fx + b * fy + c * z for a, b, c in self._edges]
-        trials = [
-            (i, i, a / self._squares[i], 0.0) for i, a in enumerate(along) if a > 0.0
-        ]
-        for i, j, product, inverse in self._pairs:
-            k_i = (self._squares[j] * along[i] - product * along[j]) * inverse
-            k_j = (self._squares[i] * along[j] - product * along[i]) * inverse
-            if k_i > 0.0 and k_j > 0.0:
-                trials.append((i, j, k_i, k_j))
-        least = fx * fx + fy * fy + z * z
-        best = (0, 0, 0.0, 0.0)
-        for trial in trials:
-            i, j, k_i, k_j = trial
-            ax, ay, az = self._edges[i]
-            bx, by, bz = self._edges[j]
-            dx = fx - k_i * ax - k_j * bx
-            dy = fy - k_i * ay - k_j * by
-            dz = z - k_i * az - k_j * bz
-            distance = dx * dx + dy * dy + dz * dz
-            if distance < least:
-                least = distance
-                best = trial
-        k = [0.0, 0.0, 0.0, 0.0]
-        i, j, k_i, k_j = best
-        k[i] += k_i
-        k[j] += k_j
-        (ax, ay), (bx, by), (cx, cy), (dx, dy) = self._rays
-        first = (k[0] * ax + k[1] * bx, k[0] * ay + k[1] * by)
-        second = (k[2] * cx + k[3] * dx, k[2] * cy + k[3] * dy)
-        return EdgeForces((first, second), (k[0] + k[1], k[2] + k[3]))
+        if projection == "force_priority":
+            return self.with_force_kept
+        return self.with_torque_kept
 
     def with_force_kept(self, fx: float, fy: float, tau: float) -> Vector:
         """Return the wrench of the cone with this force and the nearest moment.

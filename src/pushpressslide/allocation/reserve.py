@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pushpressslide.allocation.one_contact import Allocator
+from pushpressslide.allocation.allocator import Allocator
 from pushpressslide.allocation.projections import Projection
 from pushpressslide.allocation.two_contacts import two_contact_allocator
 from pushpressslide.core import margins

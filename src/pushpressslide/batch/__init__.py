@@ -1,5 +1,5 @@
-"""The laws on arrays: any leading shape in, the same shape out. Every formula stands once,
-for NumPy and for numba.
+"""The laws on arrays: any leading shape in, the same shape out. They are the kernels of
+loops, planners and the planar engine, compiled over rows.
 """
 
 from pushpressslide.core.room import explorable

@@ -1,14 +1,13 @@
 """The planar engine on arrays: bodies on their supports and one or two compliant tips at
 flat sides of each, tick by tick.
 
-Source: docs/mechanics.md, sections 1 to 3; ``planar.world`` for one. Frame B of a body
-is at its centre of pressure, which stays where it is: tips push low. A tick is three
-formulas, of tips, bodies and tips again, and between them the search for balance.
+Source: docs/mechanics.md, sections 1 to 3. Frame B of a body is at its centre of
+pressure, which stays where it is: tips push low. A tick is one kernel,
+``kernels.tip_step``, whose parts ``planar.world`` calls for one body.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -21,23 +20,16 @@ from pushpressslide.batch.checks import (
     check_positive,
     check_units,
 )
-from pushpressslide.batch.elementwise import figures, table_or_columns, values
-from pushpressslide.batch.pushed_bodies import PoseColumns
 from pushpressslide.batch.pushing import SEPARATE
-from pushpressslide.batch.side_contact import SideTip
-from pushpressslide.batch.sliding import slide
+from pushpressslide.batch.rows import Figures, answers, figures
 from pushpressslide.batch.support import Support
-from pushpressslide.batch.tip_motion import (
-    Before,
-    Led,
-    Period,
-    TipColumns,
-    carried,
-    followed,
-    reached,
-)
-from pushpressslide.batch.wrench_twist import TwistColumns
 from pushpressslide.core.arrays import Array
+
+NO_FACE = (1.0, 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 1.0)
+"""A face that no tip reaches: its right end is to the left of the left one."""
+LED = ((0.0, 0.0), (0.0, 0.0), (0.0, 0.0))
+FACE = ((0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+BODY = ((0.0, 0.0), 0.0, 0.0, 0.0)
 
 
 class Faces(NamedTuple):
@@ -82,23 +74,19 @@ class PlanarWorld:
         _check_faces(Faces(*vectors))
         _check_tips(Tips(*numbers))
         check_positive(np.array(dt), "dt", "s")
-        rho = support.rho[..., None]
-        force = support.max_force[..., None]
         shapes = [array.shape[:-1] for array in vectors]
-        shapes += [array.shape for array in (*numbers, rho, force)]
+        shapes += [array.shape for array in numbers]
         *shape, count = np.broadcast_shapes(*shapes)
         if count not in (1, 2):
             raise ValueError(f"tips {count}; must be 1 or 2")
-        self.shape = tuple(shape)
+        own = (support.rho.shape, support.max_force.shape)
+        self.shape = np.broadcast_shapes(tuple(shape), *own)
         """The leading shape of the bodies."""
         self.count = count
         """How many tips a body has."""
         self._support = support
-        self._period = Period(np.float64(dt))
-        columns = [array[..., i] for array in vectors for i in (0, 1)]
-        columns += [*numbers, rho]
-        whole = (*self.shape, count)
-        self._tips = np.stack([np.broadcast_to(c, whole) for c in columns], axis=-1)
+        faces_of_kernel = _faces(vectors, numbers, (*shape, count))
+        self._figures = _figures(support, faces_of_kernel, dt)
 
     def begin(self, poses: ArrayLike, tips: ArrayLike) -> WorldStates:
         """Return bodies at rest at ``poses`` (..., 3) X_WB with their tips at ``tips``
@@ -128,47 +116,53 @@ class PlanarWorld:
         u, f = figures(velocities, forces)
         check_last(u, (2,), "velocities")
         lead = np.broadcast_shapes(states.tips.shape[:-1], u.shape[:-1], f.shape[:-1])
-        shape = lead[:-1]
-        pairs = [np.broadcast_to(array, (*lead, 2)) for array in (states.tips, u, f)]
-        tips = (
-            table_or_columns(PoseColumns, states.poses[..., None, :], lead),
-            table_or_columns(Led, np.concatenate(pairs, axis=-1), lead),
-            table_or_columns(TipColumns, self._tips, lead),
-            self._period,
-        )
-        sides, before = values(reached, tips, lead, (10, 4))
-        twists = self._twists(sides, states.twists, shape)
-        bodies = (
-            table_or_columns(PoseColumns, states.poses, shape),
-            table_or_columns(TwistColumns, twists, shape),
-            self._period,
-        )
-        (poses,) = values(carried, bodies, shape, (3,))
-        moves = (
-            table_or_columns(PoseColumns, poses[..., None, :], lead),
-            table_or_columns(TwistColumns, twists[..., None, :], lead),
-            table_or_columns(SideTip, sides, lead),
-            table_or_columns(Before, before, lead),
-        )
-        places, felt, kinds = values(followed, (*tips, *moves), lead, (2, 2, 0))
-        return WorldStates(poses, places, twists, felt, kinds.astype(np.int8))
-
-    def _twists(self, sides: Array, guesses: Array, shape: tuple[int, ...]) -> Array:
-        """Return the twists (..., 3) at which bodies and tips balance."""
+        shape = np.broadcast_shapes(lead[:-1], self.shape)
+        led = np.zeros((*shape, 2, 6))
+        led[..., : self.count, :2] = states.tips
+        led[..., : self.count, 2:4] = u
+        led[..., : self.count, 4:] = f
+        row = np.empty((*shape, 18))
+        row[..., :3] = states.poses
+        row[..., 3:6] = states.twists
+        row[..., 6:] = led.reshape(*shape, 12)
+        rows = Figures(row, ((0.0,) * 3, (0.0,) * 3, (LED, LED)))
         support = self._support
-        rho, force = (
-            np.broadcast_to(array, shape).reshape(-1)
-            for array in (support.rho, support.max_force)
+        out = answers(support.step, rows, self._figures, support.arrays, columns=16)
+        tips = out[..., 6:].reshape(*shape, 2, 5)[..., : self.count, :]
+        kinds = tips[..., 4].astype(np.int8)
+        return WorldStates(
+            out[..., :3], tips[..., :2], out[..., 3:6], tips[..., 2:4], kinds
         )
-        scale = np.stack([np.ones_like(rho), np.ones_like(rho), rho], axis=1)
-        flat = replace(support, rho=rho, max_force=force)
-        tips = [
-            np.ascontiguousarray(sides[..., i, :]).reshape(-1, 10)
-            for i in range(self.count)
-        ]
-        start = np.broadcast_to(guesses, (*shape, 3)).reshape(-1, 3) * scale
-        out: Array = (slide(flat, tips, start) / scale).reshape(*shape, 3)
-        return out
+
+
+def _faces(
+    vectors: tuple[Array, ...], numbers: tuple[Array, ...], shape: tuple[int, ...]
+) -> Array:
+    """Return ``kernels.tip_step.Face`` of each tip (..., k, 8)."""
+    foot, normal, ends = vectors
+    nx, ny = np.moveaxis(normal, -1, 0)
+    fx, fy = np.moveaxis(foot, -1, 0)
+    aside = nx * fy - ny * fx
+    columns = (nx, ny, nx * fx + ny * fy, aside + ends[..., 0], aside + ends[..., 1])
+    whole = [np.broadcast_to(column, shape) for column in (*columns, *numbers)]
+    return np.stack(whole, axis=-1)
+
+
+def _figures(support: Support, faces: Array, dt: float) -> Figures:
+    """Return the figures of bodies with the faces of their tips (..., k, 8)."""
+    shape = np.broadcast_shapes(
+        faces.shape[:-2], support.rho.shape, support.max_force.shape
+    )
+    both = np.empty((*shape, 2, 8))
+    both[...] = NO_FACE
+    both[..., : faces.shape[-2], :] = faces
+    table = np.empty((*shape, 21))
+    table[..., :16] = both.reshape(*shape, 16)
+    table[..., 16:18] = 0.0
+    table[..., 18] = support.max_force
+    table[..., 19] = support.rho
+    table[..., 20] = dt
+    return Figures(table, (((FACE, FACE), BODY),))
 
 
 def _check_faces(faces: Faces) -> None:

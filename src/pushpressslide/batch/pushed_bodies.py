@@ -8,34 +8,29 @@ is constant in the body's own frame.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pushpressslide.batch.angles import cos, sin
 from pushpressslide.batch.checks import (
     check_frictions,
     check_last,
     check_positive,
     check_units,
 )
-from pushpressslide.batch.elementwise import (
-    column,
-    columns_of,
+from pushpressslide.batch.rows import (
+    Figures,
+    answers,
     figures,
-    leading_shape,
-    table_or_columns,
-    values,
+    figures_of,
+    halves,
 )
-from pushpressslide.batch.pushing import Contact, Vector, pushed
-from pushpressslide.batch.wrench_twist import TwistColumns
 from pushpressslide.core.arrays import Array
-from pushpressslide.core.formulas import Column, Columns, where
+from pushpressslide.kernels.pushing import pushed_on
 
-SIXTH = 1.0 / 6.0  # a product takes less than a quotient
-SMALL = 1e-4  # [rad] turns below which the chord is taken from its series
+ROW = ((0.0, 0.0, 0.0), (0.0, 0.0), 0.0, 0.0, 0.0)
+"""Pose and velocity, place, gap and time."""
 
 
 class Pushes(NamedTuple):
@@ -45,35 +40,6 @@ class Pushes(NamedTuple):
     places: Array  # (...) [m] of the pusher along the face, to the left of its foot
     # (...) [m] between pusher and face; infinite once it has passed an edge
     gaps: Array
-
-
-class FaceColumns(NamedTuple):
-    """One face and its contact, as columns; in B."""
-
-    fx: Column  # [m] foot: the point of the face at place 0
-    fy: Column
-    nx: Column  # unit inward normal
-    ny: Column
-    right: Column  # [m] the face's ends, along the face from its foot
-    left: Column
-    friction: Column
-    rho: Column  # [m]
-
-
-class PoseColumns(NamedTuple):
-    """A pose."""
-
-    x: Column
-    y: Column
-    yaw: Column
-
-
-class PusherColumns(NamedTuple):
-    """Where a pusher is, and for how long it moves."""
-
-    place: Column  # [m]
-    gap: Column  # [m]
-    dt: Column  # [s]
 
 
 class PushedBodies:
@@ -101,10 +67,8 @@ class PushedBodies:
         check_units(n)
         check_frictions(mu)
         check_positive(length, "rho", "m")
-        self._face = FaceColumns(
-            p[..., 0], p[..., 1], n[..., 0], n[..., 1], e[..., 0], e[..., 1], mu, length
-        )
-        self.shape = leading_shape(self._face)
+        self._face = figures_of((halves(p), halves(n), halves(e), mu, length))
+        self.shape = self._face.shape
         """The leading shape of the bodies."""
 
     def begin(
@@ -126,70 +90,14 @@ class PushedBodies:
         """Return bodies and pushers after ``dt`` [s] in which the pushers move at
         ``velocities`` (..., 2) [m/s], in the world.
         """
-        rows, period = figures(velocities, dt)
+        (rows,) = figures(velocities)
         check_last(rows, (2,), "velocities")
         shape = np.broadcast_shapes(rows.shape[:-1], pushes.places.shape)
-        pusher = PusherColumns(
-            column(pushes.places, shape), column(pushes.gaps, shape), period
-        )
-        arguments = (
-            table_or_columns(PoseColumns, pushes.poses, shape),
-            table_or_columns(Vector, rows, shape),
-            pusher,
-            columns_of(self._face, shape),
-        )
-        poses, places, gaps = values(advanced, arguments, shape, (3, 0, 0))
-        return Pushes(poses, places, gaps)
-
-
-def advanced(
-    pose: PoseColumns, v: Vector, pusher: PusherColumns, f: FaceColumns
-) -> Columns:
-    """Return pose, place and gap after the pusher's time."""
-    c = cos(pose.yaw)
-    s = sin(pose.yaw)
-    vx = c * v.x + s * v.y
-    vy = c * v.y - s * v.x
-    into = vx * f.nx + vy * f.ny
-    along = vy * f.nx - vx * f.ny
-    until = where(into > 0.0, pusher.gap / where(into > 0.0, into, 1.0), math.inf)
-    until = where(pusher.gap > 0.0, until, 0.0)
-    free = where(until < pusher.dt, until, pusher.dt)
-    time = pusher.dt - free
-    place = pusher.place + along * free
-    on = (time > 0.0) & (place >= f.right) & (place <= f.left)
-    contact = Contact(
-        f.fx - f.ny * place, f.fy + f.nx * place, f.nx, f.ny, f.friction, f.rho, 1.0
-    )
-    _, _, _, ux, uy, w, slip = pushed(Vector(vx, vy), contact)
-    time = where(on, time, 0.0)
-    after = moved(pose, TwistColumns(ux, uy, w), time)
-    rest = where(on, slip * time, along * (pusher.dt - free))
-    gap = pusher.gap - into * pusher.dt
-    passed = (time <= 0.0) & (until < pusher.dt)  # beside the face, at its level
-    gap = where(passed, math.inf, gap)
-    gap = where(on & (into > 0.0), 0.0, gap)
-    return after.x, after.y, after.yaw, place + rest, gap
-
-
-def moved(pose: PoseColumns, twist: TwistColumns, time: Column) -> PoseColumns:
-    """Return the pose after a time [s] of a constant twist of the body's origin, in the
-    body's own frame.
-    """
-    turn = twist.w * time
-    half = 0.5 * turn
-    small = np.abs(half) < SMALL
-    # along the chord, which is turned by half of the turn
-    sine = sin(half)
-    cosine = cos(half)
-    series = 1.0 - SIXTH * half * half
-    chord = where(small, series, sine / where(small, 1.0, half)) * time
-    c = cos(pose.yaw)
-    s = sin(pose.yaw)
-    ahead = chord * (c * cosine - s * sine)
-    aside = chord * (s * cosine + c * sine)
-    return PoseColumns(
-        pose.x + ahead * twist.vx - aside * twist.vy,
-        pose.y + aside * twist.vx + ahead * twist.vy,
-        pose.yaw + turn,
-    )
+        row = np.empty((*shape, 8))
+        row[..., :3] = pushes.poses
+        row[..., 3:5] = rows
+        row[..., 5] = pushes.places
+        row[..., 6] = pushes.gaps
+        row[..., 7] = dt
+        out = answers(pushed_on, Figures(row, ROW), self._face, columns=5)
+        return Pushes(out[..., :3], out[..., 3], out[..., 4])

@@ -18,40 +18,24 @@ from pushpressslide.batch.checks import (
     check_positive,
     check_units,
 )
-from pushpressslide.batch.elementwise import (
-    columns_of,
+from pushpressslide.batch.rows import (
+    NO_FIGURES,
+    Figures,
+    answers,
     figures,
-    leading_shape,
-    table,
-    values,
+    figures_of,
+    grouped,
+    halves,
 )
 from pushpressslide.core.arrays import Array
-from pushpressslide.core.formulas import Column, Columns, where
+from pushpressslide.kernels import compliant_tip
+from pushpressslide.kernels.pushing import motion_cone, pushed_with_force
 
 # how a pusher moves an object: the kinds of ``mechanics.friction.PushKind``, as numbers
-STICK = 0
-SLIP_LEFT = 1
-SLIP_RIGHT = 2
-SEPARATE = 3
-
-
-class Vector(NamedTuple):
-    """A vector in B."""
-
-    x: Column
-    y: Column
-
-
-class Contact(NamedTuple):
-    """One side contact on an ellipsoid, as columns; in B."""
-
-    rx: Column  # [m] from the centre of pressure to the contact
-    ry: Column
-    nx: Column  # unit inward normal
-    ny: Column
-    friction: Column
-    rho: Column  # [m]
-    max_force: Column  # [N] mu_s N
+STICK = compliant_tip.STICK
+SLIP_LEFT = compliant_tip.SLIP_LEFT
+SLIP_RIGHT = compliant_tip.SLIP_RIGHT
+SEPARATE = compliant_tip.FREE
 
 
 class PushOutcomes(NamedTuple):
@@ -88,19 +72,18 @@ class SideContact:
         check_frictions(mu)
         check_positive(length, "rho", "m")
         check_positive(force, "max_force", "N")
-        self._contact = Contact(
-            r[..., 0], r[..., 1], n[..., 0], n[..., 1], mu, length, force
-        )
-        self.shape = leading_shape(self._contact)
+        self._contact = figures_of((halves(r), halves(n), mu, length), force)
+        self.shape = self._contact.shape
         """The leading shape of the contact."""
 
     def motion_cones(self) -> tuple[Array, Array]:
         """Return the right and left edges (..., 2) of the velocities at which the
         contact sticks, as ``mechanics.friction.motion_cone``.
         """
-        contact = columns_of(self._contact, self.shape)
-        right, left = values(motion_cone, (contact,), self.shape, (2, 2))
-        return right, left
+        table, like = self._contact
+        contact = Figures(table[..., :-1], like[:1])
+        out = answers(motion_cone, NO_FIGURES, contact, columns=4)
+        return out[..., :2], out[..., 2:]
 
     def push(self, velocities: ArrayLike) -> PushOutcomes:
         """Return what pushers with ``velocities`` (..., 2) [m/s] do, as
@@ -108,57 +91,9 @@ class SideContact:
         """
         (rows,) = figures(velocities)
         check_last(rows, (2,), "velocities")
-        shape = np.broadcast_shapes(rows.shape[:-1], self.shape)
-        arguments = (table(Vector, rows, shape), columns_of(self._contact, shape))
-        kind, force, twist, slip = values(pushed, arguments, shape, (0, 2, 3, 0))
-        return PushOutcomes(kind.astype(np.int8), force, twist, slip)
-
-
-def velocity_of_force(c: Contact, fx: Column, fy: Column) -> Vector:
-    """Return G f: the contact's velocity per unit of the CoP's velocity per force."""
-    k = (c.rx * fy - c.ry * fx) * (1.0 / (c.rho * c.rho))
-    return Vector(fx - k * c.ry, fy + k * c.rx)
-
-
-def motion_cone(c: Contact) -> Columns:
-    """Return the right and the left edge G f_-, G f_+ of the motion cone."""
-    right = velocity_of_force(c, c.nx + c.friction * c.ny, c.ny - c.friction * c.nx)
-    left = velocity_of_force(c, c.nx - c.friction * c.ny, c.ny + c.friction * c.nx)
-    return right.x, right.y, left.x, left.y
-
-
-def pushed(v: Vector, c: Contact) -> Columns:
-    """Return kind, force, twist and slip of a pusher with velocity ``v``."""
-    approach = v.x * c.nx + v.y * c.ny
-    across = c.nx * v.y - c.ny * v.x
-    meets = (approach > 0.0) & np.isfinite(v.x) & np.isfinite(v.y)
-    square = c.rho * c.rho + c.rx * c.rx + c.ry * c.ry
-    k = (c.rx * v.y - c.ry * v.x) / square
-    fx = v.x + k * c.ry
-    fy = v.y - k * c.rx
-    slips = c.friction * (fx * c.nx + fy * c.ny) < np.abs(c.nx * fy - c.ny * fx)
-    right_x, right_y, left_x, left_y = motion_cone(c)
-    # an edge that leads away from the pusher cannot be passed by a velocity towards
-    # the object
-    leads_in = left_x * c.nx + left_y * c.ny > 0.0
-    to_left = leads_in & (left_x * v.y - left_y * v.x > 0.0)
-    edge_x = where(to_left, left_x, right_x)
-    edge_y = where(to_left, left_y, right_y)
-    side = where(to_left, c.friction, -c.friction)
-    m = approach / (edge_x * c.nx + edge_y * c.ny)
-    fx = where(slips, m * (c.nx - side * c.ny), fx)
-    fy = where(slips, m * (c.ny + side * c.nx), fy)
-    edge_across = c.nx * edge_y - c.ny * edge_x
-    slip = where(slips, across - m * edge_across, 0.0)
-    slip = where(meets, slip, across)
-    vx = where(meets, fx, 0.0)
-    vy = where(meets, fy, 0.0)
-    w = (c.rx * vy - c.ry * vx) * (1.0 / (c.rho * c.rho))
-    norm = np.sqrt(vx * vx + vy * vy + (c.rho * w) * (c.rho * w))
-    scale = where(norm > 0.0, c.max_force / norm, 0.0)
-    moved = where(slips, where(to_left, SLIP_LEFT, SLIP_RIGHT), STICK)
-    kind = where(meets, moved, SEPARATE)
-    return kind, scale * vx, scale * vy, vx, vy, w, slip
+        out = answers(pushed_with_force, grouped(rows), self._contact, columns=7)
+        kind = out[..., 0].astype(np.int8)
+        return PushOutcomes(kind, out[..., 1:3], out[..., 3:6], out[..., 6])
 
 
 def virtual_axles(

@@ -1,217 +1,42 @@
-"""Friction between bodies and their supports as a smooth function of the twist, on
-arrays: the exact limit surface of a pressure, or the ellipsoid.
+"""Supports of many bodies: the exact limit surface of a pressure, or ellipsoids.
 
-Source: docs/mechanics.md, section 1; ``planar.support`` for one. Twists are
-(v_x, v_y, rho w) and wrenches (f_x, f_y, tau / rho) of the centre of pressure, so that
-all three are speeds, and forces.
+Source: docs/mechanics.md, section 1; ``planar.support`` for one.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from pushpressslide.batch import loops
 from pushpressslide.batch.checks import check_positive
-from pushpressslide.batch.edge_loops import compiled_rows
-from pushpressslide.batch.elementwise import Table, figures, values
-from pushpressslide.batch.wrench_twist import TwistColumns
+from pushpressslide.batch.rows import AnyArray, Kernel, figures
 from pushpressslide.core.arrays import Array
-from pushpressslide.core.formulas import Column, Columns
-from pushpressslide.mechanics.balance import CREEP
-from pushpressslide.mechanics.edge_friction import FASTEST, at_rest, far, near
+from pushpressslide.kernels.planar_steps import (
+    slide_on_ellipsoid,
+    slide_on_polygon,
+    slide_on_samples,
+    step_on_ellipsoid,
+    step_on_polygon,
+    step_on_samples,
+)
 from pushpressslide.mechanics.face_pressure import FacePressure
 from pushpressslide.mechanics.pressure import PressureSamples
 
-BLOCK = 32_768  # speeds of samples that are worked out at a time, to stay in the cache
-ROWS = 1_024  # twists that edges are worked out for at a time
-
 
 @dataclass(frozen=True, eq=False)
-class EllipsoidSupport:
-    """Bodies on ellipsoids."""
+class Support:
+    """What bodies slide on, of one kind."""
 
-    rho: Array  # (...) [m]
-    max_force: Array  # (...) [N] mu_s N
-
-    def frictions(self, twists: Array) -> Array:
-        """Return ``balance.Friction`` (9, n) of ``twists`` (n, 3) [m/s]."""
-        return _columns(friction_of_ellipsoid, Table(TwistColumns, twists))
-
-
-@dataclass(frozen=True, eq=False)
-class PolygonSupport:
-    """Bodies on the exact surface of one pressure on a polygon."""
-
-    # of the pressure, over rho, as ``mechanics.edge_friction`` has them
-    edges: Array  # (8, m)
-    plane: Array  # (5,)
-    series: NDArray[np.complex128]  # (10,)
+    step: Kernel  # a tick of a body with its tips
+    slide: Kernel  # the twist at which a body is balanced
+    arrays: tuple[AnyArray, ...]  # of the pressure, the same for all
     rho: Array  # (...) [m] root mean square distance of the load
     max_force: Array  # (...) [N] mu_s N
 
-    def frictions(self, twists: Array) -> Array:
-        """Return ``balance.Friction`` (9, n) of ``twists`` (n, 3) [m/s]."""
-        out = np.empty((9, len(twists)))
-        if loops.compiler() is None:
-            for start in range(0, len(twists), ROWS):
-                block = slice(start, start + ROWS)
-                self._fill(twists[block], out[:, block])
-        else:
-            rows = np.ascontiguousarray(twists)
-            compiled_rows()(self.edges, self.plane, self.series, rows, out)
-        return out
 
-    def _fill(self, twists: Array, out: Array) -> None:
-        """Write what ``friction_of_row`` gives of each row."""
-        plane = self.plane
-        vx, vy, w = twists.T
-        with np.errstate(all="ignore"):
-            square = vx * vx + vy * vy
-            turn = w * w
-            known = square + turn <= FASTEST
-        turning = known & (turn > plane[3] * plane[3] * square)
-        straight = known & ~turning & (square > 0.0)
-        still = known & ~turning & ~straight
-        out[:] = math.nan
-        with np.errstate(all="ignore"):
-            if turning.any():
-                x, y, w = twists[turning].T
-                out[:, turning] = near(self.edges, plane, x, y, w, True)
-            if straight.any():
-                out[:, straight] = far(self.series, *twists[straight].T)
-        out[:, still] = np.array(at_rest(plane))[:, None]
-
-
-@dataclass(frozen=True, eq=False)
-class SampledSupport:
-    """Samples of the load, the same under all bodies, and each body's size and limit."""
-
-    places: Array  # (m, 2) over rho, from the centre of pressure
-    radii: Array  # (m,) over rho, of the cells
-    shares: Array  # (m,) of the load
-    rho: Array  # (...) [m] root mean square distance of the load
-    max_force: Array  # (...) [N] mu_s N
-
-    def frictions(self, twists: Array) -> Array:
-        """Return ``balance.Friction`` (9, n) of ``twists`` (n, 3) [m/s]."""
-        sums = Table(Sums, self._sums(twists))
-        return _columns(friction_of_sums, Table(TwistColumns, twists), sums)
-
-    def _sums(self, twists: Array) -> Array:
-        """Return 14 sums (n, 14) over the samples, of which friction and its slope are
-        made, for ``twists`` (n, 3) [m/s].
-
-        With b = (1, x, y, r^2) and the speed |v|: of b_i / |v|, and of b_i b_j / |v|^3
-        for i <= j.
-        """
-        soft = CREEP * CREEP
-        basis, pairs = self._basis
-        out = np.empty((len(twists), 14))
-        rows = max(1, BLOCK // len(basis))
-        for start in range(0, len(twists), rows):
-            block = slice(start, start + rows)
-            vx, vy, w = twists[block].T
-            still = vx * vx + vy * vy + soft
-            terms = np.stack([still, 2.0 * w * vy, -2.0 * w * vx, w * w])
-            squared = np.maximum(basis @ terms, soft)
-            per_speed = self.shares[:, None] / np.sqrt(squared)
-            out[block, :4] = (basis.T @ per_speed).T
-            out[block, 4:] = (pairs @ (per_speed / squared)).T
-        return out
-
-    @cached_property
-    def _basis(self) -> tuple[Array, Array]:
-        """Return b_i (m, 4), and b_i b_j (10, m) for i <= j."""
-        x, y = self.places.T
-        square = x * x + y * y + self.radii**2
-        basis = np.stack([np.ones_like(x), x, y, square], axis=1)
-        i, j = np.triu_indices(4)
-        return basis, np.ascontiguousarray((basis[:, i] * basis[:, j]).T)
-
-
-Support = EllipsoidSupport | PolygonSupport | SampledSupport
-
-
-class Sums(NamedTuple):
-    """What ``SampledSupport`` sums up: k_i of b_i / |v|, s_ij of b_i b_j / |v|^3."""
-
-    k0: Column
-    kx: Column
-    ky: Column
-    ks: Column
-    s00: Column
-    s0x: Column
-    s0y: Column
-    s0s: Column
-    sxx: Column
-    sxy: Column
-    sxs: Column
-    syy: Column
-    sys: Column
-    sss: Column
-
-
-def _columns(formula: Callable[..., Columns], *tables: Table) -> Array:
-    """Return the nine columns (9, n) of a formula."""
-    (out,) = values(formula, tables, (len(tables[0].rows),), (9,))
-    return out.T
-
-
-def friction_of_ellipsoid(twist: TwistColumns) -> Columns:
-    """Return ``balance.Friction``."""
-    x, y, w = twist
-    inverse = 1.0 / np.sqrt(x * x + y * y + w * w + CREEP * CREEP)
-    fx = x * inverse
-    fy = y * inverse
-    tau = w * inverse
-    return (
-        fx,
-        fy,
-        tau,
-        inverse * (1.0 - fx * fx),
-        -inverse * fx * fy,
-        -inverse * fx * tau,
-        inverse * (1.0 - fy * fy),
-        -inverse * fy * tau,
-        inverse * (1.0 - tau * tau),
-    )
-
-
-def friction_of_sums(twist: TwistColumns, s: Sums) -> Columns:
-    """Return ``balance.Friction``; its slope is that of the forces at given speeds, less
-    what the speeds change.
-    """
-    x, y, w = twist
-    xx = x * x * s.s00 - 2.0 * x * w * s.s0y + w * w * s.syy
-    xy = x * y * s.s00 + x * w * s.s0x - w * y * s.s0y - w * w * s.sxy
-    yy = y * y * s.s00 + 2.0 * y * w * s.s0x + w * w * s.sxx
-    xw = x * y * s.s0x - x * x * s.s0y + x * w * s.s0s
-    xw = xw - w * y * s.sxy + w * x * s.syy - w * w * s.sys
-    yw = y * y * s.s0x - x * y * s.s0y + y * w * s.s0s
-    yw = yw + w * y * s.sxx - w * x * s.sxy + w * w * s.sxs
-    ww = y * y * s.sxx + x * x * s.syy + w * w * s.sss
-    ww = ww + 2.0 * (y * w * s.sxs - x * y * s.sxy - x * w * s.sys)
-    return (
-        s.k0 * x - s.ky * w,
-        s.k0 * y + s.kx * w,
-        s.kx * y - s.ky * x + s.ks * w,
-        s.k0 - xx,
-        -xy,
-        -s.ky - xw,
-        s.k0 - yy,
-        s.kx - yw,
-        s.ks - ww,
-    )
-
-
-def ellipsoid_support(max_force: ArrayLike, rho: ArrayLike) -> EllipsoidSupport:
+def ellipsoid_support(max_force: ArrayLike, rho: ArrayLike) -> Support:
     """Return bodies on the ellipsoid: ``max_force`` (...) [N] mu_s N, ``rho`` (...) [m].
 
     Raises ValueError unless both are finite and > 0.
@@ -219,23 +44,21 @@ def ellipsoid_support(max_force: ArrayLike, rho: ArrayLike) -> EllipsoidSupport:
     force, length = figures(max_force, rho)
     check_positive(force, "max_force", "N")
     check_positive(length, "rho", "m")
-    return EllipsoidSupport(length, force)
+    return Support(step_on_ellipsoid, slide_on_ellipsoid, (), length, force)
 
 
-def polygon_support(face: FacePressure, max_force: ArrayLike) -> PolygonSupport:
+def polygon_support(face: FacePressure, max_force: ArrayLike) -> Support:
     """Return bodies on the exact surface of one pressure: ``max_force`` (...) [N] mu_s N.
 
     Raises ValueError unless it is finite and > 0.
     """
     (force,) = figures(max_force)
     check_positive(force, "max_force", "N")
-    unit = face.scaled(face.rho)
-    plane = np.array(unit.plane())
-    series = np.array(unit.series())
-    return PolygonSupport(unit.edges(), plane, series, np.array(face.rho), force)
+    arrays = (np.array(face.plane()), face.edges(), np.array(face.series()))
+    return Support(step_on_polygon, slide_on_polygon, arrays, np.array(face.rho), force)
 
 
-def exact_support(samples: PressureSamples, friction: ArrayLike) -> SampledSupport:
+def exact_support(samples: PressureSamples, friction: ArrayLike) -> Support:
     """Return bodies on the exact surface of one pressure, for ``friction`` (...) of the
     pair object/support.
 
@@ -245,10 +68,10 @@ def exact_support(samples: PressureSamples, friction: ArrayLike) -> SampledSuppo
     (mu,) = figures(friction)
     check_positive(mu, "friction", "")
     check_positive(samples.radii[samples.loads > 0.0], "radius of a sample", "m")
-    arms = samples.points - np.array(samples.cop)
+    x, y = (samples.points - np.array(samples.cop)).T
     shares = samples.loads / samples.total_load
-    square = (arms**2).sum(axis=1) + samples.radii**2
-    rho = np.sqrt(shares @ square)
-    return SampledSupport(
-        arms / rho, samples.radii / rho, shares, rho, mu * samples.total_load
-    )
+    own = samples.radii**2
+    rho = np.sqrt(shares @ (x * x + y * y + own))
+    table = np.stack([x, y, own, shares])
+    force = mu * samples.total_load
+    return Support(step_on_samples, slide_on_samples, (table,), rho, force)

@@ -9,44 +9,33 @@ REFERENCE MINUS ACTUAL.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import math
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pushpressslide.batch.angles import arctan2, cos, sin
 from pushpressslide.batch.checks import check_last, check_positive
-from pushpressslide.batch.elementwise import (
+from pushpressslide.batch.rows import (
+    answers,
+    beside,
     columns_of,
     figures,
-    leading_shape,
-    table,
-    values,
+    figures_of,
+    grouped,
+    halves,
+    prepared,
+    spread,
 )
-from pushpressslide.batch.wrench_twist import TwistColumns
 from pushpressslide.core.arrays import Array
-from pushpressslide.core.formulas import Column, Columns, Formula, where
+from pushpressslide.kernels.tracking import (
+    look_ahead_curvature,
+    pulled_twist,
+    stanley_law,
+    stanley_steering,
+    steered_push,
+)
 
 Flags = NDArray[np.bool_]
-
-
-class PathErrors(NamedTuple):
-    """Where a vehicle is beside its path."""
-
-    left: Column  # [m] of the path from the vehicle
-    heading: Column  # [rad] of the path from the vehicle's
-    curvature: Column  # [1/m] of the path there
-
-
-class Stanley(NamedTuple):
-    """The rear Stanley law of one car."""
-
-    wheelbase: Column  # [m] effective: rho^2 / d
-    low: Column  # [rad] bounds of the steering angle
-    high: Column
-    gain: Column  # of the lateral error; 1: the largest without overshoot
-    feed_forward: Column  # share of the path's curvature that is steered ahead
-    grip: Column  # share of the bounds
 
 
 def rear_stanley(
@@ -70,31 +59,14 @@ def rear_stanley(
     bounds, ahead, length = figures(steering_bounds, float(feed_forward), wheelbase)
     check_last(bounds, (2,), "steering_bounds")
     check_positive(length, "wheelbase", "m")
-    errors = PathErrors(*figures(left, heading, curvature))
-    rate, share = figures(gain, grip)
-    law = Stanley(length, bounds[..., 0], bounds[..., 1], rate, ahead, share)
-    delta, clipped = _stepped(steered, errors, law)
-    return delta, clipped > 0.0
-
-
-def steered(error: PathErrors, law: Stanley) -> Columns:
-    """Return the steering angle, and 1 where it was clipped."""
-    slope = law.gain / (4.0 * law.wheelbase)
-    ahead = arctan2(law.feed_forward * law.wheelbase * error.curvature, 1.0)
-    delta = -error.heading - arctan2(slope * error.left, 1.0) - ahead
-    low = law.grip * law.low
-    high = law.grip * law.high
-    kept = (low <= delta) & (delta <= high)
-    beyond = where(delta < 0.0, low, high)
-    return where(kept | np.isnan(delta), delta, beyond), where(kept, 0, 1)
-
-
-class LookAhead(NamedTuple):
-    """Look-ahead alignment of one vehicle."""
-
-    look_ahead: Column  # [m]
-    limit: Column  # [1/m] largest curvature asked for
-    grip: Column  # share of the limit
+    side, turned, bend, rate, share = figures(left, heading, curvature, gain, grip)
+    law = prepared(stanley_law, length, *halves(bounds), rate, ahead)
+    row = columns_of(side, turned, bend)
+    law = beside(figures_of(share), law)
+    out = answers(stanley_steering, row, law, columns=2)
+    delta = out[..., 0]
+    none = np.isnan(side) | np.isnan(turned) | np.isnan(bend)
+    return np.where(none, math.nan, delta), out[..., 1] > 0.0
 
 
 def lookahead_curvature(
@@ -114,36 +86,12 @@ def lookahead_curvature(
     """
     length, most, share = figures(look_ahead, limit, grip)
     check_positive(length, "look_ahead", "m")
-    errors = PathErrors(*figures(left, heading, curvature))
-    turn, clipped = _stepped(aligned, errors, LookAhead(length, most, share))
-    return turn, clipped > 0.0
-
-
-def aligned(error: PathErrors, law: LookAhead) -> Columns:
-    """Return the curvature to drive, and 1 where it was clipped."""
-    ell = law.look_ahead
-    lateral = error.left * cos(error.heading) + ell * sin(error.heading)
-    turn = error.curvature + 4.0 * lateral / (ell * ell)
-    limit = law.grip * law.limit
-    clipped = where(turn > limit, limit, where(turn < -limit, -limit, turn))
-    return clipped, where(np.abs(turn) > limit, 1, 0)
-
-
-class Car(NamedTuple):
-    """A rear-steer car and how it is driven; in B."""
-
-    ex: Column  # heading axis, from the contact to the centre of pressure
-    ey: Column
-    lever: Column  # [m] from the contact to the centre of pressure
-    rho: Column  # [m]
-    max_force: Column  # [N] mu_s N
-    speed: Column  # [m/s] of the axle
-
-
-class Steering(NamedTuple):
-    """A steering angle [rad]."""
-
-    delta: Column
+    side, turned, bend = figures(left, heading, curvature)
+    turned = _angles(turned)
+    row = columns_of(side, turned, bend)
+    law = figures_of(length, share * most)
+    out = answers(look_ahead_curvature, row, law, columns=2)
+    return out[..., 0], out[..., 1] > 0.0
 
 
 def rear_push(
@@ -167,50 +115,14 @@ def rear_push(
     check_positive(d, "lever", "m")
     check_positive(length, "rho", "m")
     check_positive(force, "max_force", "N")
-    car = Car(e[..., 0], e[..., 1], d, length, force, v)
     (delta,) = figures(steering)
-    shape = np.broadcast_shapes(delta.shape, leading_shape(car))
-    arguments = (
-        table(Steering, delta[..., None], shape),
-        columns_of(car, shape),
-    )
-    wrench, twist = values(car_push, arguments, shape, (3, 3))
-    return wrench, twist
-
-
-def car_push(steering: Steering, car: Car) -> Columns:
-    """Return wrench and twist of a steering angle."""
-    k = sin(steering.delta) / cos(steering.delta)
-    ratio = car.lever / car.rho
-    # |f| = mu_s N / sqrt(1 + (D sin(delta) / rho)^2); along e, and to its left
-    along = car.max_force / np.sqrt(1.0 + (1.0 + ratio * ratio) * k * k)
-    side = along * k
-    w = -car.lever / (car.rho * car.rho) * car.speed * k
-    return (
-        along * car.ex - side * car.ey,
-        along * car.ey + side * car.ex,
-        -car.lever * side,
-        car.speed * car.ex,
-        car.speed * car.ey,
-        w,
-    )
-
-
-class PoseErrors(NamedTuple):
-    """Where a body is beside the pose that it should have, in its own frame V."""
-
-    x: Column  # [m]
-    y: Column
-    yaw: Column  # [rad] wrapped
-
-
-class Pull(NamedTuple):
-    """The holonomic law of one body."""
-
-    speed: Column  # [m/s] in the path's metric
-    decay: Column  # [m] over which an error falls to 1/e
-    radius: Column  # [m] of the path's metric
-    most: Column  # [m] of error that is pulled at in proportion
+    delta = _angles(delta)
+    ex, ey = halves(e)
+    ratio = d / length
+    car = (ex, ey, force, 1.0 + ratio * ratio, -d, -d / (length * length))
+    row = columns_of(delta)
+    out = answers(steered_push, row, figures_of(v, car), columns=6)
+    return out[..., :3], out[..., 3:]
 
 
 def holonomic(
@@ -237,38 +149,16 @@ def holonomic(
     check_last(rows, (3,), "errors")
     check_last(path, (3,), "rates")
     check_positive(way, "decay", "m")
-    law = Pull(v, way, length, hold * part * way)
-    shape = np.broadcast_shapes(rows.shape[:-1], path.shape[:-1], leading_shape(law))
-    arguments = (
-        table(PoseErrors, rows, shape),
-        table(TwistColumns, path, shape),
-        columns_of(law, shape),
-    )
-    twist, limited = values(pulled, arguments, shape, (3, 0))
-    return twist, limited > 0.0
+    yaw = rows[..., 2]
+    if _angles(yaw) is not yaw:
+        rows = np.stack([rows[..., 0], rows[..., 1], _angles(yaw)], axis=-1)
+    law = figures_of((v, way, length, hold * part * way))
+    row = (spread(rows), grouped(path))
+    out = answers(pulled_twist, row, law, columns=6)
+    return out[..., :3], out[..., 5] > 0.0
 
 
-def pulled(error: PoseErrors, rate: TwistColumns, law: Pull) -> Columns:
-    """Return the twist, and 1 where the pull was limited."""
-    c = cos(error.yaw)
-    s = sin(error.yaw)
-    turned = law.radius * error.yaw
-    off = np.sqrt(error.x * error.x + error.y * error.y + turned * turned)
-    limited = off > law.most
-    pull = law.speed / law.decay
-    pull = where(limited, pull * (law.most / off), pull)
-    return (
-        law.speed * (c * rate.vx - s * rate.vy) + pull * error.x,
-        law.speed * (s * rate.vx + c * rate.vy) + pull * error.y,
-        law.speed * rate.w + pull * error.yaw,
-        where(limited, 1, 0),
-    )
-
-
-def _stepped(
-    formula: Formula, errors: PathErrors, law: Stanley | LookAhead
-) -> list[Array]:
-    """Return what a law of path errors gives, and its flag."""
-    shape = np.broadcast_shapes(leading_shape(errors), leading_shape(law))
-    arguments = (columns_of(errors, shape), columns_of(law, shape))
-    return values(formula, arguments, shape, (0, 0))
+def _angles(angles: Array) -> Array:
+    """Return angles [rad], NaN for those that are infinite: they have no sine."""
+    finite = np.isfinite(angles)
+    return angles if finite.all() else np.where(finite, angles, math.nan)

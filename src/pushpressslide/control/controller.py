@@ -73,6 +73,7 @@ from pushpressslide.core.wrench import Twist
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 from pushpressslide.identification.center import CenterIdentifier, CenterState
 from pushpressslide.identification.online import AxleState
+from pushpressslide.kernels.leading import corrected, eased_grip, paced
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Measured
 from pushpressslide.planning.side_contacts import room_before
@@ -86,9 +87,8 @@ YAW_NOISE = math.radians(0.08)
 LEAST_GAIN = 0.1
 RETOUCHES = 3
 LOSSES = 6  # of contact at one place, above which the attempt ends
-GRIP_FALL = 4.0  # [1/s] of the share of the steering that may be used
-GRIP_RISE = 0.5  # [1/s]
-GRIP_LEAST = 0.3
+# of the share of the steering that may be used: its fall and rise [1/s], and the least
+GRIP = (margins.GRIP_USE, 4.0, 0.5, 0.3)
 RETRIES = 4
 EFFORT_SHARE = 0.5  # of the speed that tips are led with, below which they push harder
 EFFORT_RISE = 1.0  # [1/s] of the factor on their forces, for tips at rest
@@ -290,13 +290,12 @@ class Controller:
         if not measurement.pose_seen:
             return predicted.compose(self.X_BG)
         seen = measurement.object_pose.compose(self.X_GB)
-        turn = wrap_angle(seen.yaw - predicted.yaw)
-        corrected = Pose2(
-            predicted.x + self.pose_gain * (seen.x - predicted.x),
-            predicted.y + self.pose_gain * (seen.y - predicted.y),
-            predicted.yaw + self.pose_gain * turn,
+        pose = corrected(
+            (predicted.x, predicted.y, predicted.yaw),
+            (seen.x, seen.y, seen.yaw),
+            self.pose_gain,
         )
-        return corrected.compose(self.X_BG)
+        return Pose2(*pose).compose(self.X_BG)
 
     def _touch(
         self, state: ControllerState, measurement: Measurement, X_WB: Pose2
@@ -452,14 +451,13 @@ class Controller:
         if missing(felt, contacts, allocation.normals):
             lost = measurement.time if state.lost is None else state.lost
         most = max(tip.friction_utilisation for tip in felt)
-        rate = -GRIP_FALL if most > margins.GRIP_USE else GRIP_RISE
         dt = measurement.time - state.last_time
         touched = binding.touched(X_WB, measurement.tips)
         axle, center = seen(state, measurement, X_WB, touched[0])
         next_state = state._replace(
             progress=guidance.progress,
             lost=lost,
-            grip=min(1.0, max(GRIP_LEAST, state.grip + rate * dt)),
+            grip=eased_grip(state.grip, most, dt, GRIP),
             effort=self._effort(state, measurement, commands, dt),
             tips=memories,
             last_time=measurement.time,
@@ -478,15 +476,13 @@ class Controller:
         """Return the speed [m/s] along the path: the profile's, and what catches up."""
         segment = state.binding.segment
         profile = segment.profile
-        progress, speed = profile.at(time - state.clock_start)
+        planned = profile.at(time - state.clock_start)
         left = segment.path.length - state.progress
-        wanted = speed + CATCH_UP * (progress - state.progress)
         floor = self.floor_speed
-        braking = floor + math.sqrt(profile.acceleration * max(left, 0.0))
         # for the object to be seated or at rest
         waits = self.waits and not state.ahead and left <= margins.ARM.stop
-        least = 0.0 if waits else floor
-        return min(max(wanted, least), 1.5 * profile.speed, braking)
+        pace = (floor, 1.5 * profile.speed, profile.acceleration, CATCH_UP)
+        return paced(planned, state.progress, left, 0.0 if waits else floor, pace)
 
     def _tip_tasks(
         self,

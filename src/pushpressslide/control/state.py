@@ -263,18 +263,6 @@ def between(a: Vector3, b: Vector3, share: float) -> Vector3:
     )
 
 
-def approached(value: Point, target: Point, step: float) -> Point:
-    """Return ``target`` if it is within ``step`` of ``value``, else the point that far
-    on the way to it.
-    """
-    dx = target[0] - value[0]
-    dy = target[1] - value[1]
-    size = math.hypot(dx, dy)
-    if size <= step:
-        return target
-    return (value[0] + dx * step / size, value[1] + dy * step / size)
-
-
 def begin(
     state: ControllerState, phase: Phase, measurement: Measurement
 ) -> ControllerState:

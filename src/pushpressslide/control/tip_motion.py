@@ -15,7 +15,6 @@ from pushpressslide.control.state import (
     ControllerState,
     TipContext,
     TipMemory,
-    approached,
     contact_yaw,
     pressed,
     sunk,
@@ -26,6 +25,7 @@ from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist
 from pushpressslide.execution.normal_force import NormalForceRegulator
+from pushpressslide.kernels.leading import approached
 
 # [N/m], [N s/m] of a pushing tip along its height
 HEIGHT_STIFFNESS = 2000.0

@@ -7,9 +7,11 @@ from __future__ import annotations
 from typing import Literal, NamedTuple
 
 from pushpressslide.core.pose import Point
+from pushpressslide.kernels.allocation import EXACT as EXACT
 
 AllocationStatus = Literal["ok", "projected", "infeasible"]
-EXACT = (0.0, 0.0, 0.0)  # residual of a wrench that is given whole
+STATUSES: tuple[AllocationStatus, ...] = ("ok", "projected", "infeasible")
+"""The words for the numbers of ``kernels.allocation``."""
 new = tuple.__new__  # at half the cost of a NamedTuple's own constructor
 
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, remainder, sqrt
 
 from pushpressslide.core.pose import Pose2
-
-TURN = 2.0 * math.pi
+from pushpressslide.kernels.arc_path import TURN as TURN
+from pushpressslide.kernels.arc_path import eased, nearest, trapezoid
 
 
 def advance(pose: Pose2, curvature: float, length: float) -> Pose2:
@@ -122,29 +121,12 @@ class ArcPath:
         Its curvature then has no jumps; the path itself moves by ``half`` squared times
         the jump over 12, at most.
         """
-        heading = 0.0
-        curvature = 0.0
-        before = s - half
-        behind = s + half
-        for bend, change, room in self._bends:
-            if before < bend < behind:
-                off = s - bend
-                near = half if half < room else room
-                left = near - (off if off > 0.0 else -off)
-                if left > 0.0:
-                    heading += 0.25 * change * left * left / near
-                    share = 0.5 * left / near
-                    curvature += change * (share if off < 0.0 else -share)
-        return heading, curvature
+        return eased(s, half, self._bends)
 
     @cached_property
     def _projections(self) -> tuple[tuple[float, ...], ...]:
-        """Rows for ``nearest``, one per piece and one for the straight line after the
-        end.
-
-        All: s at start and end, curvature. Arc: the yaw that it had at s = 0, centre
-        (a, b), radius c and side d. Line: its yaw, direction (a, b), s and offset to
-        the left of the world's origin, c and d.
+        """A ``kernels.arc_path.Piece`` for each piece, and for the straight line after
+        the end.
         """
         rows = []
         pieces = (*self.pieces, (0.0, math.inf))
@@ -163,6 +145,13 @@ class ArcPath:
             rows.append((s, s + length, curvature, yaw, a, b, c, d))
         return tuple(rows)
 
+    @property
+    def rows(
+        self,
+    ) -> tuple[tuple[tuple[float, ...], ...], tuple[tuple[float, ...], ...]]:
+        """What ``kernels.arc_path.nearest`` knows a path by: its pieces and its bends."""
+        return self._projections, self._bends
+
     def nearest(
         self, x: float, y: float, s: float, half: float = 0.0
     ) -> tuple[float, float, float, float]:
@@ -173,27 +162,7 @@ class ArcPath:
         [1/m] of that point, both ``eased`` over ``half`` [m]. Closed form, no
         iteration; past the end the path goes on straight.
         """
-        for start, end, curvature, yaw_0, a, b, c, d in self._projections:
-            if s > end:
-                continue
-            if curvature:
-                dx = d * (x - a)
-                dy = d * (y - b)
-                guess = yaw_0 + curvature * s  # of the circle's turns that one is meant
-                yaw = guess + remainder(atan2(dx, -dy) - guess, TURN)
-                near = c * (yaw - yaw_0)
-                left = d * sqrt(dx * dx + dy * dy) - c
-            else:
-                yaw = yaw_0
-                near = c + a * x + b * y
-                left = d + b * x - a * y
-            if near <= end:
-                if near - half < start or near + half > end:
-                    turned, bent = self.eased(near, half)
-                    return near, left, yaw + turned, curvature + bent
-                return near, left, yaw, curvature
-            s = end  # go on with the next piece
-        raise AssertionError("the last piece has no end")
+        return nearest(x, y, s, half, self._projections, self._bends)
 
 
 @dataclass(frozen=True)
@@ -221,17 +190,4 @@ class SpeedProfile:
 
     def at(self, t: float) -> tuple[float, float]:
         """Return arc length [m] and speed [m/s] at time ``t`` [s], held at the ends."""
-        if t <= 0.0 or self.length <= 0.0:
-            return 0.0, 0.0
-        total = self.duration
-        v = self.cruise
-        a = self.acceleration
-        if t >= total:
-            return self.length, 0.0
-        ramp = v / a
-        if t < ramp:
-            return 0.5 * a * t * t, a * t
-        if t > total - ramp:
-            left = total - t
-            return self.length - 0.5 * a * left * left, a * left
-        return v * (t - 0.5 * ramp), v
+        return trapezoid(t, self.length, self.cruise, self.acceleration)

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
+
+from pushpressslide.kernels.plane import cross as cross
+from pushpressslide.kernels.plane import from_axis as from_axis
+from pushpressslide.kernels.plane import in_axis as in_axis
 
 Point = tuple[float, float]
 """A point or a vector in the plane: (x, y) [m]; its frame is said where it is used."""
@@ -16,26 +19,9 @@ def wrap_angle(angle: float) -> float:
     return math.pi if wrapped == -math.pi else wrapped
 
 
-def cross(a: Point, b: Point) -> float:
-    """Return the z component of a x b."""
-    return a[0] * b[1] - a[1] * b[0]
-
-
 def turned_left(a: Point) -> Point:
     """Return J a: the vector turned by +90 degrees."""
     return (-a[1], a[0])
-
-
-def in_axis(axis: Point, v: Sequence[float]) -> Point:
-    """Return the components of a vector along a unit vector ``axis``, and to its left."""
-    c, s = axis
-    return (c * v[0] + s * v[1], c * v[1] - s * v[0])
-
-
-def from_axis(axis: Point, v: Point) -> Point:
-    """Return the vector with the components ``v`` along ``axis``, and to its left."""
-    c, s = axis
-    return (c * v[0] - s * v[1], s * v[0] + c * v[1])
 
 
 @dataclass(frozen=True, slots=True)

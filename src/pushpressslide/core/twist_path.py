@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.wrench import Twist
+from pushpressslide.kernels.plane import carried
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,18 +29,7 @@ def moved(pose: Pose2, rate: TwistRate, length: float) -> Pose2:
     """Return the pose reached from ``pose`` after ``length`` [m] at a constant body
     twist: the exponential map.
     """
-    vx, vy, w = rate
-    angle = w * length
-    if abs(angle) < 1e-9:
-        x = vx * length
-        y = vy * length
-    else:
-        s = math.sin(angle) / w
-        c = 2.0 * math.sin(0.5 * angle) ** 2 / w
-        x = vx * s - vy * c
-        y = vx * c + vy * s
-    dx, dy = pose.rotate((x, y))
-    return Pose2(pose.x + dx, pose.y + dy, pose.yaw + angle)
+    return Pose2(*carried((pose.x, pose.y, pose.yaw), rate, length))
 
 
 def screw(start: Pose2, end: Pose2) -> TwistRate:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from pushpressslide.core.pose import Point
+from pushpressslide.kernels.plane import flat_gap
 
 if TYPE_CHECKING:
     from pushpressslide.core.arrays import Array
@@ -42,10 +43,8 @@ class FlatSide:
 
     def gap(self, tip: Point, tip_radius: float) -> tuple[float, Point]:
         """Return gap [m] and normal; beside the face the gap is infinite."""
-        nx, ny = self.normal
-        if not self.ends[0] <= nx * tip[1] - ny * tip[0] <= self.ends[1]:
-            return math.inf, self.normal
-        return self.depth - tip_radius - (nx * tip[0] + ny * tip[1]), self.normal
+        gap = flat_gap(tip, tip_radius, self.normal, self.depth, self.ends)
+        return gap, self.normal
 
     def foot(self, point: Point) -> Point:
         """Return the nearest point of the line through the contact along the face."""

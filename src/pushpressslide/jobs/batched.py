@@ -18,19 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pushpressslide.batch.path_pieces import pieces_of
-from pushpressslide.batch.path_runs import (
-    ARRIVED,
-    ASTRAY,
-    LEFT_FACE,
-    UNDER_WAY,
-    Bodies,
-    Lead,
-    Motion,
-    Pace,
-    PathRuns,
-    Touch,
-)
+from pushpressslide.batch.path_runs import END, OFF, TIME, PathRuns
 from pushpressslide.control import controller
 from pushpressslide.control.tip_motion import TIP_ACCELERATION
 from pushpressslide.core import margins
@@ -44,11 +32,20 @@ from pushpressslide.geometry.sides import FlatSide
 from pushpressslide.jobs.engines import EngineName, engine_named
 from pushpressslide.jobs.rows import Row
 from pushpressslide.jobs.sampling import varied_task
+from pushpressslide.kernels.path_run import (
+    ARRIVED,
+    ASTRAY,
+    LEFT_FACE,
+    UNDER_WAY,
+    Lead,
+    Touch,
+)
+from pushpressslide.kernels.tracking import stanley_law
 from pushpressslide.planning.rear_car_fit import looked_at, push_twists
 from pushpressslide.planning.side_contacts import pushable
 from pushpressslide.rom.drives import RearSteerDrive
 from pushpressslide.selection.solve import solve
-from pushpressslide.tracking.rear_car import EASING
+from pushpressslide.tracking.rear_car import EASING, figures_of_car
 
 MODE = "rear_push"
 AT_ONCE = 2500  # samples, whose figures stay in the processor's cache
@@ -119,9 +116,9 @@ def batched(plan: Plan, truths: Truths, seed: int = 0) -> Outcomes:
     for first in range(0, len(starts), AT_ONCE):
         chosen = slice(first, first + AT_ONCE)
         rng = np.random.default_rng([seed, first])
-        motion = runs.begin(starts[chosen], place, rng)
-        parts.append(runs.finish(motion, bodies[:, chosen].copy(), rng))
-    return _outcomes(plan.task, Motion(*np.concatenate(parts, axis=1)), place)
+        states = runs.begin(starts[chosen], place, rng)
+        parts.append(runs.finish(states, bodies[chosen], rng))
+    return _outcomes(plan, np.concatenate(parts), place)
 
 
 def path_runs(plan: Plan, noise: Array) -> PathRuns:
@@ -134,25 +131,22 @@ def path_runs(plan: Plan, noise: Array) -> PathRuns:
     profile = plan.segments[0].profile
     motion = plan.task.motion
     floor = margins.FLOOR_SPEED * motion.speed
-    pace = Pace(
-        *_numbers(0.0, 0.0, path.length, floor, 1.5 * profile.speed),
-        *_numbers(profile.acceleration, controller.CATCH_UP, EASING),
-        *_numbers(margins.ARM.stop, margins.ARM.astray, motion.control_period),
-    )
-    return PathRuns(
-        pieces_of(path),
-        _lead(plan.task, drive, noise),
-        _touch(plan),
+    pace = (floor, 1.5 * profile.speed, profile.acceleration, controller.CATCH_UP)
+    course = (
         pace,
-        profile.at,
-        noise,
+        path.length,
+        profile.cruise,
+        EASING,
+        margins.ARM.stop,
+        margins.ARM.astray,
+        motion.control_period,
         plan.task.limits.time,
-        AT_ONCE,
     )
-
-
-def _numbers(*values: float) -> list[np.float64]:
-    return [np.float64(value) for value in values]
+    laws = (_lead(plan.task, drive, noise), _touch(plan), _base(plan), course)
+    pieces, bends = path.rows
+    return PathRuns(
+        np.array(pieces), np.array(bends).reshape(-1, 3), laws, noise, AT_ONCE
+    )
 
 
 def _pushed_car(plan: Plan) -> tuple[RearSteerDrive, ArcPath]:
@@ -193,14 +187,17 @@ def _lead(task: Task, drive: RearSteerDrive, noise: Array) -> Lead:
     low, high = car.steering_limits
     reserve = margins.STEERING_RESERVE * 0.5 * (high - low)
     sensing = Sensing(position_noise=float(noise[0]), yaw_noise=float(noise[2]))
-    ex, ey = car.axis
-    return Lead(
-        *_numbers(controller.pose_gain(sensing), drive.X_BV.x, drive.X_BV.y),
-        *_numbers(ex, ey, drive.X_BV.yaw, car.effective_wheelbase),
-        *_numbers(car.lever, car.rho, drive.max_friction),
-        *_numbers(low + reserve, high - reserve, task.motion.tracking_gain),
-        *_numbers(margins.GRIP_USE, controller.GRIP_FALL),
-        *_numbers(controller.GRIP_RISE, controller.GRIP_LEAST),
+    gain = task.motion.tracking_gain
+    (law,) = stanley_law(
+        car.effective_wheelbase, low + reserve, high - reserve, gain, 1.0
+    )
+    return (
+        controller.pose_gain(sensing),
+        drive.X_BV.position,
+        drive.X_BV.yaw,
+        law,
+        figures_of_car(car, drive.max_friction),
+        controller.GRIP,
     )
 
 
@@ -212,14 +209,19 @@ def _touch(plan: Plan) -> Touch:
     side = body.shape.side(contact.point, contact.normal, body.center_of_mass)
     assert isinstance(side, FlatSide)
     radius = task.robots[contact.arm].tip_radius
-    (tip_x, tip_y), _ = contact.tip_place(radius)
+    tip, _ = contact.tip_place(radius)
     felt = task.sensing.felt_force
-    return Touch(
-        *_numbers(*contact.normal, side.depth, *side.ends, radius, tip_x, tip_y),
-        *_numbers(told.contact_friction, felt, margins.KEPT_SHARE * felt),
-        *_numbers(task.motion.servo_damping, 1.0, TIP_ACCELERATION[contact.kind]),
-        *_numbers(margins.ARM.loss_time(contact.kind) + task.motion.control_period),
-        *_numbers(*_base(plan)),
+    damping = task.motion.servo_damping
+    believed = told.contact_friction
+    face = (contact.normal, side.depth, *side.ends, radius, believed, damping)
+    return (
+        face,
+        tip,
+        believed,
+        felt,
+        margins.KEPT_SHARE * felt,
+        TIP_ACCELERATION[contact.kind],
+        margins.ARM.loss_time(contact.kind) + task.motion.control_period,
     )
 
 
@@ -255,7 +257,7 @@ def _base(plan: Plan) -> tuple[float, float, float, float]:
 
 
 def _bodies(plan: Plan, truths: Truths) -> tuple[Array, Array, float]:
-    """Return the fields of ``Bodies`` (5, n), the starts (n, 3) X_WB, and where along
+    """Return ``kernels.path_run.Truth`` (n, 5), the starts (n, 3) X_WB, and where along
     the face the tip is [m].
     """
     task = plan.task
@@ -265,14 +267,18 @@ def _bodies(plan: Plan, truths: Truths) -> tuple[Array, Array, float]:
     load = truths.mass * GRAVITY
     X_GB = task.told.X_GB
     x, y = (truths.centers - X_GB.position).T
-    bodies = Bodies(
+    columns = (
         truths.support_friction * load,
         contact.height / load,
         truths.contact_friction,
         nx * x + ny * y,
         nx * y - ny * x,
     )
-    return np.array(bodies), _moved(truths.starts, X_GB.position), nx * py - ny * px
+    return (
+        np.column_stack(columns),
+        _moved(truths.starts, X_GB.position),
+        nx * py - ny * px,
+    )
 
 
 def _moved(poses: Array, offset: tuple[float, float]) -> Array:
@@ -286,22 +292,32 @@ def _moved(poses: Array, offset: tuple[float, float]) -> Array:
     return np.column_stack([x + c * dx - s * dy, y + s * dx + c * dy, yaw])
 
 
-def _outcomes(task: Task, motion: Motion, place: float) -> Outcomes:
+def _outcomes(plan: Plan, states: Array, place: float) -> Outcomes:
+    task = plan.task
     dx, dy = task.told.X_GB.position
-    poses = _moved(np.column_stack([motion.x, motion.y, motion.yaw]), (-dx, -dy))
+    poses = _moved(states[:, :3], (-dx, -dy))
+    (contact,) = plan.contacts
+    nx, ny = contact.normal
+    x, y, yaw = states[:, :3].T
+    c = np.cos(yaw)
+    s = np.sin(yaw)
+    # of the tip, along the face in the world
+    along = (c * nx - s * ny) * (states[:, 10] - y) - (s * nx + c * ny) * (
+        states[:, 9] - x
+    )
     goal = task.goal
     off = np.hypot(poses[:, 0] - goal.x, poses[:, 1] - goal.y)
     turn = poses[:, 2] - goal.yaw
     turned = np.abs(turn - 2.0 * math.pi * np.round(turn / (2.0 * math.pi)))
-    ends = motion.end.astype(np.intp)
+    ends = states[:, END].astype(np.intp)
     within = (off <= task.tolerance.position) & (turned <= task.tolerance.yaw)
     return Outcomes(
         poses,
         off,
         turned,
-        motion.off,
-        motion.place - place,
-        motion.time,
+        states[:, OFF],
+        along - place,
+        states[:, TIME],
         ends,
         within & (ends == ARRIVED),
     )

@@ -1,5 +1,5 @@
 """Many objects that are pushed at once, step by step: what every environment is made
-of. NumPy alone; compiled where numba is installed.
+of. A step is compiled where numba is installed, else it goes object by object.
 """
 
 from __future__ import annotations

@@ -25,6 +25,10 @@ COMMANDS: dict[str, dict[str, Any]] = {
 SINGLE = "pushpressslide.learning.environment:PushEnv"
 COMMANDED = "pushpressslide.learning.command_env:CommandEnv"
 VECTOR = "pushpressslide.learning.vector:PushVectorEnv"
+SLOW = (
+    "vectorised environments need numba, which is not installed: "
+    "pip install 'pushpressslide[fast]'"
+)
 MISSING = "gymnasium is not installed: pip install 'pushpressslide[gym]'"
 
 

@@ -8,13 +8,15 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from pushpressslide.batch import fast
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.errors import MissingPackageError
 from pushpressslide.core.task import Task
 from pushpressslide.learning.options import METADATA, checked_mode, start_asked
 from pushpressslide.learning.picture import Camera, Pixels
 from pushpressslide.learning.push_task import push_task
 from pushpressslide.learning.pushing import Flags, Indices, Pushing, drawn_start, errors
-from pushpressslide.learning.registration import MISSING
+from pushpressslide.learning.registration import MISSING, SLOW
 
 try:
     from gymnasium.utils.seeding import np_random
@@ -45,7 +47,12 @@ class PushVectorEnv(VectorEnv):
         task: Task | str | Path = "rear-push-rear",
         render_mode: str | None = None,
     ) -> None:
-        """Prepare ``num_envs`` objects of a task."""
+        """Prepare ``num_envs`` objects of a task.
+
+        Raises MissingPackageError without numba, and TaskError for another task.
+        """
+        if fast.installed() is None:
+            raise MissingPackageError(SLOW)
         push = push_task(task)
         self.render_mode = checked_mode(render_mode)
         self._camera = Camera(push)

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 from pushpressslide.core.pose import Point, cross
 from pushpressslide.core.wrench import Wrench
+from pushpressslide.kernels import pushing
 
 Matrix2 = tuple[tuple[float, float], tuple[float, float]]
 
@@ -70,8 +71,7 @@ def velocity_of_force(lever: Point, rho: float, force: Point) -> Point:
     """Return G f: the velocity of the contact point per unit of the CoP's velocity per
     force [N].
     """
-    k = cross(lever, force) / (rho * rho)
-    return (force[0] - k * lever[1], force[1] + k * lever[0])
+    return pushing.velocity_of_force(lever, rho, force)
 
 
 def force_of_velocity(lever: Point, rho: float, velocity: Point) -> Point:
@@ -80,5 +80,4 @@ def force_of_velocity(lever: Point, rho: float, velocity: Point) -> Point:
 
     Its length is not a force: scale it onto the limit surface.
     """
-    k = cross(lever, velocity) / (rho * rho + lever[0] * lever[0] + lever[1] * lever[1])
-    return (velocity[0] + k * lever[1], velocity[1] - k * lever[0])
+    return pushing.force_of_velocity(lever, rho, velocity)

@@ -18,6 +18,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.geometry import quadrature
 from pushpressslide.geometry.shapes import Shape
+from pushpressslide.kernels.edge_friction import Plane
 
 # Gauss points and weights of an edge from 0 to 1, exact to degree 7
 NODES = 0.5 + 0.5 * np.array(
@@ -70,7 +71,7 @@ class FacePressure:
         return 0.5 * (self._square + along.real)
 
     def edges(self) -> Array:
-        """Return ``mechanics.edge_friction.Edges`` (8, n)."""
+        """Return ``kernels.edge_friction.Edges`` (8, n)."""
         steps = np.concatenate((self.corners[1:], self.corners[:1])) - self.corners
         lengths = np.hypot(*steps.T)
         real = lengths > 0.0
@@ -92,8 +93,8 @@ class FacePressure:
             for i, j in TERMS
         )
 
-    def plane(self) -> tuple[float, ...]:
-        """Return ``mechanics.edge_friction.Plane``."""
+    def plane(self) -> Plane:
+        """Return ``kernels.edge_friction.Plane``."""
         return (self.level, *self.slope, FAR / self.reach, self._square)
 
     def scaled(self, length: float) -> FacePressure:

@@ -8,12 +8,12 @@ does the same for samples of a pressure.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import cached_property
 
-from pushpressslide.core.formulas import Columns, plain
 from pushpressslide.core.wrench import Twist, Wrench
-from pushpressslide.mechanics.edge_friction import far, near
+from pushpressslide.kernels.edge_friction import far, near
+from pushpressslide.kernels.exact_surface import across
+from pushpressslide.kernels.support_friction import Friction
 from pushpressslide.mechanics.face_pressure import FacePressure
 
 STEPS = 60  # of Newton's method, at most
@@ -24,8 +24,6 @@ SHORTEST = 1e-6  # share of a step, below which rounding is all that is left
 SLOWEST = 1e-3  # of a guessed twist: what counts of it along the wrench
 
 Triple = tuple[float, float, float]
-_near: Callable[..., Columns] = plain(near)
-_far: Callable[..., Columns] = plain(far)
 
 
 class FaceSurface:
@@ -42,12 +40,12 @@ class FaceSurface:
     def _series(self) -> tuple[complex, ...]:
         return self._face.series()
 
-    def _friction(self, twist: Triple) -> Columns:
-        """Return ``friction_of_row`` of a twist (vx, vy, rho w), not zero."""
+    def _friction(self, twist: Triple) -> Friction:
+        """Return ``polygon_friction`` of a twist (vx, vy, rho w), not zero."""
         vx, vy, w = twist
         if abs(w) > self._plane[3] * math.hypot(vx, vy):
-            return _near(self._edges, self._plane, vx, vy, w, True)
-        return _far(self._series, vx, vy, w)
+            return near(vx, vy, w, self._plane, self._edges)
+        return far(vx, vy, w, self._series)
 
     def slide(self, wrench: Wrench, guess: Twist | None = None) -> tuple[Twist, float]:
         """Return the direction of sliding under ``wrench``, as a twist of its point,
@@ -109,7 +107,7 @@ class _Power:
 
     __slots__ = ("aa", "ab", "bb", "ga", "gb", "value")
 
-    def __init__(self, friction: Columns, twist: Triple, a: Triple, b: Triple) -> None:
+    def __init__(self, friction: Friction, twist: Triple, a: Triple, b: Triple) -> None:
         fx, fy, tau, xx, xy, xw, yy, yw, ww = friction
         wrench = (fx, fy, tau)
         self.value = _dot(wrench, twist)
@@ -145,15 +143,6 @@ class _Power:
         p = (self.ab * self.gb - bb * self.ga) / determinant
         q = (self.ab * self.ga - aa * self.gb) / determinant
         return p, q
-
-
-def across(unit: Triple) -> tuple[Triple, Triple]:
-    """Return two unit vectors at right angles to a ``unit`` vector and to each other."""
-    x, y, z = unit
-    sign = math.copysign(1.0, z)
-    a = -1.0 / (sign + z)
-    b = x * y * a
-    return (1.0 + sign * x * x * a, sign * b, -sign * x), (b, sign + y * y * a, -y)
 
 
 def _dot(a: Triple, b: Triple) -> float:

@@ -10,31 +10,28 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from pushpressslide.core.pose import Point, cross, turned_left
+from pushpressslide.core.pose import Point, cross
 from pushpressslide.core.wrench import Twist
-from pushpressslide.mechanics.contacts import force_of_velocity, velocity_of_force
+from pushpressslide.kernels import pushing
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 
 PushKind = Literal["stick", "slip_left", "slip_right", "separate"]
+KINDS: tuple[PushKind, ...] = ("stick", "slip_left", "slip_right", "separate")
+"""By the numbers of ``kernels.pushing``."""
 
 
 def cone_edges(normal: Point, mu: float) -> tuple[Point, Point]:
     """Return the right and left edge (f_-, f_+) = n -+ mu t of a side contact's
     friction cone.
     """
-    t = turned_left(normal)
-    return (
-        (normal[0] - mu * t[0], normal[1] - mu * t[1]),
-        (normal[0] + mu * t[0], normal[1] + mu * t[1]),
-    )
+    return pushing.cone_edges(normal, mu)
 
 
 def cone_margin(force: Point, normal: Point, mu: float) -> float:
     """Return mu f_n - |f_t| [N] of a side contact: >= 0 inside the cone, negative
     outside.
     """
-    f_n = force[0] * normal[0] + force[1] * normal[1]
-    return mu * f_n - abs(cross(normal, force))
+    return pushing.cone_margin(force, normal, mu)
 
 
 def press_margin(force: Point, normal_force: float, mu: float) -> float:
@@ -67,8 +64,7 @@ def motion_cone(
     ``lever`` [m] is the contact relative to the CoP. For a contact whose normal points
     at the CoP its half angle is tan(psi) = (1 + d^2/rho^2) mu.
     """
-    right, left = cone_edges(normal, mu)
-    return velocity_of_force(lever, rho, right), velocity_of_force(lever, rho, left)
+    return pushing.motion_cone((lever, normal, mu, rho))
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,29 +93,8 @@ def push_outcome(
     """
     cop = surface.center
     rho = surface.rho
-    approach = velocity[0] * normal[0] + velocity[1] * normal[1]
-    if approach <= 0.0:
-        rest = Twist(0.0, 0.0, 0.0, cop)
-        return PushOutcome("separate", (0.0, 0.0), rest, cross(normal, velocity))
     lever = (contact[0] - cop[0], contact[1] - cop[1])
-    mobile = force_of_velocity(lever, rho, velocity)
-    kind: PushKind = "stick"
-    slip = 0.0
-    if cone_margin(mobile, normal, mu) < 0.0:
-        # An edge that leads away from the pusher cannot be passed by a velocity towards
-        # the object.
-        right, left = motion_cone(lever, rho, normal, mu)
-        leads_in = left[0] * normal[0] + left[1] * normal[1] > 0.0
-        kind = "slip_right"
-        edge, left_edge = cone_edges(normal, mu)
-        edge_velocity = right
-        if leads_in and cross(left, velocity) > 0.0:
-            kind = "slip_left"
-            edge = left_edge
-            edge_velocity = left
-        k = approach / (edge_velocity[0] * normal[0] + edge_velocity[1] * normal[1])
-        mobile = (k * edge[0], k * edge[1])
-        slip = cross(normal, velocity) - k * cross(normal, edge_velocity)
-    twist = Twist(mobile[0], mobile[1], cross(lever, mobile) / (rho * rho), cop)
+    kind, moving, slip = pushing.pushed(velocity, (lever, normal, mu, rho))
+    twist = Twist(*moving, cop)
     wrench = surface.wrench(twist)
-    return PushOutcome(kind, (wrench.fx, wrench.fy), twist, slip)
+    return PushOutcome(KINDS[kind], (wrench.fx, wrench.fy), twist, slip)

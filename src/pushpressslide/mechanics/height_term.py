@@ -10,13 +10,17 @@ floats.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
 
 import numpy as np
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.kernels.limit_surface import (
+    Ellipsoid,
+    dragged_twist,
+    dragged_wrench,
+)
 from pushpressslide.mechanics.checks import check_force, check_rho
 
 
@@ -44,31 +48,13 @@ class DraggedSurface:
         = 1 m/s; zero for a zero wrench.
         """
         fx, fy, tau, _ = wrench.moved_to(self.center)
-        spin = tau / self.rho
-        norm = sqrt(fx * fx + fy * fy + spin * spin)
-        if norm == 0.0:
-            return Twist(0.0, 0.0, 0.0, self.center)
-        vx = fx / norm
-        vy = fy / norm
-        w = spin / (self.rho * norm)
-        k = self.lift * w
-        return Twist(vx + k * vy, vy - k * vx, w, self.center)
+        return Twist(*dragged_twist(fx, fy, tau, self._figures), self.center)
 
     def wrenches(self, twists: Array) -> Array:
         """Return ``wrench`` (m, 3) about ``center`` of twists (m, 3) of it."""
-        vx, vy, w = twists.T
-        turn = (self.rho * w) ** 2
-        shift = (self.lift * w) ** 2
-        square = vx * vx + vy * vy
-        half = 0.5 * (square - turn - shift)
-        norm = np.sqrt(
-            np.maximum(half + np.sqrt(half * half + square * turn), 0.0) + turn
-        )
-        norm = np.maximum(norm, 1e-300)
-        k = self.lift * w / norm
-        scale = self.max_force / (norm * (1.0 + k * k))
-        tau = self.max_force * self.rho**2 * w / norm
-        return np.stack([scale * (vx - k * vy), scale * (vy + k * vx), tau], axis=-1)
+        figures = self._figures
+        rows = [dragged_wrench(vx, vy, w, figures) for vx, vy, w in twists.tolist()]
+        return np.array(rows).reshape(-1, 3)
 
     def wrench(self, twist: Twist) -> Wrench:
         """Return the wrench on the surface, about ``center``, that drives ``twist``.
@@ -76,22 +62,8 @@ class DraggedSurface:
         Zero for none.
         """
         vx, vy, w, _ = twist.moved_to(self.center)
-        turn = (self.rho * w) ** 2
-        shift = (self.lift * w) ** 2
-        # |v_center|^2 = v^2 (1 + shift / (v^2 + turn)) for the speed v of the moved
-        # centre of pressure
-        square = vx * vx + vy * vy
-        half = 0.5 * (square - turn - shift)
-        v_squared = max(0.0, half + sqrt(half * half + square * turn))
-        norm = sqrt(v_squared + turn)
-        if norm == 0.0:
-            return Wrench(0.0, 0.0, 0.0, self.center)
-        # v_center = F - k J F, F the velocity of the moved centre of pressure
-        k = self.lift * w / norm
-        scale = self.max_force / (norm * (1.0 + k * k))
-        return Wrench(
-            scale * (vx - k * vy),
-            scale * (vy + k * vx),
-            self.max_force * self.rho**2 * w / norm,
-            self.center,
-        )
+        return Wrench(*dragged_wrench(vx, vy, w, self._figures), self.center)
+
+    @property
+    def _figures(self) -> Ellipsoid:
+        return self.max_force, self.rho, self.lift

@@ -14,16 +14,15 @@ from typing import NamedTuple
 
 from pushpressslide.core.pose import Point, cross
 from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.kernels.exact_surface import exact_axle
 from pushpressslide.mechanics.face_pressure import FacePressure
 from pushpressslide.mechanics.face_slide import FaceSurface
-from pushpressslide.mechanics.limit_surface import exact_twist_direction
+from pushpressslide.mechanics.limit_surface import load_spread, slide_samples
 from pushpressslide.mechanics.pressure import PressureSamples
-from pushpressslide.mechanics.rho import rho_straight
 
-# Below this force angle [rad] the limit of straight motion is used, which differs from
-# the exact one in second order.
-STRAIGHT_ANGLE = 1e-4
-STRAIGHT_FACE = 1e-6  # [rad] the same in closed form, which has no noise to divide
+# force angle [rad] below which the limit of straight motion is used in closed form,
+# which has no noise to divide
+STRAIGHT_FACE = 1e-6
 # of the force over the load: by how much the force that slides may differ from the one
 # that has moved the centre of pressure
 SETTLED = 1e-7
@@ -58,16 +57,12 @@ def exact_axle_distance(
     along the axis over d for a straight push and grows or shrinks with the angle.
     Support friction does not enter. Raises ValueError for a zero lever.
     """
-    d = math.hypot(lever[0], lever[1])
-    axle_distance(1.0, d)
-    e = (lever[0] / d, lever[1] / d)
-    if abs(math.sin(force_angle)) < STRAIGHT_ANGLE:
-        return rho_straight(samples, e) ** 2 / d
-    f = turned(e, force_angle)
-    twist = exact_twist_direction(
-        samples, Wrench(f[0], f[1], cross(lever, f), samples.cop)
-    )
-    return (twist.vy * e[0] - twist.vx * e[1]) / twist.w
+    axle_distance(1.0, math.hypot(lever[0], lever[1]))
+    extent, over_rho = slide_samples(samples)
+    spread = load_spread(samples)
+    x, y = lever
+    (distance,) = exact_axle(x, y, force_angle, spread, extent, over_rho)
+    return distance
 
 
 class Slide(NamedTuple):

@@ -9,7 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
-from pushpressslide.allocation.one_contact import Allocator, one_contact_allocator
+from pushpressslide.allocation.allocator import Allocator
+from pushpressslide.allocation.one_contact import one_contact_allocator
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point

@@ -16,7 +16,7 @@ from pushpressslide.core.pose import Point
 from pushpressslide.core.task import ObjectModel
 from pushpressslide.geometry.shapes import Shape
 from pushpressslide.geometry.sides import Side
-from pushpressslide.mechanics.balance import PASSED
+from pushpressslide.kernels.tip_step import PASSED
 
 NEAR = 2e-3  # [m] a wall that is farther off is not met within a tick
 NO_WALL = (math.inf, (1.0, 0.0))  # far off

@@ -4,7 +4,13 @@ limit surface of a base with straight edges, in closed form.
 
 from __future__ import annotations
 
-from pushpressslide.batch.edge_loops import row_friction
+from collections.abc import Callable
+
+import numpy as np
+
+from pushpressslide.batch import fast
+from pushpressslide.kernels.edge_friction import polygon_friction
+from pushpressslide.kernels.support_friction import Friction
 from pushpressslide.mechanics.face_pressure import FacePressure
 from pushpressslide.planar.support_friction import Matrix, Vector
 
@@ -18,7 +24,7 @@ class PolygonFriction:
     def __init__(self, face: FacePressure) -> None:
         """Prepare the edges; the friction's limit mu N [N] is given at each call."""
         self.rho = face.rho  # [m] root mean square distance
-        self._friction = row_friction(face)
+        self._friction = friction_under(face)
 
     def wrench(self, twist: Vector, limit: float) -> Vector:
         """Return (fx, fy [N], tau [N m]) that slides the object with ``twist`` (m/s,
@@ -42,3 +48,26 @@ class PolygonFriction:
             [xy, limit * yy, yw],
             [xw, yw, limit * ww],
         ]
+
+
+def friction_under(
+    face: FacePressure,
+) -> Callable[[float, float, float, bool], Friction]:
+    """Return ``polygon_friction`` of a twist under a face, with or without its slope.
+
+    Compiled where numba is loaded already, which takes longer than a run has to gain;
+    the numbers are the same to the last bit.
+    """
+    plane = face.plane()
+    edges = face.edges()
+    series = face.series()
+    if fast.loaded():
+        from pushpressslide.batch.compiled import call_of
+
+        compiled = call_of(polygon_friction)
+        arrays = (np.array(plane), edges, np.array(series))
+        return lambda vx, vy, w, sloped: compiled(vx, vy, w, *arrays, sloped)
+    rows = tuple(map(tuple, edges.tolist()))
+    return lambda vx, vy, w, sloped: polygon_friction(
+        vx, vy, w, plane, rows, series, sloped
+    )

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from pushpressslide.core.arrays import Array
-from pushpressslide.mechanics.balance import CREEP
+from pushpressslide.kernels.support_friction import CREEP
 from pushpressslide.mechanics.pressure import PressureSamples
 
 Vector = tuple[float, float, float]

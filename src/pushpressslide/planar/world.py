@@ -14,10 +14,16 @@ from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.control import TipCommand, TipState, Vector3
 from pushpressslide.core.footprint import edge_depths
 from pushpressslide.core.plan import Contact
-from pushpressslide.core.pose import Point, Pose2, from_axis, in_axis
+from pushpressslide.core.pose import Point, Pose2, in_axis
 from pushpressslide.core.task import Task
-from pushpressslide.core.twist_path import moved
 from pushpressslide.core.wrench import Twist
+from pushpressslide.kernels.tip_step import (
+    Motion,
+    carried_body,
+    held_force,
+    tip_after,
+    tip_law,
+)
 from pushpressslide.mechanics.pressure import center_of_pressure, total_load
 from pushpressslide.planar.contact import (
     FREE,
@@ -183,10 +189,9 @@ class World:
             (vx, vy, w), tipping = self._carried(
                 X_WB, Twist(vx, vy, w, cop), tipping or not held
             )
-        twist = Twist(vx, vy, w, cop)
-        origin = twist.moved_to((0.0, 0.0))
-        X_after = moved(X_WB, (origin.vx, origin.vy, w), self.dt)
-
+        pose = (X_WB.x, X_WB.y, X_WB.yaw)
+        X_after = carried_body(axis, pose, (vx, vy, w), cop, self.dt)
+        motion = ((vx, vy, w), cop, X_after, self.dt)
         tips = list(state.tips)
         for arm, command in enumerate(commands):
             if command is None:
@@ -197,9 +202,10 @@ class World:
         for reach, contact in zip(reaches, touching, strict=True):
             response = FREE if contact is None else contact.response((vx, vy, w))
             arm = reach.contact.arm
-            tips[arm] = self._tip_after(state, axis, reach, response, twist, X_after)
+            tips[arm] = self._tip_after(state, axis, reach, response, motion)
             statuses[arm] = response.status
-        return WorldState(X_after, tuple(tips), tuple(statuses), twist, tipping)
+        twist = Twist(vx, vy, w, cop)
+        return WorldState(Pose2(*X_after), tuple(tips), tuple(statuses), twist, tipping)
 
     def _tip_after(
         self,
@@ -207,28 +213,17 @@ class World:
         axis: Point,
         reach: _Reach,
         response: Response,
-        twist: Twist,
-        X_after: Pose2,
+        motion: Motion,
     ) -> TipState:
-        """Return a tip one tick on, of an object that has gone to ``X_after``."""
-        dt = self.dt
-        velocity = reach.law.velocity(response.force)
-        fx, fy = from_axis(axis, response.force)
-        ux, uy = from_axis(axis, velocity)
+        """Return a tip one tick on, of an object that has moved so."""
         x, y, z = state.tips[reach.contact.arm].position
-        if response.status == "free":
-            x = x + dt * ux
-            y = y + dt * uy
-        else:  # with the object, but for its slip
-            px, py = reach.place
-            carried = twist.moved_to(reach.place)
-            sx = velocity[0] - carried.vx
-            sy = velocity[1] - carried.vy
-            x, y = X_after.apply((px + dt * sx, py + dt * sy))
+        before = (axis, (x, y), reach.place, reach.law)
+        free = response.status == "free"
+        place, velocity, force = tip_after(before, response.force, free, motion)
         return TipState(
-            (x, y, z + dt * reach.climb),
-            (ux, uy, reach.climb),
-            (fx, fy, -reach.press),
+            (*place, z + self.dt * reach.climb),
+            (*velocity, reach.climb),
+            (*force, -reach.press),
         )
 
     def _reach(
@@ -247,21 +242,15 @@ class World:
         x, y, z = state.tips[contact.arm].position
         place = in_axis(axis, (x - X_WB.x, y - X_WB.y))
         gap, normal = face.gap(place, z)
-        # f_0 in the plane, along the command's axes: what the tip exerts while it does
-        # not move
         c = math.cos(command.normal_yaw)
         s = math.sin(command.normal_yaw)
         kn, kt, kz = command.stiffness
         bn, bt, bz = command.damping
-        dx = command.position[0] - x
-        dy = command.position[1] - y
+        tx, ty, tz = command.position
         ux, uy, uz = command.velocity
-        fn = kn * (c * dx + s * dy) + bn * (c * ux + s * uy)
-        ft = kt * (c * dy - s * dx) + bt * (c * uy - s * ux)
-        force = in_axis(
-            axis,
-            (command.force[0] + c * fn - s * ft, command.force[1] + s * fn + c * ft),
-        )
+        fx, fy, fz = command.force
+        led = ((fx, fy), (tx - x, ty - y), (ux, uy), (kn, kt), (bn, bt))
+        force = in_axis(axis, held_force((c, s), led))
         # at a side the dampings are taken along the face's own axes, a few degrees off
         # the command's
         law_axis = normal if contact.kind == "side" else in_axis(axis, (c, s))
@@ -271,7 +260,7 @@ class World:
         wall = None
         if beside < math.inf:
             wall = _Wall(beside, _law(inwards, force, damping_plane))
-        lift = command.force[2] + kz * (command.position[2] - z) + bz * uz
+        lift = fz + kz * (tz - z) + bz * uz
         damping = _damping(bz, kz, dt)
         press = -(lift + damping * gap / dt) if contact.kind == "top" else 0.0
         radius = self.task.robots[contact.arm].tip_radius
@@ -338,7 +327,7 @@ class World:
 
 def _law(axis: Point, force: Point, damping: Point) -> TipLaw:
     """Return a tip's law along an axis, its force f_0 [N] given in B."""
-    return TipLaw(axis, in_axis(axis, force), damping)
+    return TipLaw(*tip_law(axis, force, damping))
 
 
 def _damping(damping: float, stiffness: float, dt: float) -> float:

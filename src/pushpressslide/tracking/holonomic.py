@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from math import cos, hypot, remainder, sin, sqrt
+from math import cos, hypot, remainder, sin
 
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import MotionPath
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.kernels.tracking import pulled_twist
 from pushpressslide.mechanics.height_term import DraggedSurface
 
 IntoCone = Callable[[Wrench], Wrench | None]
@@ -61,31 +62,23 @@ class HolonomicTracker:
         X_WV = X_WB.compose(self._X_BV)
         progress = path.nearest(X_WV, progress)
         wanted = path.pose(progress)
-        vx, vy, w = path.rate(progress)
+        rate = path.rate(progress)
         x, y = X_WV.unrotate((wanted.x - X_WV.x, wanted.y - X_WV.y))
         turned = remainder(wanted.yaw - X_WV.yaw, TURN)
-        c = cos(turned)
-        s = sin(turned)
-        vx, vy = c * vx - s * vy, s * vx + c * vy  # the path's twist, in V as it is
-        size = hypot(vx, vy)
+        # [m] of error that is pulled at in proportion
+        most = grip * self._share * self._decay
+        law = (speed, self._decay, path.radius, most)
+        (vx, vy, w), along, limited = pulled_twist(x, y, turned, rate, law)
+        size = hypot(*along)
         tx = 1.0
         ty = 0.0
         if size > 0.0:
-            tx = vx / size
-            ty = vy / size
+            tx = along[0] / size
+            ty = along[1] / size
         error = (tx * x + ty * y, tx * y - ty * x, turned)
-        off = sqrt(x * x + y * y + (path.radius * turned) ** 2)
-        # [m] of error that is pulled at in proportion
-        most = grip * self._share * self._decay
-        pull = speed / self._decay
-        if off > most:
-            pull = speed / self._decay * (most / off)
-        vx = speed * vx + pull * x
-        vy = speed * vy + pull * y
-        w = speed * w + pull * turned
         a, b = self._axes
         twist = Twist(a * vx - b * vy, b * vx + a * vy, w, self._X_BV.position)
-        return self._guidance(twist, progress, error, off > most)
+        return self._guidance(twist, progress, error, limited)
 
     def _guidance(
         self,

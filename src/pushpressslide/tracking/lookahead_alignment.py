@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from math import cos, sin
 
 from pushpressslide.core.pose import Pose2
+from pushpressslide.kernels.tracking import clipped, look_ahead_curvature
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,18 +40,14 @@ class LookAheadAlignment:
         ``grip`` narrows the bounds.
         """
         ell = self.look_ahead
-        if self.fixed is None:
-            lateral = left_error * cos(heading_error) + ell * sin(heading_error)
-            wanted = path_curvature + 4.0 * lateral / (ell * ell)
-        else:
-            goal = self.fixed
-            x, y, yaw = X_WV
-            dx = goal.x + ell * cos(goal.yaw) - x
-            dy = goal.y + ell * sin(goal.yaw) - y
-            wanted = 4.0 * (cos(yaw) * dy - sin(yaw) * dx) / (ell * ell)
         limit = grip * self.limit
-        if wanted > limit:
-            return limit, True
-        if wanted < -limit:
-            return -limit, True
-        return wanted, False
+        if self.fixed is None:
+            return look_ahead_curvature(
+                left_error, heading_error, path_curvature, ell, limit
+            )
+        goal = self.fixed
+        x, y, yaw = X_WV
+        dx = goal.x + ell * cos(goal.yaw) - x
+        dy = goal.y + ell * sin(goal.yaw) - y
+        wanted = 4.0 * (cos(yaw) * dy - sin(yaw) * dx) / (ell * ell)
+        return clipped(wanted, limit)

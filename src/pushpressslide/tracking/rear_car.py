@@ -5,14 +5,16 @@ floats, for a control loop: what it costs is tested.
 from __future__ import annotations
 
 import math
-from math import cos, remainder, sin, sqrt, tan
+from math import cos, sin
 
 from pushpressslide.core import margins
 from pushpressslide.core.allocation import new
 from pushpressslide.core.guidance import Guidance
-from pushpressslide.core.path import TURN, ArcPath
+from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import MotionPath
 from pushpressslide.core.pose import Pose2
+from pushpressslide.kernels.arc_path import wrapped
+from pushpressslide.kernels.tracking import Car, steered_push
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.tracking.rear_stanley import Steering
 
@@ -30,18 +32,12 @@ class RearPushTracker:
         ``max_friction`` is mu_s N [N].
         """
         ex, ey = car.axis
-        stretch = 1.0 + (car.lever / car.rho) ** 2
         self._figures = (
             math.atan2(ey, ex),
             math.hypot(*X_BV.position),
             math.atan2(X_BV.y, X_BV.x),
-            ex,
-            ey,
-            max_friction,
-            stretch,
-            -car.lever,
-            -1.0 / car.effective_wheelbase,
         )
+        self._car = figures_of_car(car, max_friction)
         self._law = (steer, car.cop, X_BV.position)
 
     def step(
@@ -51,9 +47,7 @@ class RearPushTracker:
         ``X_WB``.
         """
         assert isinstance(path, ArcPath)
-        heading_axis, reach, bearing, ex, ey, max_friction, stretch, arm, turning = (
-            self._figures
-        )
+        heading_axis, reach, bearing = self._figures
         steer, cop, axle = self._law
         yaw = X_WB.yaw + heading_axis
         ahead = X_WB.yaw + bearing
@@ -62,24 +56,34 @@ class RearPushTracker:
         progress, left, heading, curvature = path.nearest(
             x, y, progress, EASING * speed
         )
-        heading_error = remainder(heading - yaw, TURN)
+        heading_error = wrapped(heading - yaw)
         delta, saturated = steer(left, heading_error, curvature, grip)
-        k = tan(delta)
-        # |f| = mu_s N / sqrt(1 + (D sin(delta) / rho)^2); along e, and to its left
-        along = max_friction / sqrt(1.0 + stretch * k * k)
-        across = along * k
-        guidance = (
+        wrench, twist = steered_push(delta, speed, self._car)
+        fx, fy, tau = wrench
+        vx, vy, w = twist  # the axle moves along the heading axis
+        errors = (0.0, left, heading_error)
+        to_drive = (
             progress,
-            along * ex - across * ey,
-            along * ey + across * ex,
-            arm * across,
+            fx,
+            fy,
+            tau,
             cop,
-            speed * ex,  # the axle moves along e
-            speed * ey,
-            turning * speed * k,
+            vx,
+            vy,
+            w,
             axle,
             delta,
-            (0.0, left, heading_error),
+            errors,
             saturated,
         )
-        return new(Guidance, guidance)
+        return new(Guidance, to_drive)
+
+
+def figures_of_car(car: RearSteerCar, max_friction: float) -> Car:
+    """Return what ``kernels.tracking.steered_push`` knows a car by; ``max_friction`` is
+    mu_s N [N].
+    """
+    ex, ey = car.axis
+    stretch = 1.0 + (car.lever / car.rho) ** 2
+    turning = -1.0 / car.effective_wheelbase
+    return ex, ey, max_friction, stretch, -car.lever, turning

@@ -10,7 +10,8 @@ taken actual minus reference is the unstable one.)
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import atan
+
+from pushpressslide.kernels.tracking import stanley_law, stanley_steering
 
 Steering = Callable[[float, float, float, float], tuple[float, bool]]
 
@@ -31,17 +32,12 @@ def rear_stanley(
     ``curvature`` [1/m] of the path there; ``grip`` narrows ``steering_bounds`` [rad].
     The law gives the steering angle delta [rad] and whether it had to be clipped.
     """
-    slope = gain / (4.0 * effective_wheelbase)  # k / v
-    length = effective_wheelbase if feed_forward else 0.0
-    low, high = steering_bounds
+    (law,) = stanley_law(effective_wheelbase, *steering_bounds, gain, feed_forward)
 
     def steer(
         left_error: float, heading_error: float, curvature: float, grip: float
     ) -> tuple[float, bool]:
         """Return the steering angle [rad], and whether it was clipped."""
-        delta = -heading_error - atan(slope * left_error) - atan(length * curvature)
-        if grip * low <= delta <= grip * high:
-            return delta, False
-        return grip * (low if delta < 0.0 else high), True
+        return stanley_steering(left_error, heading_error, curvature, grip, law)
 
     return steer

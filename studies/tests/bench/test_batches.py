@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pushpressslide.batch import loops
+from pushpressslide.batch import fast
 from pushpressslide_studies.bench import batches, compared
 
 
@@ -23,7 +23,7 @@ def test_each_law_stands_beside_a_copy_and_a_missing_compiler_is_said(monkeypatc
     for row in rows:
         assert row["rows"] == 500
         assert row["ratio"] > 0.0
-        assert row["numpy_over"] == pytest.approx(1.0)  # it stands in for the compiler
+        assert row["python_over"] == pytest.approx(1.0)  # it stands in for the compiler
         assert "pushpressslide[fast]" in row["note"]
     alone = {row["what"]: row["one_by_one_over"] for row in rows}
     assert alone.pop("holonomic law") is None
@@ -39,24 +39,16 @@ def test_a_short_batch_is_called_several_times_a_round(monkeypatch):
         return compared.compared(calls, counts)
 
     monkeypatch.setattr(batches, "compared", seen_and_compared)
-    monkeypatch.setattr(batches, "installed", lambda: loops)
+    monkeypatch.setattr(batches, "installed", lambda: fast)
     law = next(batches.allocators(np.random.default_rng(0), 500))
-    batches._row(law, 500)
-    assert seen == [{"copy": 5, "compiled": 5, "NumPy": 5, "one by one": 1}]
-
-
-def test_by_numpy_leaves_the_compiler_out_and_brings_it_back(monkeypatch):
-    monkeypatch.setattr(loops, "installed", lambda: loops)
-    assert loops.compiler() is loops
-    with loops.by_numpy():
-        assert loops.compiler() is None
-    assert loops.compiler() is loops
+    batches._row(law, law, 500)
+    assert seen == [{"copy": 5, "compiled": 5, "Python": 1, "one by one": 1}]
 
 
 def test_a_batch_of_dubins_paths_stands_beside_ompl(monkeypatch):
     monkeypatch.setattr(batches, "installed", lambda: None)
     pytest.importorskip("ompl.base")
     rows = {row["what"]: row for row in batches.dubins(0)}
-    assert rows["batch, NumPy"]["ratio"] == 1.0  # the first that is there
+    assert rows["batch, Python"]["ratio"] == 1.0  # the first that is there
     assert rows["OMPL, one by one"]["median_us"] > 0.0
     assert np.isfinite(rows["one by one"]["ratio"])

@@ -15,13 +15,14 @@ def quick(monkeypatch):
 
 
 def test_the_box_comes_to_about_the_same_place():
+    pytest.importorskip("numba", reason=engines.NO_NUMBA)
     rows = {row["what"]: row for row in engines.engines()}
     alone = rows["one by one, closed form"]
-    batch = rows["batch, NumPy"]
+    batch = rows["batch, compiled"]
     assert batch["y_mm"] == pytest.approx(alone["y_mm"], abs=1e-6)
     assert batch["yaw_deg"] == pytest.approx(alone["yaw_deg"], abs=1e-6)
     planar = rows["planar engine, one by one"]
-    exact = rows["batch, exact surface, NumPy"]
+    exact = rows["batch, exact surface, compiled"]
     for figure in ("x_mm", "y_mm", "yaw_deg"):
         assert exact[figure] == pytest.approx(planar[figure], abs=1e-6)
     # the tip gives way, by friction over damping: 1.5 mm in a second

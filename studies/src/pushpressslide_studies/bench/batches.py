@@ -1,4 +1,4 @@
-"""The laws on arrays: compiled by numba and by NumPy, beside a copy of the same bytes,
+"""The laws on arrays: compiled by numba and in Python, beside a copy of the same bytes,
 and beside what does the same row by row.
 """
 
@@ -20,8 +20,8 @@ from pushpressslide.allocation.presses import two_press_allocator
 from pushpressslide.allocation.two_contacts import two_contact_allocator
 from pushpressslide.batch.dubins import shortest_lengths, shortest_paths
 from pushpressslide.batch.exact_surface import ExactSurface
+from pushpressslide.batch.fast import installed, without_numba
 from pushpressslide.batch.limit_surface import EllipsoidSurface
-from pushpressslide.batch.loops import by_numpy, installed
 from pushpressslide.batch.one_contact import OneContact
 from pushpressslide.batch.parallel import ParallelPushes
 from pushpressslide.batch.press_and_push import PressAndPush
@@ -56,13 +56,13 @@ from pushpressslide_studies.bench.compared import (
 Call = Callable[[], object]
 SIZES = (10_000, 300_000)  # rows of a batch
 ROUND = 50_000  # rows, at least, that each contestant does in a round
-ALONE = 200  # rows that are done one by one
+ALONE = 200  # rows that are done one by one, and of a batch in Python
 PATHS = 2_000  # Dubins paths that others find one by one
 NO_NUMBA = not_installed("pushpressslide[fast]")
 NO_OMPL = not_installed("pushpressslide-studies[bench]")
 COPY = "copy"
 COMPILED = "compiled"
-NUMPY = "NumPy"
+PYTHON = "Python"
 SINGLY = "one by one"
 BEHIND = ((-0.1, 0.03), (-0.1, -0.03))
 FORWARD = (1.0, 0.0)
@@ -72,39 +72,42 @@ SURFACE = EllipsoidLimitSurface(2.0, RHO)
 
 
 def batches(seed: int) -> list[Row]:
-    """Return a row for each law and size: the time of a row of data by numba, or by
-    NumPy where that is missing, over that of a copy; and what else takes how many times
+    """Return a row for each law and size: the time of a row of data by numba, or in
+    Python where that is missing, over that of a copy; and what else takes how many times
     as long.
     """
     rows = []
     for size in SIZES:
-        for law in laws(np.random.default_rng(seed), size):
-            rows.append(_row(law, size))
+        many, few = (laws(np.random.default_rng(seed), n) for n in (size, ALONE))
+        rows += [_row(law, short, size) for law, short in zip(many, few, strict=True)]
     return rows
 
 
-def _row(law: Law, size: int) -> Row:
-    """Return the row of one law."""
+def _row(law: Law, short: Law, size: int) -> Row:
+    """Return the row of one law; ``short`` is the same on ``ALONE`` rows."""
     block = np.zeros(law.numbers * size)
     contestants: dict[str, Call | str] = {
         COPY: block.copy,  # into new memory, as an answer is
         COMPILED: law.batch if installed() else NO_NUMBA,
-        NUMPY: _numpy(law.batch),
+        PYTHON: _in_python(short.batch),
     }
     single = law.single
     if single is not None:
         contestants[SINGLY] = lambda: [single(i) for i in range(ALONE)]
-    counts = dict.fromkeys(contestants, size) | {SINGLY: ALONE}
+    few = {SINGLY: ALONE, PYTHON: ALONE}
+    counts = dict.fromkeys(contestants, size) | few
     # a single call of few rows is at the mercy of what caches and memory held before
-    repeats = dict.fromkeys(contestants, math.ceil(ROUND / size)) | {SINGLY: 1}
+    repeats = dict.fromkeys(contestants, math.ceil(ROUND / size)) | dict.fromkeys(
+        few, 1
+    )
     found = {row["what"]: row for row in _compared(contestants, counts, repeats)}
-    best = found[COMPILED]["ratio"] or found[NUMPY]["ratio"]
-    times = {"numpy_over": NUMPY, "one_by_one_over": SINGLY}
+    best = found[COMPILED]["ratio"] or found[PYTHON]["ratio"]
+    times = {"python_over": PYTHON, "one_by_one_over": SINGLY}
     over = {
         name: found[other]["ratio"] / best if other in found else None
         for name, other in times.items()
     }
-    fastest = COMPILED if installed() else NUMPY
+    fastest = COMPILED if installed() else PYTHON
     return {
         "what": law.name,
         "rows": size,
@@ -126,18 +129,25 @@ def dubins(seed: int) -> list[Row]:
     def lengths() -> object:
         return shortest_lengths(starts, goals, 1.0, 1.0)
 
+    def few() -> object:
+        return shortest_lengths(starts[:ALONE], goals[:ALONE], 1.0, 1.0)
+
     def singly() -> None:
         for a, b in zip(starts[:ALONE], goals[:ALONE], strict=True):
             shortest_path(Pose2(*a), Pose2(*b), 1.0, 1.0)
 
     contestants: dict[str, Call | str] = {
         "batch, compiled": lengths if installed() else NO_NUMBA,
-        "batch, NumPy": _numpy(lengths),
+        "batch, Python": _in_python(few),
         SINGLY: singly,
         "OMPL, one by one": _ompl(starts[:PATHS], goals[:PATHS]),
     }
-    counts = dict.fromkeys(contestants, size)
-    return _compared(contestants, counts | {SINGLY: ALONE, "OMPL, one by one": PATHS})
+    counts = dict.fromkeys(contestants, size) | {
+        "batch, Python": ALONE,
+        SINGLY: ALONE,
+        "OMPL, one by one": PATHS,
+    }
+    return _compared(contestants, counts)
 
 
 def _compared(
@@ -159,11 +169,11 @@ def _compared(
     return compared(calls, counts)
 
 
-def _numpy(run: Call) -> Call:
-    """Return a call with NumPy alone."""
+def _in_python(run: Call) -> Call:
+    """Return a call without numba."""
 
     def call() -> object:
-        with by_numpy():
+        with without_numba():
             return run()
 
     return call

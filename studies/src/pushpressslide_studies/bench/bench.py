@@ -192,7 +192,7 @@ def sticking(seed: int, out: Path) -> list[Row]:
 
 
 def batches(seed: int, out: Path) -> list[Row]:
-    """Run the laws on arrays, compiled and by NumPy, beside a copy of the same bytes."""
+    """Run the laws on arrays, compiled and in Python, beside a copy of the same bytes."""
     from pushpressslide_studies.bench.batches import batches as rows
 
     return rows(seed)

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from pushpressslide.batch.loops import by_numpy, installed
+from pushpressslide.batch.fast import installed
 from pushpressslide.batch.planar_world import Faces, PlanarWorld, Tips
 from pushpressslide.batch.pushed_bodies import PushedBodies
 from pushpressslide.batch.support import polygon_support
@@ -63,10 +63,8 @@ def engines() -> list[Row]:
     """
     makers: dict[str, Callable[[], Pushed | str]] = {
         "batch, compiled": lambda: _batch() if installed() else NO_NUMBA,
-        "batch, NumPy": _numpy_batch,
         "one by one, closed form": _alone,
         "batch, exact surface, compiled": lambda: _exact() if installed() else NO_NUMBA,
-        "batch, exact surface, NumPy": _numpy_exact,
         "planar engine, one by one": _planar,
         "MuJoCo": _mujoco,
         "Drake, hydroelastic": _drake,
@@ -111,11 +109,6 @@ def _batch() -> Pushed:
     return Pushed(spent / BODIES, *pushes.poses[0].tolist())
 
 
-def _numpy_batch() -> Pushed:
-    with by_numpy():
-        return _batch()
-
-
 def _alone() -> Pushed:
     from pushpressslide.core.pose import Pose2
     from pushpressslide.core.twist_path import moved
@@ -151,11 +144,6 @@ def _exact() -> Pushed:
     velocities = [(SPEED, 0.0)]
     spent, states = _stepped(lambda before: world.step(before, velocities), states)
     return Pushed(spent / EXACT_BODIES, *states.poses[0].tolist())
-
-
-def _numpy_exact() -> Pushed:
-    with by_numpy():
-        return _exact()
 
 
 def _planar() -> Pushed:

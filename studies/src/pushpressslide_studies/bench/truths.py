@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from time import perf_counter
 
-from pushpressslide.batch.loops import by_numpy, installed
+from pushpressslide.batch.fast import installed
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.task import Task
 from pushpressslide_studies.bench.compared import Row, rows_of_runs
@@ -35,7 +35,6 @@ def truths(seed: int) -> list[Row]:
         "batch, compiled": lambda: (
             _batch(plan, task, seed) if installed() else NO_NUMBA
         ),
-        "batch, NumPy": lambda: _numpy_batch(plan, task, seed),
         "run loop, planar engine": lambda: _loop(plan, task, seed),
     }
     if installed():
@@ -56,11 +55,6 @@ def _batch(plan: Plan, task: Task, seed: int, count: int | None = None) -> float
     began = perf_counter()
     batched(plan, drawn_truths(task, seed, count), seed)
     return (perf_counter() - began) / count
-
-
-def _numpy_batch(plan: Plan, task: Task, seed: int) -> float:
-    with by_numpy():
-        return _batch(plan, task, seed)
 
 
 def _loop(plan: Plan, task: Task, seed: int) -> float:

@@ -15,7 +15,7 @@ HEADINGS = {
     "median_us": "median µs",
     "p99_us": "99th percentile µs",
     "ratio": "times the first",
-    "numpy_over": "NumPy takes, times",
+    "python_over": "Python takes, times",
     "one_by_one_over": "one by one takes, times",
     "off_path_mm": "off the path mm",
     "end_mm": "off in the end mm",

@@ -1,0 +1,24 @@
+"""Allocators: kernels with the figures of their contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from pushpressslide.core.allocation import STATUSES, Allocation, new
+
+Allocator = Callable[[float, float, float], Allocation]
+
+
+def allocator_of(
+    kernel: Callable[..., tuple[Any, ...]], first: Any, second: Any
+) -> Allocator:
+    """Return ``allocate(fx, fy, tau)`` [N, N m] of a kernel with its figures."""
+
+    def allocate(fx: float, fy: float, tau: float) -> Allocation:
+        """Return the allocation of a wrench [N, N m]."""
+        forces, normals, margin, status, residual = kernel(fx, fy, tau, first, second)
+        words = (forces, normals, margin, STATUSES[status], residual)
+        return new(Allocation, words)
+
+    return allocate

@@ -1,0 +1,254 @@
+"""Kernels compiled over rows by numba. This module alone imports numba, and is imported at
+the first call of a batch.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+from llvmlite.binding import set_option
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic, overload
+
+from pushpressslide import kernels
+from pushpressslide.kernels.kernel import APART, COMPILED, KERNELS, SUMS, WIDE
+
+TABLE = types.Array(numba.float64, 2, "A", readonly=True)
+RESULTS = types.Array(numba.float64, 2, "C")
+
+# what the compiler may do to a sum: another order, products and sums in one step
+REORDERED = {"reassoc", "contract", "nsz", "arcp"}
+
+LANES = 64  # rows that a loop takes at a time
+
+Like = tuple[Any, ...]
+Loop = Callable[..., None]
+
+
+@intrinsic
+def taken(typingctx: Any, row: Any, like: Any) -> Any:
+    """Return the numbers of a row (k,) as a tuple like another, nested as that is."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        cell = _cells(context, builder, signature.args[0], arguments[0])
+
+        def built(kind: Any) -> Any:
+            if isinstance(kind, types.BaseTuple):
+                parts = [built(part) for part in kind.types]
+                return context.make_tuple(builder, kind, parts)
+            return builder.load(cell())
+
+        return built(like)
+
+    return like(row, like), code
+
+
+@intrinsic
+def stored(typingctx: Any, row: Any, values: Any) -> Any:
+    """Write the numbers of a nested tuple into a row (k,), one after the other."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        cell = _cells(context, builder, signature.args[0], arguments[0])
+
+        def write(kind: Any, value: Any) -> None:
+            if isinstance(kind, types.BaseTuple):
+                parts = cgutils.unpack_tuple(builder, value)
+                for part, inner in zip(kind.types, parts, strict=True):
+                    write(part, inner)
+                return
+            builder.store(context.cast(builder, value, kind, types.float64), cell())
+
+        write(values, arguments[1])
+        return context.get_dummy_value()
+
+    return types.none(row, values), code
+
+
+@intrinsic
+def copied(typingctx: Any, target: Any, tables: Any, row: Any, likes: Any) -> Any:
+    """Write a row's numbers in all tables into another row, one after the other; of each
+    table as many as its part of ``likes`` has.
+    """
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        to = _cells(context, builder, signature.args[0], arguments[0])
+        parts = cgutils.unpack_tuple(builder, arguments[1])
+        for kind, table, like in zip(tables.types, parts, likes.types, strict=True):
+            array = context.make_array(kind)(context, builder, table)
+            along, across = cgutils.unpack_tuple(builder, array.strides)
+            start = builder.mul(along, arguments[2])
+            for place in range(_width(like)):
+                offset = builder.add(start, builder.mul(across, across.type(place)))
+                cell = cgutils.pointer_add(builder, array.data, offset)
+                builder.store(builder.load(cell), to())
+        return context.get_dummy_value()
+
+    return types.none(target, tables, row, likes), code
+
+
+def _width(kind: Any) -> int:
+    """Return how many numbers a nested tuple, or the type of one, has."""
+    parts = kind.types if isinstance(kind, types.BaseTuple) else kind
+    return sum(map(_width, parts)) if isinstance(parts, tuple) else 1
+
+
+def _cells(context: Any, builder: Any, kind: Any, row: Any) -> Callable[[], Any]:
+    """Return a function that gives the address of a row's next number."""
+    array = context.make_array(kind)(context, builder, row)
+    (stride,) = cgutils.unpack_tuple(builder, array.strides)
+    place = 0
+
+    def cell() -> Any:
+        nonlocal place
+        offset = builder.mul(stride, stride.type(place))
+        place += 1
+        return cgutils.pointer_add(builder, array.data, offset)
+
+    return cell
+
+
+@cache
+def loop_over(
+    kernel: Callable[..., Any],
+    heads: tuple[Like, ...],
+    like: Like,
+    shared: bool,
+    kinds: tuple[tuple[str, int], ...] = (),
+) -> Loop:
+    """Return the loop of a kernel over rows in tables, nested as ``heads`` are, and of
+    figures nested as ``like`` is, one row of them if they are ``shared`` by all, and of
+    arrays of such ``kinds``: NumPy's letter and the number of axes.
+
+    numba keeps what it compiles beside this file, or in the user's cache, by the loop's
+    name: that holds a digest of all kernels, so that a change is compiled anew.
+    """
+    for function in KERNELS:
+        _register(function)
+    make = _loop_of_one if shared else _loop_of_each
+    loop = make(kernel, heads, like)
+    loop.__qualname__ = f"{kernel.__name__}_{_digest()}"
+    tables = types.UniTuple(TABLE, len(heads))
+    arrays = types.Tuple([_array(letter, axes) for letter, axes in kinds])
+    signature = numba.void(tables, TABLE, arrays, RESULTS)
+    with _vectors(4 if kernel in WIDE else 0):
+        out: Loop = numba.njit(signature, cache=True, error_model="numpy")(loop)
+    return out
+
+
+@contextmanager
+def _vectors(width: int) -> Iterator[None]:
+    """Let LLVM take so many rows at once in loops that are compiled inside; 0: as it
+    sees fit.
+
+    It expects that half of what is behind branches is left out, as if they were free.
+    numba has no way to say otherwise of one loop, hence an option of LLVM as a whole.
+    """
+    set_option("", f"-force-vector-width={width}")
+    try:
+        yield
+    finally:
+        set_option("", "-force-vector-width=0")
+
+
+def _array(letter: str, axes: int) -> types.Array:
+    """Return the type of an array in one piece that is only read."""
+    return types.Array(numba.from_dtype(np.dtype(letter)), axes, "C", readonly=True)
+
+
+@cache
+def call_of(kernel: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a kernel compiled for single calls, of the arguments of its first one."""
+    for function in KERNELS:
+        _register(function)
+
+    def call(*arguments: Any) -> Any:
+        return kernel(*arguments)
+
+    call.__qualname__ = f"call_of_{kernel.__name__}_{_digest()}"
+    out: Callable[..., Any] = numba.njit(cache=True, error_model="numpy")(call)
+    return out
+
+
+# A loop takes some rows at a time. Their numbers are first put side by side, in memory
+# of its own, so that the compiler may work on several rows at once.
+
+
+def _loop_of_one(
+    kernel: Callable[..., Any], heads: tuple[Like, ...], like: Like
+) -> Loop:
+    """Return the loop in which all rows share their figures: what follows from these
+    alone is worked out once.
+    """
+    head = sum(heads, ())
+    width = _width(head)
+
+    def loop(rows: Any, figures: Any, arrays: Any, out: Any) -> None:
+        given = taken(figures[0], like)
+        x = np.zeros((width, LANES))
+        y = np.zeros((len(out), LANES))
+        for start in range(0, out.shape[1], LANES):
+            size = min(LANES, out.shape[1] - start)
+            for j in range(size):
+                copied(x[:, j], rows, start + j, heads)
+            for j in range(size):
+                stored(y[:, j], kernel(*(taken(x[:, j], head) + given + arrays)))
+            for k in range(len(out)):
+                for j in range(size):
+                    out[np.uint64(k), np.uint64(start + j)] = y[k, j]
+
+    return loop
+
+
+def _loop_of_each(
+    kernel: Callable[..., Any], heads: tuple[Like, ...], like: Like
+) -> Loop:
+    """Return the loop in which each row has figures of its own."""
+    head = sum((*heads, like), ())
+    width = _width(head)
+    likes = (*heads, like)
+
+    def loop(rows: Any, figures: Any, arrays: Any, out: Any) -> None:
+        tables = (*rows, figures)
+        x = np.zeros((width, LANES))
+        y = np.zeros((len(out), LANES))
+        for start in range(0, out.shape[1], LANES):
+            size = min(LANES, out.shape[1] - start)
+            for j in range(size):
+                copied(x[:, j], tables, start + j, likes)
+            for j in range(size):
+                stored(y[:, j], kernel(*(taken(x[:, j], head) + arrays)))
+            for k in range(len(out)):
+                for j in range(size):
+                    out[np.uint64(k), np.uint64(start + j)] = y[k, j]
+
+    return loop
+
+
+@cache
+def _register(function: Callable[..., Any]) -> None:
+    """Tell numba how it may compile a kernel."""
+    options: dict[str, Any] = {"error_model": "numpy"}
+    if function not in APART:
+        options["forceinline"] = True
+    if function in SUMS:
+        options["fastmath"] = REORDERED
+    body = COMPILED.get(function, function)
+    overload(function, jit_options=options, strict=False)(lambda *_, **__: body)
+
+
+@cache
+def _digest() -> str:
+    """Return a digest of this file and of all kernels."""
+    texts = hashlib.sha256(Path(__file__).read_bytes())
+    for folder in sorted(kernels.__path__):
+        for file in sorted(Path(folder).glob("*.py")):
+            texts.update(file.read_bytes())
+    return texts.hexdigest()[:16]

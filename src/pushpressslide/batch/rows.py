@@ -1,0 +1,218 @@
+"""Kernels over rows of any leading shape: compiled by numba, the extra ``fast``, or in
+Python where it is not installed.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pushpressslide.batch import fast
+from pushpressslide.core.arrays import Array
+
+Kernel = Callable[..., tuple[Any, ...]]
+AnyArray = NDArray[Any]
+Like = tuple[Any, ...]
+"""Nested tuples of floats: what a kernel is given."""
+
+
+class Figures(NamedTuple):
+    """The figures of a law, for all rows or for each of them."""
+
+    table: Array  # (..., k) the numbers of ``like``, in their order
+    like: Like
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The leading shape."""
+        return self.table.shape[:-1]
+
+
+NO_FIGURES = Figures(np.zeros(0), ())
+
+
+def figures(*values: ArrayLike) -> tuple[Array, ...]:
+    """Return numbers and sequences as arrays of floats."""
+    return tuple(np.asarray(value, dtype=np.float64) for value in values)
+
+
+def figures_of(*groups: Any) -> Figures:
+    """Return nested tuples of arrays (...) as figures of their leading shape."""
+    return Figures(_table(list(leaves(groups))), alike(groups, lambda _: 0.0))
+
+
+def _table(columns: Sequence[ArrayLike]) -> Array:
+    """Return columns (...) as an array (..., k) that keeps each in one piece."""
+    if not any(map(np.ndim, columns)):
+        return np.array(columns, dtype=np.float64)
+    shape = np.broadcast_shapes(*map(np.shape, columns))
+    out = np.empty((len(columns), *shape))
+    for place, column in enumerate(columns):
+        out[place] = column
+    return _turned(out)
+
+
+def _turned(array: Array) -> Array:
+    """Return an array with its first axis as the last one."""
+    return array.transpose(*range(1, array.ndim), 0)
+
+
+def halves(vectors: Array) -> tuple[Array, Array]:
+    """Return the two components of vectors (..., 2)."""
+    return vectors[..., 0], vectors[..., 1]
+
+
+def prepared(setup: Kernel, *groups: Any) -> Figures:
+    """Return what a kernel makes of nested tuples of arrays (...), as figures."""
+    given = figures_of(*groups)
+    width = given.table.shape[-1]
+    first = given.table.reshape(-1, width)[:1].tolist() or [[1.0] * width]
+    one = setup(*filled(given.like, first[0]))
+    like = alike(one, lambda _: 0.0)
+    if not given.shape:
+        return Figures(_table(list(leaves(one))), like)
+    columns = sum(1 for _ in leaves(one))
+    return Figures(answers(setup, given, columns=columns), like)
+
+
+def leaves(values: Any) -> Iterator[Any]:
+    """Yield the members of nested tuples, from left to right."""
+    if isinstance(values, tuple):
+        for value in values:
+            yield from leaves(value)
+    else:
+        yield values
+
+
+def filled(like: Any, numbers: Sequence[float]) -> Any:
+    """Return numbers as tuples nested as ``like`` is."""
+    each = iter(numbers)
+    return alike(like, lambda _: next(each))
+
+
+def alike(values: Any, number: Callable[[Any], float]) -> Any:
+    """Return tuples nested as ``values`` are, each member by ``number``."""
+    if not isinstance(values, tuple):
+        return number(values)
+    parts = [alike(value, number) for value in values]
+    make = getattr(type(values), "_make", tuple)
+    return make(parts)
+
+
+def nested(values: Any) -> Any:
+    """Return nested lists as nested tuples."""
+    return tuple(map(nested, values)) if isinstance(values, list) else values
+
+
+def spread(array: Array) -> Figures:
+    """Return the numbers of an array (..., k) as k arguments of a kernel."""
+    return Figures(array, (0.0,) * array.shape[-1])
+
+
+def grouped(array: Array) -> Figures:
+    """Return the numbers of an array (..., k) as one argument of a kernel, a tuple."""
+    return Figures(array, ((0.0,) * array.shape[-1],))
+
+
+def columns_of(*columns: Array) -> tuple[Figures, ...]:
+    """Return arrays (...) as one argument of a kernel each."""
+    return tuple(Figures(column[..., None], (0.0,)) for column in columns)
+
+
+def beside(*parts: Figures) -> Figures:
+    """Return arguments of a kernel side by side; they broadcast against each other."""
+    columns = [
+        c for p in parts for c in p.table.transpose(-1, *range(p.table.ndim - 1))
+    ]
+    return Figures(_table(columns), sum((part.like for part in parts), ()))
+
+
+def answers(
+    kernel: Kernel,
+    row: Figures | Sequence[Figures],
+    figures: Figures = NO_FIGURES,
+    arrays: tuple[AnyArray, ...] = (),
+    *,
+    columns: int,
+) -> Array:
+    """Return ``kernel(*row, *figures, *arrays)`` of each row (..., ``columns``), its
+    nested tuples flattened; rows and figures broadcast against each other.
+
+    A ``row`` may be several figures, side by side. ``arrays`` are the same for all rows;
+    in Python a kernel is given them as nested tuples.
+    """
+    parts = (row,) if isinstance(row, Figures) else tuple(row)
+    shape = np.broadcast_shapes(*(part.shape for part in parts), figures.shape)
+    rows = tuple(_flat(part.table, shape) for part in parts)
+    out = np.empty((columns, math.prod(shape)))
+    shared = figures.table.ndim == 1
+    given = tuple(np.ascontiguousarray(array) for array in arrays)
+    kinds = tuple((array.dtype.char, array.ndim) for array in given)
+    heads = tuple(part.like for part in parts)
+    loop = _compiled(kernel, heads, figures.like, shared, kinds)
+    table = figures.table[None] if shared else _flat(figures.table, shape)
+    loop(rows, table, given, out)
+    return _turned(out.reshape(columns, *shape))
+
+
+def _flat(table: Array, shape: tuple[int, ...]) -> Array:
+    """Return a table of the leading ``shape`` as (n, k)."""
+    k = table.shape[-1]
+    if table.shape[:-1] != shape:
+        table = np.broadcast_to(table, (*shape, k))
+    return table.reshape(math.prod(shape), k)
+
+
+def _compiled(
+    kernel: Kernel,
+    heads: tuple[Like, ...],
+    like: Like,
+    shared: bool,
+    kinds: tuple[tuple[str, int], ...],
+) -> Callable[..., None]:
+    """Return the loop of a kernel: numba's, or one in Python."""
+    if fast.compiler() is None:
+        if fast.installed() is None:
+            _say_slow()
+        return _interpreted(kernel, sum(heads, ()), like, shared)
+    from pushpressslide.batch.compiled import loop_over
+
+    return loop_over(kernel, heads, like, shared, kinds)
+
+
+@cache
+def _say_slow() -> None:
+    """Warn, once, that batches are slow without numba."""
+    warnings.warn(
+        "numba is not installed: batches run in Python, row by row; "
+        "pip install 'pushpressslide[fast]'",
+        stacklevel=5,
+    )
+
+
+def _interpreted(
+    kernel: Kernel, head: Like, like: Like, shared: bool
+) -> Callable[..., None]:
+    """Return the loop of a kernel in Python, as ``compiled.loop_over``."""
+
+    def loop(
+        rows: tuple[Array, ...],
+        figures: Array,
+        arrays: tuple[AnyArray, ...],
+        out: Array,
+    ) -> None:
+        given: Any = ()
+        rest = tuple(nested(array.tolist()) for array in arrays)
+        for i, row in enumerate(np.concatenate(rows, axis=1).tolist()):
+            if i == 0 or not shared:
+                given = filled(like, figures[i].tolist())
+            answer = kernel(*filled(head, row), *given, *rest)
+            out[:, i] = tuple(leaves(answer))
+
+    return loop

@@ -1,0 +1,45 @@
+"""The line through two contacts, and what a wrench asks of them along and across it
+(docs/mechanics.md, sections 6 and 7).
+"""
+
+from __future__ import annotations
+
+from math import hypot
+
+from pushpressslide.kernels.allocation import Vector, Wrench
+from pushpressslide.kernels.kernel import kernel
+
+Line = tuple[float, float, float, float, float]
+"""Unit vector x, y in B from contact 1 to 2, their distance [m], and the middle x, y [m]
+in B.
+"""
+
+
+@kernel
+def contact_line(first: Vector, second: Vector) -> Line:
+    """Return the line from one contact to another [m]; of no direction where their
+    distance is zero.
+    """
+    dx = second[0] - first[0]
+    dy = second[1] - first[1]
+    length = hypot(dx, dy)
+    middle_x = 0.5 * (first[0] + second[0])
+    middle_y = 0.5 * (first[1] + second[1])
+    if length == 0.0:
+        return 0.0, 0.0, length, middle_x, middle_y
+    return dx / length, dy / length, length, middle_x, middle_y
+
+
+@kernel
+def line_parts(fx: float, fy: float, tau: float, line: Line, about: Vector) -> Wrench:
+    """Return (F.e, g_1, g_2) [N] of a wrench with its moment about ``about`` [m].
+
+    g_1 = F.m/2 - tau_mid/l and g_2 = F.m/2 + tau_mid/l, tau_mid the moment about the
+    middle.
+    """
+    ex, ey, length, middle_x, middle_y = line
+    along = ex * fx + ey * fy
+    across = ex * fy - ey * fx
+    moment = tau - (middle_x - about[0]) * fy + (middle_y - about[1]) * fx
+    turning = moment / length
+    return along, 0.5 * across - turning, 0.5 * across + turning

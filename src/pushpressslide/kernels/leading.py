@@ -1,0 +1,68 @@
+"""What leads a body along its path from tick to tick, beside the law that tracks it."""
+
+from __future__ import annotations
+
+from math import hypot, sqrt
+
+from pushpressslide.kernels.allocation import Vector
+from pushpressslide.kernels.arc_path import wrapped
+from pushpressslide.kernels.kernel import kernel
+from pushpressslide.kernels.plane import Pose
+
+Pace = tuple[float, float, float, float]
+"""What bounds the speed along a path: how fast it may end [m/s] and the most [m/s], its
+acceleration [m/s^2], and the pull of the time reference on the progress [1/s].
+"""
+Grip = tuple[float, float, float, float]
+"""Friction utilisation above which the share of the steering that may be used falls; how
+fast it falls and rises [1/s]; the least share.
+"""
+
+
+@kernel
+def corrected(predicted: Pose, seen: Pose, gain: float) -> Pose:
+    """Return a predicted pose, corrected by a share of what a measured one is off."""
+    turn = wrapped(seen[2] - predicted[2])
+    return (
+        predicted[0] + gain * (seen[0] - predicted[0]),
+        predicted[1] + gain * (seen[1] - predicted[1]),
+        predicted[2] + gain * turn,
+    )
+
+
+@kernel
+def paced(
+    planned: Vector, progress: float, left: float, least: float, pace: Pace
+) -> float:
+    """Return the speed [m/s] along a path: the profile's, and what catches up.
+
+    ``planned`` are progress [m] and speed [m/s] of the profile, ``left`` is how much of
+    the path there is [m], ``least`` the least speed.
+    """
+    floor, most, acceleration, catch_up = pace
+    wanted = planned[1] + catch_up * (planned[0] - progress)
+    braking = floor + sqrt(acceleration * max(left, 0.0))
+    return min(max(wanted, least), most, braking)
+
+
+@kernel
+def eased_grip(share: float, used: float, dt: float, grip: Grip) -> float:
+    """Return the share of the steering that may be used after ``dt`` [s] at a friction
+    utilisation.
+    """
+    use, fall, rise, least = grip
+    rate = -fall if used > use else rise
+    return min(1.0, max(least, share + rate * dt))
+
+
+@kernel
+def approached(value: Vector, target: Vector, step: float) -> Vector:
+    """Return ``target`` if it is within ``step`` of ``value``, else the point that far
+    on the way to it.
+    """
+    dx = target[0] - value[0]
+    dy = target[1] - value[1]
+    size = hypot(dx, dy)
+    if size <= step:
+        return target
+    return value[0] + dx * step / size, value[1] + dy * step / size

@@ -1,0 +1,60 @@
+"""One top contact: a tangential force within the friction disc of its press
+(docs/mechanics.md, sections 4 and 8).
+"""
+
+from __future__ import annotations
+
+from math import inf, sqrt
+
+from pushpressslide.kernels.allocation import INFEASIBLE, OK, PROJECTED, One, Vector
+from pushpressslide.kernels.kernel import kernel
+
+Press = tuple[float, float, float, float]
+"""One press: arm x, y [m] in B from the centre of pressure, normal force [N], radius of
+the friction disc [N].
+"""
+
+Nearness = tuple[float, float]
+"""The norm diag(1, 1, 1/rho^2): 1 / rho^2, and by how much a force's part that turns
+shrinks in it.
+"""
+
+
+@kernel
+def one_press_figures(
+    point: Vector, load: float, friction: float, rho: float, cop: Vector
+) -> tuple[Press, Nearness]:
+    """Return the figures of ``one_press``; ``point``, ``rho`` and ``cop`` [m], ``load``
+    [N].
+    """
+    rx = point[0] - cop[0]
+    ry = point[1] - cop[1]
+    per_square = 1.0 / (rho * rho)
+    shrink = 1.0 / (1.0 + (rx * rx + ry * ry) * per_square)
+    return (rx, ry, load, friction * load), (per_square, shrink)
+
+
+@kernel
+def one_press(fx: float, fy: float, tau: float, press: Press, norm: Nearness) -> One:
+    """Return the allocation of a wrench [N, N m] about the centre of pressure: of the
+    nearest direction, then on the disc.
+    """
+    rx, ry, load, most = press
+    off = tau - rx * fy + ry * fx
+    size = sqrt(fx * fx + fy * fy)
+    if size <= most and abs(off) <= 1e-12 * most:
+        return ((fx, fy),), (load,), most - size, OK, (0.0, 0.0, off)
+    if not size + abs(tau) < inf:
+        return ((0.0, 0.0),), (load,), 0.0, INFEASIBLE, (fx, fy, tau)
+    per_square, shrink = norm
+    # least squares of (f - F, (r x f - tau) / rho) over f
+    k = off * per_square * shrink
+    gx = fx - k * ry
+    gy = fy + k * rx
+    size = sqrt(gx * gx + gy * gy)
+    if size > most:
+        gx = gx * most / size
+        gy = gy * most / size
+        size = most
+    residual = (fx - gx, fy - gy, tau - rx * gy + ry * gx)
+    return ((gx, gy),), (load,), most - size, PROJECTED, residual

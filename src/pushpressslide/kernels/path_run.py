@@ -1,0 +1,218 @@
+"""One planned push from behind, tick by tick: pose filter, rear Stanley law, velocity
+servo, and a compliant tip that pushes a body on the ellipsoid.
+
+It is what the run loop does in the move of a rear push on the planar engine, with the
+exact limit surface replaced by an ellipsoid about the true centre of pressure, and
+without the approach, the touch and the release, new plans, what is identified on the way,
+and another touch. Frame B is at the centre of mass as believed; n and t are along the
+face's inward normal and to its left.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import sqrt
+
+from pushpressslide.kernels.allocation import Vector
+from pushpressslide.kernels.arc_path import nearest, trapezoid, wrapped
+from pushpressslide.kernels.compliant_tip import side_touch
+from pushpressslide.kernels.kernel import kernel, kernel_apart
+from pushpressslide.kernels.leading import (
+    Grip,
+    Pace,
+    approached,
+    corrected,
+    eased_grip,
+    paced,
+)
+from pushpressslide.kernels.plane import Pose, carried, from_axis, heading, in_axis
+from pushpressslide.kernels.sliding import Triple
+from pushpressslide.kernels.supports import on_ellipsoid
+from pushpressslide.kernels.tip_step import Face, one_tip_step
+from pushpressslide.kernels.tracking import Car, Stanley, stanley_steering, steered_push
+
+UNDER_WAY = 0.0
+ARRIVED = 1.0
+LEFT_FACE = 2.0
+ASTRAY = 3.0
+"""How a run stands."""
+THINNEST = 1e-12  # [m^2] of an ellipsoid's rho^2
+
+Clock = tuple[float, float, float, float, float, float]
+"""Progress along the path [m]; share of the steering that may be used; how long the
+contact's force has not been felt [s]; largest distance of the axle from the path so far
+[m]; time since the motion began [s]; how the run stands.
+"""
+State = tuple[Pose, Pose, Triple, Vector, Vector, Triple, Vector, Clock]
+"""X_WB; the same as believed; the twist of B's origin that is expected, in B; the tip
+[m], and the velocity [m/s] that leads it, in the world; the body's twist, of B's origin;
+the tip's force on it [N] along n and t; the clock.
+"""
+Truth = tuple[float, float, float, Vector]
+"""mu_s N [N]; height of the contact over the load [m/N]; friction of the pair tip/body;
+the centre of mass from where it is believed [m], along n and t.
+"""
+Lead = tuple[float, Vector, float, Stanley, Car, Grip]
+"""Share of a measured pose's error that corrects the predicted one; the virtual front axle
+in B [m]; direction of the car's heading axis in B [rad]; its law and figures, and its grip.
+"""
+Touch = tuple[Face, Vector, float, float, float, float, float]
+"""The face and the tip at it; the tip's centre as planned [m]; friction as believed; force
+[N] that counts as contact, and below which it is lost; how fast the tip's reference may
+change [m/s^2]; how long [s] a contact may be lost.
+"""
+Base = tuple[float, float, float, float]
+"""rho^2 [m^2] of the ellipsoid about the centre of pressure, as the exact surface has it
+for a force at the tangent k to the line through the centre of mass, less the square of the
+distance between the two centres: at k = 0, per |k|, per k^2, and |k| beyond which it stays.
+"""
+Course = tuple[Pace, float, float, float, float, float, float, float]
+"""What bounds the speed; length of the path [m], cruising speed of its profile [m/s], time
+over which bends are averaged [s], path left [m] at which the motion ends, distance off the
+path [m] at which it is given up, tick [s], and time [s] after which the run is ended.
+"""
+Laws = tuple[Lead, Touch, Base, Course]
+Rows = Sequence[Sequence[float]]
+Guide = tuple[float, float, Vector, Triple]
+"""Progress [m], offset to the left [m], force [N] and twist of B's origin, in B."""
+
+
+@kernel
+def path_run(
+    state: State,
+    truth: Truth,
+    number: float,
+    laws: Laws,
+    pieces: Rows,
+    bends: Rows,
+    noise: Rows,
+) -> State:
+    """Return the state after some ticks, or where the run has ended; ``noise`` has, in
+    row ``number``, the errors [m], [m], [rad] of each tick's measured pose.
+    """
+    course = laws[3]
+    dt = course[6]
+    errors = noise[int(number)]
+    for tick in range(len(errors) // 3):
+        clock = state[7]
+        if clock[5] != UNDER_WAY or clock[4] > course[7] - 0.5 * dt:
+            break
+        error = (errors[3 * tick], errors[3 * tick + 1], errors[3 * tick + 2])
+        state = ticked(state, truth, error, laws, pieces, bends)
+    return state
+
+
+@kernel_apart
+def ticked(
+    state: State, truth: Truth, error: Pose, laws: Laws, pieces: Rows, bends: Rows
+) -> State:
+    """Return the state after one tick."""
+    pose, believed, expected, tip, velocity, twist, force, clock = state
+    lead, touch, base, course = laws
+    dt = course[6]
+    measured = (pose[0] + error[0], pose[1] + error[1], pose[2] + error[2])
+    seen = corrected(carried(believed, expected, dt), measured, lead[0])
+    axis = heading(seen[2])
+    guide = guided(seen, axis, clock, lead, course, pieces, bends)
+    progress, left, wanted, expected = guide
+    vx, vy, w = expected
+    px, py = touch[1]
+    at_tip = from_axis(axis, (vx - w * py, vy + w * px))
+    velocity = approached(velocity, at_tip, touch[5] * dt)
+    used = abs(force[1]) / (touch[2] * max(force[0], touch[3]))
+    grip = eased_grip(clock[1], used, dt, lead[5])
+    led = (tip, velocity, from_axis(axis, wanted))
+    pose, tip, twist, force = pushed_on(
+        (pose, twist, force), led, truth, touch, base, dt
+    )
+    apart = clock[2] + dt if force[0] < touch[4] else 0.0
+    end = ending(progress, left, apart > touch[6], course)
+    after = (progress, grip, apart, max(abs(left), clock[3]), clock[4] + dt, end)
+    return pose, seen, expected, tip, velocity, twist, force, after
+
+
+@kernel
+def ending(progress: float, left: float, parted: bool, course: Course) -> float:
+    """Return how a run stands."""
+    if abs(left) > course[5]:
+        return ASTRAY
+    if parted:
+        return LEFT_FACE
+    return ARRIVED if course[1] - progress <= course[4] else UNDER_WAY
+
+
+@kernel
+def guided(
+    seen: Pose,
+    axis: Vector,
+    clock: Clock,
+    lead: Lead,
+    course: Course,
+    pieces: Rows,
+    bends: Rows,
+) -> Guide:
+    """Return what the rear Stanley law asks for at the speed of the moment."""
+    pace, length, cruise, easing, _, _, dt, _ = course
+    _, axle, bearing, law, car, _ = lead
+    progress, grip, _, _, time, _ = clock
+    planned = trapezoid(time + dt, length, cruise, pace[2])
+    speed = paced(planned, progress, length - progress, pace[0], pace)
+    dx, dy = from_axis(axis, axle)
+    progress, left, yaw, curvature = nearest(
+        seen[0] + dx, seen[1] + dy, progress, easing * speed, pieces, bends
+    )
+    turn = wrapped(yaw - (seen[2] + bearing))
+    delta, _ = stanley_steering(left, turn, curvature, grip, law)
+    wrench, (vx, vy, w) = steered_push(delta, speed, car)
+    twist = (vx + w * axle[1], vy - w * axle[0], w)
+    return progress, left, (wrench[0], wrench[1]), twist
+
+
+@kernel
+def pushed_on(
+    body: tuple[Pose, Triple, Vector],
+    led: tuple[Vector, Vector, Vector],
+    truth: Truth,
+    touch: Touch,
+    base: Base,
+    dt: float,
+) -> tuple[Pose, Vector, Triple, Vector]:
+    """Return pose, tip, twist and force after a tick in which the tip is led so."""
+    pose, (vx, vy, w), force = body
+    limit, lift, friction, center = truth
+    normal, depth, right, left, radius, _, damping = touch[0]
+    axis = heading(pose[2])
+    _, place = in_axis(
+        normal, in_axis(axis, (led[0][0] - pose[0], led[0][1] - pose[1]))
+    )
+    lever = (center[0] - depth, center[1] - place)
+    rho = sqrt(max(square_of_base(lever, lift, force, base), THINNEST))
+    cop = (center[0] + lift * force[0], center[1] + lift * force[1])
+    x, y = from_axis(normal, cop)
+    face = (normal, depth, right, left, radius, friction, damping)
+    pose, twist, (tip, felt, _) = one_tip_step(
+        pose,
+        (vx - w * y, vy + w * x, w),
+        led,
+        face,
+        ((x, y), limit, rho, dt),
+        rho,
+        (on_ellipsoid, side_touch),
+    )
+    vx, vy, w = twist
+    force = in_axis(normal, in_axis(axis, felt))
+    return pose, tip, (vx + w * y, vy - w * x, w), force
+
+
+@kernel
+def square_of_base(lever: Vector, lift: float, force: Vector, base: Base) -> float:
+    """Return rho^2 [m^2] about the centre of pressure, under the last tick's force; the
+    ``lever`` [m] is from the contact to the centre of mass.
+    """
+    square, slope, bend, steepest = base
+    fn, ft = force
+    along = lever[0] * fn + lever[1] * ft
+    k = 0.0
+    if along > 0.0:
+        k = min(abs(lever[0] * ft - lever[1] * fn) / along, steepest)
+    return square + (slope + bend * k) * k - lift * lift * (fn * fn + ft * ft)

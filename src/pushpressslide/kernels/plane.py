@@ -1,0 +1,80 @@
+"""Axes, poses and twists in the plane."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import cos, inf, isfinite, nan, sin
+
+from pushpressslide.kernels.allocation import Vector
+from pushpressslide.kernels.kernel import kernel
+
+Pose = tuple[float, float, float]
+"""x, y [m] and yaw [rad] of a frame in another one."""
+Rate = tuple[float, float, float]
+"""A twist, or one per metre of path: vx, vy, w."""
+
+STRAIGHT = 1e-9  # [rad] turn below which an arc is its chord
+
+
+@kernel
+def in_axis(axis: Vector, v: Sequence[float]) -> Vector:
+    """Return the components of a vector along a unit vector ``axis``, and to its left."""
+    c, s = axis
+    return c * v[0] + s * v[1], c * v[1] - s * v[0]
+
+
+@kernel
+def from_axis(axis: Vector, v: Vector) -> Vector:
+    """Return the vector with the components ``v`` along ``axis``, and to its left."""
+    c, s = axis
+    return c * v[0] - s * v[1], s * v[0] + c * v[1]
+
+
+@kernel
+def cross(a: Vector, b: Vector) -> float:
+    """Return the z component of a x b."""
+    return a[0] * b[1] - a[1] * b[0]
+
+
+@kernel
+def heading(yaw: float) -> Vector:
+    """Return the unit vector at an angle [rad]; no numbers for one that is not finite."""
+    if not isfinite(yaw):
+        return nan, nan
+    return cos(yaw), sin(yaw)
+
+
+@kernel
+def flat_gap(
+    tip: Vector, radius: float, normal: Vector, depth: float, ends: Vector
+) -> float:
+    """Return the gap [m] between a tip and a flat side; infinite beside it."""
+    nx, ny = normal
+    if not ends[0] <= nx * tip[1] - ny * tip[0] <= ends[1]:
+        return inf
+    return depth - radius - (nx * tip[0] + ny * tip[1])
+
+
+@kernel
+def carried(pose: Pose, rate: Rate, length: float) -> Pose:
+    """Return the pose reached after ``length`` [m], or [s], at a constant body twist: the
+    exponential map.
+    """
+    return carried_from(heading(pose[2]), pose, rate, length)
+
+
+@kernel
+def carried_from(axis: Vector, pose: Pose, rate: Rate, length: float) -> Pose:
+    """Return the same of a pose whose axis is known."""
+    vx, vy, w = rate
+    angle = w * length
+    if abs(angle) < STRAIGHT:
+        x = vx * length
+        y = vy * length
+    else:
+        s = sin(angle) / w
+        c = 2.0 * sin(0.5 * angle) ** 2 / w
+        x = vx * s - vy * c
+        y = vx * c + vy * s
+    dx, dy = from_axis(axis, (x, y))
+    return pose[0] + dx, pose[1] + dy, pose[2] + angle

@@ -1,0 +1,149 @@
+"""One contact on the ellipsoid: its friction cone, its motion cone, and how a pusher with
+a given velocity moves a body (docs/mechanics.md, sections 2 to 4).
+
+Frame B; the left tangent is the inward normal n turned by +90 degrees.
+"""
+
+from __future__ import annotations
+
+from math import inf, isfinite
+
+from pushpressslide.kernels.allocation import Vector
+from pushpressslide.kernels.compliant_tip import FREE, SLIP_LEFT, SLIP_RIGHT, STICK
+from pushpressslide.kernels.kernel import kernel
+from pushpressslide.kernels.limit_surface import ellipsoid_wrench
+from pushpressslide.kernels.plane import Pose, carried_from, cross, heading, in_axis
+from pushpressslide.kernels.sliding import REST, Triple
+
+Edges = tuple[Vector, Vector]
+"""The right and the left edge of a cone."""
+Contact = tuple[Vector, Vector, float, float]
+"""From the centre of pressure to the contact [m]; unit inward normal; friction of the
+pair; rho [m].
+"""
+Push = tuple[int, Triple, float]
+"""Status, with ``FREE`` for a pusher that leaves; twist of the centre of pressure; slip
+[m/s] of the pusher relative to the body, to the left.
+"""
+Face = tuple[Vector, Vector, Vector, float, float]
+"""Foot: the point [m] of a face at place 0; unit inward normal; the face's right and left
+end [m] from its foot; friction of the pair; rho [m].
+"""
+Pushed = tuple[Pose, float, float]
+"""Pose of a body; place of its pusher along the face [m], and the gap between them [m],
+infinite once it has passed an edge.
+"""
+
+
+@kernel
+def cone_edges(normal: Vector, friction: float) -> Edges:
+    """Return the edges f_-, f_+ = n -+ mu t of a friction cone."""
+    nx, ny = normal
+    right = (nx - friction * -ny, ny - friction * nx)
+    return right, (nx + friction * -ny, ny + friction * nx)
+
+
+@kernel
+def cone_margin(force: Vector, normal: Vector, friction: float) -> float:
+    """Return mu f_n - |f_t| [N] of a force: >= 0 inside the cone."""
+    f_n = force[0] * normal[0] + force[1] * normal[1]
+    return friction * f_n - abs(cross(normal, force))
+
+
+@kernel
+def velocity_of_force(lever: Vector, rho: float, force: Vector) -> Vector:
+    """Return G f: the velocity of the contact per unit of the CoP's velocity per force."""
+    k = cross(lever, force) / (rho * rho)
+    return force[0] - k * lever[1], force[1] + k * lever[0]
+
+
+@kernel
+def force_of_velocity(lever: Vector, rho: float, velocity: Vector) -> Vector:
+    """Return G^-1 v_c, along the force of a contact that sticks."""
+    k = cross(lever, velocity) / (rho * rho + lever[0] * lever[0] + lever[1] * lever[1])
+    return velocity[0] + k * lever[1], velocity[1] - k * lever[0]
+
+
+@kernel
+def motion_cone(contact: Contact) -> Edges:
+    """Return the edges G f_-, G f_+ of the velocities at which the contact sticks."""
+    lever, normal, friction, rho = contact
+    right, left = cone_edges(normal, friction)
+    return velocity_of_force(lever, rho, right), velocity_of_force(lever, rho, left)
+
+
+@kernel
+def pushed(velocity: Vector, contact: Contact) -> Push:
+    """Return how a pusher with a velocity [m/s] moves a body.
+
+    Inside the motion cone it sticks; outside, the force stays on the edge of the
+    friction cone and the normal velocity is kept; with no velocity into the body, or one
+    that is no number, it leaves.
+    """
+    lever, normal, friction, rho = contact
+    approach = velocity[0] * normal[0] + velocity[1] * normal[1]
+    across = cross(normal, velocity)
+    if not (approach > 0.0 and isfinite(velocity[0]) and isfinite(velocity[1])):
+        return FREE, REST, across
+    mobile = force_of_velocity(lever, rho, velocity)
+    if not cone_margin(mobile, normal, friction) < 0.0:
+        return STICK, driven(mobile, lever, rho), 0.0
+    # An edge that leads away from the pusher cannot be passed by a velocity towards the
+    # body.
+    right, left = motion_cone(contact)
+    edge, left_edge = cone_edges(normal, friction)
+    edge_velocity = right
+    kind = SLIP_RIGHT
+    leads_in = left[0] * normal[0] + left[1] * normal[1] > 0.0
+    if leads_in and cross(left, velocity) > 0.0:
+        edge = left_edge
+        edge_velocity = left
+        kind = SLIP_LEFT
+    k = approach / (edge_velocity[0] * normal[0] + edge_velocity[1] * normal[1])
+    mobile = (k * edge[0], k * edge[1])
+    return kind, driven(mobile, lever, rho), across - k * cross(normal, edge_velocity)
+
+
+@kernel
+def pushed_with_force(
+    velocity: Vector, contact: Contact, max_force: float
+) -> tuple[int, Vector, Triple, float]:
+    """Return ``pushed`` with the pusher's force [N]; ``max_force`` [N] is mu_s N."""
+    kind, twist, slip = pushed(velocity, contact)
+    fx, fy, _ = ellipsoid_wrench(*twist, max_force, contact[3])
+    return kind, (fx, fy), twist, slip
+
+
+@kernel
+def driven(mobile: Vector, lever: Vector, rho: float) -> Triple:
+    """Return the twist whose velocity at the centre of pressure is along a force."""
+    return mobile[0], mobile[1], cross(lever, mobile) / (rho * rho)
+
+
+@kernel
+def pushed_on(
+    pose: Pose, velocity: Vector, place: float, gap: float, dt: float, face: Face
+) -> Pushed:
+    """Return body and pusher after ``dt`` [s] in which the pusher moves at a velocity
+    [m/s] in the world: it sticks, slips along the face, leaves the body, or passes its
+    edge. The twist is constant in the body's own frame.
+    """
+    foot, normal, ends, friction, rho = face
+    axis = heading(pose[2])
+    velocity = in_axis(axis, velocity)
+    into = velocity[0] * normal[0] + velocity[1] * normal[1]
+    along = cross(normal, velocity)
+    until = 0.0
+    if gap > 0.0:
+        until = gap / into if into > 0.0 else inf
+    free = until if until < dt else dt
+    time = dt - free
+    place = place + along * free
+    left_over = gap - into * dt
+    if not (time > 0.0 and ends[0] <= place <= ends[1]):
+        # beside the face, at its level, the pusher has passed
+        return pose, place + along * time, inf if until < dt else left_over
+    lever = (foot[0] - normal[1] * place, foot[1] + normal[0] * place)
+    _, twist, slip = pushed(velocity, (lever, normal, friction, rho))
+    after = carried_from(axis, pose, twist, time)
+    return after, place + slip * time, 0.0 if into > 0.0 else left_over

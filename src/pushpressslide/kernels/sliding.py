@@ -1,0 +1,347 @@
+"""The motion of a body on its support under compliant tips: the twist at which all forces
+balance.
+
+One tick of quasi-statics (docs/mechanics.md, sections 1 to 3): friction of the support,
+contacts that stick, slip or let go, no inertia. Frame B, about the centre of pressure.
+What the support and what a contact does are kernels too, given as ``laws``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import sqrt
+from typing import Any
+
+from pushpressslide.kernels.compliant_tip import FREE, Touch
+from pushpressslide.kernels.kernel import kernel, kernel_apart
+from pushpressslide.kernels.support_friction import CREEP, Friction
+
+BALANCE = 1e-9  # of mu N: force left over at which a tick is solved
+# of mu N: force left over from which Newton's slope is tried twice
+CLOSE = 0.1
+# of the force left over at balance: what a second step with one slope may leave
+SURE = 0.01
+STEPS = 25  # of Newton's method
+HALVINGS = 40  # of one step that goes too far
+# of the friction over the speed, added to its slope: it has none along the motion
+SOFTENING = 1e-6
+# [m/s] of which the drag is mu N, when balance is looked for by letting the body go
+DRAG_SPEED = 0.01
+TRIALS = 60
+STATUSES = 8  # more than a contact has
+
+Triple = tuple[float, float, float]
+"""A twist (m/s, rad/s), or a force [N] and moment [N m], at the centre of pressure."""
+Matrix = tuple[Triple, Triple, Triple]
+Drag = tuple[float, Triple]
+"""A drag [N s/m], and the twist that it holds the body back to."""
+Support = tuple[Any, float, float]
+"""What ``Laws`` know the support by, mu N [N], rho [m]."""
+Laws = tuple[
+    Callable[[float, float, float, Any, float, bool], Friction],
+    Callable[[float, float, float, Any], Touch],
+]
+"""The friction of a twist, of what the support is known by and of mu N [N]; it may leave
+out the slope without the last. What a contact does under a twist.
+"""
+REST = (0.0, 0.0, 0.0)
+FREED: Drag = (0.0, REST)
+
+
+@kernel_apart
+def slide(
+    guess: Triple, contacts: Sequence[Any], support: Support, laws: Laws
+) -> Triple:
+    """Return the twist (m/s, rad/s) at which support and ``contacts`` balance, to 1e-9 of
+    mu N.
+
+    ``guess`` is the twist of the tick before; at rest the body creeps, by less than
+    ``CREEP`` times a few. Newton's method from the guess, two steps long while no
+    contact changes, with one slope. Where it fails the body is let go from rest, held
+    back by drag, until it moves in balance: so that the motion is found that the body
+    would take up. Always ends, after ``TRIALS`` without balance.
+    """
+    touched = False
+    for contact in contacts:
+        if laws[1](0.0, 0.0, 0.0, contact)[2] != FREE:
+            touched = True
+            break
+    if not touched:
+        return REST
+    found, twist = solved(guess, FREED, contacts, support, laws)
+    if found:
+        return twist
+    return let_go(contacts, support, laws)
+
+
+@kernel_apart
+def let_go(contacts: Sequence[Any], support: Support, laws: Laws) -> Triple:
+    """Return the balanced twist of a body that is let go from rest."""
+    twist = REST
+    drag = support[1] / DRAG_SPEED
+    for _ in range(TRIALS):
+        found, moved = solved(twist, (drag, twist), contacts, support, laws)
+        if not found:
+            drag = 4.0 * drag
+            continue
+        twist = moved
+        drag = 0.5 * drag
+        found, balanced = solved(twist, FREED, contacts, support, laws)
+        if found:
+            return balanced
+    return twist
+
+
+@kernel_apart
+def solved(
+    start: Triple, drag: Drag, contacts: Sequence[Any], support: Support, laws: Laws
+) -> tuple[bool, Triple]:
+    """Return whether Newton's method reaches balance from a twist, and the twist."""
+    _, limit, rho = support
+    twist = start
+    force, slope = left_over_and_slope(twist, drag, contacts, support, laws)
+    for _ in range(STEPS):
+        size = size_of(force, rho)
+        if size < BALANCE * limit:
+            return True, twist
+        regular, step = newton_step(slope, force)
+        if not regular:
+            return False, twist
+        end = moved(twist, step, 1.0)
+        if size < CLOSE * limit:
+            found, last = ended(end, (size, slope), drag, contacts, support, laws)
+            if found:
+                return True, last
+        twist = end
+        ahead, slope = left_over_and_slope(twist, drag, contacts, support, laws)
+        if too_far(ahead, force, step, rho):
+            twist = shortened(twist, (force, step), drag, contacts, support, laws)
+            ahead, slope = left_over_and_slope(twist, drag, contacts, support, laws)
+        force = ahead
+    return False, twist
+
+
+@kernel_apart
+def left_over_and_slope(
+    twist: Triple, drag: Drag, contacts: Sequence[Any], support: Support, laws: Laws
+) -> tuple[Triple, Matrix]:
+    """Return the force [N] and moment [N m] that nothing balances, and its derivative by
+    the twist.
+    """
+    vx, vy, w = twist
+    surface, limit, rho = support
+    friction, touch = laws
+    taken = friction(vx, vy, w, surface, limit, True)
+    fx, fy, tau, x_x, x_y, x_w, y_y, y_w, w_w = taken
+    fx, fy, tau = dragged((fx, fy, tau), twist, drag, rho)
+    y_x = x_y
+    w_x = x_w
+    w_y = y_w
+    for contact in contacts:
+        (gx, gy), (xx, xy, yx, yy), status, point, center = touch(vx, vy, w, contact)
+        if status == FREE:
+            continue
+        px, py = point
+        qx, qy = center
+        fx = fx - gx
+        fy = fy - gy
+        tau = tau - px * gy + py * gx
+        xw = xy * qx - xx * qy
+        yw = yy * qx - yx * qy
+        x_x += xx
+        x_y += xy
+        x_w += xw
+        y_x += yx
+        y_y += yy
+        y_w += yw
+        w_x += px * yx - py * xx
+        w_y += px * yy - py * xy
+        w_w += px * yw - py * xw
+    turn = rho * rho
+    soft = drag[0] + SOFTENING * limit / (
+        sqrt(vx * vx + vy * vy + turn * w * w) + CREEP
+    )
+    slope = (
+        (x_x + soft, x_y, x_w),
+        (y_x, y_y + soft, y_w),
+        (w_x, w_y, w_w + soft * turn),
+    )
+    return (fx, fy, tau), slope
+
+
+@kernel_apart
+def left_over(
+    twist: Triple, drag: Drag, contacts: Sequence[Any], support: Support, laws: Laws
+) -> tuple[Triple, int]:
+    """Return the force [N] and moment [N m] that nothing balances, and a number for the
+    statuses of all contacts.
+    """
+    vx, vy, w = twist
+    surface, limit, rho = support
+    friction, touch = laws
+    taken = friction(vx, vy, w, surface, limit, False)
+    fx, fy, tau = dragged((taken[0], taken[1], taken[2]), twist, drag, rho)
+    statuses = 0
+    for contact in contacts:
+        (gx, gy), _, status, (px, py), _ = touch(vx, vy, w, contact)
+        fx = fx - gx
+        fy = fy - gy
+        tau = tau - px * gy + py * gx
+        statuses = STATUSES * statuses + status
+    return (fx, fy, tau), statuses
+
+
+@kernel
+def statuses_of(
+    twist: Triple,
+    contacts: Sequence[Any],
+    touch: Callable[[float, float, float, Any], Touch],
+) -> int:
+    """Return a number for the statuses of all contacts, as ``left_over``."""
+    vx, vy, w = twist
+    statuses = 0
+    for contact in contacts:
+        statuses = STATUSES * statuses + touch(vx, vy, w, contact)[2]
+    return statuses
+
+
+@kernel
+def dragged(wrench: Triple, twist: Triple, drag: Drag, rho: float) -> Triple:
+    """Return what friction and drag take."""
+    size, (vx, vy, w) = drag
+    if size == 0.0:
+        return wrench
+    turn = size * (twist[2] - w)
+    return (
+        wrench[0] + size * (twist[0] - vx),
+        wrench[1] + size * (twist[1] - vy),
+        wrench[2] + rho * rho * turn,
+    )
+
+
+@kernel_apart
+def ended(
+    twist: Triple,
+    before: tuple[float, Matrix],
+    drag: Drag,
+    contacts: Sequence[Any],
+    support: Support,
+    laws: Laws,
+) -> tuple[bool, Triple]:
+    """Return whether there is balance near ``twist``, and the twist there.
+
+    One step of Newton's method led to ``twist`` from a force of some size [N]; what one
+    more with the same slope leaves over falls by twice what the first step left over of
+    the force, while the contacts go on as they are.
+    """
+    _, limit, rho = support
+    past, slope = before
+    ahead, statuses = left_over(twist, drag, contacts, support, laws)
+    size = size_of(ahead, rho)
+    allowed = BALANCE * limit
+    if size < allowed:
+        return True, twist
+    if 2.0 * size * size > SURE * allowed * past:
+        return False, twist
+    regular, step = newton_step(slope, ahead)
+    if not regular:
+        return False, twist
+    end = moved(twist, step, 1.0)
+    return statuses_of(end, contacts, laws[1]) == statuses, end
+
+
+@kernel_apart
+def shortened(
+    end: Triple,
+    led: tuple[Triple, Triple],
+    drag: Drag,
+    contacts: Sequence[Any],
+    support: Support,
+    laws: Laws,
+) -> Triple:
+    """Return the twist on the way to ``end``, by bisection, where little force is left
+    over along the step; ``led`` are the force before it and the step.
+    """
+    force, step = led
+    rho = support[2]
+    low = -1.0
+    high = 0.0
+    twist = end
+    for _ in range(HALVINGS):
+        share = 0.5 * (low + high)
+        twist = moved(end, step, share)
+        ahead, _ = left_over(twist, drag, contacts, support, laws)
+        if too_far(ahead, force, step, rho):
+            high = share
+        elif too_near(ahead, force, step, rho):
+            low = share
+        else:
+            break
+    return twist
+
+
+@kernel
+def too_far(ahead: Triple, force: Triple, step: Triple, rho: float) -> bool:
+    """Return whether a step leads beyond balance: the force ahead points back, by more
+    than half of what pointed on.
+    """
+    on = -dot(force, step)
+    return (
+        on > 0.0
+        and 2.0 * dot(ahead, step) > on
+        and 2.0 * size_of(ahead, rho) > size_of(force, rho)
+    )
+
+
+@kernel
+def too_near(ahead: Triple, force: Triple, step: Triple, rho: float) -> bool:
+    """Return whether more than half of the force is left over, and points on."""
+    return 2.0 * dot(ahead, step) < dot(force, step) and 2.0 * size_of(
+        ahead, rho
+    ) > size_of(force, rho)
+
+
+@kernel
+def size_of(force: Triple, rho: float) -> float:
+    """Return the size [N] of a force and moment."""
+    turning = force[2] / rho
+    return sqrt(force[0] * force[0] + force[1] * force[1] + turning * turning)
+
+
+@kernel
+def dot(a: Triple, b: Triple) -> float:
+    """Return the product of two triples."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@kernel
+def moved(twist: Triple, step: Triple, share: float) -> Triple:
+    """Return the twist after a share of a step."""
+    return (
+        twist[0] + share * step[0],
+        twist[1] + share * step[1],
+        twist[2] + share * step[2],
+    )
+
+
+@kernel
+def newton_step(slope: Matrix, force: Triple) -> tuple[bool, Triple]:
+    """Return whether a slope is regular, and the step x with slope x = -force, by Cramer's
+    rule.
+    """
+    (a, b, c), (d, e, f), (g, h, i) = slope
+    A = e * i - f * h
+    B = f * g - d * i
+    C = d * h - e * g
+    determinant = a * A + b * B + c * C
+    if determinant == 0.0:
+        return False, REST
+    x = -force[0] / determinant
+    y = -force[1] / determinant
+    z = -force[2] / determinant
+    step = (
+        A * x + (c * h - b * i) * y + (b * f - c * e) * z,
+        B * x + (a * i - c * g) * y + (c * d - a * f) * z,
+        C * x + (b * g - a * h) * y + (a * e - b * d) * z,
+    )
+    return True, step

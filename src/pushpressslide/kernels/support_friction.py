@@ -1,0 +1,66 @@
+"""Friction between a body and its support as a smooth function of the twist: what all
+limit surfaces share, and the ellipsoid's (docs/mechanics.md, section 1).
+
+Twists (v_x, v_y, w) and wrenches are those of the centre of pressure; friction is over
+mu_s N.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+from pushpressslide.kernels.allocation import Wrench
+from pushpressslide.kernels.kernel import kernel
+
+CREEP = 1e-8  # [m/s] up to which the friction grows with the speed; stands for rest
+STILL = 1.0 / CREEP  # slope of the friction of a body that does not move
+
+Slope = tuple[float, float, float, float, float, float]
+"""The symmetric derivative of a wrench by the twist: xx, xy, xw, yy, yw, ww."""
+Friction = tuple[float, float, float, float, float, float, float, float, float]
+"""The wrench that slides a body with a twist, x, y and moment, and its slope."""
+
+
+@kernel
+def softened(power: float, wrench: Wrench, slope: Slope) -> Friction:
+    """Return wrench and slope of the power sqrt(P^2 + CREEP^2), whose friction falls to
+    zero with the speed, from those of the power P.
+    """
+    fx, fy, tau = wrench
+    xx, xy, xw, yy, yw, ww = slope
+    soft = 1.0 / sqrt(power * power + CREEP * CREEP)
+    part = power * soft
+    rest = CREEP * CREEP * soft * soft * soft
+    rx = rest * fx
+    ry = rest * fy
+    return (
+        part * fx,
+        part * fy,
+        part * tau,
+        part * xx + rx * fx,
+        part * xy + rx * fy,
+        part * xw + rx * tau,
+        part * yy + ry * fy,
+        part * yw + ry * tau,
+        part * ww + rest * tau * tau,
+    )
+
+
+@kernel
+def ellipsoid_friction(vx: float, vy: float, w: float) -> Friction:
+    """Return wrench and slope of a twist (v_x, v_y, rho w), the moment over rho."""
+    inverse = 1.0 / sqrt(vx * vx + vy * vy + w * w + CREEP * CREEP)
+    fx = vx * inverse
+    fy = vy * inverse
+    tau = w * inverse
+    return (
+        fx,
+        fy,
+        tau,
+        inverse * (1.0 - fx * fx),
+        -inverse * fx * fy,
+        -inverse * fx * tau,
+        inverse * (1.0 - fy * fy),
+        -inverse * fy * tau,
+        inverse * (1.0 - tau * tau),
+    )

@@ -1,0 +1,57 @@
+"""What supports of each kind take of a sliding body: laws for ``kernels.sliding``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pushpressslide.kernels.edge_friction import polygon_friction
+from pushpressslide.kernels.exact_surface import sampled_friction
+from pushpressslide.kernels.kernel import kernel
+from pushpressslide.kernels.support_friction import Friction, ellipsoid_friction
+
+
+@kernel
+def on_polygon(
+    vx: float, vy: float, w: float, surface: Any, limit: float, sloped: bool
+) -> Friction:
+    """Return what a support under a polygon takes; ``surface`` are the arguments of
+    ``polygon_friction``.
+    """
+    plane, edges, series = surface
+    return scaled(polygon_friction(vx, vy, w, plane, edges, series, sloped), limit, 1.0)
+
+
+@kernel
+def on_samples(
+    vx: float, vy: float, w: float, surface: Any, limit: float, sloped: bool
+) -> Friction:
+    """Return what a support of samples takes."""
+    return scaled(sampled_friction(vx, vy, w, surface), limit, 1.0)
+
+
+@kernel
+def on_ellipsoid(
+    vx: float, vy: float, w: float, rho: float, limit: float, sloped: bool
+) -> Friction:
+    """Return what a support of the ellipsoid takes, of ``rho`` [m]."""
+    return scaled(ellipsoid_friction(vx, vy, rho * w), limit, rho)
+
+
+@kernel
+def scaled(friction: Friction, limit: float, rho: float) -> Friction:
+    """Return wrench and slope of twists (v_x, v_y, w) from those, over ``limit`` [N], of
+    twists (v_x, v_y, rho w).
+    """
+    fx, fy, tau, xx, xy, xw, yy, yw, ww = friction
+    arm = limit * rho
+    return (
+        limit * fx,
+        limit * fy,
+        arm * tau,
+        limit * xx,
+        limit * xy,
+        arm * xw,
+        limit * yy,
+        arm * yw,
+        arm * rho * ww,
+    )

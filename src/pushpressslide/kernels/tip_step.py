@@ -1,0 +1,189 @@
+"""A tick of bodies on their supports and of one or two compliant tips at flat sides of
+each: the inner step of the planar engine (docs/mechanics.md, sections 1 to 3).
+
+Frame B of a body; the twist in a tick is constant there.
+"""
+
+from __future__ import annotations
+
+from math import inf, isfinite
+from typing import Any
+
+from pushpressslide.kernels.allocation import Vector
+from pushpressslide.kernels.compliant_tip import (
+    FREE,
+    Law,
+    Side,
+    side_contact,
+    side_touch,
+    tip_velocity,
+)
+from pushpressslide.kernels.kernel import kernel, kernel_apart
+from pushpressslide.kernels.plane import (
+    Pose,
+    carried_from,
+    flat_gap,
+    from_axis,
+    heading,
+    in_axis,
+)
+from pushpressslide.kernels.sliding import Laws, Triple, slide
+
+PASSED = 1e-3  # [m] behind a face: a tip there came round its end, not through it
+
+Command = tuple[Vector, Vector, Vector, Vector, Vector]
+"""What a tip is led by, in the plane: a force [N], how far it is from where it should be
+[m] and the velocity [m/s] that it should have, in the world; stiffness [N/m] and damping
+[N s/m] along an axis and to its left.
+"""
+Led = tuple[Vector, Vector, Vector]
+"""Where a tip's centre is [m], and the velocity [m/s] and force [N] that it is led by, in
+the world.
+"""
+Face = tuple[Vector, float, float, float, float, float, float]
+"""A flat side and its tip: unit inward normal; how far the side is along it [m]; the
+side's right and left end to the left of it [m]; radius of the tip [m], friction of the
+pair, damping [N s/m].
+"""
+Body = tuple[Vector, float, float, float]
+"""Centre of pressure [m]; mu_s N [N]; rho [m]; how long the tick is [s]."""
+Reach = tuple[Vector, Vector, Vector, Law]
+"""A tip at the start of a tick: B's axis and the tip's place [m] in the world; its place
+[m] and its law in B.
+"""
+Motion = tuple[Triple, Vector, Pose, float]
+"""A body in a tick: twist of its centre of pressure, that centre [m], pose at the end,
+and how long the tick is [s].
+"""
+After = tuple[Vector, Vector, Vector]
+"""A tip's place [m] and velocity [m/s], and its force on the body [N], in the world."""
+State = tuple[Vector, Vector, int]
+"""A tip's place [m] and force on the body [N] in the world, and its status."""
+
+
+@kernel
+def held_force(axis: Vector, command: Command) -> Vector:
+    """Return the force f_0 [N] of a tip that does not move, in the world."""
+    c, s = axis
+    (fx, fy), (dx, dy), (ux, uy), (kn, kt), (bn, bt) = command
+    fn = kn * (c * dx + s * dy) + bn * (c * ux + s * uy)
+    ft = kt * (c * dy - s * dx) + bt * (c * uy - s * ux)
+    return fx + c * fn - s * ft, fy + s * fn + c * ft
+
+
+@kernel
+def tip_law(axis: Vector, force: Vector, damping: Vector) -> Law:
+    """Return a tip's law along an axis, its force f_0 [N] given in B."""
+    return axis, in_axis(axis, force), damping
+
+
+@kernel
+def carried_body(
+    axis: Vector, pose: Pose, twist: Triple, cop: Vector, dt: float
+) -> Pose:
+    """Return the pose of a body after a tick at the ``twist`` of its centre of pressure."""
+    vx, vy, w = twist
+    ry = 0.0 - cop[1]
+    rx = 0.0 - cop[0]
+    return carried_from(axis, pose, (vx - w * ry, vy + w * rx, w), dt)
+
+
+@kernel
+def tip_after(reach: Reach, force: Vector, free: bool, motion: Motion) -> After:
+    """Return a tip one tick on; ``force`` [N] on the body in B, ``free`` where it does
+    not touch.
+    """
+    axis, (x, y), (px, py), law = reach
+    (vx, vy, w), cop, after, dt = motion
+    velocity = tip_velocity(force, law)
+    ux, uy = from_axis(axis, velocity)
+    if free:
+        return (x + dt * ux, y + dt * uy), (ux, uy), from_axis(axis, force)
+    # with the body, but for its slip
+    sx = velocity[0] - (vx - w * (py - cop[1]))
+    sy = velocity[1] - (vy + w * (px - cop[0]))
+    dx, dy = from_axis(heading(after[2]), (px + dt * sx, py + dt * sy))
+    return (after[0] + dx, after[1] + dy), (ux, uy), from_axis(axis, force)
+
+
+@kernel
+def reached(
+    pose: Pose, axis: Vector, led: Led, face: Face, body: Body
+) -> tuple[Reach, Side]:
+    """Return a tip at the start of a tick, and what it may do at its face; nothing where
+    it is beside or behind that, or what is given is not finite.
+    """
+    (x, y), velocity, force = led
+    normal, depth, right, left, radius, friction, damping = face
+    cop, _, _, dt = body
+    still = (0.0, 0.0)
+    both = (damping, damping)
+    force = held_force((1.0, 0.0), (force, still, velocity, still, both))
+    place = in_axis(axis, (x - pose[0], y - pose[1]))
+    law = tip_law(normal, in_axis(axis, force), both)
+    gap = flat_gap(place, radius, normal, depth, (right, left))
+    _, (fn, ft), _ = law
+    if not (isfinite(fn + ft) and -PASSED < gap < inf):
+        away = side_contact(still, 0.0, 0.0, (normal, (-1.0, 0.0), both), 0.0, dt)
+        return (axis, (x, y), place, law), away
+    off = (place[0] - cop[0], place[1] - cop[1])
+    contact = side_contact(off, radius, gap, law, friction, dt)
+    return (axis, (x, y), place, law), contact
+
+
+@kernel
+def followed(reach: Reach, contact: Side, motion: Motion) -> State:
+    """Return a tip after a tick of its body."""
+    vx, vy, w = motion[0]
+    force, _, status, _, _ = side_touch(vx, vy, w, contact)
+    place, _, felt = tip_after(reach, force, status == FREE, motion)
+    if status == FREE:
+        felt = (0.0, 0.0)
+    return place, felt, status
+
+
+@kernel_apart
+def one_tip_step(
+    pose: Pose,
+    guess: Triple,
+    led: Led,
+    face: Face,
+    body: Body,
+    surface: Any,
+    laws: Laws,
+) -> tuple[Pose, Triple, State]:
+    """Return pose and twist of a body and its tip one tick on; ``guess`` is the twist of
+    the tick before.
+    """
+    cop, limit, rho, dt = body
+    axis = heading(pose[2])
+    reach, contact = reached(pose, axis, led, face, body)
+    twist = slide(guess, (contact,), (surface, limit, rho), laws)
+    after = carried_body(axis, pose, twist, cop, dt)
+    return after, twist, followed(reach, contact, (twist, cop, after, dt))
+
+
+@kernel_apart
+def two_tip_step(
+    pose: Pose,
+    guess: Triple,
+    leds: tuple[Led, Led],
+    faces: tuple[Face, Face],
+    body: Body,
+    surface: Any,
+    laws: Laws,
+) -> tuple[Pose, Triple, State, State]:
+    """Return pose and twist of a body and its two tips one tick on."""
+    cop, limit, rho, dt = body
+    axis = heading(pose[2])
+    reach, contact = reached(pose, axis, leds[0], faces[0], body)
+    other_reach, other = reached(pose, axis, leds[1], faces[1], body)
+    twist = slide(guess, (contact, other), (surface, limit, rho), laws)
+    after = carried_body(axis, pose, twist, cop, dt)
+    motion = (twist, cop, after, dt)
+    return (
+        after,
+        twist,
+        followed(reach, contact, motion),
+        followed(other_reach, other, motion),
+    )

@@ -1,0 +1,117 @@
+"""Tracking laws: one closed-form step each, from errors to what is asked of the object
+(docs/mechanics.md, sections 3, 4.2 and 9). Errors are REFERENCE MINUS ACTUAL.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+from pushpressslide.kernels.allocation import Wrench
+from pushpressslide.kernels.elementary import arctangent, cosine, sine, square, tangent
+from pushpressslide.kernels.kernel import kernel
+
+Twist = tuple[float, float, float]
+Stanley = tuple[float, float, float, float]
+"""Gain over speed k / v [1/m], effective wheelbase [m] of the feed-forward (0: none), and
+bounds of the steering angle [rad].
+"""
+Car = tuple[float, float, float, float, float, float]
+"""Heading axis x, y in B, largest friction force [N], 1 + (D / rho)^2 of the lever D from
+contact to centre of pressure, -D [m], and -D / rho^2 [1/m].
+"""
+Pull = tuple[float, float, float, float]
+"""Speed [m/s] in the path's metric, way [m] over which an error falls to 1/e, radius [m]
+of the metric, and the error [m] up to which the pull is in proportion.
+"""
+
+
+@kernel
+def stanley_law(
+    wheelbase: float, low: float, high: float, gain: float, feed_forward: float
+) -> tuple[Stanley]:
+    """Return the figures of ``stanley_steering``: effective ``wheelbase`` [m], bounds
+    [rad], ``gain`` in units of the largest without overshoot, ``feed_forward`` > 0.
+    """
+    ahead = wheelbase if feed_forward > 0.0 else 0.0
+    return ((gain / (4.0 * wheelbase), ahead, low, high),)
+
+
+@kernel
+def stanley_steering(
+    left_error: float, heading_error: float, curvature: float, grip: float, law: Stanley
+) -> tuple[float, bool]:
+    """Return the steering angle [rad], and whether it was clipped."""
+    slope, length, low, high = law
+    delta = (
+        -heading_error - arctangent(slope * left_error) - arctangent(length * curvature)
+    )
+    if grip * low <= delta <= grip * high:
+        return delta, False
+    return grip * (low if delta < 0.0 else high), True
+
+
+@kernel
+def look_ahead_curvature(
+    left_error: float,
+    heading_error: float,
+    path_curvature: float,
+    look_ahead: float,
+    limit: float,
+) -> tuple[float, bool]:
+    """Return the curvature [1/m] to drive towards a target that slides along the path,
+    and whether it was clipped.
+    """
+    lateral = left_error * cosine(heading_error) + look_ahead * sine(heading_error)
+    return clipped(path_curvature + 4.0 * lateral / (look_ahead * look_ahead), limit)
+
+
+@kernel
+def clipped(wanted: float, limit: float) -> tuple[float, bool]:
+    """Return a number within +-``limit``, and whether it was beyond."""
+    if wanted > limit:
+        return limit, True
+    if wanted < -limit:
+        return -limit, True
+    return wanted, False
+
+
+@kernel
+def steered_push(delta: float, speed: float, car: Car) -> tuple[Wrench, Twist]:
+    """Return the wrench about the centre of pressure and the twist of the virtual axle of
+    a push at the steering angle ``delta`` [rad], in B; ``speed`` [m/s] of the axle.
+    """
+    ex, ey, max_friction, stretch, arm, turning = car
+    k = tangent(delta)
+    # |f| = mu_s N / sqrt(1 + (D sin(delta) / rho)^2); along e, and to its left
+    along = max_friction / sqrt(1.0 + stretch * k * k)
+    across = along * k
+    wrench = (along * ex - across * ey, along * ey + across * ex, arm * across)
+    return wrench, (speed * ex, speed * ey, turning * speed * k)
+
+
+@kernel
+def pulled_twist(
+    x: float, y: float, turned: float, rate: Twist, law: Pull
+) -> tuple[Twist, tuple[float, float], bool]:
+    """Return the twist of V's origin, in V, that leads a body along its path; the path's
+    own velocity there per metre, in V; and whether the pull was limited.
+
+    The wanted pose is at ``x``, ``y`` [m] and ``turned`` [rad] in V; ``rate`` is the
+    path's twist there, in the wanted pose's axes.
+    """
+    vx, vy, w = rate
+    speed, decay, radius, most = law
+    c = cosine(turned)
+    s = sine(turned)
+    ahead = c * vx - s * vy
+    aside = s * vx + c * vy
+    off = sqrt(x * x + y * y + square(radius * turned))
+    pull = speed / decay
+    if off > most:
+        pull = speed / decay * (most / off)
+    twist = (
+        speed * ahead + pull * x,
+        speed * aside + pull * y,
+        speed * w + pull * turned,
+    )
+    return twist, (ahead, aside), off > most

@@ -1,0 +1,366 @@
+"""Two side contacts, anywhere on the object: four force components for the three of a
+wrench (docs/mechanics.md, sections 5 and 6).
+
+The forces are linear in the wrench until a cone is met. Every side of a friction cone
+bounds the free force along the line of contacts on one side, so that a wrench is
+possible exactly if the interval left is not empty.
+"""
+
+from __future__ import annotations
+
+from math import copysign, inf, isfinite, nan
+
+from pushpressslide.kernels.allocation import (
+    EXACT,
+    GIVEN,
+    INFEASIBLE,
+    OK,
+    PROJECTED,
+    Two,
+    Vector,
+    Wrench,
+)
+from pushpressslide.kernels.contact_line import Line, contact_line, line_parts
+from pushpressslide.kernels.kernel import kernel
+from pushpressslide.kernels.wrench_cone import Cone, Points, nearest_parts, wrench_cone
+
+ELSEWHERE = 3  # status of a wrench outside of the cone that the caller moves itself
+ALONG = 1e-9  # sine below which the side of a cone counts as along the line of contacts
+
+Four = tuple[float, float, float, float]
+Linear = tuple[
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+]
+"""Force x of contact 1 per fx, fy and tau, force y likewise, normals x, y of contact 1
+and 2, friction, caps [N]; the caps are minus infinity without friction, which leaves
+everything to ``nearest_forces``.
+"""
+Sides = tuple[Vector, Vector, Four, Four]
+"""Unit vector from contact 1 to 2, its part along either normal, the slopes of the
+slacks mu f_n - f_t, mu f_n + f_t of contact 1, then of contact 2, for a force along it,
+none of them zero, and minus one over each.
+"""
+Place = tuple[Points, float, Vector, float]
+"""Points [m], rho [m], caps [N], and whether wrenches outside of the cone are left to
+the caller: > 0.
+"""
+Rest = tuple[Sides, Place, tuple[Line, Wrench], Cone]
+"""And the line of contacts with the shares of F.e, g_1 and g_2 in contact 1's force."""
+
+
+@kernel
+def two_contact_figures(
+    points: Points,
+    normals: Points,
+    frictions: Vector,
+    caps: Vector,
+    choices: Vector,
+) -> tuple[Linear, Rest]:
+    """Return the figures of ``two_contacts``: ``frictions`` are friction and rho [m];
+    ``choices`` > 0: the split with least friction, and wrenches outside of the cone left
+    to the caller.
+    """
+    friction, rho = frictions
+    line = contact_line(points[0], points[1])
+    split = (line, split_shares(line, normals, choices[0]))
+    x_fx, y_fx = first_force(1.0, 0.0, 0.0, split)
+    x_fy, y_fy = first_force(0.0, 1.0, 0.0, split)
+    x_tau, y_tau = first_force(0.0, 0.0, 1.0, split)
+    (n1x, n1y), (n2x, n2y) = normals
+    low, high = caps if friction > 0.0 else (-inf, -inf)
+    linear = (
+        x_fx,
+        x_fy,
+        x_tau,
+        y_fx,
+        y_fy,
+        y_tau,
+        n1x,
+        n1y,
+        n2x,
+        n2y,
+        friction,
+        low,
+        high,
+    )
+    place = (points, rho, caps, choices[1])
+    cone = wrench_cone(points, normals, friction, rho)
+    return linear, (cone_sides(line, normals, friction), place, split, cone)
+
+
+@kernel
+def in_axes(line: Line, v: Vector) -> Vector:
+    """Return the parts of a vector along the line of contacts and to its left."""
+    ex, ey, _, _, _ = line
+    return ex * v[0] + ey * v[1], ex * v[1] - ey * v[0]
+
+
+@kernel
+def split_shares(line: Line, normals: Points, least_friction: float) -> Wrench:
+    """Return the shares of F.e, g_1 and g_2 in contact 1's force along the line."""
+    n1e, n1m = in_axes(line, normals[0])
+    n2e, n2m = in_axes(line, normals[1])
+    squares = n1m * n1m + n2m * n2m
+    if least_friction > 0.0 and squares > 0.0:
+        return n2m * n2m / squares, n1m * n1e / squares, -n2m * n2e / squares
+    return 0.5, 0.0, 0.0
+
+
+@kernel
+def cone_sides(line: Line, normals: Points, friction: float) -> Sides:
+    """Return how the sides of both cones bound a force along the line."""
+    n1e, n1m = in_axes(line, normals[0])
+    n2e, n2m = in_axes(line, normals[1])
+    a1, a2 = apart(friction * n1e + n1m, friction * n1e - n1m)
+    a3, a4 = apart(-friction * n2e - n2m, -friction * n2e + n2m)
+    inverse = (against(a1), against(a2), against(a3), against(a4))
+    return (line[0], line[1]), (n1e, n2e), (a1, a2, a3, a4), inverse
+
+
+@kernel
+def apart(a: float, b: float) -> Vector:
+    """Return the slopes of a cone's sides, none of them zero.
+
+    A side along the line of contacts bounds nothing if its slack is >= 0, and else
+    leaves nothing: as a bound far off, opposite to that of the other side.
+    """
+    if abs(a) < ALONG:
+        return copysign(ALONG, -b), b
+    return a, b if abs(b) > ALONG else copysign(ALONG, -a)
+
+
+@kernel
+def against(slope: float) -> float:
+    """Return minus one over a slope; none for one of zero, which only a cone without
+    width has.
+    """
+    return -1.0 / slope if slope != 0.0 else 0.0
+
+
+@kernel
+def first_force(fx: float, fy: float, tau: float, split: tuple[Line, Wrench]) -> Vector:
+    """Return the force [N] of contact 1, in B, that the split asks for."""
+    line, (a, b, c) = split
+    ex, ey, _, _, _ = line
+    along, g1, g2 = line_parts(fx, fy, tau, line, (0.0, 0.0))
+    s = a * along + b * g1 + c * g2
+    return ex * s - ey * g1, ey * s + ex * g1
+
+
+@kernel
+def two_contacts(fx: float, fy: float, tau: float, linear: Linear, rest: Rest) -> Two:
+    """Return the allocation of a wrench [N, N m] about B's origin."""
+    x_fx, x_fy, x_tau, y_fx, y_fy, y_tau, n1x, n1y, n2x, n2y, mu, cap1, cap2 = linear
+    f1x = x_fx * fx + x_fy * fy + x_tau * tau
+    f1y = y_fx * fx + y_fy * fy + y_tau * tau
+    f2x = fx - f1x
+    f2y = fy - f1y
+    f1n = n1x * f1x + n1y * f1y
+    f2n = n2x * f2x + n2y * f2y
+    f1t = n1x * f1y - n1y * f1x
+    f2t = n2x * f2y - n2y * f2x
+    margin = mu * f1n - (f1t if f1t > 0.0 else -f1t)
+    margin2 = mu * f2n - (f2t if f2t > 0.0 else -f2t)
+    if margin2 < margin:
+        margin = margin2
+    if margin >= 0.0 and f1n <= cap1 and f2n <= cap2:
+        return ((f1x, f1y), (f2x, f2y)), (f1n, f2n), margin, OK, EXACT
+    if mu == 0.0:
+        # a cone without width: every wrench is one that has to be moved onto it
+        return outside((fx, fy, tau), linear, rest)
+    forces = ((f1x, f1y), (f2x, f2y))
+    pushes = (mu * f1n, mu * f2n, f1n, f2n)
+    return moved((fx, fy, tau), forces, pushes, (f1t, f2t), linear, rest)
+
+
+@kernel
+def moved(
+    wrench: Wrench,
+    forces: Points,
+    pushes: Four,
+    slides: Vector,
+    linear: Linear,
+    rest: Rest,
+) -> Two:
+    """Return the allocation of a wrench whose wanted ``forces`` a cone's edge or a cap
+    stops: moved along the line of contacts as little as the cones need.
+
+    ``pushes`` are mu f_n of both contacts, then f_n, and ``slides`` their f_t [N].
+    """
+    most1, most2, f1n, f2n = pushes
+    if not isfinite(most1 + most2):
+        return outside(wrench, linear, rest)
+    (ex, ey), (n1e, n2e), _, (k1, k2, k3, k4) = rest[0]
+    f1t, f2t = slides
+    # q + a d >= 0 bounds d by -q / a: from below where a > 0, and so -1 / a < 0
+    low, high = within(-inf, inf, k1 * (most1 - f1t), k1)
+    low, high = within(low, high, k2 * (most1 + f1t), k2)
+    low, high = within(low, high, k3 * (most2 - f2t), k3)
+    low, high = within(low, high, k4 * (most2 + f2t), k4)
+    if not low <= high:
+        return outside(wrench, linear, rest)
+    d = low
+    if low <= 0.0:
+        d = high if high < 0.0 else 0.0
+    f1n = f1n + d * n1e
+    f2n = f2n - d * n2e
+    if not (f1n <= linear[11] and f2n <= linear[12]):
+        return capped(wrench, linear, rest)
+    (f1x, f1y), (f2x, f2y) = forces
+    dx = d * ex
+    dy = d * ey
+    return ((f1x + dx, f1y + dy), (f2x - dx, f2y - dy)), (f1n, f2n), 0.0, OK, EXACT
+
+
+@kernel
+def within(low: float, high: float, d: float, k: float) -> Vector:
+    """Return the part of an interval on one side of ``d``: above for k < 0."""
+    if k < 0.0:
+        return (d if d > low else low), high
+    return low, (d if d < high else high)
+
+
+@kernel
+def capped(wrench: Wrench, linear: Linear, rest: Rest) -> Two:
+    """Return the allocation of a wrench of the cone that takes more normal force than a
+    cap allows: split in another way, and scaled where no split keeps the caps.
+    """
+    fx, fy, tau = wrench
+    sides, (_, _, caps, _), split, _ = rest
+    (ex, ey), (n1e, n2e), (a1, a2, a3, a4), _ = sides
+    f1x, f1y = first_force(fx, fy, tau, split)
+    f2x = fx - f1x
+    f2y = fy - f1y
+    _, _, _, _, _, _, n1x, n1y, n2x, n2y, mu, cap1, cap2 = linear
+    f1n = f1x * n1x + f1y * n1y
+    f2n = f2x * n2x + f2y * n2y
+    f1t = n1x * f1y - n1y * f1x
+    f2t = n2x * f2y - n2y * f2x
+    low, high = bounded(-inf, inf, mu * f1n - f1t, a1)
+    low, high = bounded(low, high, mu * f1n + f1t, a2)
+    low, high = bounded(low, high, mu * f2n - f2t, a3)
+    low, high = bounded(low, high, mu * f2n + f2t, a4)
+    least, most = bounded(-inf, inf, cap1 - f1n, -n1e)
+    least, most = bounded(least, most, cap2 - f2n, n2e)
+    least = max(least, low)
+    most = min(most, high)
+    d = min(max(0.0, least), most)
+    scale = 1.0
+    if not least <= most:
+        d, scale = best_scaled((low, high), (f1n, f2n), (n1e, n2e), caps)
+    forces = ((f1x + d * ex, f1y + d * ey), (f2x - d * ex, f2y - d * ey))
+    return judged(wrench, forces, scale, linear, rest)
+
+
+@kernel
+def bounded(low: float, high: float, slack: float, slope: float) -> Vector:
+    """Return the part of an interval of d in which slack + slope d >= 0; reversed if
+    there is none.
+    """
+    if slope > 0.0:
+        return max(low, -slack / slope), high
+    if slope < 0.0:
+        return low, min(high, -slack / slope)
+    if slack < 0.0:
+        return inf, -inf
+    return low, high
+
+
+@kernel
+def best_scaled(
+    interval: Vector, pushes: Vector, alongs: Vector, caps: Vector
+) -> Vector:
+    """Return the force d [N] along the line, in an interval, at which the largest part
+    of the wrench keeps the caps, and this part.
+
+    ``pushes`` are the normal forces [N] at d = 0, ``alongs`` the line's parts along the
+    normals.
+    """
+    low, high = interval
+    f1n, f2n = pushes
+    n1e, n2e = alongs
+    rate = caps[0] * n2e + caps[1] * n1e
+    both = (caps[0] * f2n - caps[1] * f1n) / rate if rate != 0.0 else nan
+    best = 0.0
+    largest = -inf
+    for d in (low, high, min(max(both, low), high)):
+        part = kept_part(f1n + d * n1e, f2n - d * n2e, caps)
+        if isfinite(d) and part > largest:
+            best = d
+            largest = part
+    return best, kept_part(f1n + best * n1e, f2n - best * n2e, caps)
+
+
+@kernel
+def kept_part(f1n: float, f2n: float, caps: Vector) -> float:
+    """Return the part of two normal forces [N], at most 1, that keeps the caps."""
+    part = caps[0] / f1n if f1n > caps[0] else 1.0
+    return min(part, caps[1] / f2n) if f2n > caps[1] else part
+
+
+@kernel
+def outside(wrench: Wrench, linear: Linear, rest: Rest) -> Two:
+    """Return the allocation of the nearest wrench of the cone, unless the caller moves
+    the wrench.
+    """
+    if rest[1][3] > 0.0:
+        none = ((0.0, 0.0), (0.0, 0.0))
+        return none, (0.0, 0.0), 0.0, ELSEWHERE, wrench
+    return nearest_forces(wrench, wrench, linear, rest)
+
+
+@kernel
+def nearest_forces(wanted: Wrench, aim: Wrench, linear: Linear, rest: Rest) -> Two:
+    """Return the allocation of the wrench of the cone that is nearest to ``aim``."""
+    fx, fy, tau = wanted
+    if not abs(fx) + abs(fy) + abs(tau) < inf:
+        return ((0.0, 0.0), (0.0, 0.0)), (0.0, 0.0), 0.0, INFEASIBLE, wanted
+    _, (_, rho, caps, _), _, cone = rest
+    k1, k2, k3, k4 = nearest_parts(aim[0], aim[1], aim[2] / rho, cone)
+    a, b, c, d = cone[0]
+    first = (k1 * a[0] + k2 * b[0], k1 * a[1] + k2 * b[1])
+    second = (k3 * c[0] + k4 * d[0], k3 * c[1] + k4 * d[1])
+    scale = kept_part(k1 + k2, k3 + k4, caps)
+    return judged(wanted, (first, second), scale, linear, rest)
+
+
+@kernel
+def judged(
+    wanted: Wrench, forces: Points, scale: float, linear: Linear, rest: Rest
+) -> Two:
+    """Return ``scale`` times two forces, beside the wrench that was wanted."""
+    (f1x, f1y), (f2x, f2y) = forces
+    f1x = scale * f1x
+    f1y = scale * f1y
+    f2x = scale * f2x
+    f2y = scale * f2y
+    fx, fy, tau = wanted
+    ((p1x, p1y), (p2x, p2y)), rho, _, _ = rest[1]
+    rx = fx - f1x - f2x
+    ry = fy - f1y - f2y
+    rt = tau - (p1x * f1y - p1y * f1x) - (p2x * f2y - p2y * f2x)
+    size = abs(fx) + abs(fy) + abs(tau) / rho
+    error = abs(rx) + abs(ry) + abs(rt) / rho
+    _, _, _, _, _, _, n1x, n1y, n2x, n2y, mu, _, _ = linear
+    f1n = n1x * f1x + n1y * f1y
+    f2n = n2x * f2x + n2y * f2y
+    margin = min(
+        mu * (f1x * n1x + f1y * n1y) - abs(n1x * f1y - n1y * f1x),
+        mu * (f2x * n2x + f2y * n2y) - abs(n2x * f2y - n2y * f2x),
+    )
+    status = OK if error <= GIVEN * size < inf else PROJECTED
+    if status == PROJECTED and f1x == 0.0 and f1y == 0.0 and f2x == 0.0 and f2y == 0.0:
+        status = INFEASIBLE
+    return ((f1x, f1y), (f2x, f2y)), (f1n, f2n), margin, status, (rx, ry, rt)

@@ -1,0 +1,184 @@
+"""The cone of the wrenches that two side contacts can give, and the nearest wrench in it
+(docs/mechanics.md, section 6).
+
+The cone is spanned by four edge wrenches, one for each edge of the two friction cones.
+Distances are in the norm diag(1, 1, 1/rho^2).
+"""
+
+from __future__ import annotations
+
+from math import inf, sqrt
+
+from pushpressslide.kernels.allocation import Vector, Wrench
+from pushpressslide.kernels.kernel import kernel
+
+FLAT = 1e-9  # sine of the angle below which two edge wrenches span no facet
+
+Points = tuple[Vector, Vector]
+Edge = tuple[float, float, float, float]
+"""Edge wrench for a normal force of 1 N: force x, y, moment over rho, and its square."""
+Edges = tuple[Edge, Edge, Edge, Edge]
+"""The right and left edge of contact 1, then of contact 2."""
+Span = Vector
+"""Of two edges: their product, and one over the square of their cross product, 0 where
+they span no plane.
+"""
+Spans = tuple[Span, Span, Span, Span, Span, Span]
+Cone = tuple[Edges, Spans]
+"""The edges, and the spans of 12, 13, 14, 23, 24 and 34."""
+Parts = tuple[float, float, float, float]
+
+
+@kernel
+def wrench_cone(points: Points, normals: Points, friction: float, rho: float) -> Cone:
+    """Return the cone of two contacts; ``points`` and ``rho`` [m]."""
+    a = cone_edge(points[0], normals[0], -friction, rho)
+    b = cone_edge(points[0], normals[0], friction, rho)
+    c = cone_edge(points[1], normals[1], -friction, rho)
+    d = cone_edge(points[1], normals[1], friction, rho)
+    spans = (span(a, b), span(a, c), span(a, d), span(b, c), span(b, d), span(c, d))
+    return (a, b, c, d), spans
+
+
+@kernel
+def cone_edge(point: Vector, normal: Vector, friction: float, rho: float) -> Edge:
+    """Return the left edge of a contact's cone; the right one with minus the friction."""
+    fx = normal[0] - friction * normal[1]
+    fy = normal[1] + friction * normal[0]
+    turn = (point[0] * fy - point[1] * fx) / rho
+    return fx, fy, turn, fx * fx + fy * fy + turn * turn
+
+
+@kernel
+def span(a: Edge, b: Edge) -> Span:
+    """Return what two edges span."""
+    ax, ay, az, a_square = a
+    bx, by, bz, b_square = b
+    nx = ay * bz - az * by
+    ny = az * bx - ax * bz
+    nz = ax * by - ay * bx
+    square = nx * nx + ny * ny + nz * nz
+    product = ax * bx + ay * by + az * bz
+    if square < FLAT * FLAT * a_square * b_square:
+        return product, 0.0
+    size = sqrt(square)
+    return product, 1.0 / (size * size)
+
+
+@kernel
+def nearest_parts(fx: float, fy: float, z: float, cone: Cone) -> Parts:
+    """Return how much of each edge is in the nearest wrench to one that is not inside
+    the cone; ``z`` is the moment over rho.
+
+    That wrench lies on a facet, so it is the best of the four edges and their six
+    pairs: least squares with coefficients >= 0, by enumeration.
+    """
+    a, b, c, d = cone[0]
+    ons = (
+        a[0] * fx + a[1] * fy + a[2] * z,
+        b[0] * fx + b[1] * fy + b[2] * z,
+        c[0] * fx + c[1] * fy + c[2] * z,
+        d[0] * fx + d[1] * fy + d[2] * z,
+    )
+    wrench = (fx, fy, z)
+    least, parts = nearest_edge(wrench, cone[0], ons)
+    return nearest_facet(wrench, cone, ons, least, parts)
+
+
+@kernel
+def nearest_edge(wrench: Wrench, edges: Edges, ons: Parts) -> tuple[float, Parts]:
+    """Return the squared distance and the parts of the nearest wrench on an edge, or of
+    none; ``ons`` are the products of edges and wrench.
+    """
+    a, b, c, d = edges
+    fx, fy, z = wrench
+    least = fx * fx + fy * fy + z * z
+    parts = (0.0, 0.0, 0.0, 0.0)
+    distance, k = along_edge(wrench, a, ons[0])
+    if distance < least:
+        least = distance
+        parts = (k, 0.0, 0.0, 0.0)
+    distance, k = along_edge(wrench, b, ons[1])
+    if distance < least:
+        least = distance
+        parts = (0.0, k, 0.0, 0.0)
+    distance, k = along_edge(wrench, c, ons[2])
+    if distance < least:
+        least = distance
+        parts = (0.0, 0.0, k, 0.0)
+    distance, k = along_edge(wrench, d, ons[3])
+    if distance < least:
+        least = distance
+        parts = (0.0, 0.0, 0.0, k)
+    return least, parts
+
+
+@kernel
+def nearest_facet(
+    wrench: Wrench, cone: Cone, ons: Parts, least: float, parts: Parts
+) -> Parts:
+    """Return the parts of the nearest wrench between two edges, or ``parts`` where none
+    is nearer than ``least``.
+    """
+    (a, b, c, d), (ab, ac, ad, bc, bd, cd) = cone
+    on_a, on_b, on_c, on_d = ons
+    distance, k, m = between(wrench, a, b, (on_a, on_b), ab)
+    if distance < least:
+        least = distance
+        parts = (k, m, 0.0, 0.0)
+    distance, k, m = between(wrench, a, c, (on_a, on_c), ac)
+    if distance < least:
+        least = distance
+        parts = (k, 0.0, m, 0.0)
+    distance, k, m = between(wrench, a, d, (on_a, on_d), ad)
+    if distance < least:
+        least = distance
+        parts = (k, 0.0, 0.0, m)
+    distance, k, m = between(wrench, b, c, (on_b, on_c), bc)
+    if distance < least:
+        least = distance
+        parts = (0.0, k, m, 0.0)
+    distance, k, m = between(wrench, b, d, (on_b, on_d), bd)
+    if distance < least:
+        least = distance
+        parts = (0.0, k, 0.0, m)
+    distance, k, m = between(wrench, c, d, (on_c, on_d), cd)
+    if distance < least:
+        parts = (0.0, 0.0, k, m)
+    return parts
+
+
+@kernel
+def along_edge(wrench: Wrench, edge: Edge, on: float) -> Vector:
+    """Return squared distance and part of the nearest wrench along an edge; infinitely
+    far where it would have to pull.
+    """
+    if not on > 0.0:
+        return inf, 0.0
+    fx, fy, z = wrench
+    ax, ay, az, square = edge
+    k = on / square
+    dx = fx - k * ax
+    dy = fy - k * ay
+    dz = z - k * az
+    return dx * dx + dy * dy + dz * dz, k
+
+
+@kernel
+def between(wrench: Wrench, a: Edge, b: Edge, ons: Vector, span: Span) -> Wrench:
+    """Return squared distance and parts of the nearest wrench between two edges;
+    infinitely far where one would have to pull.
+    """
+    ax, ay, az, a_square = a
+    bx, by, bz, b_square = b
+    on_a, on_b = ons
+    product, inverse = span
+    k = (b_square * on_a - product * on_b) * inverse
+    m = (a_square * on_b - product * on_a) * inverse
+    if not (k > 0.0 and m > 0.0):
+        return inf, 0.0, 0.0
+    fx, fy, z = wrench
+    dx = fx - k * ax - m * bx
+    dy = fy - k * ay - m * by
+    dz = z - k * az - m * bz
+    return dx * dx + dy * dy + dz * dz, k, m
