@@ -209,10 +209,11 @@ def _interpreted(
     ) -> None:
         given: Any = ()
         rest = tuple(nested(array.tolist()) for array in arrays)
-        for i, row in enumerate(np.concatenate(rows, axis=1).tolist()):
-            if i == 0 or not shared:
-                given = filled(like, figures[i].tolist())
-            answer = kernel(*filled(head, row), *given, *rest)
-            out[:, i] = tuple(leaves(answer))
+        with np.errstate(all="ignore"):  # as compiled: no number in, no number out
+            for i, row in enumerate(np.concatenate(rows, axis=1).tolist()):
+                if i == 0 or not shared:
+                    given = filled(like, figures[i].tolist())
+                answer = kernel(*filled(head, row), *given, *rest)
+                out[:, i] = tuple(leaves(answer))
 
     return loop
