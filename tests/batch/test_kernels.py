@@ -13,7 +13,9 @@ from pushpressslide.allocation.parallel import parallel_push_allocator
 from pushpressslide.allocation.press_and_push import press_and_push_allocator
 from pushpressslide.allocation.two_contacts import two_contact_allocator
 from pushpressslide.batch import (
+    exact_surface,
     fast,
+    limit_surface,
     loops,
     one_contact,
     parallel,
@@ -22,6 +24,9 @@ from pushpressslide.batch import (
     two_contacts,
 )
 from pushpressslide.core.allocation import STATUSES
+from pushpressslide.kernels.limit_surface import dragged_wrench, driving_wrench
+from pushpressslide.mechanics import height_term, virtual_axle
+from pushpressslide.mechanics import limit_surface as single_surfaces
 
 POINT = (-0.1, 0.03)
 FORWARD = (1.0, 0.0)
@@ -96,6 +101,14 @@ def test_a_batch_of_two_presses_answers_as_their_allocator(engine):
     batch = presses.TwoPresses(points, 0.5).allocate(rows, normals, cops)
     given = zip(rows.tolist(), normals.tolist(), cops.tolist(), strict=True)
     assert_alike(batch, [allocate(*row, tuple(n), tuple(c)) for row, n, c in given])
+
+
+def test_limit_surfaces_on_arrays_have_the_kernels_of_single_ones():
+    assert exact_surface.exact_slide is single_surfaces.kernels.exact_slide
+    assert exact_surface.exact_axle is virtual_axle.exact_axle
+    assert limit_surface.driving_wrench is driving_wrench
+    called = inspect.getclosurevars(driving_wrench).globals
+    assert called["dragged_wrench"] is dragged_wrench is height_term.dragged_wrench
 
 
 def assert_alike(answers, single):
