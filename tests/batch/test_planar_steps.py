@@ -16,6 +16,7 @@ from pushpressslide.core import twist_path
 from pushpressslide.geometry import sides
 from pushpressslide.geometry.shapes import Box
 from pushpressslide.kernels import compliant_tip, plane, sliding, tip_step
+from pushpressslide.kernels.supports import on_ellipsoid
 from pushpressslide.mechanics.face_pressure import face_pressure
 from pushpressslide.mechanics.pressure import rectangle_pressure
 from pushpressslide.planar import contact, world
@@ -93,3 +94,20 @@ def test_a_compiled_tick_is_the_interpreted_one(name, count):
         a = getattr(compiled, part)
         b = getattr(interpreted, part)
         np.testing.assert_allclose(a, b, rtol=near, atol=near)
+
+
+def test_a_twist_beyond_all_numbers_is_no_balance():
+    """There squares overflow, friction is zero, and no tip touches."""
+    contact = (
+        (-0.1, 0.0),
+        (-0.115, 0.0),
+        ((1.0, 0.0), (5.0, 0.0), (9.0, 9.0)),
+        0.5,
+        0.0,
+    )
+    laws = (on_ellipsoid, compliant_tip.side_touch)
+    support = (0.07, 3.0, 0.07)
+    lost = (1e171, 0.0, 0.0)
+    assert not sliding.solved(lost, sliding.FREED, (contact,), support, laws)[0]
+    vx, vy, w = sliding.slide(lost, (contact,), support, laws)
+    assert (vx, vy, w) == pytest.approx((2.0 / 9.0, 0.0, 0.0), abs=1e-6)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pushpressslide.batch.rows import Figures, alike, answers, leaves
+from pushpressslide.batch.rows import Figures, alike, answers, columns_of, leaves
 from pushpressslide.core.arrays import Array
 from pushpressslide.kernels.path_run import UNDER_WAY, Laws, path_run
 
@@ -67,10 +67,11 @@ class PathRuns(NamedTuple):
         *_, dt, limit = self.laws[3]
         while len(rows) and states[0, TIME] <= limit - 0.5 * dt:
             noise = self._noise(rng)
-            number = rows[:, None] if len(noise) > 1 else np.zeros((len(rows), 1))
-            row = Figures(
-                np.concatenate([states, truths[rows], number], axis=1),
-                (STATE, TRUTH, 0.0),
+            number = np.minimum(rows, len(noise) - 1.0)
+            row = (
+                Figures(states, (STATE,)),
+                Figures(truths[rows], (TRUTH,)),
+                *columns_of(number),
             )
             arrays = (self.pieces, self.bends, noise)
             states = answers(path_run, row, laws, arrays, columns=WIDTH)

@@ -21,7 +21,7 @@ from pushpressslide.batch.checks import (
     check_units,
 )
 from pushpressslide.batch.pushing import SEPARATE
-from pushpressslide.batch.rows import Figures, answers, figures
+from pushpressslide.batch.rows import Figures, answers, figures, grouped
 from pushpressslide.batch.support import Support
 from pushpressslide.core.arrays import Array
 
@@ -121,13 +121,10 @@ class PlanarWorld:
         led[..., : self.count, :2] = states.tips
         led[..., : self.count, 2:4] = u
         led[..., : self.count, 4:] = f
-        row = np.empty((*shape, 18))
-        row[..., :3] = states.poses
-        row[..., 3:6] = states.twists
-        row[..., 6:] = led.reshape(*shape, 12)
-        rows = Figures(row, ((0.0,) * 3, (0.0,) * 3, (LED, LED)))
+        leds = Figures(led.reshape(*shape, 12), ((LED, LED),))
+        row = (grouped(states.poses), grouped(states.twists), leds)
         support = self._support
-        out = answers(support.step, rows, self._figures, support.arrays, columns=16)
+        out = answers(support.step, row, self._figures, support.arrays, columns=16)
         tips = out[..., 6:].reshape(*shape, 2, 5)[..., : self.count, :]
         kinds = tips[..., 4].astype(np.int8)
         return WorldStates(

@@ -20,17 +20,15 @@ from pushpressslide.batch.checks import (
     check_units,
 )
 from pushpressslide.batch.rows import (
-    Figures,
     answers,
+    columns_of,
     figures,
     figures_of,
+    grouped,
     halves,
 )
 from pushpressslide.core.arrays import Array
 from pushpressslide.kernels.pushing import pushed_on
-
-ROW = ((0.0, 0.0, 0.0), (0.0, 0.0), 0.0, 0.0, 0.0)
-"""Pose and velocity, place, gap and time."""
 
 
 class Pushes(NamedTuple):
@@ -92,12 +90,8 @@ class PushedBodies:
         """
         (rows,) = figures(velocities)
         check_last(rows, (2,), "velocities")
-        shape = np.broadcast_shapes(rows.shape[:-1], pushes.places.shape)
-        row = np.empty((*shape, 8))
-        row[..., :3] = pushes.poses
-        row[..., 3:5] = rows
-        row[..., 5] = pushes.places
-        row[..., 6] = pushes.gaps
-        row[..., 7] = dt
-        out = answers(pushed_on, Figures(row, ROW), self._face, columns=5)
+        poses, places, gaps = pushes
+        columns = columns_of(places, gaps, np.asarray(dt))
+        row = (grouped(poses), grouped(rows), *columns)
+        out = answers(pushed_on, row, self._face, columns=5)
         return Pushes(out[..., :3], out[..., 3], out[..., 4])

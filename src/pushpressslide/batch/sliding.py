@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pushpressslide.batch.rows import answers, beside, figures_of, grouped
+from pushpressslide.batch.rows import answers, figures_of, grouped
 from pushpressslide.batch.support import Support
 from pushpressslide.core.arrays import Array
 
@@ -29,10 +29,8 @@ def slide(support: Support, tips: Sequence[Array], guesses: Array) -> Array:
     rho = np.broadcast_to(support.rho, len(guesses))
     scale = np.stack([np.ones_like(rho), np.ones_like(rho), rho], axis=1)
     one, two = (*tips, NO_TIP)[:2]
-    row = beside(
-        grouped(guesses / scale),
-        figures_of((_side(one, rho), _side(two, rho))),
-    )
+    sides = figures_of((_side(one, rho), _side(two, rho)))
+    row = (grouped(guesses / scale), sides)
     body = figures_of(np.asarray(support.max_force), np.asarray(support.rho))
     out = answers(support.slide, row, body, support.arrays, columns=3)
     return out * scale

@@ -66,15 +66,20 @@ def carried(pose: Pose, rate: Rate, length: float) -> Pose:
 @kernel
 def carried_from(axis: Vector, pose: Pose, rate: Rate, length: float) -> Pose:
     """Return the same of a pose whose axis is known."""
-    vx, vy, w = rate
-    angle = w * length
-    if abs(angle) < STRAIGHT:
-        x = vx * length
-        y = vy * length
-    else:
-        s = sin(angle) / w
-        c = 2.0 * sin(0.5 * angle) ** 2 / w
-        x = vx * s - vy * c
-        y = vx * c + vy * s
-    dx, dy = from_axis(axis, (x, y))
+    angle = rate[2] * length
+    way = chord(rate, length, sin(angle), sin(0.5 * angle))
+    dx, dy = from_axis(axis, way)
     return pose[0] + dx, pose[1] + dy, pose[2] + angle
+
+
+@kernel
+def chord(rate: Rate, length: float, sine: float, half_sine: float) -> Vector:
+    """Return the way in the body's axes at the start; ``sine`` and ``half_sine`` are those
+    of the turn and of half of it.
+    """
+    vx, vy, w = rate
+    if abs(w * length) < STRAIGHT:
+        return vx * length, vy * length
+    s = sine / w
+    c = 2.0 * half_sine**2 / w
+    return vx * s - vy * c, vx * c + vy * s

@@ -6,13 +6,14 @@ Frame B; the left tangent is the inward normal n turned by +90 degrees.
 
 from __future__ import annotations
 
-from math import inf, isfinite
+from math import inf, isfinite, nan
 
 from pushpressslide.kernels.allocation import Vector
 from pushpressslide.kernels.compliant_tip import FREE, SLIP_LEFT, SLIP_RIGHT, STICK
+from pushpressslide.kernels.elementary import cosine, sine
 from pushpressslide.kernels.kernel import kernel
 from pushpressslide.kernels.limit_surface import ellipsoid_wrench
-from pushpressslide.kernels.plane import Pose, carried_from, cross, heading, in_axis
+from pushpressslide.kernels.plane import Pose, chord, cross, from_axis, in_axis
 from pushpressslide.kernels.sliding import REST, Triple
 
 Edges = tuple[Vector, Vector]
@@ -121,6 +122,14 @@ def driven(mobile: Vector, lever: Vector, rho: float) -> Triple:
 
 
 @kernel
+def quick_heading(yaw: float) -> Vector:
+    """Return the unit vector at an angle [rad], by arithmetic where it is compiled."""
+    if not isfinite(yaw):
+        return nan, nan
+    return cosine(yaw), sine(yaw)
+
+
+@kernel
 def pushed_on(
     pose: Pose, velocity: Vector, place: float, gap: float, dt: float, face: Face
 ) -> Pushed:
@@ -129,7 +138,7 @@ def pushed_on(
     edge. The twist is constant in the body's own frame.
     """
     foot, normal, ends, friction, rho = face
-    axis = heading(pose[2])
+    axis = quick_heading(pose[2])
     velocity = in_axis(axis, velocity)
     into = velocity[0] * normal[0] + velocity[1] * normal[1]
     along = cross(normal, velocity)
@@ -145,5 +154,7 @@ def pushed_on(
         return pose, place + along * time, inf if until < dt else left_over
     lever = (foot[0] - normal[1] * place, foot[1] + normal[0] * place)
     _, twist, slip = pushed(velocity, (lever, normal, friction, rho))
-    after = carried_from(axis, pose, twist, time)
+    turn = twist[2] * time
+    dx, dy = from_axis(axis, chord(twist, time, sine(turn), sine(0.5 * turn)))
+    after = (pose[0] + dx, pose[1] + dy, pose[2] + turn)
     return after, place + slip * time, 0.0 if into > 0.0 else left_over

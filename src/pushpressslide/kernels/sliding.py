@@ -13,6 +13,7 @@ from math import sqrt
 from typing import Any
 
 from pushpressslide.kernels.compliant_tip import FREE, Touch
+from pushpressslide.kernels.edge_friction import FASTEST
 from pushpressslide.kernels.kernel import kernel, kernel_apart
 from pushpressslide.kernels.support_friction import CREEP, Friction
 
@@ -28,6 +29,7 @@ SOFTENING = 1e-6
 # [m/s] of which the drag is mu N, when balance is looked for by letting the body go
 DRAG_SPEED = 0.01
 TRIALS = 60
+
 STATUSES = 8  # more than a contact has
 
 Triple = tuple[float, float, float]
@@ -103,7 +105,7 @@ def solved(
     for _ in range(STEPS):
         size = size_of(force, rho)
         if size < BALANCE * limit:
-            return True, twist
+            return is_motion(twist), twist
         regular, step = newton_step(slope, force)
         if not regular:
             return False, twist
@@ -240,7 +242,7 @@ def ended(
     size = size_of(ahead, rho)
     allowed = BALANCE * limit
     if size < allowed:
-        return True, twist
+        return is_motion(twist), twist
     if 2.0 * size * size > SURE * allowed * past:
         return False, twist
     regular, step = newton_step(slope, ahead)
@@ -278,6 +280,12 @@ def shortened(
         else:
             break
     return twist
+
+
+@kernel
+def is_motion(twist: Triple) -> bool:
+    """Return whether a twist is one; of those whose square is no number friction is zero."""
+    return dot(twist, twist) <= FASTEST
 
 
 @kernel
