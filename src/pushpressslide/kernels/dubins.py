@@ -21,7 +21,7 @@ from pushpressslide.kernels.elementary import (
     sine,
     turn_part,
 )
-from pushpressslide.kernels.kernel import kernel, kernel_wide
+from pushpressslide.kernels.kernel import compiled_as, kernel, kernel_wide
 
 NONE = -1
 LSL = 0
@@ -59,6 +59,13 @@ Solutions = tuple[
 
 
 @kernel
+def quick_full_turn(angle: float) -> float:
+    """Return ``full_turn`` in one way for all angles."""
+    angle = turn_part(angle)
+    return angle if ROUND_OFF < angle < TURN - ROUND_OFF else 0.0
+
+
+@compiled_as(quick_full_turn)
 def full_turn(angle: float) -> float:
     """Return an angle [rad] in [0, 2 pi), zero where it is a full turn to round-off."""
     if TURN <= angle < 2.0 * TURN:
