@@ -16,7 +16,8 @@ def test_rho_of_a_tight_turn_is_within_ten_per_cent_of_the_exact_models(
     tmp_path: Path,
 ) -> None:
     (variant,) = IDENTIFIED_RHO.variants
-    run_task(load_task(variant.task, variant.settings), out=Output(tmp_path))
+    task = load_task(variant.task, variant.settings)
+    run_task(task, out=Output(tmp_path), execution=variant.execution)
     run = load_run(tmp_path)
     found = identified_rho(run.plan, run.record)
     assert found is not None
