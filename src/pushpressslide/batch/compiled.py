@@ -38,9 +38,11 @@ def taken(typingctx: Any, row: Any, like: Any) -> Any:
     """Return the numbers of a row (k,) as a tuple like another, nested as that is."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        """Emit the loads."""
         cell = _cells(context, builder, signature.args[0], arguments[0])
 
         def built(kind: Any) -> Any:
+            """Return the next number, or a tuple of the next ones."""
             if isinstance(kind, types.BaseTuple):
                 parts = [built(part) for part in kind.types]
                 return context.make_tuple(builder, kind, parts)
@@ -56,9 +58,11 @@ def stored(typingctx: Any, row: Any, values: Any) -> Any:
     """Write the numbers of a nested tuple into a row (k,), one after the other."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        """Emit the stores."""
         cell = _cells(context, builder, signature.args[0], arguments[0])
 
         def write(kind: Any, value: Any) -> None:
+            """Write a number, or all of a tuple."""
             if isinstance(kind, types.BaseTuple):
                 parts = cgutils.unpack_tuple(builder, value)
                 for part, inner in zip(kind.types, parts, strict=True):
@@ -79,6 +83,7 @@ def copied(typingctx: Any, target: Any, tables: Any, row: Any, likes: Any) -> An
     """
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        """Emit loads and stores."""
         to = _cells(context, builder, signature.args[0], arguments[0])
         parts = cgutils.unpack_tuple(builder, arguments[1])
         for kind, table, like in zip(tables.types, parts, likes.types, strict=True):
@@ -107,6 +112,7 @@ def _cells(context: Any, builder: Any, kind: Any, row: Any) -> Callable[[], Any]
     place = 0
 
     def cell() -> Any:
+        """Return the address of the next number."""
         nonlocal place
         offset = builder.mul(stride, stride.type(place))
         place += 1
@@ -120,20 +126,18 @@ def loop_over(
     kernel: Callable[..., Any],
     heads: tuple[Like, ...],
     like: Like,
-    shared: bool,
     kinds: tuple[tuple[str, int], ...] = (),
 ) -> Loop:
-    """Return the loop of a kernel over rows in tables, nested as ``heads`` are, and of
-    figures nested as ``like`` is, one row of them if they are ``shared`` by all, and of
-    arrays of such ``kinds``: NumPy's letter and the number of axes.
+    """Return the loop of a kernel over rows in tables, nested as ``heads`` are, with
+    figures of all rows, nested as ``like`` is, and arrays of such ``kinds``: NumPy's
+    letter and the number of axes.
 
     numba keeps what it compiles beside this file, or in the user's cache, by the loop's
     name: that holds a digest of all kernels, so that a change is compiled anew.
     """
     for function in KERNELS:
         _register(function)
-    make = _loop_of_one if shared else _loop_of_each
-    loop = make(kernel, heads, like)
+    loop = _loop(kernel, heads, like)
     loop.__qualname__ = f"{kernel.__name__}_{_digest()}"
     tables = types.UniTuple(TABLE, len(heads))
     arrays = types.Tuple([_array(letter, axes) for letter, axes in kinds])
@@ -170,6 +174,7 @@ def call_of(kernel: Callable[..., Any]) -> Callable[..., Any]:
         _register(function)
 
     def call(*arguments: Any) -> Any:
+        """Call the kernel."""
         return kernel(*arguments)
 
     call.__qualname__ = f"call_of_{kernel.__name__}_{_digest()}"
@@ -181,16 +186,15 @@ def call_of(kernel: Callable[..., Any]) -> Callable[..., Any]:
 # of its own, so that the compiler may work on several rows at once.
 
 
-def _loop_of_one(
-    kernel: Callable[..., Any], heads: tuple[Like, ...], like: Like
-) -> Loop:
-    """Return the loop in which all rows share their figures: what follows from these
-    alone is worked out once.
+def _loop(kernel: Callable[..., Any], heads: tuple[Like, ...], like: Like) -> Loop:
+    """Return the loop of a kernel. What follows from the figures alone is worked out
+    once.
     """
     head = sum(heads, ())
     width = _width(head)
 
     def loop(rows: Any, figures: Any, arrays: Any, out: Any) -> None:
+        """Write the kernel's answers for all rows."""
         given = taken(figures[0], like)
         x = np.zeros((width, LANES))
         y = np.zeros((len(out), LANES))
@@ -200,31 +204,6 @@ def _loop_of_one(
                 copied(x[:, j], rows, start + j, heads)
             for j in range(size):
                 stored(y[:, j], kernel(*(taken(x[:, j], head) + given + arrays)))
-            for k in range(len(out)):
-                for j in range(size):
-                    out[np.uint64(k), np.uint64(start + j)] = y[k, j]
-
-    return loop
-
-
-def _loop_of_each(
-    kernel: Callable[..., Any], heads: tuple[Like, ...], like: Like
-) -> Loop:
-    """Return the loop in which each row has figures of its own."""
-    head = sum((*heads, like), ())
-    width = _width(head)
-    likes = (*heads, like)
-
-    def loop(rows: Any, figures: Any, arrays: Any, out: Any) -> None:
-        tables = (*rows, figures)
-        x = np.zeros((width, LANES))
-        y = np.zeros((len(out), LANES))
-        for start in range(0, out.shape[1], LANES):
-            size = min(LANES, out.shape[1] - start)
-            for j in range(size):
-                copied(x[:, j], tables, start + j, likes)
-            for j in range(size):
-                stored(y[:, j], kernel(*(taken(x[:, j], head) + arrays)))
             for k in range(len(out)):
                 for j in range(size):
                     out[np.uint64(k), np.uint64(start + j)] = y[k, j]

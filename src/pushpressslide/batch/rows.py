@@ -148,16 +148,17 @@ def answers(
     in Python a kernel is given them as nested tuples.
     """
     parts = (row,) if isinstance(row, Figures) else tuple(row)
-    shape = np.broadcast_shapes(*(part.shape for part in parts), figures.shape)
+    if figures.shape:  # a row has figures of its own
+        parts = (*parts, figures)
+        figures = NO_FIGURES
+    shape = np.broadcast_shapes(*(part.shape for part in parts))
     rows = tuple(_flat(part.table, shape) for part in parts)
     out = np.empty((columns, math.prod(shape)))
-    shared = figures.table.ndim == 1
     given = tuple(np.ascontiguousarray(array) for array in arrays)
     kinds = tuple((array.dtype.char, array.ndim) for array in given)
     heads = tuple(part.like for part in parts)
-    loop = _compiled(kernel, heads, figures.like, shared, kinds)
-    table = figures.table[None] if shared else _flat(figures.table, shape)
-    loop(rows, table, given, out)
+    loop = _compiled(kernel, heads, figures.like, kinds)
+    loop(rows, figures.table[None], given, out)
     return _turned(out.reshape(columns, *shape))
 
 
@@ -173,17 +174,16 @@ def _compiled(
     kernel: Kernel,
     heads: tuple[Like, ...],
     like: Like,
-    shared: bool,
     kinds: tuple[tuple[str, int], ...],
 ) -> Callable[..., None]:
     """Return the loop of a kernel: numba's, or one in Python."""
     if fast.compiler() is None:
         if fast.installed() is None:
             _say_slow()
-        return _interpreted(kernel, sum(heads, ()), like, shared)
+        return _interpreted(kernel, sum(heads, ()), like)
     from pushpressslide.batch.compiled import loop_over
 
-    return loop_over(kernel, heads, like, shared, kinds)
+    return loop_over(kernel, heads, like, kinds)
 
 
 @cache
@@ -196,9 +196,7 @@ def _say_slow() -> None:
     )
 
 
-def _interpreted(
-    kernel: Kernel, head: Like, like: Like, shared: bool
-) -> Callable[..., None]:
+def _interpreted(kernel: Kernel, head: Like, like: Like) -> Callable[..., None]:
     """Return the loop of a kernel in Python, as ``compiled.loop_over``."""
 
     def loop(
@@ -207,12 +205,11 @@ def _interpreted(
         arrays: tuple[AnyArray, ...],
         out: Array,
     ) -> None:
-        given: Any = ()
+        """Write the kernel's answers for all rows."""
+        given = filled(like, figures[0].tolist())
         rest = tuple(nested(array.tolist()) for array in arrays)
         with np.errstate(all="ignore"):  # as compiled: no number in, no number out
             for i, row in enumerate(np.concatenate(rows, axis=1).tolist()):
-                if i == 0 or not shared:
-                    given = filled(like, figures[i].tolist())
                 answer = kernel(*filled(head, row), *given, *rest)
                 out[:, i] = tuple(leaves(answer))
 

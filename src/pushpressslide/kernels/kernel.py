@@ -47,6 +47,7 @@ def compiled_as(
     """
 
     def marked(function: Function) -> Function:
+        """Return the function as it is."""
         COMPILED[function] = other
         if sums:
             SUMS.append(function)
