@@ -280,7 +280,7 @@ def test_a_task_that_no_mode_can_do_exits_two_with_the_reason(
 def test_plan_writes_its_files_and_prints_json(tmp_path: Path) -> None:
     result = invoke("plan", "rear-push-left", "--json", "--out", str(tmp_path))
     assert result.exit_code == 0
-    assert json.loads(result.stdout)["segments"][0]["mode"] == "rear_push"
+    assert json.loads(result.stdout)["stages"][0]["segments"][0]["mode"] == "rear_push"
     assert {"plan.json", "plan.png"} <= {path.name for path in tmp_path.iterdir()}
 
 

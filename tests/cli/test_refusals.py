@@ -214,7 +214,7 @@ def test_a_folder_with_a_plan_of_schema_three_is_refused_by_its_schema(
     (folder / "report.html").unlink()
     line = refusal("report", str(folder))
     assert str(folder / "plan.json") in line
-    assert "schema 3, this version reads 7" in line
+    assert "schema 3, this version reads 7 and 8" in line
     assert "run the task again" in line
     # beside a folder that can be read too
     assert line == refusal("report", str(run_folder), str(folder))

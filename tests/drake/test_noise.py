@@ -5,9 +5,7 @@ from __future__ import annotations
 import pytest
 
 import pushpressslide as pps
-from pushpressslide.jobs.goals import run_goals
 from pushpressslide.jobs.run import simulate
-from pushpressslide.jobs.stages import StageOptions
 from pushpressslide.report.metrics import result
 from pushpressslide.taskfile.load import shipped_tasks
 
@@ -29,11 +27,7 @@ SHORT = "rear-push-rear"
 )
 def test_a_shipped_task_reaches_its_goal_with_noise_and_delay(name: str) -> None:
     task = pps.load_task(name, NOISE)
-    if task.goals:
-        measured, _ = run_goals(task, StageOptions("drake", seed=11))
-    else:
-        plan, record, _ = simulate(task, engine="drake", seed=11)
-        measured = result(task, plan, record, {})
+    measured = pps.run(task, engine="drake", seed=11).figures
     assert measured["success"], measured["reason"]
     assert measured["torque_limit_violation_fraction"] == 0.0
     assert measured["max_joint_speed_share"] < 1.0

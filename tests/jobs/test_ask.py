@@ -9,6 +9,7 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.report.files import save_run
+from pushpressslide.report.stages import StageRun
 
 TASK = pps.load_task("rear-push-rear")
 
@@ -43,7 +44,8 @@ def test_a_finished_run_is_read_and_reported_by_the_name_of_its_folder(
     tmp_path: Path,
 ) -> None:
     record = pps.run(TASK, engine="planar")
-    save_run(tmp_path, record.plan, record, record.figures)
+    stages = [StageRun.alone(record)]
+    save_run(tmp_path, record.plan.task, stages, record, record.figures)
     run = pps.load_run(str(tmp_path))
     assert run.record.success
     assert "\n" not in repr(run)

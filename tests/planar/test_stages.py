@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import math
 import shutil
+import zipfile
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -19,11 +21,13 @@ from pushpressslide.jobs.monitor import Output
 from pushpressslide.jobs.run import run_task
 from pushpressslide.jobs.stages import StageOptions, StageRunner
 from pushpressslide.report.files import load_run
-from pushpressslide.report.stage_files import is_staged, load_stages, stage_folder
+from pushpressslide.report.metrics import result as measure
+from pushpressslide.report.page import write_report
 from pushpressslide.report.stages import StageRun
 from pushpressslide.taskfile.load import load_task
 
 SWAP = load_task("swap")
+OLDER = Path(__file__).parent.parent / "older_runs"
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +59,7 @@ def test_nothing_jumps_from_a_stage_to_the_next(
     finished: tuple[dict[str, Any], Path],
 ) -> None:
     _, folder = finished
-    arrays = load_stages(folder).record.arrays
+    arrays = load_run(folder).record.arrays
     (last,) = np.nonzero(np.diff(arrays["stage"]))
     assert len(last) == 2
     for name in ("pose_object", "pose_other-cube", "tip_position"):
@@ -68,7 +72,7 @@ def test_the_object_pose_is_that_of_the_body_of_the_stage(
     finished: tuple[dict[str, Any], Path],
 ) -> None:
     result, folder = finished
-    arrays = load_stages(folder).record.arrays
+    arrays = load_run(folder).record.arrays
     for number, stage in enumerate(result["stages"]):
         own = arrays["stage"] == number
         assert (
@@ -87,27 +91,49 @@ def test_times_of_the_stages_follow_each_other(
     assert result["duration"] == pytest.approx(sum(spans))
 
 
-def test_a_stage_is_an_ordinary_run(finished: tuple[dict[str, Any], Path]) -> None:
-    result, folder = finished
-    assert is_staged(folder)
-    for index, stage in enumerate(result["stages"]):
-        run = load_run(stage_folder(folder, index))
-        assert run.result["success"]
-        assert run.result["modes"] == stage["modes"]
-        assert (stage_folder(folder, index) / "report.html").is_file()
-    with pytest.raises(PushPressSlideError, match="stages"):
-        load_run(folder)
-
-
 def test_a_run_comes_back_from_its_folder(
     finished: tuple[dict[str, Any], Path],
 ) -> None:
     result, folder = finished
-    back = load_stages(folder)
+    back = load_run(folder)
     assert back.result == result
     assert back.task == SWAP
-    assert [run.stage for run in back.runs] == list(back.stages)
-    assert [run.reached for run in back.runs] == [True] * 3
+    assert back.begun == back.stages
+    assert [run.reached for run in back.begun] == [True] * 3
+    for number, (run, stage) in enumerate(
+        zip(back.begun, result["stages"], strict=True)
+    ):
+        assert run.stage.body == stage["body"]
+        assert list(run.record.modes) == stage["modes"]
+        assert run.record.seed == number
+        assert run.choices
+
+
+def test_the_record_of_a_stage_is_cut_out_of_that_of_the_run(
+    finished: tuple[dict[str, Any], Path],
+) -> None:
+    _, folder = finished
+    _, runs = stages_of(SWAP)
+    for cut, run in zip(load_run(folder).begun, runs, strict=True):
+        assert cut.plan == run.plan
+        assert cut.state == run.state
+        assert cut.record.reason == run.record.reason
+        assert set(cut.record.arrays) == set(run.record.arrays)
+        for name, values in run.record.arrays.items():
+            if not name.startswith("tick_"):
+                found = cut.record.arrays[name]
+                atol = 1e-12 if name == "time" else 0.0
+                np.testing.assert_allclose(found, values, 0.0, atol, err_msg=name)
+
+
+def test_figures_of_a_stage_are_those_of_its_record(
+    finished: tuple[dict[str, Any], Path],
+) -> None:
+    result, folder = finished
+    for run, stage in zip(load_run(folder).begun, result["stages"], strict=True):
+        again = measure(run.plan.task, run.plan, run.record)
+        for name in ("path_rms_error", "max_normal_force", "contacts", "planned"):
+            assert json.loads(json.dumps(again[name])) == stage["figures"][name], name
 
 
 @pytest.mark.parametrize("name", ["plan.json", "record.npz", "result.json"])
@@ -120,7 +146,7 @@ def test_a_damaged_run_in_stages_is_refused_with_its_file(
     path = copy / name
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     with pytest.raises(PushPressSlideError, match=name):
-        load_stages(copy)
+        load_run(copy)
 
 
 def test_the_page_shows_every_stage(finished: tuple[dict[str, Any], Path]) -> None:
@@ -128,7 +154,8 @@ def test_the_page_shows_every_stage(finished: tuple[dict[str, Any], Path]) -> No
     page = (folder / "report.html").read_text("utf-8")
     for number in (1, 2, 3):
         assert f"Stage {number}: " in page
-        assert f"stages/{number}/report.html" in page
+        assert (folder / "plots" / f"stage-{number}-path.png").is_file()
+        assert (folder / f"plan-{number}.png").is_file()
     assert "other-cube" in page
 
 
@@ -159,7 +186,45 @@ def test_a_stage_that_fails_ends_the_run(tmp_path: Path) -> None:
     assert result["reason"]["code"] == "time_limit"
     assert [stage["reached"] for stage in result["stages"]] == [True, False, False]
     assert result["stages"][2]["time"] is None
-    assert len(load_stages(tmp_path).runs) == 2
+    back = load_run(tmp_path)
+    assert len(back.begun) == 2
+    assert len(back.stages) == 3
+
+
+def test_a_run_that_stops_between_stages_keeps_those_that_have_ended(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ran = StageRunner._run
+
+    def killed(self: StageRunner, number: int) -> StageRun | None:
+        if number == 1:
+            raise KeyboardInterrupt
+        return ran(self, number)
+
+    monkeypatch.setattr(StageRunner, "_run", killed)
+    with pytest.raises(KeyboardInterrupt):
+        run_task(SWAP, engine="planar", out=Output(tmp_path))
+    assert not (tmp_path / "result.json").exists()
+    with np.load(tmp_path / "record.npz") as stored:
+        assert (stored["stage"] == 0.0).all()
+    stages = json.loads((tmp_path / "plan.json").read_text())["stages"]
+    assert ["began" in stage for stage in stages] == [True, False, False]
+
+
+@pytest.mark.parametrize("stages", [1, 3])
+def test_a_folder_of_the_version_before_is_read(stages: int, tmp_path: Path) -> None:
+    """Older folders have no list of stages in a run of one, and those of several lie in
+    folders of their own.
+    """
+    name = "rear-push-rear" if stages == 1 else "swap"
+    with zipfile.ZipFile(OLDER / f"{name}.zip") as stored:
+        stored.extractall(tmp_path)
+    back = load_run(tmp_path)
+    assert len(back.begun) == len(back.result["stages"]) == stages
+    assert [run.reached for run in back.begun] == [True] * stages
+    page = write_report(tmp_path).read_text("utf-8")
+    assert "Goal reached" in page
+    assert ("Stage 3: " in page) == (stages == 3)
 
 
 def test_a_body_that_is_believed_otherwise_reaches_its_goal() -> None:

@@ -2,6 +2,7 @@
 
 import json
 import os
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -24,8 +25,9 @@ from pushpressslide.report.plan_files import (
     choices_from_dict,
     plan_from_dict,
     plan_to_dict,
-    write_plan,
+    write_plans,
 )
+from pushpressslide.report.stages import StageRun
 
 NEEDS = Refusal("load", "needs 60 N, limits.normal_force is 40 N")
 REFUSED = Choice("press_slide", refusal=NEEDS)
@@ -34,13 +36,9 @@ PASSED = Choice("press_slide", refusal=Refusal(SKIPPED, "not judged in full"))
 
 def save(run, folder):
     choices = (run.choice, REFUSED, PASSED)
-    save_run(
-        folder,
-        run.plan,
-        run.record,
-        result(run.task, run.plan, run.record),
-        choices,
-    )
+    stage = StageRun.alone(replace(run.record, plan=run.plan), choices)
+    figures = result(run.task, run.plan, run.record)
+    save_run(folder, run.task, [stage], run.record, figures)
     return folder
 
 
@@ -97,7 +95,6 @@ def test_a_plan_of_two_segments_survives_its_file(pressed):
 @pytest.mark.parametrize(
     ("change", "what"),
     [
-        (lambda data: data.update(schema=1), "schema 1, this version reads 7"),
         (
             lambda data: data["segments"][0]["drive"].update(point=[0.0]),
             "shorter|longer",
@@ -105,9 +102,7 @@ def test_a_plan_of_two_segments_survives_its_file(pressed):
         (lambda data: data.update(segments=[]), "a plan without segments"),
     ],
 )
-def test_a_plan_of_another_schema_or_with_a_part_too_few_is_refused(
-    pressed, change, what
-):
+def test_a_plan_with_a_part_too_few_is_refused(pressed, change, what):
     data = plan_to_dict(pressed.plan)
     change(data)
     with pytest.raises(ValueError, match=what):
@@ -167,9 +162,9 @@ def test_a_run_that_was_cut_off_while_saving_never_looks_whole(
         if str(target).endswith("record.npz"):
             raise OSError("disk full")
         replaced.append(target)
-        return replace(source, target)
+        return put(source, target)
 
-    replace = os.replace
+    put = os.replace
     monkeypatch.setattr(whole_file.os, "replace", stop_at_the_record)
     with pytest.raises(OSError, match="disk full"):
         save(run, folder)
@@ -191,9 +186,11 @@ def test_a_failed_write_leaves_the_old_file_alone(tmp_path, monkeypatch):
     assert [p.name for p in path.parent.iterdir()] == ["file.txt"]
 
 
-def test_write_plan_leaves_data_and_picture(run, tmp_path):
-    data, picture = write_plan(run.plan, tmp_path, (run.choice, REFUSED))
-    assert json.loads(data.read_text())["choices"][1]["reason"] == REFUSED.reason
+def test_write_plans_leaves_data_and_picture(run, tmp_path):
+    stage = StageRun.alone(run.record, (run.choice, REFUSED))
+    data, picture = write_plans(run.task, [stage], tmp_path)
+    (stored,) = json.loads(data.read_text())["stages"]
+    assert stored["choices"][1]["reason"] == REFUSED.reason
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
@@ -201,6 +198,8 @@ def test_a_run_of_another_schema_is_refused_with_its_file_named_once(run, tmp_pa
     folder = save(run, tmp_path / "run")
     path = folder / "plan.json"
     path.write_text(json.dumps({**json.loads(path.read_text()), "schema": 1}))
-    with pytest.raises(PushPressSlideError, match="schema 1") as refused:
+    with pytest.raises(
+        PushPressSlideError, match="schema 1, this version reads 7 and 8"
+    ) as refused:
         load_run(folder)
     assert str(refused.value).count("plan.json") == 1

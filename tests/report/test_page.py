@@ -14,12 +14,14 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import SKIPPED, Refusal
 from pushpressslide.core.task import Box, Obstacle, ToolUse
 from pushpressslide.jobs.run import Output, write_pages
+from pushpressslide.jobs.stages import Done
 from pushpressslide.report import series
 from pushpressslide.report.files import save_run
 from pushpressslide.report.metrics import result
 from pushpressslide.report.page import UNFOLDED, again, search_part, write_report
 from pushpressslide.report.plane import path_figure, plan_figure
 from pushpressslide.report.plots import comparison_plot, figures
+from pushpressslide.report.stages import StageRun
 from pushpressslide.report.style import png
 from pushpressslide.view.planar.replay import write_replay
 from pushpressslide.view.planar.video import write_pictures
@@ -31,14 +33,15 @@ PASSED = Choice("press_slide", refusal=Refusal(SKIPPED, "not judged in full"))
 
 def save(run, folder):
     choices = (run.choice, REFUSED, PASSED)
-    save_run(
-        folder,
-        run.plan,
-        run.record,
-        result(run.task, run.plan, run.record),
-        choices,
-    )
+    saved(folder, run, choices)
     return folder
+
+
+def saved(folder, run, choices=()):
+    figures = result(run.task, run.plan, run.record)
+    stage = StageRun.alone(replace(run.record, plan=run.plan), choices)
+    save_run(folder, run.task, [stage], run.record, figures)
+    return Done(run.task, (stage,), run.record, figures)
 
 
 def off(run, dy):
@@ -202,8 +205,7 @@ def test_a_folder_gets_its_replay_under_the_usual_name(run, tmp_path):
 
 
 def test_a_run_without_stored_choices_has_no_table_of_them(run, tmp_path):
-    figures = result(run.task, run.plan, run.record)
-    save_run(tmp_path, run.plan, run.record, figures)
+    saved(tmp_path, run)
     assert "Choice of mode" not in write_report([tmp_path]).read_text()
     again = save(run, tmp_path / "with")
     assert "Choice of mode" in write_report([again]).read_text()
@@ -214,8 +216,7 @@ def test_a_long_choice_of_a_mode_is_folded(run, tmp_path):
     many = [replace(first, mode=f"mode {i}") for i in range(UNFOLDED + 1)]
     for count in (UNFOLDED, UNFOLDED + 1):
         out = tmp_path / str(count)
-        measured = result(run.task, run.plan, run.record)
-        save_run(out, run.plan, run.record, measured, many[:count])
+        saved(out, run, many[:count])
         part = write_report([out]).read_text().partition("Choice of mode")[2]
         folded = f"<summary>All {count} contacts" in part.partition("<h3>")[0]
         assert folded == (count > UNFOLDED)
@@ -242,9 +243,8 @@ def broken(run, tick):
 @pytest.mark.parametrize("tick", [0, 1, 200, -1])
 def test_a_record_with_nan_has_pages_that_say_so(run, tick, tmp_path):
     made = broken(run, tick)
-    folder = save(made, tmp_path / "run")
-    out = Output(folder)
-    write_pages(out, made.plan, made.record, [made.choice])
+    folder = tmp_path / "run"
+    write_pages(Output(folder), saved(folder, made, [made.choice]))
     text = write_report([folder]).read_text()
     when = "from the start"
     if tick:

@@ -42,6 +42,7 @@ from pushpressslide.jobs.engines import DEFAULT, ENGINES
 
 if TYPE_CHECKING:
     from pushpressslide.core.task import Task
+    from pushpressslide.report.stages import StagePlan
 
 
 @app.command()
@@ -136,33 +137,41 @@ def plan(
 
     Joint paths are not looked at.
     """
-    from pushpressslide.cli.goals import plan_stages_into
-    from pushpressslide.cli.tables import JOINT_PATHS, print_legs
-    from pushpressslide.report.plan_files import plan_to_dict, write_plan
-    from pushpressslide.selection.select import select as rank
-    from pushpressslide.selection.solve import plan as make_plan
+    from pushpressslide.cli.goals import stage_text
+    from pushpressslide.cli.tables import JOINT_PATHS
+    from pushpressslide.jobs.stages import planned_part
+    from pushpressslide.report.plan_files import stages_to_dict, write_plans
+    from pushpressslide.selection.stages import plan_stages
 
     loaded = task_of(task, sets, mode)
     folder = results_folder(
         out, f"plan-{loaded.name}", force, ("plan.json", "result.json")
     )
-    if loaded.goals:
-        plan_stages_into(loaded, folder, as_json)
-        return
-    choices = rank(loaded)
-    made = make_plan(loaded)
+    stages = [planned_part(planned) for planned in plan_stages(loaded)]
     (folder / "plan.json").unlink(missing_ok=True)  # one that is there is complete
-    write_plan(made, folder, choices)
+    data, *pictures = write_plans(loaded, stages, folder)
     if as_json:
-        print_json(plan_to_dict(made, choices))
+        print_json(stages_to_dict(loaded, stages))
         return
-    for choice in made.chosen(choices):
+    for number, stage in enumerate(stages, start=1):
+        if loaded.goals:
+            typer.echo(stage_text(number, stage.stage))
+        _print_plan(stage)
+        typer.echo(pictures[number - 1])
+    typer.echo(f"{JOINT_PATHS}\n{data}")
+
+
+def _print_plan(stage: StagePlan) -> None:
+    """Say how a stage is planned to be done."""
+    from pushpressslide.cli.tables import print_legs
+
+    made = stage.plan
+    for choice in made.chosen(stage.choices):
         print_text(f"{choice.mode}: {choice.reason}", 4)
     if made.task.searched or made.task.pushes:
         print_legs(made)
     length = sum(segment.path.distance for segment in made.segments)
     typer.echo(f"path {length:.3f} m in {made.duration:.1f} s")
-    typer.echo(f"{JOINT_PATHS}\n{folder / 'plan.png'}")
 
 
 @dataclass(frozen=True)
@@ -269,8 +278,6 @@ def report(
 ) -> None:
     """Write the page of finished runs again, from their records."""
     from pushpressslide.report.page import write_report
-    from pushpressslide.report.stage_files import is_staged
-    from pushpressslide.report.stage_page import write_stages_report
 
     for folder in folders:
         if folder.is_dir():
@@ -278,7 +285,4 @@ def report(
     if out is not None:
         hold(out)
     page = None if out is None else out / "report.html"
-    if len(folders) == 1 and is_staged(folders[0]):
-        typer.echo(write_stages_report(folders[0], page))
-        return
     typer.echo(write_report(folders, page))

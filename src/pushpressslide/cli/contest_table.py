@@ -7,25 +7,28 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from pushpressslide.cli.goals import stage_text
 from pushpressslide.cli.tables import simple_table
 from pushpressslide.core.plan import Choice
 from pushpressslide.report.files import PLAN, load_run
-from pushpressslide.report.stage_files import is_staged
 from pushpressslide.selection.contest import Contest, contests
 
 
 def print_contests(folder: Path) -> None:
     """Print why each mode of the run in ``folder`` was taken, beside its rivals; nothing
-    where its motions were found by a search, or where there is no plan of one task.
+    where its motions were found by a search.
     """
-    if is_staged(folder) or not (folder / PLAN).is_file():
+    if not (folder / PLAN).is_file():
         return
-    run = load_run(folder)
     console = Console(markup=False, highlight=False)
-    for contest in contests(run.plan, run.choices):
-        console.print(contest.sentence)
-        if contest.rivals:
-            console.print(_table(contest))
+    stages = load_run(folder).begun
+    for number, stage in enumerate(stages, start=1):
+        if len(stages) > 1:
+            console.print(stage_text(number, stage.stage))
+        for contest in contests(stage.plan, stage.choices):
+            console.print(contest.sentence)
+            if contest.rivals:
+                console.print(_table(contest))
 
 
 def _table(contest: Contest) -> Table:

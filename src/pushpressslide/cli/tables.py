@@ -192,7 +192,8 @@ def print_result(result: Mapping[str, Any], folder: Path) -> None:
             shown += f" / {_number(result.get('motion_duration'), scale, digits)}"
         table.add_row(name, shown, unit)
     _print(table)
-    for number, stage in enumerate(result.get("stages", ()), start=1):
+    stages = result.get("stages", ())
+    for number, stage in enumerate(stages if len(stages) > 1 else (), start=1):
         reached = "reached" if stage["reached"] else "not reached"
         purpose = "aside" if stage["aside"] else "to its goal"
         modes = ", ".join(stage["modes"]) or "not begun"

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from pushpressslide.core.record import Record
     from pushpressslide.core.state import State
     from pushpressslide.core.task import Shape
+    from pushpressslide.report.stages import StageRun
     from pushpressslide.selection.preparation import Preparation
     from pushpressslide.sim.joints.joint_path import ArmPath
 
@@ -70,10 +71,10 @@ class Engine(Protocol):
         """Run ``plan`` and return its record."""
 
     def write_replay(
-        self, plan: Plan, record: Record, out: Path, arms: ArmOptions
+        self, runs: Sequence[StageRun], record: Record, out: Path, arms: ArmOptions
     ) -> None:
-        """Write the replay, pictures, and an animation if asked, into the folder
-        ``out``.
+        """Write the replay, pictures, and an animation if asked, of a run in stages
+        into the folder ``out``; ``record`` is that of all ``runs``.
         """
 
 
@@ -109,13 +110,17 @@ class _Drake:
         )
 
     def write_replay(
-        self, plan: Plan, record: Record, out: Path, arms: ArmOptions
+        self, runs: Sequence[StageRun], record: Record, out: Path, arms: ArmOptions
     ) -> None:
         """Write the replay page of a run."""
         from pushpressslide.core.errors import SimulationError
+        from pushpressslide.report.series import finite_part
+        from pushpressslide.report.stages import replayed_record
         from pushpressslide.view.drake.frames import write_pictures, write_video
         from pushpressslide.view.drake.replay import write_replay
 
+        plan = record.plan
+        record = finite_part(replayed_record(runs, record))
         write_replay(plan, record, out, arms.models, arms.goals)
         # the replay needs no renderer of this machine; an animation is asked for
         with suppress(SimulationError):
@@ -140,18 +145,24 @@ class _Planar:
         return run(plan, options)
 
     def write_replay(
-        self, plan: Plan, record: Record, out: Path, arms: ArmOptions
+        self, runs: Sequence[StageRun], record: Record, out: Path, arms: ArmOptions
     ) -> None:
         """Write the replay page of a run."""
+        from pushpressslide.report.series import finite_part
         from pushpressslide.view.planar.replay import write_replay
         from pushpressslide.view.planar.video import write_pictures, write_video
 
-        write_replay(plan, record, out, arms.goals)
+        plan = record.plan
+        record = finite_part(record)
+        parts = []
+        if "stage" in record.arrays:
+            parts = [finite_part(run.record) for run in runs]
+        write_replay(plan, record, out, arms.goals, parts)
         if not len(record.arrays["time"]):
             return
-        write_pictures(plan, record, out, arms.goals)
+        write_pictures(plan, record, out, arms.goals, parts)
         if arms.video:
-            write_video(plan, record, out, arms.goals)
+            write_video(plan, record, out, arms.goals, parts)
 
 
 ENGINES: Mapping[str, Engine] = {

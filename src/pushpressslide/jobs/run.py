@@ -4,6 +4,7 @@ everything that a user looks at.
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -11,22 +12,23 @@ from typing import Any
 
 from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.run_loop import RunOptions
+from pushpressslide.core.bodies import goal_places
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.record import Figures, Record
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.ask import checked
 from pushpressslide.jobs.engines import DEFAULT, ArmOptions, engine_named
-from pushpressslide.jobs.goals import run_goals
 from pushpressslide.jobs.interrupt import Interrupt, Interrupted
 from pushpressslide.jobs.monitor import Monitor as Monitor
 from pushpressslide.jobs.monitor import Output as Output
 from pushpressslide.jobs.monitor import interrupted
-from pushpressslide.jobs.stages import StageOptions
-from pushpressslide.modes.base import ENOUGH
+from pushpressslide.jobs.stages import Done, StageOptions, StageRunner
+from pushpressslide.report.files import OLDER_STAGES, save_run
+from pushpressslide.report.stages import StageRun
 from pushpressslide.selection.planner import plan_of
 from pushpressslide.selection.select import MANY, select
-from pushpressslide.selection.solve import joined, solve
+from pushpressslide.selection.solve import joined
 
 
 def simulate(
@@ -40,7 +42,8 @@ def simulate(
     knock: Knock | None = None,
     execution: Execution = USUAL,
 ) -> tuple[Plan, Record, list[Choice]]:
-    """Select, plan and run, and return the plan, the record and all choices.
+    """Select, plan and run a task of one goal, and return the plan, the record and all
+    choices.
 
     Choices that were passed over say why. Where the engine has arms a choice must also
     have a joint path: the first that has one is run. ``force`` runs the best choice
@@ -49,22 +52,10 @@ def simulate(
     InfeasibleTaskError where nothing can do the task.
     """
     monitor = monitor or Monitor()
-    chosen = engine_named(engine)
-    preparation = chosen.preparation(force)
-    # choices after the first are for where that has no joint path
-    enough = ENOUGH if chosen.has_arms else 1
-    solution = solve(preparation, task, enough, force=force)
-    plan = solution.plan
-    with monitor.held():
-        record = chosen.run(
-            plan,
-            RunOptions(
-                seed, monitor.progress, monitor.interrupt or bool, execution=execution
-            ),
-            ArmOptions(models, preparation.paths, monitor.live, knock=knock),
-        )
-    meta = {**record.meta, **solution.notes}
-    return record.plan, replace(record, meta=meta), solution.choices
+    options = StageOptions(engine, seed, force, models, monitor, knock, execution)
+    runner = StageRunner(task, options)
+    (run,) = runner.run()
+    return run.plan, run.record, list(run.choices)
 
 
 def forced_choices(task: Task, count: int) -> list[Choice]:
@@ -103,21 +94,19 @@ def run(
     Raises TaskError for a task that a file could not say, and InfeasibleTaskError
     before anything moves where it cannot be done.
     """
-    if not isinstance(what, Plan):
-        task = checked(what)
-        monitor = Monitor(progress)
-        if task.goals:
-            options = StageOptions(engine, seed, False, models, monitor)
-            figures, record = run_goals(task, options)
-            return replace(record, figures=figures)
-        _, record, _ = simulate(
-            task, engine=engine, seed=seed, models=models, monitor=monitor
-        )
-        return measured(record, task)
-    record = engine_named(engine).run(
-        what, RunOptions(seed, progress), ArmOptions(models)
+    if isinstance(what, Plan):
+        options = RunOptions(seed, progress)
+        record = engine_named(engine).run(what, options, ArmOptions(models))
+        return measured(record, what.task)
+    task = checked(what)
+    monitor = Monitor(progress)
+    runner = StageRunner(
+        task, StageOptions(engine, seed, models=models, monitor=monitor)
     )
-    return measured(record, what.task)
+    for _ in runner.run():
+        pass
+    done = runner.done()
+    return replace(done.record, figures=Figures(done.result))
 
 
 def measured(record: Record, task: Task) -> Record:
@@ -146,85 +135,69 @@ def run_task(
     monitor: Monitor | None = None,
     execution: Execution = USUAL,
 ) -> dict[str, Any]:
-    """Run ``task``, one of a single goal with another ``execution``, and return its
-    result.
+    """Run ``task`` and return its result.
 
-    With ``out`` all files of the run are written there. Raises InfeasibleTaskError
-    before anything moves where nothing can do the task, and Interrupted on Ctrl-C once
-    the engine runs, after record and result so far are written.
+    With ``out`` all files of the run are written there, record and plans as soon as a
+    stage has ended. Raises InfeasibleTaskError before anything moves where nothing can
+    do the task, and Interrupted on Ctrl-C once the engine runs, after record and result
+    so far are written.
     """
-    from pushpressslide.report.metrics import result as measure
-
-    if task.goals:
-        options = StageOptions(engine, seed, force, models, monitor or Monitor())
-        return run_goals(task, options, out)[0]
     interrupt = Interrupt()
-    plan, record, choices = simulate(
-        task,
-        engine=engine,
-        seed=seed,
-        force=force,
-        models=models,
-        monitor=replace(monitor or Monitor(), interrupt=interrupt),
-        execution=execution,
-    )
+    monitor = replace(monitor or Monitor(), interrupt=interrupt)
+    options = StageOptions(engine, seed, force, models, monitor, execution=execution)
+    runner = StageRunner(task, options)
+    if out is not None:
+        clear(out.folder)
+    for _ in runner.run():
+        if out is not None and not runner.is_over:
+            with interrupt.held():
+                _save(out, runner.so_far())
     with interrupt.held():
-        result = measure(task, plan, record)
+        done = runner.done()
         if out is not None:
-            result["command"] = out.command
-            write_data(out.folder, plan, record, result, choices)
+            _save(out, done)
     if interrupt():
         raise interrupted(out)
     if out is not None:
-        write_pages(out, plan, record, choices, models=models)
-    return result
+        write_pages(out, done, models=models)
+    return done.result
 
 
-PAGES = ("replay.html", "report.html", "run.webp", "plan.png", "legs.png")
+PAGES = ("result.json", "replay.html", "report.html", "run.webp")
+PICTURES = ("plan*.png", "legs*.png", "plots/*.png", "pictures/*.webp")
 
 
-def write_data(
-    out: Path,
-    plan: Plan,
-    record: Record,
-    result: dict[str, Any],
-    choices: list[Choice],
-) -> None:
-    """Write task, plan, record and result of a run into ``out``, after taking away an
-    older run's pages.
-    """
-    from pushpressslide.report.files import save_run
-
-    out.mkdir(parents=True, exist_ok=True)
-    for name in PAGES:
-        (out / name).unlink(missing_ok=True)
-    for picture in (*out.glob("plots/*.png"), *out.glob("pictures/*.webp")):
-        picture.unlink()
-    save_run(out, plan, record, result, choices)
+def clear(folder: Path) -> None:
+    """Make a folder, or take an older run's result, pages and pictures out of it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for pattern in (*PAGES, *PICTURES):
+        for path in folder.glob(pattern):
+            path.unlink()
+    shutil.rmtree(folder / OLDER_STAGES, ignore_errors=True)
 
 
-def write_pages(
-    out: Output,
-    plan: Plan,
-    record: Record,
-    choices: list[Choice],
-    *,
-    models: str = "generated",
-) -> None:
+def _save(out: Output, done: Done) -> None:
+    if done.result:
+        done.result["command"] = out.command
+    save_run(out.folder, done.task, done.stages, done.record, done.result)
+
+
+def write_pages(out: Output, done: Done, *, models: str = "generated") -> None:
     """Write the pictures, replay and report of a run whose data are in ``out``.
 
     Each is whole or not there. Raises Interrupted on Ctrl-C.
     """
-    folder = out.folder
-    engine = engine_named(record.engine)
-    try:
-        from pushpressslide.report.page import write_report
-        from pushpressslide.report.plan_files import write_plan
-        from pushpressslide.report.series import finite_part
+    from pushpressslide.report.page import write_report
+    from pushpressslide.report.plan_files import write_plan_pictures
 
-        write_plan(plan, folder, choices)
-        arms = ArmOptions(models, video=out.video)
-        engine.write_replay(plan, finite_part(record), folder, arms)
+    folder = out.folder
+    engine = engine_named(done.record.engine)
+    goals = [(shape, pose) for _, shape, pose in goal_places(done.task)]
+    try:
+        write_plan_pictures(done.stages, folder)
+        begun = [stage for stage in done.stages if isinstance(stage, StageRun)]
+        arms = ArmOptions(models, video=out.video, goals=goals)
+        engine.write_replay(begun, done.record, folder, arms)
         write_report([folder])
     except KeyboardInterrupt:
         raise Interrupted(

@@ -1,4 +1,4 @@
-"""A task of several goals as one run: its stages one after the other, without a reset.
+"""A run as the stages of its task one after the other, without a reset; one by default.
 
 A stage is run on a plant of its own, which begins with the arms and all bodies exactly
 where the last sample of the stage before has them. The planner knows of the bodies what
@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
+from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.plant import Situation
 from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.core.arrays import Array
@@ -23,6 +25,7 @@ from pushpressslide.core.bodies import (
 )
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.errors import InfeasibleTaskError
+from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
@@ -31,7 +34,15 @@ from pushpressslide.core.task import Belief, Obstacle, Sensing, Task, Tolerance
 from pushpressslide.jobs.engines import ArmOptions, engine_named
 from pushpressslide.jobs.monitor import Monitor
 from pushpressslide.modes.base import ENOUGH
-from pushpressslide.report.stages import StageRun, body_positions, final_poses
+from pushpressslide.report.metrics import result as measure
+from pushpressslide.report.stage_figures import staged_result
+from pushpressslide.report.stages import (
+    StagePlan,
+    StageRun,
+    body_positions,
+    final_poses,
+    joined_record,
+)
 from pushpressslide.selection.preparation import Preparation
 from pushpressslide.selection.stages import (
     PlannedStage,
@@ -48,9 +59,12 @@ class StageOptions:
 
     engine: str
     seed: int = 0  # of the first stage's noise; the others' are the next ones
+    # run the best choice that has a path, even where it was judged infeasible
     force: bool = False
     models: str = "generated"  # of the robots
     monitor: Monitor = field(default_factory=Monitor)
+    knock: Knock | None = None  # another body that pushes the object aside
+    execution: Execution = USUAL  # may change the laws
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +80,16 @@ class _Left:
         """Return it for the plant of the stage in which ``moved`` is the object."""
         bodies = {obstacle_name(b, moved): q for b, q in self.positions.items()}
         return Situation(bodies, self.joints, self.speeds, self.tips)
+
+
+@dataclass(frozen=True, slots=True)
+class Done:
+    """What came of a run."""
+
+    task: Task  # as it was run, with the motions that were searched for
+    stages: tuple[StagePlan, ...]  # in order, those that were not begun last
+    record: Record
+    result: dict[str, Any]  # empty where it was not measured
 
 
 class StageRunner:
@@ -87,6 +111,7 @@ class StageRunner:
             self.enough,
             force=options.force,
         )
+        self.runs: list[StageRun] = []  # those that have ended
         self.lacking: Ending | None = None  # why a stage was not begun
         self._time = 0.0  # [s] since the first stage began
         self._expected = start_state(task)  # by the plans
@@ -104,10 +129,40 @@ class StageRunner:
             done = self._run(number)
             if done is None:
                 return
+            self.runs.append(done)
             yield done
             interrupt = self.options.monitor.interrupt
             if not done.reached or (interrupt is not None and interrupt()):
                 return
+
+    @property
+    def is_over(self) -> bool:
+        """Whether no stage is left to be run."""
+        return len(self.runs) == len(self.planned)
+
+    def done(self) -> Done:
+        """Return what came of the run, once it has ended."""
+        runs = self.runs
+        stages = [planned.stage for planned in self.planned]
+        if not self.task.goals:
+            (run,) = runs
+            return self._done(run.record, measure(self.task, run.plan, run.record))
+        results = [measure(run.plan.task, run.plan, run.record) for run in runs]
+        result = staged_result(self.task, stages, runs, results, self.lacking)
+        ending = Ending(result["reason"]["code"], result["reason"]["text"])
+        return self._done(joined_record(runs, ending, self.options.seed), result)
+
+    def so_far(self) -> Done:
+        """Return what came of the stages that have ended."""
+        text = f"stage {len(self.runs)} of {len(self.planned)} has ended"
+        ending = Ending("interrupted", text)
+        return self._done(joined_record(self.runs, ending, self.options.seed), {})
+
+    def _done(self, record: Record, result: dict[str, Any]) -> Done:
+        task = self.task if self.task.goals else record.plan.task
+        ahead = self.planned[len(self.runs) :]
+        stages = (*self.runs, *map(planned_part, ahead))
+        return Done(task, stages, record, result)
 
     def _run(self, number: int) -> StageRun | None:
         limit = self.task.limits.time
@@ -123,13 +178,14 @@ class StageRunner:
         done = StageRun(
             planned.stage,
             record.plan,
-            record,
             tuple(planned.solution.choices),
+            record,
             self._time,
             self._state,
             planned is not self.planned[number],
         )
-        self._go_on(done)
+        if number + 1 < len(self.planned):
+            self._go_on(done)
         return done
 
     def _planned(self, number: int) -> PlannedStage:
@@ -168,9 +224,15 @@ class StageRunner:
                     self.options.seed + number,
                     self._progress(number),
                     monitor.interrupt or bool,
+                    execution=self.options.execution,
                     begin=None if left is None else left.situation(planned.stage.body),
                 ),
-                ArmOptions(self.options.models, preparation.paths, monitor.live),
+                ArmOptions(
+                    self.options.models,
+                    preparation.paths,
+                    monitor.live,
+                    knock=self.options.knock,
+                ),
             )
         return replace(record, meta={**record.meta, **planned.solution.notes})
 
@@ -179,6 +241,8 @@ class StageRunner:
         and the others where they are seen.
         """
         plan = planned.solution.plan
+        if not self.task.goals:
+            return plan
         task = plan.task
         others = self._state if self._left is None else self._seen()
         true = self._state.poses[planned.stage.body]
@@ -223,6 +287,12 @@ class StageRunner:
         learnt = _learnt(done.plan)
         if learnt is not None:
             self._learnt[body] = learnt
+
+
+def planned_part(planned: PlannedStage) -> StagePlan:
+    """Return the plan of a stage that was not begun."""
+    solution = planned.solution
+    return StagePlan(planned.stage, solution.plan, tuple(solution.choices))
 
 
 def _of_arms(record: Record, name: str) -> tuple[Array, ...]:

@@ -8,29 +8,38 @@ from __future__ import annotations
 import json
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
+from pushpressslide.core.bodies import OBJECT, Stage, start_state
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.plan import Choice, Plan
-from pushpressslide.core.record import Record
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.record import Ending, Record
+from pushpressslide.core.state import State
 from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report.json_text import plain, to_json
-from pushpressslide.report.plan_files import (
-    choices_from_dict,
-    plan_from_dict,
-    plan_to_dict,
+from pushpressslide.report.plan_files import SCHEMA, stage_from_dict, stages_to_dict
+from pushpressslide.report.stage_figures import stage_figures
+from pushpressslide.report.stages import (
+    StagePlan,
+    StageRun,
+    cut_record,
+    joined_plan,
+    joined_record,
 )
 
 TASK = "task.yaml"
 PLAN = "plan.json"
 RECORD = "record.npz"
 RESULT = "result.json"
+OLDER_STAGES = "stages"  # a folder of older runs of several stages
 META = "meta_json"
 """Name of the array of record.npz that holds, as JSON text, all of a Record that is not
 a time series.
@@ -46,11 +55,26 @@ class Run:
 
     folder: Path
     task: Task
-    plan: Plan
-    record: Record
+    stages: tuple[StagePlan, ...]  # in order, those that were not begun last
+    record: Record  # of all stages
     result: Mapping[str, Any]
-    # all that were weighed, refused ones too; empty if not kept
-    choices: tuple[Choice, ...] = ()
+
+    @property
+    def begun(self) -> tuple[StageRun, ...]:
+        """The stages that were begun, at least one."""
+        return _begun(self.stages)
+
+    @property
+    def plan(self) -> Plan:
+        """What was run, with what was planned anew; of several stages one after the
+        other.
+        """
+        return self.record.plan
+
+    @property
+    def choices(self) -> tuple[Choice, ...]:
+        """All that were weighed, refused ones too; empty if not kept."""
+        return tuple(choice for stage in self.stages for choice in stage.choices)
 
     def __repr__(self) -> str:
         """Return one line."""
@@ -59,12 +83,12 @@ class Run:
 
 def save_run(
     out: Path,
-    plan: Plan,
+    task: Task,
+    stages: Sequence[StagePlan],
     record: Record,
     result: Mapping[str, Any],
-    choices: Sequence[Choice] = (),
 ) -> None:
-    """Write a run to folder ``out``.
+    """Write a run to folder ``out``; with an empty result what there is of it so far.
 
     result.json comes last: a folder that has one is complete. An older result.json is
     taken away first, so that a folder is never half of one run and half of another.
@@ -73,14 +97,15 @@ def save_run(
 
     out.mkdir(parents=True, exist_ok=True)
     (out / RESULT).unlink(missing_ok=True)
-    write_whole(out / TASK, dump_task(plan.task))
-    write_whole(out / PLAN, to_json(plan_to_dict(plan, choices)))
+    write_whole(out / TASK, dump_task(task))
+    write_whole(out / PLAN, to_json(stages_to_dict(task, stages)))
     write_whole(out / RECORD, record_to_bytes(record))
-    write_whole(out / RESULT, to_json(result))
+    if result:
+        write_whole(out / RESULT, to_json(result))
 
 
 def load_run(folder: str | Path) -> Run:
-    """Return the run in ``folder``.
+    """Return the run in ``folder``; one that the version before has written, too.
 
     Raises PushPressSlideError if it is missing, unfinished or damaged.
     """
@@ -99,20 +124,94 @@ def load_run(folder: str | Path) -> Run:
             )
     result = read_json(folder / RESULT)
     stored = read_json(folder / PLAN)
-    if "stages" in stored:
-        raise PushPressSlideError(
-            f"{folder}: holds a run in stages; give one of {folder / 'stages'}, or load "
-            "it by report.stage_files.load_stages"
-        )
     task = load_written_task(folder / TASK)
-    plan = read_with(folder / PLAN, lambda _: plan_from_dict(stored, task))
-    choices = read_with(folder / PLAN, lambda _: choices_from_dict(stored))
-    record = read_with(
-        folder / RECORD, lambda path: record_from_bytes(path.read_bytes(), plan)
-    )
-    return Run(
-        folder, plan.task, plan, replace(record, figures=result), result, choices
-    )
+    if (folder / OLDER_STAGES).is_dir():
+        return _older_run(folder, task, stored, result)
+    plans = read_with(folder / PLAN, partial(_plans, stored, task))
+    begun = [part for entry, part in plans if "began" in entry]
+    record = read_with(folder / RECORD, partial(_record, joined_plan(begun)))
+    stages = read_with(folder / RECORD, lambda _: _stages(plans, record))
+    if not task.goals:
+        task = record.plan.task
+        result.setdefault("stages", [stage_figures(run) for run in _begun(stages)])
+    return Run(folder, task, stages, replace(record, figures=result), result)
+
+
+def _plans(
+    stored: Mapping[str, Any], task: Task, path: Path
+) -> list[tuple[Mapping[str, Any], StagePlan]]:
+    """Return what plan.json has of each stage, and its plan."""
+    from pushpressslide.taskfile.load import written_task
+
+    if stored["schema"] == SCHEMA - 1:  # a single stage, told without a list
+        alone = {"body": OBJECT, "goal": asdict(task.goal), "aside": False}
+        poses = {body: asdict(X) for body, X in start_state(task).poses.items()}
+        begun = {"began": 0.0, "poses": poses, "planned_anew": False}
+        named = {name: value for name, value in stored.items() if name != "task"}
+        entries = [{**named, **alone, **begun}]
+    elif stored["schema"] == SCHEMA:
+        entries = stored["stages"]
+    else:
+        raise ValueError(
+            f"schema {stored['schema']}, this version reads {SCHEMA - 1} and {SCHEMA}; "
+            "run the task again"
+        )
+    out: list[tuple[Mapping[str, Any], StagePlan]] = []
+    for entry in entries:
+        own = written_task(entry["task"], str(path)) if "task" in entry else task
+        out.append((entry, stage_from_dict(entry, own)))
+    return out
+
+
+def _begun(stages: Sequence[StagePlan]) -> tuple[StageRun, ...]:
+    return tuple(stage for stage in stages if isinstance(stage, StageRun))
+
+
+def _record(plan: Plan, path: Path) -> Record:
+    return record_from_bytes(path.read_bytes(), plan)
+
+
+def _stages(
+    plans: Sequence[tuple[Mapping[str, Any], StagePlan]], joined: Record
+) -> tuple[StagePlan, ...]:
+    """Return the stages, those that were begun with their records."""
+    out: list[StagePlan] = []
+    for number, (entry, part) in enumerate(plans):
+        if "began" in entry:
+            record = joined
+            if "stage" in joined.arrays:
+                record = cut_record(joined, number, entry["began"], part)
+            part = _run(entry, part.stage, record, part.choices)
+        out.append(part)
+    return tuple(out)
+
+
+def _run(
+    entry: Mapping[str, Any], stage: Stage, record: Record, choices: tuple[Choice, ...]
+) -> StageRun:
+    """Return a stage that was begun, of what plan.json has of it."""
+    state = State({body: Pose2(**X) for body, X in entry["poses"].items()})
+    anew = entry["planned_anew"]
+    return StageRun(stage, record.plan, choices, record, entry["began"], state, anew)
+
+
+def _older_run(
+    folder: Path, task: Task, stored: Mapping[str, Any], result: dict[str, Any]
+) -> Run:
+    """Return a run whose stages lie as runs of their own in stages/1, stages/2 and so
+    on, as the version before wrote them.
+    """
+    runs = []
+    for number, entry in enumerate(stored["stages"], start=1):
+        if "began" in entry:
+            own = load_run(folder / OLDER_STAGES / str(number))
+            stage = Stage(entry["body"], Pose2(**entry["goal"]), entry["aside"])
+            runs.append(_run(entry, stage, own.record, own.choices))
+            result["stages"][number - 1]["figures"] = own.result
+    ending = Ending(result["reason"]["code"], result["reason"]["text"])
+    record = joined_record(runs, ending, result["seed"])
+    record = replace(record, figures=result)
+    return Run(folder, task, tuple(runs), record, result)
 
 
 def read_json(path: Path) -> Any:

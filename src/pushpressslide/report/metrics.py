@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib import metadata
 from typing import Any
 
@@ -22,9 +23,11 @@ from pushpressslide.report.contact_metrics import contact_figures, pivots
 from pushpressslide.report.json_text import plain
 from pushpressslide.report.motion_metrics import MOTION_FIELDS, motion_figures
 from pushpressslide.report.outcome import OUTCOME_FIELDS, outcome_figures
+from pushpressslide.report.stage_figures import stage_figures
+from pushpressslide.report.stages import StageRun
 from pushpressslide.report.support import support_figures
 
-SCHEMA = 2
+SCHEMA = 3
 CONTACT_FIELDS = (
     "max_normal_force",
     "max_mean_normal_force",
@@ -78,6 +81,7 @@ def result(
         "versions": installed_versions() if versions is None else versions,
     }
     out |= outcome_figures(task, record, out)
+    out["stages"] = [stage_figures(StageRun.alone(replace(record, plan=plan)))]
     cleaned: dict[str, Any] = plain(out)
     return cleaned
 

@@ -46,7 +46,7 @@ def outcome_figures(
     ``figures`` are its others.
     """
     error = goal_error(task, record)
-    fault = _fault(task, record, error, figures)
+    fault = _fault(task, record, figures)
     tolerance = task.tolerance
     return {
         "success": record.reason == "goal_reached" and fault is None,
@@ -62,13 +62,11 @@ def outcome_figures(
     }
 
 
-def _fault(
-    task: Task, record: Record, error: GoalError, figures: Mapping[str, Any]
-) -> Ending | None:
+def _fault(task: Task, record: Record, figures: Mapping[str, Any]) -> Ending | None:
     """Return what else than reaching the goal's place a success asks for and this run
     lacks.
     """
-    if not _within_tolerance(task, record, error):
+    if not is_within(task, record):
         return Ending("goal_missed")
     return (
         _force_fault(task, figures)
@@ -126,8 +124,9 @@ def goal_error(task: Task, record: Record) -> GoalError:
     return GoalError(ahead, left, abs(wrap_angle(yaw - goal.yaw)))
 
 
-def _within_tolerance(task: Task, record: Record, error: GoalError) -> bool:
+def is_within(task: Task, record: Record) -> bool:
     """Whether the body ends within the tolerance; False where that is not known."""
+    error = goal_error(task, record)
     distance = max(error.position, seat_error(task, record))
     return distance <= task.tolerance.position and error.yaw <= task.tolerance.yaw
 

@@ -28,6 +28,8 @@ from pushpressslide.report.page_tables import (
 )
 from pushpressslide.report.plane import plan_figure
 from pushpressslide.report.plots import comparison_plot, figures
+from pushpressslide.report.stage_tables import bodies_table, stages_table
+from pushpressslide.report.stages import StagePlan
 from pushpressslide.report.task_table import task_table
 from pushpressslide.selection.planner import gathered
 
@@ -140,14 +142,10 @@ def _comparison(runs: Sequence[Run], names: Sequence[str]) -> str:
 
 def _run_section(run: Run, page: Path, name: str) -> str:
     """Return the section of one run; writes its plots/*.png."""
-    plots = []
-    shown = series.finite_part(run.record)
-    for key, made in figures(run.plan, shown).items():
-        png = style.png(made)
-        write_whole(run.folder / "plots" / f"{key}.png", png)
-        plots.append(image(png, key, _caption(key)))
     text = run.task.description
-    plan = style.png(plan_figure(run.plan))
+    single = not run.task.goals
+    stages = [_stage_parts(run, number) for number in range(len(run.begun))]
+    about = f"<h3>Task</h3>{task_table(run.task, run.result)}{again(run.result)}"
     parts = [
         f"<h2>{escape(name)}</h2>" if name else "",
         verdict(run.result),
@@ -156,30 +154,64 @@ def _run_section(run: Run, page: Path, name: str) -> str:
         f"<p>{escape(text)}</p>" if text else "",
         f'<p class="links">{links(run.folder, page)}</p>',
         pictures(run.folder),
-        columns(
-            f"<h3>Task</h3>{task_table(run.task, run.result)}{again(run.result)}",
-            image(plan, "plan", "The plan, made before anything moves."),
-        ),
-        contest_part(run.plan, run.choices),
-        _choice_part(run),
-        search_part(run.result.get("search")),
-        _filmstrip(run.plan),
-        segments_table(run.plan),
-        "<h3>Figures</h3>",
-        _figures_part(run),
-        "<h3>Plots</h3>",
-        columns(*plots),
     ]
-    return f"<section>{''.join(parts)}</section>"
+    if single:
+        plan, details, figures_part, plots = stages[0]
+        parts += [columns(about, plan), details, figures_part, plots]
+        return f"<section>{''.join(parts)}</section>"
+    parts += [
+        "<h3>Bodies</h3>",
+        bodies_table(run.result),
+        "<h3>Stages</h3>",
+        stages_table(run.result),
+        about,
+        "<h3>Figures</h3>",
+        columns(*figures_tables(run.result)),
+    ]
+    sections = [f"<section>{''.join(parts)}</section>"]
+    for number, (stage, made) in enumerate(zip(run.begun, stages, strict=True), 1):
+        purpose = "put aside" if stage.stage.aside else "to its goal"
+        title = f"Stage {number}: {stage.stage.body}, {purpose}"
+        body = "".join(made)
+        sections.append(f"<section><h2>{escape(title)}</h2>{body}</section>")
+    return "".join(sections)
 
 
-def _figures_part(run: Run) -> str:
+def _stage_parts(run: Run, number: int) -> tuple[str, str, str, str]:
+    """Return the picture of a stage's plan, why and how it was planned so, its figures
+    and its plots; writes the plots.
+    """
+    stage = run.begun[number]
+    plan = image(
+        style.png(plan_figure(stage.plan)),
+        "plan",
+        "The plan, made before anything moves.",
+    )
+    result = run.result["stages"][number]["figures"] or run.result
+    details = [
+        contest_part(stage.plan, stage.choices),
+        _choice_part(stage),
+        search_part(result.get("search")),
+        _filmstrip(stage.plan),
+        segments_table(stage.plan),
+    ]
+    which = f"stage-{number + 1}-" if run.task.goals else ""
+    plots = []
+    for key, made in figures(stage.plan, series.finite_part(stage.record)).items():
+        png = style.png(made)
+        write_whole(run.folder / "plots" / f"{which}{key}.png", png)
+        plots.append(image(png, key, _caption(key)))
+    measured = f"<h3>Figures</h3>{_figures_part(stage.plan, result)}"
+    return plan, "".join(details), measured, f"<h3>Plots</h3>{columns(*plots)}"
+
+
+def _figures_part(plan: Plan, result: Mapping[str, Any]) -> str:
     """Return the tables of figures and of contacts, these in the shorter column if they
     fit there.
     """
-    first, second = figures_tables(run.result)
-    contacts = f"<h3>Contacts</h3>{contacts_table(run.plan, run.result)}"
-    count = sum(len(placement.contacts) for placement in run.plan.by_placement)
+    first, second = figures_tables(result)
+    contacts = f"<h3>Contacts</h3>{contacts_table(plan, result)}"
+    count = sum(len(placement.contacts) for placement in plan.by_placement)
     if count <= NARROW:
         return columns(first, second + contacts)
     return columns(first, second) + contacts
@@ -288,17 +320,17 @@ def _link(target: Path, page: Path) -> str:
     return Path(os.path.relpath(target.resolve(), page.resolve().parent)).as_posix()
 
 
-def _choice_part(run: Run) -> str:
+def _choice_part(stage: StagePlan) -> str:
     """Return the table of all choices that were weighed, with their reasons.
 
     Empty if the run has none stored.
     """
-    if not run.choices:
+    if not stage.choices:
         return ""
-    taken = run.plan.chosen(run.choices)
+    taken = stage.plan.chosen(stage.choices)
     rows = []
     marks = []
-    for choice, reason in gathered(run.choices):
+    for choice, reason in gathered(stage.choices):
         verdict = choice.verdict
         mark = ""
         if choice in taken:

@@ -1,4 +1,6 @@
-"""A plan on disk: plan.json, with every choice that was weighed, and plan.png."""
+"""The plans of a run on disk: plan.json, a list of stages with every choice that was
+weighed, and plan.png.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +10,7 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints
 
+from pushpressslide.core.bodies import Stage
 from pushpressslide.core.drive import Drive
 from pushpressslide.core.path import ArcPath, SpeedProfile
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan, Segment
@@ -15,20 +18,37 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.task import Restart, Task
 from pushpressslide.core.twist_path import TwistPath
+from pushpressslide.core.whole_file import write_whole
 from pushpressslide.modes import MODES
+from pushpressslide.report.json_text import to_json
+from pushpressslide.report.stages import StagePlan, StageRun
 
-SCHEMA = 7
+SCHEMA = 8
+
+
+def stages_to_dict(task: Task, stages: Sequence[StagePlan]) -> dict[str, Any]:
+    """Return the stages of a task as plain data, as in plan.json: of each the plan
+    and all that was weighed; of those that were begun also when and from where.
+    """
+    return {
+        "schema": SCHEMA,
+        "task": task.name,
+        "stages": [_stage_to_dict(task, stage) for stage in stages],
+    }
 
 
 def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
-    """Return a plan without its task as plain data.
-
-    ``choices`` are all that selection weighed.
+    """Return a plan without its task as plain data: the segments, what the task file
+    does not say of how they were found, what was planned anew after a recovery, and the
+    ``choices`` that were weighed.
     """
+    restart = plan.restart
     out: dict[str, Any] = {
-        "schema": SCHEMA,
-        "task": plan.task.name,
-        **_run_to_dict(plan),
+        "searched": plan.task.searched,
+        "pushes": plan.task.pushes,
+        "segments": [_segment_to_dict(segment) for segment in plan.segments],
+        "restart": None if restart is None else asdict(restart),
+        "again": None if plan.again is None else plan_to_dict(plan.again),
     }
     if choices:
         out["choices"] = [_choice_to_dict(choice) for choice in choices]
@@ -40,11 +60,27 @@ def plan_from_dict(data: Mapping[str, Any], task: Task) -> Plan:
 
     Raises KeyError, TypeError or ValueError on other data.
     """
-    if data["schema"] != SCHEMA:
-        raise ValueError(
-            f"schema {data['schema']}, this version reads {SCHEMA}; run the task again"
-        )
-    return _run_from_dict(data, task)
+    if not data["segments"]:
+        raise ValueError("a plan without segments")
+    restart = None
+    if data["restart"] is not None:
+        restart = _of_type(Restart, data["restart"])
+        task = task.resumed(restart)
+    found = {
+        name: data.get(name, getattr(task, name)) for name in ("searched", "pushes")
+    }
+    task = replace(task, **found)
+    again = None
+    if data["again"] is not None:
+        again = plan_from_dict(data["again"], task)
+    segments = tuple(_segment_from_dict(entry) for entry in data["segments"])
+    return Plan(task, segments, restart, again)
+
+
+def stage_from_dict(data: Mapping[str, Any], task: Task) -> StagePlan:
+    """Return a stage of ``stages_to_dict``; ``task`` is its own."""
+    stage = Stage(data["body"], Pose2(**data["goal"]), data["aside"])
+    return StagePlan(stage, plan_from_dict(data, task), choices_from_dict(data))
 
 
 def choices_from_dict(data: Mapping[str, Any]) -> tuple[Choice, ...]:
@@ -59,57 +95,55 @@ def drive_to_dict(drive: Drive) -> dict[str, Any]:
     return {"drive": type(drive).__name__, **asdict(drive)}
 
 
-def write_plan(
-    plan: Plan, out: Path, choices: Sequence[Choice] = ()
-) -> tuple[Path, Path]:
-    """Write plan.json and plan.png to folder ``out``, of several motions legs.png too;
-    return the paths of the first two.
+def write_plans(task: Task, stages: Sequence[StagePlan], out: Path) -> list[Path]:
+    """Write plan.json and the pictures of the plans to folder ``out``; return the paths
+    of plan.json and of each stage's plan.png.
     """
-    from pushpressslide.core.whole_file import write_whole
+    data = write_whole(out / "plan.json", to_json(stages_to_dict(task, stages)))
+    return [data, *write_plan_pictures(stages, out)]
+
+
+def write_plan_pictures(stages: Sequence[StagePlan], out: Path) -> list[Path]:
+    """Write plan.png, and legs.png of a plan of several motions, to folder ``out``;
+    return the paths of the first.
+
+    Of several stages they are plan-1.png and so on.
+    """
     from pushpressslide.report.filmstrip import filmstrip, motions
-    from pushpressslide.report.json_text import to_json
     from pushpressslide.report.plane import plan_figure
     from pushpressslide.report.style import png
 
-    for name in ("plan.png", "legs.png"):  # of an older plan
-        (out / name).unlink(missing_ok=True)
-    if len(motions(plan)) > 1:
-        write_whole(out / "legs.png", png(filmstrip(plan)))
-    picture = write_whole(out / "plan.png", png(plan_figure(plan)))
-    data = write_whole(out / "plan.json", to_json(plan_to_dict(plan, choices)))
-    return data, picture
+    for path in (*out.glob("plan*.png"), *out.glob("legs*.png")):  # of an older plan
+        path.unlink()
+    pictures = []
+    for number, stage in enumerate(stages, start=1):
+        which = f"-{number}" if len(stages) > 1 else ""
+        if len(motions(stage.plan)) > 1:
+            write_whole(out / f"legs{which}.png", png(filmstrip(stage.plan)))
+        picture = png(plan_figure(stage.plan))
+        pictures.append(write_whole(out / f"plan{which}.png", picture))
+    return pictures
 
 
-def _run_to_dict(plan: Plan) -> dict[str, Any]:
-    """Return the segments, what the task file does not say of how they were found, and
-    what was planned anew after a recovery.
+def _stage_to_dict(task: Task, part: StagePlan) -> dict[str, Any]:
+    """Return a stage as plain data, with its own task where it is one of a task with
+    goals.
     """
-    restart = plan.restart
-    return {
-        "searched": plan.task.searched,
-        "pushes": plan.task.pushes,
-        "segments": [_segment_to_dict(segment) for segment in plan.segments],
-        "restart": None if restart is None else asdict(restart),
-        "again": None if plan.again is None else _run_to_dict(plan.again),
-    }
+    from pushpressslide.taskfile.dump import task_data
 
-
-def _run_from_dict(data: Mapping[str, Any], task: Task) -> Plan:
-    if not data["segments"]:
-        raise ValueError("a plan without segments")
-    restart = None
-    if data["restart"] is not None:
-        restart = _of_type(Restart, data["restart"])
-        task = task.resumed(restart)
-    found = {
-        name: data.get(name, getattr(task, name)) for name in ("searched", "pushes")
+    stage = part.stage
+    out: dict[str, Any] = {
+        "body": stage.body,
+        "goal": asdict(stage.goal),
+        "aside": stage.aside,
     }
-    task = replace(task, **found)
-    again = None
-    if data["again"] is not None:
-        again = _run_from_dict(data["again"], task)
-    segments = tuple(_segment_from_dict(entry) for entry in data["segments"])
-    return Plan(task, segments, restart, again)
+    if isinstance(part, StageRun):
+        out["began"] = part.began
+        out["poses"] = {body: asdict(X) for body, X in part.state.poses.items()}
+        out["planned_anew"] = part.anew
+    if task.goals:
+        out["task"] = task_data(part.plan.task)
+    return out | plan_to_dict(part.plan, part.choices)
 
 
 def _segment_to_dict(segment: Segment) -> dict[str, Any]:

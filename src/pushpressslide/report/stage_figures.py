@@ -1,5 +1,5 @@
-"""result.json of a run in stages: where every body ended, what each stage did, and the
-figures of all stages together.
+"""result.json of a run: what each stage did, and of several where every body ended and
+the figures of all together.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.core.record import Ending
 from pushpressslide.core.task import Task, Tolerance
 from pushpressslide.report.json_text import plain
+from pushpressslide.report.outcome import goal_error
 from pushpressslide.report.stages import StageRun, final_poses
 
 Figures = Mapping[str, Any]
@@ -54,21 +55,21 @@ SHARES = (
 LISTS = ("contacts", "pivots")
 
 
-def stages_result(
+def staged_result(
     task: Task,
     stages: Sequence[Stage],
     runs: Sequence[StageRun],
     results: Sequence[Figures],
     lacking: Ending | None,
 ) -> dict[str, Any]:
-    """Return the contents of result.json of a run in ``stages``.
+    """Return the contents of result.json of a run of a task with goals, in ``stages``.
 
     ``runs`` are those that were begun and ``results`` theirs; ``lacking`` says why one
     was not. Of several stages a figure is the sum, the worst or the mean over the time
-    in contact. What only a single motion has is null.
+    in contact; what only a single motion has stands with its stage alone.
     """
     out: dict[str, Any] = dict.fromkeys(results[0])
-    for name in ("schema", "engine", "time_step", "versions", "tolerance"):
+    for name in ("schema", "engine", "seed", "time_step", "versions"):
         out[name] = results[0][name]
     out |= _combined(results)
     bodies = _bodies(task, runs)
@@ -76,7 +77,6 @@ def stages_result(
     ended = _ending(task, runs, results, bodies, lacking)
     out |= {
         "task": task.name,
-        "seed": results[0]["seed"],
         "modes": [m for m, _ in groupby(m for r in results for m in r["modes"])],
         "success": ended.code == "goal_reached",
         "reason": {"code": ended.code, "text": ended.text},
@@ -90,10 +90,18 @@ def stages_result(
         "planning_time": _planning_time(results),
         "events": _events(runs, results),
         "bodies": bodies,
-        "stages": _stages(stages, runs, results),
+        "stages": [
+            {**stage_figures(run), "figures": _without_stages(result)}
+            for run, result in zip(runs, results, strict=True)
+        ]
+        + [stage_to_do(stage) for stage in stages[len(runs) :]],
     }
     cleaned: dict[str, Any] = plain(out)
     return cleaned
+
+
+def _without_stages(result: Figures) -> dict[str, Any]:
+    return {name: value for name, value in result.items() if name != "stages"}
 
 
 def _values(results: Sequence[Figures], name: str) -> list[float]:
@@ -249,33 +257,35 @@ def _events(
     ]
 
 
-def _stages(
-    stages: Sequence[Stage], runs: Sequence[StageRun], results: Sequence[Figures]
-) -> list[dict[str, Any]]:
-    """Return what each stage was to do and did; those that were not begun without
-    figures.
-    """
-    out = []
-    for number, stage in enumerate(stages):
-        entry: dict[str, Any] = {
-            "body": stage.body,
-            "goal": [stage.goal.x, stage.goal.y, stage.goal.yaw],
-            "aside": stage.aside,
-            "modes": [],
-            "time": None,
-            "reached": False,
-            "position_error": None,
-            "yaw_error": None,
-            "planned_anew": False,
-        }
-        if number < len(runs):
-            run = runs[number]
-            entry["modes"] = list(results[number]["modes"])
-            entry["time"] = [run.began, run.began + run.duration]
-            entry["reached"] = run.reached
-            entry["planned_anew"] = run.anew
-            position, yaw = _errors(final_poses(run)[stage.body], stage.goal)
-            entry["position_error"] = position
-            entry["yaw_error"] = yaw
-        out.append(entry)
-    return out
+def stage_figures(run: StageRun) -> dict[str, Any]:
+    """Return what a stage that was begun was to do and did, as in result.json."""
+    task = run.plan.task
+    error = goal_error(task, run.record)
+    aim = run.stage.goal if task.tool is None else task.tool.goal
+    out = stage_to_do(run.stage)
+    return out | {
+        "body": run.stage.body if task.tool is None else task.tool.body,
+        "goal": [aim.x, aim.y, aim.yaw],
+        "modes": list(run.record.modes),
+        "time": [run.began, run.began + run.duration],
+        "reached": run.reached,
+        "position_error": error.position,
+        "yaw_error": error.yaw,
+        "planned_anew": run.anew,
+    }
+
+
+def stage_to_do(stage: Stage) -> dict[str, Any]:
+    """Return a stage that was not begun, as in result.json."""
+    return {
+        "body": stage.body,
+        "goal": [stage.goal.x, stage.goal.y, stage.goal.yaw],
+        "aside": stage.aside,
+        "modes": [],
+        "time": None,
+        "reached": False,
+        "position_error": None,
+        "yaw_error": None,
+        "planned_anew": False,
+        "figures": None,
+    }

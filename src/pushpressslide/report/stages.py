@@ -1,8 +1,11 @@
-"""A run in stages: what each stage left, one record joined in time, one result."""
+"""A run as the list of its stages, one by default: what was planned of each, what came
+of it, and their records as one.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any
@@ -10,27 +13,41 @@ from typing import Any
 import numpy as np
 
 from pushpressslide.core.arrays import Array
-from pushpressslide.core.bodies import OBJECT, Stage, obstacle_name
+from pushpressslide.core.bodies import OBJECT, Stage, obstacle_name, start_state
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
 from pushpressslide.core.state import State
 from pushpressslide.report import series
-from pushpressslide.report.outcome import goal_error
+from pushpressslide.report.outcome import is_within
 from pushpressslide.view.course import GOAL_ERROR, goal_errors
 
 
 @dataclass(frozen=True)
-class StageRun:
-    """One stage that was begun, and what came of it."""
+class StagePlan:
+    """What a stage is to do, how, and all that was weighed for it."""
 
     stage: Stage
     plan: Plan
+    choices: tuple[Choice, ...]  # refused ones too; empty if not kept
+
+
+@dataclass(frozen=True)
+class StageRun(StagePlan):
+    """A stage that was begun, and what came of it."""
+
     record: Record
-    choices: tuple[Choice, ...]
     began: float  # [s] since the first stage began
     state: State  # in which it began, with the bodies where they were
     anew: bool = False  # whether it was planned again for where the bodies were seen
+
+    @classmethod
+    def alone(cls, record: Record, choices: Sequence[Choice] = ()) -> StageRun:
+        """Return the only stage of a run of one goal."""
+        task = record.plan.task
+        stage = Stage(OBJECT, task.goal)
+        state = start_state(task).led(OBJECT, task.true_start)
+        return cls(stage, record.plan, tuple(choices), record, 0.0, state)
 
     @property
     def reached(self) -> bool:
@@ -39,14 +56,13 @@ class StageRun:
         """
         if self.record.reason != "goal_reached":
             return False
-        error = goal_error(self.plan.task, self.record)
-        tolerance = self.plan.task.tolerance
-        near = error.position <= tolerance.position and error.yaw <= tolerance.yaw
-        return near or self.stage.aside
+        return self.stage.aside or is_within(self.plan.task, self.record)
 
     @property
     def duration(self) -> float:
         """Simulated time [s]."""
+        if not series.ticks(self.record):
+            return 0.0
         time = self.record.arrays["time"]
         return float(time[-1] - time[0])
 
@@ -60,9 +76,7 @@ def body_positions(run: StageRun) -> dict[str, Array]:
         return {}
     out = {}
     for body in run.state.poses:
-        name = obstacle_name(body, run.stage.body)
-        key = "object_pose_3d" if name == OBJECT else f"body_{name}"
-        out[body] = arrays[key]
+        out[body] = arrays[_own_name(body, run.stage.body)]
     return out
 
 
@@ -94,9 +108,15 @@ def joined_record(runs: Sequence[StageRun], ending: Ending, seed: int) -> Record
 
     What refers to the object refers to the body of the stage. ``pose_<body>`` (N, 3)
     and, with Drake, ``body_<body>`` (N, 7) are those of each body by its name in the
-    task. ``ending`` is why the whole run ended.
+    task. ``ending`` is why the whole run ended. ``cut_record`` takes a stage out again.
     """
-    parts = [_renumbered(runs, i) for i in range(len(runs))]
+    first = _Counts()
+    parts = []
+    stages = []
+    for number, run in enumerate(runs):
+        parts.append(_renumbered(run, number, first))
+        stages.append(_rest(run.record, first))
+        first = first.after(run)
     common = [name for name in parts[0] if all(name in part for part in parts)]
     arrays = {name: np.concatenate([part[name] for part in parts]) for name in common}
     records = [run.record for run in runs]
@@ -110,26 +130,91 @@ def joined_record(runs: Sequence[StageRun], ending: Ending, seed: int) -> Record
         sum(record.wall_time for record in records),
         tuple(mode for mode, _ in groupby(used)),
         joined_plan(runs),
-        {"time_step": records[0].meta.get("time_step"), "events": _events(runs)},
+        {
+            "time_step": records[0].meta.get("time_step"),
+            "events": _events(runs),
+            "stages": stages,
+        },
     )
 
 
-def _renumbered(runs: Sequence[StageRun], index: int) -> dict[str, Array]:
+def cut_record(joined: Record, number: int, began: float, part: StagePlan) -> Record:
+    """Return the record of one stage, which ``began`` [s] after the first, out of that
+    of the whole run.
+    """
+    stages = joined.meta["stages"]
+    rest = stages[number]
+    next_stretch = math.inf
+    if number + 1 < len(stages):
+        next_stretch = stages[number + 1]["first_stretch"]
+    numbers = joined.arrays["plan_stretch"]
+    planned = (numbers >= rest["first_stretch"]) & (numbers < next_stretch)
+    own = joined.arrays["stage"] == number
+    arrays = {}
+    for name, values in joined.arrays.items():
+        if name.startswith("body_"):
+            name = _own_name(name.removeprefix("body_"), part.stage.body)
+        if not name.startswith("pose_") and name not in ("stage", GOAL_ERROR):
+            arrays[name] = values[planned if name.startswith("plan_") else own]
+    arrays["time"] = arrays["time"] - began
+    arrays["placement"] = arrays["placement"] - rest["first_placement"]
+    for name in ("stretch", "plan_stretch"):
+        arrays[name] = arrays[name] - rest["first_stretch"]
+    return Record(
+        arrays,
+        rest["reason"],
+        rest["reason_text"],
+        joined.engine,
+        joined.seed + number,
+        rest["wall_time"],
+        tuple(rest["modes"]),
+        part.plan,
+        rest["meta"],
+    )
+
+
+@dataclass(frozen=True)
+class _Counts:
+    """How many placements and stretches came before a stage."""
+
+    placements: int = 0
+    stretches: float = 0.0
+
+    def after(self, run: StageRun) -> _Counts:
+        """Return them for the next stage."""
+        return _Counts(
+            self.placements + len(run.plan.by_placement),
+            self.stretches + 1.0 + float(run.record.arrays["plan_stretch"][-1]),
+        )
+
+
+def _rest(record: Record, first: _Counts) -> dict[str, Any]:
+    """Return what a joined record keeps of a stage beside its arrays."""
+    return {
+        "reason": record.reason,
+        "reason_text": record.reason_text,
+        "wall_time": record.wall_time,
+        "modes": list(record.modes),
+        "first_placement": first.placements,
+        "first_stretch": first.stretches,
+        "meta": dict(record.meta),
+    }
+
+
+def _renumbered(run: StageRun, number: int, first: _Counts) -> dict[str, Array]:
     """Return the arrays of a stage as part of the whole run's."""
-    run = runs[index]
-    before = runs[:index]
     arrays = {
         name: values
         for name, values in run.record.arrays.items()
         if not name.startswith("body_") and name != "object_pose_3d"
     }
     arrays["time"] = run.began + arrays["time"] - arrays["time"][0]
-    arrays["stage"] = np.full(len(arrays["time"]), float(index))
-    placements = sum(len(other.plan.by_placement) for other in before)
-    stretches = sum(1.0 + other.record.arrays["plan_stretch"][-1] for other in before)
-    arrays["placement"] = arrays["placement"] + placements
-    arrays["stretch"] = arrays["stretch"] + stretches
-    arrays["plan_stretch"] = arrays["plan_stretch"] + stretches
+    arrays["stage"] = np.full(len(arrays["time"]), float(number))
+    arrays["placement"] = arrays["placement"] + first.placements
+    arrays["stretch"] = arrays["stretch"] + first.stretches
+    arrays["plan_stretch"] = arrays["plan_stretch"] + first.stretches
+    goal = run.stage.goal
+    arrays[GOAL_ERROR] = goal_errors(arrays["object_pose"], (goal.x, goal.y, goal.yaw))
     for body, poses in body_poses(run).items():
         arrays[f"pose_{body}"] = poses
     for body, positions in body_positions(run).items():
@@ -137,7 +222,15 @@ def _renumbered(runs: Sequence[StageRun], index: int) -> dict[str, Array]:
     return arrays
 
 
-def joined_plan(runs: Sequence[StageRun]) -> Plan:
+def _own_name(body: str, moved: str) -> str:
+    """Return the array of a body's positions in the stage in which ``moved`` is the
+    object.
+    """
+    name = obstacle_name(body, moved)
+    return "object_pose_3d" if name == OBJECT else f"body_{name}"
+
+
+def joined_plan(runs: Sequence[StagePlan]) -> Plan:
     """Return the plan of the first stage, gone on with those of the others."""
     plan = runs[-1].plan
     for run in reversed(runs[:-1]):
@@ -159,44 +252,28 @@ def _events(runs: Sequence[StageRun]) -> list[dict[str, Any]]:
 
 
 def replayed_record(runs: Sequence[StageRun], record: Record) -> Record:
-    """Return a joined record as a replay of the first stage's scene takes it: the object
-    is the first stage's body throughout, whatever is tracked.
+    """Return the record of a run as a replay of the first stage's scene takes it: the
+    object is the first stage's body throughout, whatever is tracked.
     """
-    first = runs[0].stage.body
+    if "stage" not in record.arrays:
+        return record
+    first = runs[0]
     arrays = dict(record.arrays)
-    moved = arrays["object_pose"]
-    arrays[GOAL_ERROR] = np.concatenate(
-        [
-            goal_errors(poses, (goal.x, goal.y, goal.yaw))
-            for poses, goal in zip(
-                _by_stage(moved, arrays), (run.stage.goal for run in runs), strict=True
-            )
-        ]
-    )
-    shown = arrays[f"pose_{first}"]
+    own = [arrays["stage"] == number for number in range(len(runs))]
+    moved = [
+        series.compose(arrays["object_pose"][rows], run.plan.task.X_GB)
+        for rows, run in zip(own, runs, strict=True)
+    ]
+    tracked = series.compose(np.concatenate(moved), arrays["vehicle_frame"])
+    shown = arrays[f"pose_{first.stage.body}"]
     arrays["object_pose"] = shown
-    offsets = [run.plan.task.X_GB for run in runs]
-    tracked = np.concatenate(
-        [
-            series.compose(poses, offset)
-            for poses, offset in zip(_by_stage(moved, arrays), offsets, strict=True)
-        ]
-    )
-    tracked = series.compose(tracked, arrays["vehicle_frame"])
-    arrays["vehicle_frame"] = _relative(series.compose(shown, offsets[0]), tracked)
-    for body in runs[0].state.poses:
-        positions = arrays.pop(f"body_{body}", None)
-        if positions is None:
-            continue
-        name = obstacle_name(body, first)
-        key = "object_pose_3d" if name == OBJECT else f"body_{name}"
-        arrays[key] = positions
+    body = series.compose(shown, first.plan.task.X_GB)
+    arrays["vehicle_frame"] = _relative(body, tracked)
+    found = {b: arrays.pop(f"body_{b}", None) for b in first.state.poses}
+    for name, positions in found.items():
+        if positions is not None:
+            arrays[_own_name(name, first.stage.body)] = positions
     return replace(record, arrays=arrays)
-
-
-def _by_stage(values: Array, arrays: Mapping[str, Array]) -> list[Array]:
-    stage = arrays["stage"]
-    return [values[stage == number] for number in np.unique(stage)]
 
 
 def _relative(X_WA: Array, X_WC: Array) -> Array:

@@ -16,6 +16,7 @@ from itertools import islice
 
 from pushpressslide.core import margins
 from pushpressslide.core.bodies import (
+    OBJECT,
     Stage,
     body_shape,
     stage_task,
@@ -53,13 +54,16 @@ def plan_stages(
     force: bool = False,
 ) -> list[PlannedStage]:
     """Return the stages that bring all bodies of ``task`` to their goals, each planned
-    from where the one before it ends.
+    from where the one before it ends; one of a task without ``goals``.
 
     ``preparation`` is an empty one of the arms where they begin; by default no joint
     paths are looked for. ``enough`` and ``force`` are those of ``solve``. Raises
     InfeasibleTaskError, with the body and why it cannot go, where nothing leads there.
     """
     first = PlansAlone() if preparation is None else preparation
+    if not task.goals:
+        solution = solve(first, task, enough, force=force)
+        return [PlannedStage(Stage(OBJECT, task.goal), solution, first)]
     search = _OrderSearch(task, first, enough, force)
     moment = Moment(task, start_state(task), goals_of(task))
     bodies = len(moment.goals)

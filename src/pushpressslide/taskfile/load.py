@@ -144,8 +144,14 @@ def load_written_task(path: Path) -> Task:
     Raises:
         TaskError: for a file of another layout, or a mesh that is gone.
     """
-    source = str(path)
-    data = without_gone(read_yaml(path), source, ran=True)
+    return written_task(read_yaml(path), str(path))
+
+
+def written_task(data: Mapping[str, Any], source: str) -> Task:
+    """Return the task of data that :func:`task_data` gave, as of
+    :func:`load_written_task`; ``source`` names their file.
+    """
+    data = without_gone(data, source, ran=True)
     plain = _plain(data, Place(source, bounded=False))
     refuse(source, shape_faults("object.shape", plain["object"]["shape"]))
     for i, body in enumerate(plain["obstacles"]):

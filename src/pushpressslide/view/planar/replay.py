@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.arrays import Array
-from pushpressslide.core.bodies import goal_places
+from pushpressslide.core.bodies import OBJECT as OWN
+from pushpressslide.core.bodies import SET_DOWN, goal_places
 from pushpressslide.core.control import PHASES
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
@@ -43,12 +44,17 @@ Placed = tuple[Shape, Pose2]
 
 
 def write_replay(
-    plan: Plan, record: Record, out: Path, goals: Sequence[Placed] = ()
+    plan: Plan,
+    record: Record,
+    out: Path,
+    goals: Sequence[Placed] = (),
+    parts: Sequence[Record] = (),
 ) -> Path:
     """Write the page to the file ``out``, whole or not at all, and return its path.
 
     In a folder ``out`` it is replay.html. ``goals`` are drawn in place of the task's
-    own, if there are any.
+    own, if there are any. ``parts`` are the records of the stages, where there are
+    several.
     """
     page = filled(
         part("replay_page.html", ROOM),
@@ -57,7 +63,7 @@ def write_replay(
             "MODE": escape(", ".join(record.modes)),
             "LEGEND": "".join(map(_item, legend(plan))),
             "SCRIPT": part("replay_page.js", ROOM),
-            "DATA": json_in_page(replay_data(plan, record, goals)),
+            "DATA": json_in_page(replay_data(plan, record, goals, parts)),
             "COURSE": json_in_page(
                 course(plan, record, frames(record.arrays["time"])).plain()
             ),
@@ -95,7 +101,10 @@ def _item(entry: tuple[str, str, bool]) -> str:
 
 
 def replay_data(
-    plan: Plan, record: Record, goals: Sequence[Placed] = ()
+    plan: Plan,
+    record: Record,
+    goals: Sequence[Placed] = (),
+    parts: Sequence[Record] = (),
 ) -> dict[str, Any]:
     """Return what the page plays: metres, degrees and newtons, rounded to 0.1 mm, 0.01
     degree and 0.01 N.
@@ -103,27 +112,61 @@ def replay_data(
     task = plan.task
     arrays = record.arrays
     ticks = frames(arrays["time"])
-    axles = [
-        task.X_GB.compose(Pose2(*map(float, row)))
-        for row in arrays["vehicle_frame"][ticks]
-    ]
     tips = np.moveaxis(arrays["tip_position"][ticks][:, :, :2], 1, 0)
     forces = np.nan_to_num(np.moveaxis(arrays["measured_force"][ticks], 1, 0))
+    plans = [part.plan for part in parts] or [plan]
+    scene, own_ticks = scene_ticks(record, ticks)
+    axles = []
+    contacts: list[list[float | str | None]] = [[] for _ in task.robots]
+    for number, own_plan in enumerate(plans):
+        own = ticks[scene == number]
+        part = parts[number] if parts else record
+        axles += _axles(own_plan, arrays["vehicle_frame"][own])
+        for row, found in zip(
+            contacts,
+            _contacts(own_plan, part, own_ticks[scene == number]),
+            strict=True,
+        ):
+            row += found
     return {
-        **_scene_data(task, goals or task_goals(task)),
+        **_support_data(task, goals or task_goals(task)),
+        "scenes": [
+            _scene_data(own_plan.task, part)
+            for own_plan, part in zip(plans, parts or [record], strict=True)
+        ],
+        "scene": scene.tolist(),
         "moving": (arrays["phase"][ticks] == PHASES.index("move")).tolist(),
         "pose": _degrees(arrays["object_pose"][ticks]),
         "reference": _degrees(arrays["reference_pose"][ticks]),
         "tips": np.round(tips, 4).tolist(),
         "forces": np.round(forces[:, :, :2], 2).tolist(),
         "loads": np.round(np.maximum(0.0, -forces[:, :, 2]), 2).tolist(),
-        "contacts": _contacts(plan, record, ticks),
+        "contacts": contacts,
         "friction": task.contact_friction,
-        "path": np.round(arrays["plan_path"][:, :2], 4).tolist(),
-        "axles": [
-            [round(X.x, 4), round(X.y, 4), round(math.degrees(X.yaw), 2)] for X in axles
-        ],
+        "axles": axles,
     }
+
+
+def scene_ticks(
+    record: Record, ticks: NDArray[np.intp]
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return of each tick of a run the number of its stage, and which tick of the stage
+    it is.
+    """
+    number = record.arrays.get("stage")
+    if number is None:
+        return np.zeros_like(ticks), ticks
+    scene = number[ticks].astype(np.intp)
+    first = np.searchsorted(number, scene, side="left")
+    return scene, ticks - first
+
+
+def _axles(plan: Plan, frames_BV: Array) -> list[list[float]]:
+    """Return X_GV of the tracking point, yaw in degrees."""
+    found = [plan.task.X_GB.compose(Pose2(*map(float, row))) for row in frames_BV]
+    return [
+        [round(X.x, 4), round(X.y, 4), round(math.degrees(X.yaw), 2)] for X in found
+    ]
 
 
 def _contacts(
@@ -150,26 +193,34 @@ def _contacts(
     return out
 
 
-def _scene_data(task: Task, goals: Sequence[Placed]) -> dict[str, Any]:
-    """Return what does not move: outlines, goals, obstacles and bases."""
-    outline = [[round(x, 5), round(y, 5)] for x, y in task.object.shape.outline()]
+def _support_data(task: Task, goals: Sequence[Placed]) -> dict[str, Any]:
+    """Return what is the same in all stages: goals, tips, bases and the support."""
     aims = [[list(X.apply(c)) for c in shape.outline()] for shape, X in goals]
-    obstacles = []
-    for obstacle in task.obstacles:
-        corners = obstacle.shape.outline()
-        places = [list(obstacle.pose.apply(corner)) for corner in corners]
-        obstacles.append({"name": obstacle.name, "corners": places})
     bases = [robot.base for robot in task.robots if robot.model != "hand"]
     wall = not task.support.frame.faces_up
     return {
         "radii": [robot.tip_radius for robot in task.robots],
-        "outline": outline,
         "goals": aims,
-        "obstacles": obstacles,
         "region": [list(corner) for corner in task.support.region or ()],
         "bases": [] if wall else [[x, y] for x, y, _ in bases],
         "forceScale": FORCE_SCALE,
         "mirror": wall,  # on a wall x points to the left
+    }
+
+
+def _scene_data(task: Task, record: Record) -> dict[str, Any]:
+    """Return what does not move in a stage, the outline of what does, and its path."""
+    outline = [[round(x, 5), round(y, 5)] for x, y in task.object.shape.outline()]
+    obstacles = []
+    for obstacle in task.obstacles:
+        corners = obstacle.shape.outline()
+        places = [list(obstacle.pose.apply(corner)) for corner in corners]
+        name = OWN if obstacle.name == SET_DOWN else obstacle.name
+        obstacles.append({"name": name, "corners": places})
+    return {
+        "outline": outline,
+        "obstacles": obstacles,
+        "path": np.round(record.arrays["plan_path"][:, :2], 4).tolist(),
     }
 
 

@@ -5,8 +5,10 @@ const rad = a => a * Math.PI / 180;
 const apply = (X, p) => { const c = Math.cos(rad(X[2])), s = Math.sin(rad(X[2]));
   return [X[0] + c * p[0] - s * p[1], X[1] + s * p[0] + c * p[1]]; };
 const trace = D.pose.map((X, k) => apply(X, D.axles[k]));
-const all = [...D.path, ...D.obstacles.flatMap(o => o.corners), ...D.tips.flat().filter(p => p[0] !== null),
-  ...D.goals.flat(), ...D.pose.flatMap(X => D.outline.map(p => apply(X, p))),
+// what rests in the stage of a frame, and the outline of what moves
+const sceneOf = k => D.scenes[N ? D.scene[k] : 0];
+const all = [...D.scenes.flatMap(s => [...s.path, ...s.obstacles.flatMap(o => o.corners)]), ...D.tips.flat().filter(p => p[0] !== null),
+  ...D.goals.flat(), ...D.pose.flatMap((X, k) => sceneOf(k).outline.map(p => apply(X, p))),
   ...D.bases.flatMap(b => [[b[0] - 0.1, b[1] - 0.1], [b[0] + 0.1, b[1] + 0.1]])];
 const low = [0, 1].map(i => Math.min(...all.map(p => p[i])) - 0.04), high = [0, 1].map(i => Math.max(...all.map(p => p[i])) + 0.04);
 let scale = 1, shift = [0, 0];
@@ -25,7 +27,7 @@ function line(points, color, width, dash = [], close = false, fill = null) {
   if (fill) { g.fillStyle = fill; g.fill(); }
   g.setLineDash(dash); g.strokeStyle = color; g.lineWidth = width; g.lineJoin = "round"; g.stroke(); g.setLineDash([]);
 }
-function body(X, color, width, dash, fill) { line(D.outline.map(p => apply(X, p)), color, width, dash, true, fill); }
+function body(outline, X, color, width, dash, fill) { line(outline.map(p => apply(X, p)), color, width, dash, true, fill); }
 function dot(p, r, fill, edge) {
   g.beginPath(); g.arc(...at(p), r, 0, 2 * Math.PI); g.fillStyle = fill; g.fill();
   if (edge) { g.strokeStyle = edge; g.lineWidth = 1.2; g.stroke(); }
@@ -75,19 +77,20 @@ function tip(i, k, X) {
 function draw(time, k) {
   g.clearRect(0, 0, canvas.clientWidth, canvas.clientHeight);
   grid();
+  const scene = sceneOf(k);
   for (const b of D.bases) dot(b, 0.09 * scale, "#dde3ea", "#6b7280");
   if (D.region.length) line(D.region, "#6b7280", 1.5, [], true);
-  for (const o of D.obstacles) { line(o.corners, "#6b7280", 1.5, [], true, "#b9bec6");
+  for (const o of scene.obstacles) { line(o.corners, "#6b7280", 1.5, [], true, "#b9bec6");
     const m = at([0, 1].map(i => o.corners.reduce((s, c) => s + c[i] / o.corners.length, 0)));
     g.fillStyle = "#1f2328"; g.font = "12px sans-serif"; g.textAlign = "center"; g.fillText(o.name, m[0], m[1] + 4); g.textAlign = "left"; }
   for (const goal of D.goals) line(goal, "#009e73", 2, [], true, "rgba(0,158,115,0.12)");
-  line(D.path, "#222", 1.6, [6, 5]);
+  line(scene.path, "#222", 1.6, [6, 5]);
   if (!N) return;
   const X = D.pose[k];
-  if (D.moving[k]) body(D.reference[k], "#8a8a8a", 1.2, [4, 4], null);
-  line(trace.slice(0, k + 1), "#0072b2", 2);
-  body(X, "#8a5a1e", 2, [], "rgba(217,140,64,0.55)");
-  const front = D.outline.reduce((m, p) => Math.max(m, Math.hypot(...p)), 0);
+  if (D.moving[k]) body(scene.outline, D.reference[k], "#8a8a8a", 1.2, [4, 4], null);
+  line(trace.slice(D.scene.indexOf(D.scene[k]), k + 1), "#0072b2", 2);
+  body(scene.outline, X, "#8a5a1e", 2, [], "rgba(217,140,64,0.55)");
+  const front = scene.outline.reduce((m, p) => Math.max(m, Math.hypot(...p)), 0);
   line([[X[0], X[1]], apply(X, [0.45 * front, 0])], "#8a5a1e", 2);
   dot(trace[k], 5, "#fff", "#0072b2"); dot(trace[k], 2, "#0072b2");
   D.tips.forEach((_, i) => tip(i, k, X));

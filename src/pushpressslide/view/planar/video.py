@@ -33,6 +33,7 @@ from pushpressslide.view.planar.replay import (
     TRACE,
     Placed,
     legend,
+    scene_ticks,
     task_goals,
 )
 
@@ -51,20 +52,21 @@ def write_video(
     record: Record,
     out: Path,
     goals: Sequence[Placed] = (),
+    parts: Sequence[Record] = (),
     frames_per_second: float = film.FRAMES_PER_SECOND,
     size: tuple[int, int] = film.SIZE,
 ) -> Path:
     """Write the run as an animated picture in real time; return its path.
 
     The format, .webp or .gif, follows from the name of ``out``; a folder gets run.webp.
-    ``size`` is (width, height) [pixels]; ``goals`` as of ``write_replay``. Raises
+    ``size`` is (width, height) [pixels]; ``goals`` and ``parts`` as of ``write_replay``. Raises
     SimulationError for another format.
     """
     out = film.film_path(out)
     ticks = film.film_ticks(record.arrays["time"], frames_per_second)
     told = course(plan, record, np.array(ticks))
     title = f"{plan.task.name}: {', '.join(record.modes)}"
-    drawing = _Drawing(plan, record, goals, size)
+    drawing = _Film(plan, record, goals, parts, size)
     entries = [
         film.Entry(color, text) for color, text, _ in legend(plan) if color != REFERENCE
     ]
@@ -80,13 +82,17 @@ def write_video(
 
 
 def write_pictures(
-    plan: Plan, record: Record, out: Path, goals: Sequence[Placed] = ()
+    plan: Plan,
+    record: Record,
+    out: Path,
+    goals: Sequence[Placed] = (),
+    parts: Sequence[Record] = (),
 ) -> list[Path]:
     """Write pictures of start, contact and end of a run into ``out``; return their
     paths.
     """
     width, height = film.STILL_SIZE
-    drawing = _Drawing(plan, record, goals, film.STILL_SIZE)
+    drawing = _Film(plan, record, goals, parts, film.STILL_SIZE)
 
     def picture(tick: int) -> Any:
         canvas = Canvas(np.full((height, width, 3), 255, dtype=np.uint8))
@@ -96,21 +102,40 @@ def write_pictures(
     return film.write_stills(record.arrays["phase"], picture, out)
 
 
-class _Drawing:
-    """One run in the plane, at any tick."""
+class _Film:
+    """A run in the plane, at any tick: its stages drawn to one scale."""
 
     def __init__(
         self,
         plan: Plan,
         record: Record,
         goals: Sequence[Placed],
+        parts: Sequence[Record],
         size: tuple[int, int],
     ) -> None:
+        self._record = record
+        aims = goals or task_goals(plan.task)
+        stages = [(part.plan, part) for part in parts] or [(plan, record)]
+        self._drawings = [_Drawing(own, part, aims) for own, part in stages]
+        shown = np.concatenate([drawing.shown() for drawing in self._drawings])
+        for drawing in self._drawings:
+            drawing.fit(shown, size)
+
+    def draw(self, canvas: Canvas, tick: int) -> None:
+        """Draw the scene at a tick."""
+        scene, own = scene_ticks(self._record, np.array([tick]))
+        self._drawings[scene[0]].draw(canvas, int(own[0]))
+
+
+class _Drawing:
+    """One stage in the plane, at any of its ticks."""
+
+    def __init__(self, plan: Plan, record: Record, goals: Sequence[Placed]) -> None:
         task = plan.task
         self._task = task
         self._record = record
         self._parts = plan.by_placement
-        self._goals = goals or task_goals(task)
+        self._goals = goals
         axles = record.arrays["vehicle_frame"]
         poses = record.arrays["object_pose"]
         self._trace = [self._tracked(p, v) for p, v in zip(poses, axles, strict=True)]
@@ -118,21 +143,21 @@ class _Drawing:
             (float(x), float(y)) for x, y in record.arrays["plan_path"][:, :2]
         ]
         self._mirror = -1.0 if not task.support.frame.faces_up else 1.0
-        self._fit(self._shown(poses), size)
 
     def _tracked(self, pose: Array, axle: Array) -> Point:
         X_WV = _pose(pose).compose(self._task.X_GB).compose(_pose(axle))
         return X_WV.position
 
-    def _shown(self, poses: Array) -> Array:
+    def shown(self) -> Array:
         """Return all points (N, 2) [m] that are to be in the picture."""
+        poses = self._record.arrays["object_pose"]
         shape = self._task.object.shape
         placed = [(shape, _pose(row)) for row in poses[::20]]
         placed += [*self._goals, *((o.shape, o.pose) for o in self._task.obstacles)]
         points = [X.apply(corner) for own, X in placed for corner in own.outline()]
         return np.array([*points, *self._path])
 
-    def _fit(self, points: Array, size: tuple[int, int]) -> None:
+    def fit(self, points: Array, size: tuple[int, int]) -> None:
         """Choose scale [pixels/m] and middle [m] so that ``points`` fill the picture."""
         low = points.min(axis=0) - MARGIN
         high = points.max(axis=0) + MARGIN
