@@ -295,9 +295,8 @@ def test_allocated_forces_add_up_to_the_wrench_that_the_tracker_asked_for(
                 [c.point for c in choice.contacts], allocation.forces, wanted.about
             )
             assert allocation.status == "ok"
-            assert (total.fx, total.fy) == pytest.approx(
-                (wanted.fx, wanted.fy), abs=1e-9
-            )
+            asked = (wanted.fx, wanted.fy)
+            assert (total.fx, total.fy) == pytest.approx(asked, abs=1e-9)
             assert total.tau == pytest.approx(wanted.tau, abs=1e-10)
 
 
@@ -437,12 +436,11 @@ def test_off_the_path_too_the_twist_is_the_one_that_the_wrench_causes_on_the_dri
             direction = surface.twist_direction(guidance.wrench)
             # the model's axle is moved ahead with the CoP by the height term: compare
             # about that CoP
-            twist = guidance.twist.moved_to(
-                (about[0] + shift * forward[0], about[1] + shift * forward[1])
-            )
-            assert direction.w * forward_speed(twist, forward) == pytest.approx(
-                twist.w * forward_speed(direction, forward), abs=1e-9
-            )
+            cop = (about[0] + shift * forward[0], about[1] + shift * forward[1])
+            twist = guidance.twist.moved_to(cop)
+            turn = direction.w * forward_speed(twist, forward)
+            wanted = twist.w * forward_speed(direction, forward)
+            assert turn == pytest.approx(wanted, abs=1e-9)
 
 
 def test_the_turns_of_a_manoeuvre_are_those_that_their_forces_cause_on_the_exact_surface() -> (
@@ -513,11 +511,8 @@ def test_no_allocator_ever_raises(mode: Mode) -> None:
                 for tau in numbers:
                     allocation = allocate(fx, fy, tau)
                     assert allocation.status in ("ok", "projected", "infeasible")
-                    assert all(
-                        math.isfinite(value)
-                        for force in allocation.forces
-                        for value in force
-                    )
+                    values = [value for force in allocation.forces for value in force]
+                    assert all(math.isfinite(value) for value in values)
 
 
 def mirrored(task: Task) -> Task:
@@ -592,12 +587,10 @@ def test_a_new_plan_from_the_planned_start_and_contacts_is_no_longer_than_the_ol
         X_WB = made.task.start.compose(made.task.object.X_GB)
         touched = tuple(c.point for c in choice.contacts)
         segments = made.segments
+        contacts = segments[0].contacts
         length = segments[0].path.length
-        fresh = mode.replan(
-            made.task,
-            segments,
-            Measured.touching(X_WB, segments[0].contacts, touched, 1.01 * length),
-        )
+        ample = Measured.touching(X_WB, contacts, touched, 1.01 * length)
+        fresh = mode.replan(made.task, segments, ample)
         assert len(fresh) == len(segments)
         assert fresh[0].path.length <= 1.01 * length
         # a manoeuvre may choose new places between its turns
@@ -605,20 +598,11 @@ def test_a_new_plan_from_the_planned_start_and_contacts_is_no_longer_than_the_ol
             reached = made.object_pose(segment, segment.path.length)
             assert math.dist(reached.position, segment.goal.position) < 1e-7
         assert math.dist(fresh[-1].goal.position, made.goal.position) < 1e-7
-        short = mode.replan(
-            made.task,
-            segments,
-            Measured.touching(X_WB, segments[0].contacts, touched, 0.5 * length),
-        )
+        half = Measured.touching(X_WB, contacts, touched, 0.5 * length)
+        short = mode.replan(made.task, segments, half)
         assert not short or short[0].path.length <= 0.5 * length
-        assert (
-            mode.replan(
-                made.task,
-                segments,
-                Measured.touching(X_WB, segments[0].contacts, touched, 0.05 * length),
-            )
-            == ()
-        )
+        scant = Measured.touching(X_WB, contacts, touched, 0.05 * length)
+        assert mode.replan(made.task, segments, scant) == ()
 
 
 def test_a_wrench_of_one_contact_has_the_moment_of_its_force() -> None:

@@ -16,6 +16,12 @@ def test_the_record_says_what_was_changed_and_nothing_else() -> None:
     assert alone.arrays["time"][-1] != usual.arrays["time"][-1]
 
 
+def test_what_is_as_in_every_run_is_no_change() -> None:
+    assert Execution().changed is None
+    changed = Execution(joint_stiffness=10.0)
+    assert changed.changed == repr(changed)
+
+
 def test_a_force_alone_is_a_little_above_friction() -> None:
     assert Execution().gain == 1.0
     assert Execution(servo=False).gain > 1.0

@@ -138,9 +138,8 @@ def test_a_friction_above_one_does_not_make_it_push_backwards() -> None:
 
 def test_what_stands_against_it_is_told_with_the_number() -> None:
     cylinder = ObjectModel(Cylinder(0.2, 0.2), 2.0, (0.0, 0.0))
-    assert (
-        "no flat faces" in MODE.choices(to(0.3, -0.3, 0.0, object=cylinder))[0].reason
-    )
+    refusal = MODE.choices(to(0.3, -0.3, 0.0, object=cylinder))[0]
+    assert "no flat faces" in refusal.reason
     weak = replace(SHIPPED.limits, normal_force=4.0)
     refusal = MODE.choices(to(0.3, -0.3, 0.0, limits=weak))[0]
     assert "needs 5.9 N, allowed 3.6 N, 0.9 of limits.normal_force" in refusal.reason
@@ -186,25 +185,16 @@ def test_a_start_that_is_off_is_made_up_for() -> None:
 def test_a_plan_made_anew_starts_where_the_object_is_and_ends_at_the_goal() -> None:
     task = to(0.4, -0.25, 10.0)
     made = plan(task, MODE.choices(task)[0])
+    contacts = made.segments[0].contacts
     X_WB = task.start.compose(Pose2(0.004, -0.005, 0.03))
     touched = tuple(c.point for c in made.contacts)
     length = made.segments[0].path.length
-    (fresh,) = MODE.replan(
-        task,
-        made.segments,
-        Measured.touching(X_WB, made.segments[0].contacts, touched, 1.2 * length),
-    )
+    off = Measured.touching(X_WB, contacts, touched, 1.2 * length)
+    (fresh,) = MODE.replan(task, made.segments, off)
     for s, wanted in ((0.0, X_WB), (fresh.path.length, task.goal)):
         pose = made.object_pose(fresh, s)
         assert math.dist(pose.position, wanted.position) < 1e-9
-        assert math.remainder(pose.yaw - wanted.yaw, 2.0 * math.pi) == pytest.approx(
-            0.0, abs=1e-9
-        )
-    assert (
-        MODE.replan(
-            task,
-            made.segments,
-            Measured.touching(X_WB, made.segments[0].contacts, touched, 0.5 * length),
-        )
-        == ()
-    )
+        turn = math.remainder(pose.yaw - wanted.yaw, 2.0 * math.pi)
+        assert turn == pytest.approx(0.0, abs=1e-9)
+    scant = Measured.touching(X_WB, contacts, touched, 0.5 * length)
+    assert MODE.replan(task, made.segments, scant) == ()

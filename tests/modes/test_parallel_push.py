@@ -79,9 +79,8 @@ def test_the_shipped_task_is_done_with_each_arm_on_its_own_side() -> None:
 
 
 def test_the_differential_car_takes_no_friction_at_all() -> None:
-    for _, allocation in allocations(
-        plan(to(0.46, 0.05, 10.0), best(to(0.46, 0.05, 10.0, "differential")))
-    ):
+    choice = best(to(0.46, 0.05, 10.0, "differential"))
+    for _, allocation in allocations(plan(to(0.46, 0.05, 10.0), choice)):
         assert allocation.status == "ok"
         for force, normal in zip(allocation.forces, allocation.normals, strict=True):
             assert force == pytest.approx((normal, 0.0), abs=1e-9)
@@ -143,10 +142,8 @@ def test_what_stands_against_it_is_told_with_the_number() -> None:
     weak = replace(SHIPPED.limits, normal_force=4.0)
     assert "needs 5.9 N" in MODE.choices(to(0.3, 0.0, 0.0, limits=weak))[0].reason
     beside = ObjectModel(Box((0.4, 0.4, 0.2)), 2.0, (0.0, 0.19))
-    assert (
-        "contacts 24 mm apart"
-        in MODE.choices(to(0.3, 0.0, 0.0, object=beside))[0].reason
-    )
+    refusal = MODE.choices(to(0.3, 0.0, 0.0, object=beside))[0]
+    assert "contacts 24 mm apart" in refusal.reason
 
 
 @pytest.mark.parametrize("drive", ["differential", "synchronised", "mixed"])
@@ -167,26 +164,17 @@ def test_a_plan_made_anew_starts_where_the_object_is_and_ends_at_the_goal(
 ) -> None:
     task = to(0.46, 0.05, 10.0, drive)
     made = plan(task, best(task))
+    contacts = made.segments[0].contacts
     X_WB = task.start.compose(Pose2(0.004, -0.005, 0.03))
     touched = tuple((c.point[0], c.point[1] + 0.004) for c in made.contacts)
     length = made.segments[0].path.length
-    (fresh,) = MODE.replan(
-        task,
-        made.segments,
-        Measured.touching(X_WB, made.segments[0].contacts, touched, 1.2 * length),
-    )
+    off = Measured.touching(X_WB, contacts, touched, 1.2 * length)
+    (fresh,) = MODE.replan(task, made.segments, off)
     assert [c.point for c in fresh.contacts] == list(touched)
     for s, wanted in ((0.0, X_WB), (fresh.path.length, task.goal)):
         pose = made.object_pose(fresh, s)
         assert math.dist(pose.position, wanted.position) < 1e-9
-        assert math.remainder(pose.yaw - wanted.yaw, 2.0 * math.pi) == pytest.approx(
-            0.0, abs=1e-9
-        )
-    assert (
-        MODE.replan(
-            task,
-            made.segments,
-            Measured.touching(X_WB, made.segments[0].contacts, touched, 0.5 * length),
-        )
-        == ()
-    )
+        turn = math.remainder(pose.yaw - wanted.yaw, 2.0 * math.pi)
+        assert turn == pytest.approx(0.0, abs=1e-9)
+    scant = Measured.touching(X_WB, contacts, touched, 0.5 * length)
+    assert MODE.replan(task, made.segments, scant) == ()

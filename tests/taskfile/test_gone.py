@@ -53,6 +53,27 @@ def test_another_value_is_refused_with_its_new_place(
         pps.load_task("press-slide", [f"motion.{field}={value}"])
 
 
+@pytest.mark.parametrize("first", range(len(GONE)))
+def test_of_several_fields_the_first_of_the_table_is_named(
+    first: int, tmp_path: Path
+) -> None:
+    names = list(GONE)[first:]
+    path = saved(tmp_path, "press-slide", **dict.fromkeys(names, "another"))
+    with pytest.raises(TaskError) as raised:
+        pps.load_task(path)
+    assert raised.value.field == f"motion.{names[0]}"
+
+
+def test_a_field_of_a_leg_is_named_with_its_leg(tmp_path: Path) -> None:
+    data = yaml.safe_load(pps.dump_task(pps.load_task("pivot-and-move")))
+    data["legs"][-1]["motion"]["force_gain"] = 0.97
+    path = tmp_path / "task.yaml"
+    path.write_text(yaml.safe_dump(data))
+    with pytest.raises(TaskError) as raised:
+        pps.load_task(path)
+    assert raised.value.field == f"legs[{len(data['legs']) - 1}].motion.force_gain"
+
+
 def test_the_task_of_a_run_that_is_over_is_read_whatever_it_says(
     tmp_path: Path,
 ) -> None:

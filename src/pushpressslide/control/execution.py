@@ -35,9 +35,9 @@ class Execution:
         return 1.0 if self.servo else FORCE_ALONE
 
     @property
-    def as_usual(self) -> bool:
-        """Whether it is that of every run."""
-        return self == Execution()
+    def changed(self) -> str | None:
+        """What is not as in every run, as a record says it; None where all is."""
+        return None if self == USUAL else repr(self)
 
 
 USUAL = Execution()

@@ -173,8 +173,8 @@ class RunLoop:
 
     def _own_laws(self) -> dict[str, str]:
         """What a record says of laws that an experiment changed; else nothing."""
-        execution = self.options.execution
-        return {} if execution.as_usual else {"execution": repr(execution)}
+        changed = self.options.execution.changed
+        return {} if changed is None else {"execution": changed}
 
     def _tick(self) -> tuple[Tick, Measurement]:
         """Pass one control period; return what came of it, and what was measured."""

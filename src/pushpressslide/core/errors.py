@@ -49,13 +49,8 @@ class RobotFileError(TaskError):
     """
 
     def __init__(self, path: str, place: str, value: object, allowed: str) -> None:
-        super().__init__(_near(path), place, value, allowed)
-
-
-def _near(path: str) -> str:
-    """The path from the working directory, where it is below that."""
-    here = os.path.join(os.getcwd(), "")
-    return path.removeprefix(here)
+        here = os.path.join(os.getcwd(), "")
+        super().__init__(path.removeprefix(here), place, value, allowed)
 
 
 class WriteError(PushPressSlideError, OSError):

@@ -39,7 +39,8 @@ class RearPushPolicy:
         x, y, yaw, _, _, _, tip_x, tip_y = np.asarray(observation).tolist()
         X_WG = Pose2(x, y, yaw)
         if self._segment is None:
-            self._segment = self._planned(X_WG)
+            seen = replace(self._push.task.told, start=X_WG)
+            (self._segment,) = choice(seen, self._push.face).segments
             self._tracker = MODE.tracker(self._push.task.told, self._segment)
             self._progress = 0.0
         assert self._tracker is not None
@@ -51,9 +52,3 @@ class RearPushPolicy:
         self._progress = guidance.progress
         at_tip = guidance.twist.moved_to(X_WB.unapply((tip_x, tip_y)))
         return np.array(X_WB.rotate((at_tip.vx, at_tip.vy)))
-
-    def _planned(self, X_WG: Pose2) -> Segment:
-        """Return the push from a pose to the goal."""
-        seen = replace(self._push.task.told, start=X_WG)
-        (segment,) = choice(seen, self._push.face).segments
-        return segment

@@ -161,17 +161,14 @@ class OrthogonalPush(TwistPushes):
         """Return the choice of a path in a cone, its contacts not yet given to arms."""
         places = describe_points(contact.point for contact in cone.contacts)
         placed = Choice(self.name, f"{names} at {places}", cone.contacts)
-        push = self._push(path, cone, task.scene.contact_friction)
+        friction = task.scene.contact_friction
+        allocate = self.allocator(cone.contacts, friction, cone.surface.rho)
+        wrenches = [cone.wrench(*rate) for rate, _ in path.pieces]
+        push = max(max(allocate(w.fx, w.fy, w.tau).normals) for w in wrenches)  # [N]
         driven = driven_by_twists(task, placed, path, cone, push)
         merits = f"{driven.merits}, pushed with up to {push:.1f} N"
         refusal = push_refusal(push, task.limits, cone.surface.max_force)
         return replace(driven, merits=merits, refusal=refusal)
-
-    def _push(self, path: TwistPath, cone: TwistCone, mu: float) -> float:
-        """Return the largest normal force [N] that driving a path takes."""
-        allocate = self.allocator(cone.contacts, mu, cone.surface.rho)
-        wrenches = [cone.wrench(*rate) for rate, _ in path.pieces]
-        return max(max(allocate(w.fx, w.fy, w.tau).normals) for w in wrenches)
 
     def allocator(
         self,

@@ -267,7 +267,11 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
             choice = driven_again(here, self.name, contact, drive)
             if choice.feasible:
                 return choice.segments
-        return self._manoeuvre(here, here.goal, measured)
+        for swing in RETRY_SWINGS:
+            found = pressed_manoeuvres(here, X_WB, measured.contacts, swing)
+            if found:  # the quickest with the contact that the arm has
+                return found[0].choice(here, self.name).segments
+        return ()
 
     def replan(
         self, task: Task, segments: Sequence[Segment], measured: Measured
@@ -299,19 +303,6 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
             return False
         radius = task.object.radius
         return run_in_missed(mine, X_WB, radius) > margins.MISSED * radius
-
-    def _manoeuvre(
-        self, task: Task, goal: Pose2, measured: Measured
-    ) -> tuple[Segment, ...]:
-        """Return the quickest manoeuvre to ``goal`` (X_WG) that the arm may take with
-        the contact it has; none where there is none.
-        """
-        there = replace(task, goal=goal)
-        for swing in RETRY_SWINGS:
-            found = pressed_manoeuvres(there, measured.X_WB, measured.contacts, swing)
-            if found:
-                return found[0].choice(there, self.name).segments
-        return ()
 
     def _spun(
         self, task: Task, segments: Sequence[Segment], measured: Measured

@@ -143,7 +143,7 @@ def paths_in_cone(
     ``longest`` [m].
     """
     direct = screw(start, goal)
-    whole = _size(direct, radius)
+    whole = math.hypot(direct[0], direct[1], radius * direct[2])
     if whole > longest:
         return
     if cone.cone_margin(*direct) >= inside.straight:
@@ -200,7 +200,3 @@ def describe_cone_margin(margin: float, required: float = margins.CONE_MARGIN) -
     if margin < 0.0:
         side = f"{-degrees:.0f} deg outside"
     return f"{side} the cone, needed {math.degrees(required):.0f} deg inside"
-
-
-def _size(twist: TwistRate, radius: float) -> float:
-    return math.hypot(twist[0], twist[1], radius * twist[2])

@@ -31,8 +31,12 @@ def lone_contact_height(scene: Scene, motion: Motion) -> float:
     """Return the height [m] of the one contact of a push: where the object would tip if
     the wrist were above it, lower, with the tool leaning back and its wrist behind.
     """
+    body = scene.body
+    room = body.shape.depth(body.center_of_mass)
+    # [m] up to which it surely stands, whatever way it is pushed
+    stands = margins.PUSH_STANDS * room / max(scene.support.friction, 1e-9)
     upright = _upright(scene)
-    return _height(scene, motion, upright if upright <= _standing(scene) else 0.0)
+    return _height(scene, motion, upright if upright <= stands else 0.0)
 
 
 def _upright(scene: Scene) -> float:
@@ -51,15 +55,6 @@ def _height(scene: Scene, motion: Motion, least: float) -> float:
     low = max(radius + arm.tool_gap, least)
     inside = min(max(low, min(arm.low, 0.5 * height)), height - 0.5 * radius)
     return max(inside, radius + arm.table_gap)
-
-
-def _standing(scene: Scene) -> float:
-    """Return the height [m] up to which an object surely stands, whatever way it is
-    pushed.
-    """
-    body = scene.body
-    room = body.shape.depth(body.center_of_mass)
-    return margins.PUSH_STANDS * room / max(scene.support.friction, 1e-9)
 
 
 def least_distance(scene: Scene) -> float:
@@ -188,11 +183,7 @@ def given_to(contacts: Sequence[Contact], arms: Sequence[int]) -> tuple[Contact,
     assigned = (
         replace(contact, arm=arm) for contact, arm in zip(contacts, arms, strict=True)
     )
-    return tuple(sorted(assigned, key=_order))
-
-
-def _order(contact: Contact) -> tuple[bool, int]:
-    return contact.kind == "side", contact.arm
+    return tuple(sorted(assigned, key=lambda c: (c.kind == "side", c.arm)))
 
 
 def _cross(a: Point, b: Point, c: Point, d: Point) -> bool:

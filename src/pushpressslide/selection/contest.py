@@ -31,7 +31,10 @@ class Contest:
         time = _seconds(self.winner)
         lead = self.lead(able[0])
         if lead is None or lead <= 0.0:
-            return f"{mode} is taken of {count}: {self._equal(able[0], time)}."
+            text = f"{mode} is taken of {count}: as quick as {able[0].mode}, {time}"
+            if contact_squeeze(self.winner) < contact_squeeze(able[0]):
+                text += ", and its contacts push less against each other"
+            return f"{text}."
         return (
             f"{mode} is taken: of {count} it is the quickest, {time} expected "
             f"with approach and release; {able[0].mode} follows with "
@@ -52,13 +55,6 @@ class Contest:
         if lead is None or lead <= 0.0:
             return "as quick"
         return f"{lead:.1f} s slower"
-
-    def _equal(self, rival: Choice, time: str) -> str:
-        """Say what decides between equally quick modes."""
-        text = f"as quick as {rival.mode}, {time}"
-        if contact_squeeze(self.winner) < contact_squeeze(rival):
-            text += ", and its contacts push less against each other"
-        return text
 
 
 def contests(plan: Plan, choices: Sequence[Choice]) -> list[Contest]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -59,7 +59,8 @@ def placements(task: Task, enough: int = 1, first: int = 0) -> list[list[Choice]
         raise TaskError(task.source or task.name, "goals", bodies, reason)
     task = task.told
     parts = task.parts[first:]
-    if _share_modes(parts):
+    allowed = [set(part.modes or MODES) for part in parts]
+    if any(before & after for before, after in pairwise(allowed)):
         # the next leg may need contacts other than the quickest ones
         enough = max(enough, ENOUGH)
     groups = [_select_leg(parts[0], first, enough)]
@@ -73,12 +74,6 @@ def placements(task: Task, enough: int = 1, first: int = 0) -> list[list[Choice]
             ahead = [choice.refused(choice.refusal or FALLS) for choice in ahead]
         groups.append(ahead)
     return groups
-
-
-def _share_modes(parts: Sequence[Task]) -> bool:
-    """Return whether two legs in a row allow the same mode."""
-    allowed = [set(part.modes or MODES) for part in parts]
-    return any(before & after for before, after in pairwise(allowed))
 
 
 def _select_leg(part: Task, leg: int, enough: int) -> list[Choice]:

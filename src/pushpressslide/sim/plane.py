@@ -116,14 +116,11 @@ def add_plane(plant: MultibodyPlant, frame: SupportFrame, friction: float) -> Pl
     return Plane(support, frame)
 
 
-def _told(record: logging.LogRecord) -> bool:
-    """Whether a line of Drake's log is of use: that deformable bodies do not touch rigid
-    half-spaces is not, where there are none.
-    """
-    return "deformable contact" not in record.getMessage()
-
-
-logging.getLogger("drake").addFilter(_told)
+# Drake warns that deformable bodies do not touch rigid half-spaces, of which there are
+# none here
+logging.getLogger("drake").addFilter(
+    lambda record: "deformable contact" not in record.getMessage()
+)
 
 
 def base_meshes(

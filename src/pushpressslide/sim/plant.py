@@ -26,7 +26,6 @@ from pushpressslide.core.control import (
     Measurement,
     TipCommand,
     TipState,
-    Vector3,
 )
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.core.task import Task
@@ -112,7 +111,10 @@ class DrivenArm:
             self._limited = self._executor.brake(self.state, weight, self.torque)
             return
         if isinstance(command, TipCommand):
-            self._take_posture(self._posture(command))
+            posture = command.posture
+            if posture is None:
+                posture = path_reference(self.path, command.progress)
+            self._take_posture(posture)
             self._limited = self._executor.contact(
                 self.state, command, self._reference, self._rate, self.torque
             )
@@ -156,11 +158,6 @@ class DrivenArm:
         change = np.minimum(np.maximum(wanted, -most), most)
         self._rate = self._rate + dt / RATE_TIME * (change - self._rate)
         self._reference = self._reference + dt * change
-
-    def _posture(self, command: TipCommand) -> Array:
-        if command.posture is not None:
-            return command.posture
-        return path_reference(self.path, command.progress)
 
     def row(self) -> ArmRow:
         """Return what is recorded of this arm in a tick, once its torque is applied."""
@@ -338,17 +335,17 @@ class DrakePlant:
         states = [arm.state for arm in self._arms]
         forces = station.contact_forces(states)
         tips = (
-            self._tip(state, frame.components(force))
+            TipState(
+                frame.coordinates(state.position),
+                frame.components(state.velocity),
+                frame.components(force),
+            )
             for state, force in zip(states, forces, strict=True)
         )
         self._x = x.tolist()
         pose = planar_pose_from_positions(self._x[self._body : self._body + 7], frame)
         self._truth = Measurement(self.time, pose, tuple(tips))
         return self._truth
-
-    def _tip(self, arm: ArmState, force: Vector3) -> TipState:
-        position = self._frame.coordinates(arm.position)
-        return TipState(position, self._frame.components(arm.velocity), force)
 
     def apply(self, commands: Commands) -> None:
         """Write the joint torques that execute the commands."""

@@ -186,7 +186,8 @@ def support_grid(
     elif support.region is not None:
         _tile_region(surface, bounds, tile, support.region)
     else:
-        _tile_plane(surface, bounds, tile)
+        xs, ys = _plane_lines(bounds, tile)
+        surface.add(xs, ys, lambda x, y: (x, y, 0.0))
         if frame != TABLE:
             # Drake's convex hull of a plane that is not level must not be flat
             x_min, x_max, y_min, _ = bounds
@@ -263,12 +264,6 @@ def _tile_region(
         for piece in shapely.get_parts(shapely.intersection(polygon, cell)):
             if piece.area > SLIVER * tile * tile:
                 surface.add_flat(tuple(piece.exterior.coords[:-1]), tile)
-
-
-def _tile_plane(surface: _TiledSurface, bounds: Bounds, tile: float) -> None:
-    """Add a plane in whole tiles."""
-    xs, ys = _plane_lines(bounds, tile)
-    surface.add(xs, ys, lambda x, y: (x, y, 0.0))
 
 
 def _plane_lines(bounds: Bounds, tile: float) -> tuple[list[float], list[float]]:

@@ -43,12 +43,6 @@ def _default(default: Any) -> str:
     return f"`{json.dumps(default)}`"
 
 
-def field_table() -> str:
-    """Return the Markdown table of every field of a task file."""
-    lines = ["| field | allowed | default | meaning |", "|---|---|---|---|"]
-    return "\n".join([*lines, *_rows(SCHEMA.fields or {}, "")])
-
-
 def with_table(page: str) -> str:
     """Return a page with its generated table renewed.
 
@@ -58,7 +52,9 @@ def with_table(page: str) -> str:
     _, end, tail = rest.partition(END)
     if not begin or not end:
         raise ValueError(f"the page lacks {BEGIN!r} or {END!r}")
-    return f"{head}{BEGIN}\n\n{field_table()}\n\n{END}{tail}"
+    titles = ["| field | allowed | default | meaning |", "|---|---|---|---|"]
+    table = "\n".join([*titles, *_rows(SCHEMA.fields or {}, "")])
+    return f"{head}{BEGIN}\n\n{table}\n\n{END}{tail}"
 
 
 if __name__ == "__main__":

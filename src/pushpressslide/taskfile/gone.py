@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from pushpressslide.core.errors import TaskError
@@ -25,26 +25,28 @@ def without_gone(data: Mapping[Any, Any], source: str, ran: bool) -> dict[Any, A
     Raises TaskError for a value that runs no longer take from a task, unless the task is
     that of a run that is over, ``ran``.
     """
-    if not ran:
-        for section, motion in _motions(data):
-            for name in GONE.keys() & motion.keys():
-                _check(f"{section}.{name}", name, motion[name], source)
-    out = dict(data)
-    if isinstance(out.get("motion"), dict):
-        out["motion"] = _kept(out["motion"])
+    out = _without(data, "", source, ran)
     if isinstance(out.get("legs"), list):
-        out["legs"] = [_kept_of_leg(leg) for leg in out["legs"]]
+        out["legs"] = [
+            _without(leg, f"legs[{i}].", source, ran) if isinstance(leg, dict) else leg
+            for i, leg in enumerate(out["legs"])
+        ]
     return out
 
 
-def _motions(data: Mapping[Any, Any]) -> Iterator[tuple[str, dict[Any, Any]]]:
-    """Each section of motion that is one, with its place."""
-    legs = data.get("legs")
-    found = [("motion", data.get("motion"))]
-    for i, leg in enumerate(legs if isinstance(legs, list) else ()):
-        if isinstance(leg, dict):
-            found.append((f"legs[{i}].motion", leg.get("motion")))
-    yield from ((place, motion) for place, motion in found if isinstance(motion, dict))
+def _without(
+    data: Mapping[Any, Any], place: str, source: str, ran: bool
+) -> dict[Any, Any]:
+    """A task's or a leg's data at ``place`` of the file, without fields that are gone."""
+    motion = data.get("motion")
+    if not isinstance(motion, dict):
+        return dict(data)
+    if not ran:
+        for name in GONE:
+            if name in motion:
+                _check(f"{place}motion.{name}", name, motion[name], source)
+    kept = {name: value for name, value in motion.items() if name not in GONE}
+    return {**data, "motion": kept}
 
 
 def _check(field: str, name: str, value: object, source: str) -> None:
@@ -54,13 +56,3 @@ def _check(field: str, name: str, value: object, source: str) -> None:
         shown = json.dumps(usual)
         allowed = f"allowed: {shown}, or no such field; to run otherwise: {instead}"
         raise TaskError(source, field, value, allowed)
-
-
-def _kept(motion: Mapping[Any, Any]) -> dict[Any, Any]:
-    return {name: value for name, value in motion.items() if name not in GONE}
-
-
-def _kept_of_leg(leg: Any) -> Any:
-    if not isinstance(leg, dict) or not isinstance(leg.get("motion"), dict):
-        return leg
-    return {**leg, "motion": _kept(leg["motion"])}

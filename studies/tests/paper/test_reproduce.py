@@ -13,6 +13,7 @@ from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.taskfile.load import load_task
 from pushpressslide_studies.paper import experiments, reproduce
 from pushpressslide_studies.paper.evidence import Evidence, Outcome
+from pushpressslide_studies.paper.execution import FixedTarget
 from pushpressslide_studies.paper.experiment import Experiment, Variant
 from pushpressslide_studies.paper.experiments import AXLE, EXPERIMENTS, chosen
 from pushpressslide_studies.paper.figures import FIGURES
@@ -57,6 +58,10 @@ def test_the_variants_of_joint_tracking_differ_in_the_controller_alone() -> None
     variants = JOINT_TRACKING.variants
     ways = {(v.overrides, v.execution) for v in variants}
     assert len(ways) == len(variants)
+
+
+def test_another_tracker_is_a_change_of_its_own() -> None:
+    assert FixedTarget().changed == repr(FixedTarget())
 
 
 def test_all_are_chosen_by_default_and_each_but_once() -> None:

@@ -148,10 +148,10 @@ class _Linkage:
         reach = np.abs(target)
         # of the triangle with the two bars for sides: the angles at its elbow and at
         # its start
-        bend = np.arccos(_cosine((reach * reach - a * a - b * b) / (2.0 * a * b)))
-        opening = np.arccos(
-            _cosine((reach * reach + a * a - b * b) / (2.0 * a * reach))
-        )
+        cosine = (reach * reach - a * a - b * b) / (2.0 * a * b)
+        bend = np.arccos(np.clip(cosine, -1.0, 1.0))
+        cosine = (reach * reach + a * a - b * b) / (2.0 * a * reach)
+        opening = np.arccos(np.clip(cosine, -1.0, 1.0))
         bearing = self._headings[body, i, j]
         ahead = np.angle(target) - bearing
         elbow = self._headings[body, j, k] - bearing
@@ -183,10 +183,6 @@ def _least(values: Array, count: int) -> NDArray[np.intp]:
         else np.zeros(0, dtype=np.intp)
     )
     return least[np.isfinite(values[least])]
-
-
-def _cosine(values: Array) -> Array:
-    return np.clip(values, -1.0, 1.0)
 
 
 def _positive(angles: Array) -> Array:

@@ -235,7 +235,7 @@ class ClearanceModel:
         of movable obstacles by name, by default where the task has them.
         """
         nearest = self._nearest(
-            postures, object_poses, touching, bodies or {}, _nearness
+            postures, object_poses, touching, bodies or {}, lambda gap: -gap.distance
         )
         return nearest.distance, nearest.pair
 
@@ -355,10 +355,6 @@ class ClearanceModel:
 
 def _lack(gap: Gap) -> float:
     return gap.lack
-
-
-def _nearness(gap: Gap) -> float:
-    return -gap.distance
 
 
 def _half_of_sphere() -> Iterator[Array]:

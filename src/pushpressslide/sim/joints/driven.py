@@ -30,10 +30,11 @@ def clearance_driven(record: Record) -> tuple[float, str]:
     times = record.arrays["time"]
     if not len(times):
         return LOOK, "nothing was recorded"
-    postures = _sampled(plan, record)
+    stride = _stride(times)
+    arms = range(len(plan.task.robots))
+    postures = [record.arrays[f"joint_position_{i}"][::stride] for i in arms]
     least = LOOK
     pair = "nothing within reach"
-    stride = _stride(times)
     poses = {
         name: [transform_from_positions(q) for q in rows[::stride]]
         for name, rows in record.arrays.items()
@@ -77,14 +78,6 @@ def _touching(plan: Plan) -> list[frozenset[int]]:
 
 def _at(poses: list[RigidTransform], ticks: NDArray[np.bool_]) -> list[RigidTransform]:
     return [pose for pose, taken in zip(poses, ticks, strict=True) if taken]
-
-
-def _sampled(plan: Plan, record: Record) -> list[Array]:
-    stride = _stride(record.arrays["time"])
-    return [
-        record.arrays[f"joint_position_{i}"][::stride]
-        for i in range(len(plan.task.robots))
-    ]
 
 
 def _stride(times: Array) -> int:

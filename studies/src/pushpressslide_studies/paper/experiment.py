@@ -40,13 +40,6 @@ class Variant:
     execution: Execution = USUAL
 
     @property
-    def laws(self) -> str | None:
-        """What an experiment's execution changes, as Python has it; None where it is
-        that of every run.
-        """
-        return None if self.execution.as_usual else repr(self.execution)
-
-    @property
     def settings(self) -> tuple[str, ...]:
         """All fields that are set otherwise: what is measured is one attempt."""
         return (*self.overrides, "motion.recoveries=0", "limits.legs=1")

@@ -252,6 +252,6 @@ def _named(variant: Variant, outcome: Outcome, page: Path) -> str:
     for file, label in (("replay.html", "replay"), ("report.html", "report")):
         if (outcome.folder / file).is_file():
             parts.append(f'<a href="{escape(folder)}/{file}">{label}</a>')
-    shown = (variant.task, *variant.settings, *filter(None, (variant.laws,)))
-    settings = " ".join(escape(text) for text in shown)
+    shown = (variant.task, *variant.settings, variant.execution.changed)
+    settings = " ".join(escape(text) for text in shown if text is not None)
     return " · ".join([*parts, f"<code>{settings}</code>"])

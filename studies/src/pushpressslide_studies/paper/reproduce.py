@@ -166,7 +166,7 @@ def _summary(experiment: Experiment, evidence: Evidence) -> Mapping[str, Any]:
                 "variant": variant.name,
                 "task": variant.task,
                 "overrides": list(variant.settings),
-                "execution": variant.laws,
+                "execution": variant.execution.changed,
                 "paper": {key: figure.value for key, figure in variant.paper.items()},
                 "measured": measured,
                 "failure": outcome.failure or None,
