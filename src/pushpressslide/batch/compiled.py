@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
-from typing import Any
+from time import perf_counter
+from typing import Any, cast
 
 import numba
 import numpy as np
@@ -19,6 +20,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
 from pushpressslide import kernels
+from pushpressslide.batch import fast
 from pushpressslide.kernels.kernel import APART, COMPILED, KERNELS, SUMS, WIDE
 
 TABLE = types.Array(numba.float64, 2, "A", readonly=True)
@@ -142,9 +144,12 @@ def loop_over(
     tables = types.UniTuple(TABLE, len(heads))
     arrays = types.Tuple([_array(letter, axes) for letter, axes in kinds])
     signature = numba.void(tables, TABLE, arrays, RESULTS)
+    begun = perf_counter()
     with _vectors(4 if kernel in WIDE else 0):
-        out: Loop = numba.njit(signature, cache=True, error_model="numpy")(loop)
-    return out
+        out = numba.njit(signature, cache=True, error_model="numpy")(loop)
+    if not out.stats.cache_hits:
+        fast.note_compiled(perf_counter() - begun)
+    return cast(Loop, out)
 
 
 @contextmanager

@@ -10,6 +10,9 @@ from contextvars import ContextVar
 from functools import cache
 from types import ModuleType
 
+SHOWN = 1.0  # [s] of compiling that a user is told of
+
+_compiled: list[float] = []  # [s] of each loop that this process has compiled
 _unwanted: ContextVar[bool] = ContextVar("unwanted", default=False)
 
 
@@ -41,3 +44,18 @@ def installed() -> ModuleType | None:
 def loaded() -> bool:
     """Return whether numba has been imported, and is wanted."""
     return "numba" in sys.modules and compiler() is not None
+
+
+def note_compiled(seconds: float) -> None:
+    """Add what a loop took to compile."""
+    _compiled.append(seconds)
+
+
+def compiling() -> str:
+    """Return one line on what this process spent on compiling kernels; empty where that
+    is nothing that one would notice.
+    """
+    spent = sum(_compiled)
+    if spent < SHOWN:
+        return ""
+    return f"{spent:.0f} s of it compiled kernels, once on this machine"

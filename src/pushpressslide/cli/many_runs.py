@@ -122,6 +122,7 @@ def sweep(options: SweepOptions) -> None:
 
     In parallel; with the same --out it goes on where it was interrupted.
     """
+    from pushpressslide.batch import fast
     from pushpressslide.jobs import sweep as sweep_job
 
     if (options.samples > 0) == (options.attempts > 0):
@@ -154,6 +155,9 @@ def sweep(options: SweepOptions) -> None:
         from pushpressslide.cli.tables import print_figures
 
         print_figures(result)
+        compiling = fast.compiling()
+        if compiling:
+            typer.echo(compiling)
         typer.echo(folder)
 
     answer(result, options, show)
