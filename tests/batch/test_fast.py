@@ -18,4 +18,3 @@ def test_compiling_is_told_where_one_would_notice(monkeypatch):
     assert fast.compiling() == ""
     fast.note_compiled(11.7)
     assert fast.compiling() == "12 s of it compiled kernels, once on this machine"
-

@@ -94,12 +94,20 @@ def test_each_placement_has_its_own_contacts() -> None:
 
 
 def test_what_is_planned_anew_takes_the_place_of_the_rest() -> None:
-    again = Plan(PLAN.task, PLAN.segments[3:], RESTART)
-    run = PLAN.begun(2, again)
+    rest = Plan(PLAN.task, PLAN.segments[3:], RESTART)
+    run = PLAN.begun(2, rest)
     first, second, *_ = PLAN.by_placement
     assert run.segments == PLAN.segments[:3]
-    assert run.by_placement == (first, second, *again.by_placement)
-    assert run.again is again
+    assert run.by_placement == (first, second, *rest.by_placement)
+    assert run.later == (rest,)
+
+
+def test_what_is_planned_anew_again_and_again_stands_in_one_row() -> None:
+    rests = [Plan(PLAN.task, PLAN.segments[i:], RESTART) for i in (3, 4)]
+    inner = rests[0].begun(1, rests[1])
+    run = PLAN.begun(1, inner)
+    assert run.later == (replace(inner, later=()), rests[1])
+    assert run.by_placement[1:] == inner.by_placement
 
 
 def test_a_task_goes_on_from_where_it_was_left() -> None:

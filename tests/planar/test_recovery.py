@@ -139,7 +139,7 @@ def test_the_legs_that_are_left_are_planned_anew() -> None:
 def test_what_was_planned_anew_is_kept_with_the_plan() -> None:
     task = pps.load_task("press-slide")
     made, record, found = run_of(task, jumps_at(1.5))
-    assert made.again is not None
+    assert len(made.later) == 1
     back = plan_from_dict(plan_to_dict(made), task)
     assert back.by_placement == made.by_placement
     assert result(task, back, record, {}) == found

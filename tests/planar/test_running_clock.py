@@ -117,8 +117,7 @@ def test_a_recovery_is_not_begun_that_planning_left_no_time_for() -> None:
     """
     plan = pps.plan(pps.load_task("rear-push-rear"))
     quick = run_loop(PlanarPlant(plan), plan, RunOptions(disturb=jumps_once))
-    rest = quick.plan.again
-    assert rest is not None
+    (rest,) = quick.plan.later
     (event,) = quick.meta["events"]
     needed = event["time"] + rest.duration + margins.ARM.regrasp
     limits = [f"limits.time={needed + 0.5 * PLANNING}"]

@@ -10,8 +10,10 @@ import pytest
 from pushpressslide.core import whole_file
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.path import ArcPath
-from pushpressslide.core.plan import Choice
+from pushpressslide.core.plan import Choice, Plan
+from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import SKIPPED, Refusal
+from pushpressslide.core.task import Restart
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report.files import (
@@ -203,3 +205,20 @@ def test_a_run_of_another_schema_is_refused_with_its_file_named_once(run, tmp_pa
     ) as refused:
         load_run(folder)
     assert str(refused.value).count("plan.json") == 1
+
+
+def test_plans_of_the_version_before_that_stand_in_each_other_are_read(run, tmp_path):
+    folder = save(run, tmp_path / "run")
+    restart = Restart(0, Pose2(0.45, 0.0, 0.1), (0.0, 0.0), 0.3, None)
+    task = run.plan.task
+    plan = run.plan
+    for _ in range(2):
+        task = task.resumed(restart)
+        plan = plan.followed(Plan(task, plan.segments, restart))
+    older = None
+    for data in map(plan_to_dict, reversed((replace(plan, later=()), *plan.later))):
+        del data["later"]
+        older = {**data, "again": older}
+    older |= {"schema": 7, "task": run.task.name}
+    (folder / "plan.json").write_text(json.dumps(older))
+    assert load_run(folder).plan == plan

@@ -56,12 +56,11 @@ def simple_plan() -> Plan:
 
 def resumed(plan: Plan, begun: list[Restart]) -> Plan:
     """Return a plan that was left and gone on with, once for each restart."""
-    if not begun:
-        return plan
-    first, *rest = begun
-    task = plan.task.resumed(first)
-    again = resumed(Plan(task, plan.segments, first), rest)
-    return replace(plan, again=again)
+    task = plan.task
+    for restart in begun:
+        task = task.resumed(restart)
+        plan = plan.followed(Plan(task, plan.segments, restart))
+    return plan
 
 
 def assert_same(plan: Plan, other: Plan) -> None:
@@ -80,7 +79,7 @@ def assert_same(plan: Plan, other: Plan) -> None:
 
 def chain(plan: Plan) -> list[Plan]:
     """Return a plan and all that went on from it."""
-    return [plan] if plan.again is None else [plan, *chain(plan.again)]
+    return [plan, *plan.later]
 
 
 @settings(deadline=None, max_examples=60)

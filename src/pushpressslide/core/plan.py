@@ -187,7 +187,8 @@ class Plan:
     task: Task
     segments: tuple[Segment, ...]
     restart: Restart | None = None  # that the task goes on from; None: its start
-    again: Plan | None = None  # after a recovery
+    # that took the place of the rest after recoveries, one after the other
+    later: tuple[Plan, ...] = ()
 
     @property
     def placements(self) -> tuple[tuple[Segment, ...], ...]:
@@ -206,13 +207,17 @@ class Plan:
         planned anew included.
         """
         own = tuple(Plan(self.part(group[0]), group) for group in self.placements)
-        return own if self.again is None else own + self.again.by_placement
+        return sum((plan.by_placement for plan in self.later), own)
 
-    def begun(self, count: int, again: Plan) -> Plan:
-        """Return the plan with its first ``count`` placements, gone on with ``again``."""
+    def begun(self, count: int, rest: Plan) -> Plan:
+        """Return the plan with its first ``count`` placements, gone on with ``rest``."""
         groups = self.placements[:count]
         segments = tuple(piece for group in groups for piece in group)
-        return replace(self, segments=segments, again=again)
+        return replace(self, segments=segments).followed(rest)
+
+    def followed(self, rest: Plan) -> Plan:
+        """Return the plan gone on with ``rest``."""
+        return replace(self, later=(*self.later, replace(rest, later=()), *rest.later))
 
     @property
     def contacts(self) -> tuple[Contact, ...]:

@@ -320,10 +320,9 @@ def _learnt(plan: Plan) -> Belief | None:
     """Return what is believed of a body after a stage in which its friction was
     identified; None where nothing was planned anew.
     """
-    if plan.again is None:
+    if not plan.later:
         return None
-    while plan.again is not None:
-        plan = plan.again
+    plan = plan.later[-1]
     if plan.restart is None:
         return None
     return replace(

@@ -148,7 +148,7 @@ def _plans(
         poses = {body: asdict(X) for body, X in start_state(task).poses.items()}
         begun = {"began": 0.0, "poses": poses, "planned_anew": False}
         named = {name: value for name, value in stored.items() if name != "task"}
-        entries = [{**named, **alone, **begun}]
+        entries = [{**named, "later": _later(stored), **alone, **begun}]
     elif stored["schema"] == SCHEMA:
         entries = stored["stages"]
     else:
@@ -160,6 +160,15 @@ def _plans(
     for entry in entries:
         own = written_task(entry["task"], str(path)) if "task" in entry else task
         out.append((entry, stage_from_dict(entry, own)))
+    return out
+
+
+def _later(stored: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Return the plans of which each stood in the one before it, under "again"."""
+    out: list[Mapping[str, Any]] = []
+    while stored["again"] is not None:
+        stored = stored["again"]
+        out.append({**stored, "later": []})
     return out
 
 

@@ -30,7 +30,7 @@ def filmstrip(plan: Plan) -> Figure:
     """Return one picture for each motion of a plan: from where to where it leads the
     object, its path, and its contacts.
     """
-    plan = replace(plan, again=None)
+    plan = replace(plan, later=())
     every = motions(plan)
     across = min(ACROSS, len(every))
     rows = math.ceil(len(every) / across)

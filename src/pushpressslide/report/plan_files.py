@@ -48,7 +48,7 @@ def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
         "pushes": plan.task.pushes,
         "segments": [_segment_to_dict(segment) for segment in plan.segments],
         "restart": None if restart is None else asdict(restart),
-        "again": None if plan.again is None else plan_to_dict(plan.again),
+        "later": [plan_to_dict(later) for later in plan.later],
     }
     if choices:
         out["choices"] = [_choice_to_dict(choice) for choice in choices]
@@ -70,11 +70,13 @@ def plan_from_dict(data: Mapping[str, Any], task: Task) -> Plan:
         name: data.get(name, getattr(task, name)) for name in ("searched", "pushes")
     }
     task = replace(task, **found)
-    again = None
-    if data["again"] is not None:
-        again = plan_from_dict(data["again"], task)
     segments = tuple(_segment_from_dict(entry) for entry in data["segments"])
-    return Plan(task, segments, restart, again)
+    plan = Plan(task, segments, restart)
+    for entry in data["later"]:
+        later = plan_from_dict(entry, task)
+        task = later.task
+        plan = plan.followed(later)
+    return plan
 
 
 def stage_from_dict(data: Mapping[str, Any], task: Task) -> StagePlan:

@@ -47,7 +47,7 @@ def plan_figure(plan: Plan) -> Figure:
     """Return the plan: paths of the tracking point, footprints, contacts, obstacles;
     without what was planned anew on the way.
     """
-    plan = replace(plan, again=None)
+    plan = replace(plan, later=())
     made, axes = style.figure(height=5.6)
     ax = axes[0]
     task = plan.task

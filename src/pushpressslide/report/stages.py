@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 from itertools import groupby
 from typing import Any
 
@@ -230,17 +231,10 @@ def _own_name(body: str, moved: str) -> str:
     return "object_pose_3d" if name == OBJECT else f"body_{name}"
 
 
-def joined_plan(runs: Sequence[StagePlan]) -> Plan:
+def joined_plan(stages: Sequence[StagePlan]) -> Plan:
     """Return the plan of the first stage, gone on with those of the others."""
-    plan = runs[-1].plan
-    for run in reversed(runs[:-1]):
-        plan = _followed(run.plan, plan)
-    return plan
-
-
-def _followed(plan: Plan, by: Plan) -> Plan:
-    again = by if plan.again is None else _followed(plan.again, by)
-    return replace(plan, again=again)
+    plans = [stage.plan for stage in stages]
+    return reduce(Plan.followed, plans)
 
 
 def _events(runs: Sequence[StageRun]) -> list[dict[str, Any]]:
