@@ -11,7 +11,7 @@ import pushpressslide as pps
 from pushpressslide.core.control import TipCommand
 from pushpressslide.execution.arm import ArmExecutor, ArmState
 from pushpressslide.execution.torque import LEAST_MOBILITY
-from pushpressslide.sim.arm_model import ArmModel
+from pushpressslide.sim.arm_model import DrakeArmModel
 
 READY = np.array([0.3, 0.4, -0.2, -2.0, 0.5, 2.3, 0.6])
 NONE = (0.0, 0.0, 0.0)
@@ -19,17 +19,17 @@ STEP = 1e-6  # [s]
 
 
 @pytest.fixture(scope="module")
-def arm() -> ArmModel:
-    return ArmModel(pps.load_task("rear-push-rear").robots[0])
+def arm() -> DrakeArmModel:
+    return DrakeArmModel(pps.load_task("rear-push-rear").robots[0])
 
 
-def turning(arm: ArmModel, seed: int) -> ArmState:
+def turning(arm: DrakeArmModel, seed: int) -> ArmState:
     return arm.state(READY, np.random.default_rng(seed).uniform(-0.5, 0.5, 7))
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_the_drift_is_how_the_velocity_changes_at_constant_joint_rates(
-    arm: ArmModel, seed: int
+    arm: DrakeArmModel, seed: int
 ) -> None:
     state = turning(arm, seed)
     before = arm.state(state.q - STEP * state.v, state.v)
@@ -39,7 +39,9 @@ def test_the_drift_is_how_the_velocity_changes_at_constant_joint_rates(
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_a_free_tip_goes_on_as_its_reference_does(arm: ArmModel, seed: int) -> None:
+def test_a_free_tip_goes_on_as_its_reference_does(
+    arm: DrakeArmModel, seed: int
+) -> None:
     state = turning(arm, seed)
     facts = arm.instance.facts
     executor = ArmExecutor(

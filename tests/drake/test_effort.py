@@ -1,7 +1,7 @@
 """The torques that a contact takes, by the arm's own statics."""
 
 import pushpressslide as pps
-from pushpressslide.sim.arm_model import ArmModel
+from pushpressslide.sim.arm_model import DrakeArmModel
 from pushpressslide.sim.joints.effort import largest_share
 from pushpressslide.sim.joints.joint_path import joint_path
 
@@ -16,7 +16,7 @@ def shares(overrides: list[str]) -> tuple[float, float]:
     (segment,) = light.segments
     bodies = [segment.body_pose(s) for s in path.arc_length]
     contact = plan.contacts[0]
-    model = ArmModel(plan.task.robots[0])
+    model = DrakeArmModel(plan.task.robots[0])
     there = largest_share(plan, contact, model, path.move, bodies)
     back = largest_share(plan, contact, model, path.move[::-1], bodies[::-1])
     return there, back

@@ -26,7 +26,7 @@ from pushpressslide.execution.torque import (
     task_inertia,
     unfelt,
 )
-from pushpressslide.sim.arm_model import ArmModel
+from pushpressslide.sim.arm_model import DrakeArmModel
 
 NONE = (0.0, 0.0, 0.0)
 DAMPING = 1000.0  # [N s/m]
@@ -37,12 +37,12 @@ STRETCHED = np.array([0.0, 1.2, 0.0, -1.0, 0.0, 1.6, 0.6])
 
 
 @pytest.fixture(scope="module")
-def arm() -> ArmModel:
-    return ArmModel(pps.load_task("rear-push-rear").robots[0])
+def arm() -> DrakeArmModel:
+    return DrakeArmModel(pps.load_task("rear-push-rear").robots[0])
 
 
 def torque(
-    arm: ArmModel,
+    arm: DrakeArmModel,
     state: ArmState,
     error: np.ndarray,
     stiffness: float = 0.0,
@@ -103,7 +103,7 @@ def radial(state: ArmState) -> tuple[np.ndarray, float]:
 
 
 def test_beside_the_damper_a_heavy_tip_is_moved_as_one_body_in_the_servos_time(
-    arm: ArmModel,
+    arm: DrakeArmModel,
 ) -> None:
     state = arm.state(STRETCHED, np.zeros(7))
     axis, mass = radial(state)
@@ -122,7 +122,7 @@ def test_beside_the_damper_a_heavy_tip_is_moved_as_one_body_in_the_servos_time(
     assert moved == pytest.approx(expected, abs=bound)
 
 
-def test_a_light_tip_feels_its_damper_alone(arm: ArmModel) -> None:
+def test_a_light_tip_feels_its_damper_alone(arm: DrakeArmModel) -> None:
     state = arm.state(BENT, np.zeros(7))
     _, mass = radial(state)
     assert mass < DAMPING * SERVO_TIME
@@ -132,7 +132,7 @@ def test_a_light_tip_feels_its_damper_alone(arm: ArmModel) -> None:
 
 
 def test_a_light_tip_that_lacks_much_feels_its_damper_up_to_the_cap(
-    arm: ArmModel,
+    arm: DrakeArmModel,
 ) -> None:
     """There is nothing to make up for, and nothing is left for it."""
     state = arm.state(BENT, np.zeros(7))
@@ -143,7 +143,7 @@ def test_a_light_tip_that_lacks_much_feels_its_damper_up_to_the_cap(
 
 
 def test_a_heavy_tip_that_is_not_to_catch_up_feels_its_damper_alone(
-    arm: ArmModel,
+    arm: DrakeArmModel,
 ) -> None:
     state = arm.state(STRETCHED, np.zeros(7))
     error = np.array([1e-3, 2e-3])
@@ -154,7 +154,7 @@ def test_a_heavy_tip_that_is_not_to_catch_up_feels_its_damper_alone(
 
 @pytest.mark.parametrize("speed", [0.01, 0.03, 0.1, 1.0])
 def test_the_servos_force_stays_below_its_cap_however_heavy_the_arm(
-    arm: ArmModel, speed: float
+    arm: DrakeArmModel, speed: float
 ) -> None:
     state = arm.state(STRETCHED, np.zeros(7))
     axis, _ = radial(state)
@@ -163,13 +163,17 @@ def test_the_servos_force_stays_below_its_cap_however_heavy_the_arm(
     assert np.linalg.norm(wrench[3:5]) <= CAP + 1e-9
 
 
-def test_a_tip_that_is_as_fast_as_its_reference_feels_nothing(arm: ArmModel) -> None:
+def test_a_tip_that_is_as_fast_as_its_reference_feels_nothing(
+    arm: DrakeArmModel,
+) -> None:
     state = arm.state(STRETCHED, np.zeros(7))
     still = replace(state, velocity=NONE)
     assert torque(arm, still, np.zeros(2)) == pytest.approx(np.zeros(7), abs=1e-9)
 
 
-def test_a_tip_that_a_spring_leads_feels_spring_and_damper_alone(arm: ArmModel) -> None:
+def test_a_tip_that_a_spring_leads_feels_spring_and_damper_alone(
+    arm: DrakeArmModel,
+) -> None:
     """Its reference may move while its velocity is said to be zero, as on the way back
     from a contact."""
     state = arm.state(STRETCHED, np.zeros(7))

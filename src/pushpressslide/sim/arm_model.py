@@ -9,11 +9,12 @@ from pydrake.multibody.tree import JacobianWrtVariable, MultibodyForces
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Robot
 from pushpressslide.execution.arm import ArmState
+from pushpressslide.robots.facts import RobotFacts
 from pushpressslide.sim.robot_models import add_robot
 
 
-class ArmModel:
-    """Computes an ArmState from joint positions and velocities."""
+class DrakeArmModel:
+    """An arm's model by Drake, as ``arms.model.ArmModel``."""
 
     def __init__(self, robot: Robot, *, models: str = "generated") -> None:
         """Build the arm's own plant."""
@@ -35,14 +36,19 @@ class ArmModel:
         self._rest = np.zeros(self.size)  # (n,) [rad/s^2]
         self._forces = MultibodyForces(plant)  # without contact, at the present state
 
+    @property
+    def facts(self) -> RobotFacts:
+        """The maker's limits of its joints."""
+        return self.instance.facts
+
     def state(self, q: Array, v: Array) -> ArmState:
-        """Return what a torque controller needs at joint positions ``q`` (n,) and
-        velocities ``v`` (n,).
-        """
+        """State at joint positions ``q`` (n,) and velocities ``v`` (n,)."""
         return self.state_at(np.concatenate([q, v]))
 
     def state_at(self, x: Array) -> ArmState:
-        """Return the same at ``x`` (2 n,), positions and velocities."""
+        """Return what a torque controller needs at ``x`` (2 n,), positions and
+        velocities.
+        """
         plant = self._plant
         context = self._context
         v = x[self.size :]

@@ -8,193 +8,30 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import ModelInstanceIndex
 
+from pushpressslide.arms.torque_arm import ArmRow, TorqueArm, at_rest
 from pushpressslide.control.approach import SETTLE
-from pushpressslide.control.joint_reference import path_reference
 from pushpressslide.control.limits import ArmLimits, ArmReading
 from pushpressslide.control.plant import PlantRow, Situation
-from pushpressslide.core import margins
-from pushpressslide.core.control import (
-    ArmCommand,
-    BrakeCommand,
-    Commands,
-    JointCommand,
-    Measurement,
-    TipCommand,
-    TipState,
-)
+from pushpressslide.core.control import Commands, Measurement, TipState
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.core.task import Task
-from pushpressslide.execution.arm import ArmExecutor, ArmState
-from pushpressslide.execution.torque import LimitedTorque
-from pushpressslide.robots.tool import ToolAttitude
-from pushpressslide.sim.arm_model import ArmModel
+from pushpressslide.sim.arm_model import DrakeArmModel
 from pushpressslide.sim.convert import planar_pose_from_positions, planar_twist
 from pushpressslide.sim.joints.approach import led_in
 from pushpressslide.sim.joints.joint_path import ArmPath
 from pushpressslide.sim.joints.placements import PlacementPaths
 from pushpressslide.sim.station import Station
 
-Array = NDArray[np.float64]
-
 TOUCH_AND_RELEASE = 4.0  # [s] typical time of both, for the progress
 FALLEN = "the object has fallen over the edge of support.region"
 FAR = 2.0  # [m] from start and goal: the simulation has diverged
-FELT_FORCE = 0.3  # [N] from which a contact point can be told from the force
-RATE_TIME = 0.05  # [s] over which the rate of the joint reference is smoothed
-NO_POINT = [math.nan] * 3
-
-
-class DrivenArm:
-    """One arm of the station: its model, its executor, and its joint path."""
-
-    def __init__(
-        self,
-        plan: Plan,
-        index: int,
-        station: Station,
-        models: str,
-        joint_stiffness: float = 0.0,
-    ) -> None:
-        """Find the arm ``index`` in the station's state; ``joint_stiffness`` as of
-        ``DrakePlant``.
-        """
-        self._stiffness = joint_stiffness
-        robot = plan.task.robots[index]
-        self.model = ArmModel(robot, models=models)
-        self.instance = station.scene.robots[index].model_instance
-        plant = station.plant
-        joints = [plant.get_joint(j) for j in plant.GetJointIndices(self.instance)]
-        moving = [joint for joint in joints if joint.num_positions() == 1]
-        # of its joints' positions, then velocities, in the plant's state
-        self._indices = np.array(
-            [joint.position_start() for joint in moving]
-            + [plant.num_positions() + joint.velocity_start() for joint in moving]
-        )
-        self._radius = robot.tip_radius
-        # (n,) [rad/s] of the reference
-        self._fastest = margins.POSTURE_SPEED * self.model.instance.facts.velocity_limit
-        self.state: ArmState
-        self.path: JointPath
-        self._limited: LimitedTorque | None = None  # of the tick before
-        self._reference = np.zeros(0)  # (n,) [rad]
-        self._rate = np.zeros(0)  # (n,) [rad/s] of the reference, smoothed
-
-    def follow(self, task: Task, path: JointPath, attitude: ToolAttitude) -> None:
-        """Take ``path`` as the joint reference, with the tool held as in ``attitude``."""
-        facts = self.model.instance.facts
-        self.path = path
-        self._executor = ArmExecutor(
-            facts.lower,
-            facts.upper,
-            facts.effort_limit,
-            facts.torque_rate_limit,
-            attitude.rotation_at,
-            path.tool_yaw_offset,
-            self._stiffness,
-            task.motion.control_period,
-            task.support.frame,
-        )
-
-    def sense(self, x: Array) -> None:
-        """Take joint positions and velocities from the plant's state ``x``."""
-        self.state = self.model.state_at(x[self._indices])
-
-    def execute(self, command: ArmCommand) -> None:
-        """Compute the torque for a command."""
-        if isinstance(command, BrakeCommand):
-            weight = self.model.state(self.state.q, np.zeros(self.model.size)).bias
-            self._limited = self._executor.brake(self.state, weight, self.torque)
-            return
-        if isinstance(command, TipCommand):
-            posture = command.posture
-            if posture is None:
-                posture = path_reference(self.path, command.progress)
-            self._take_posture(posture)
-            self._limited = self._executor.contact(
-                self.state, command, self._reference, self._rate, self.torque
-            )
-            return
-        self._rate = np.zeros(0)
-        if command is None:
-            start = path_reference(self.path, 0.0)
-            command = JointCommand(start, np.zeros_like(start))
-        self._reference = command.position
-        self._limited = self._executor.free(
-            self.state, command.position, command.velocity, self.torque
-        )
-
-    @property
-    def torque(self) -> Array:
-        """Torques (n,) [N m] as last applied; before the first, those of an arm that is
-        held at rest.
-        """
-        return self.state.bias if self._limited is None else self._limited.torque
-
-    @property
-    def reading(self) -> ArmReading:
-        """What the joints do, and what the last command asked of them."""
-        state = self.state
-        if self._limited is None:
-            return ArmReading(state.q, state.v)
-        asked = self._limited
-        return ArmReading(state.q, state.v, asked.share, asked.rate_share)
-
-    def _take_posture(self, posture: Array) -> None:
-        """Lead the reference to ``posture`` (n,) [rad], and note how it changes: what is
-        planned anew under way may be far from it.
-        """
-        if len(self._rate) == 0:
-            self._rate = np.zeros_like(posture)
-        if len(self._reference) == 0:
-            self._reference = posture
-        dt = self._executor.dt
-        most = self._fastest
-        wanted = (posture - self._reference) / dt
-        change = np.minimum(np.maximum(wanted, -most), most)
-        self._rate = self._rate + dt / RATE_TIME * (change - self._rate)
-        self._reference = self._reference + dt * change
-
-    def row(self) -> ArmRow:
-        """Return what is recorded of this arm in a tick, once its torque is applied."""
-        assert self._limited is not None
-        return ArmRow(self.state.q, self.state.v, self._reference, self._limited)
-
-    def contact_point(self, tip: TipState) -> Sequence[float]:
-        """Return where the tip's sphere is touched [m], by the direction of the force;
-        NaN where it is too small.
-        """
-        size = math.hypot(*tip.force)
-        if size <= FELT_FORCE:
-            return NO_POINT
-        return [
-            p + self._radius * f / size
-            for p, f in zip(tip.position, tip.force, strict=True)
-        ]
-
-
-class ArmRow(NamedTuple):
-    """What an arm did in a tick."""
-
-    q: Array  # (n,) [rad]
-    v: Array  # (n,) [rad/s]
-    reference: Array  # (n,) [rad]
-    limited: LimitedTorque  # as applied
-
-    def arrays(self, index: int) -> dict[str, Any]:
-        """Return the rows of the arm's arrays in the record; ``index`` is its number."""
-        return {
-            f"joint_position_{index}": self.q,
-            f"joint_velocity_{index}": self.v,
-            f"joint_torque_{index}": self.limited.torque,
-            f"joint_reference_{index}": self.reference,
-            f"torque_share_{index}": self.limited.share,
-            f"torque_rate_share_{index}": self.limited.rate_share,
-        }
 
 
 class DrakePlant:
@@ -231,9 +68,13 @@ class DrakePlant:
         self._prepared = PlacementPaths()  # of what is ahead
         self._prepared.paths = list(paths[1:])
         self._arms = [
-            DrivenArm(plan, i, station, models, joint_stiffness)
-            for i in range(len(task.robots))
+            TorqueArm(
+                DrakeArmModel(robot, models=models), robot.tip_radius, joint_stiffness
+            )
+            for robot in task.robots
         ]
+        self._instances = [robot.model_instance for robot in station.scene.robots]
+        self._joints = [_joints_of(plant, instance) for instance in self._instances]
         self._follow(task, paths[0], begin)
         if begin is not None:
             station.put(begin.bodies)
@@ -261,15 +102,16 @@ class DrakePlant:
         """
         paths = [path for path, _ in taken]
         if begin is not None:
-            facts = [arm.model.instance.facts for arm in self._arms]
+            facts = [arm.model.facts for arm in self._arms]
             paths = led_in(paths, facts, begin.joints)
-        for arm, path, (_, attitude) in zip(self._arms, paths, taken, strict=True):
-            arm.follow(task, path, attitude)
-            context = self._station.plant_context
-            self._station.plant.SetPositions(context, arm.instance, path.approach[0])
+        plant = self._station.plant
+        context = self._station.plant_context
+        for i, (path, (_, attitude)) in enumerate(zip(paths, taken, strict=True)):
+            self._arms[i].follow(task, path, attitude)
+            plant.SetPositions(context, self._instances[i], path.approach[0])
         if begin is not None:
-            for arm, speed in zip(self._arms, begin.speeds, strict=True):
-                self._station.plant.SetVelocities(context, arm.instance, speed)
+            for instance, speed in zip(self._instances, begin.speeds, strict=True):
+                plant.SetVelocities(context, instance, speed)
 
     def _run_facts(self, models: str) -> dict[str, Any]:
         every = [path for placement in self._paths for path, _ in placement]
@@ -282,9 +124,7 @@ class DrakePlant:
             "approach_time": _longest_approach(self._paths[0]) + SETTLE,
             "models": models,
             "start_tips": [
-                arm.model.state(
-                    arm.path.approach[-1], np.zeros(arm.model.size)
-                ).position
+                arm.model.state_at(at_rest(arm.path.approach[-1])).position
                 for arm in self._arms
             ],
         }
@@ -307,17 +147,7 @@ class DrakePlant:
     @property
     def arm_limits(self) -> tuple[ArmLimits, ...]:
         """The makers' limits of each arm's joints."""
-        every = [arm.model.instance.facts for arm in self._arms]
-        return tuple(
-            ArmLimits(
-                facts.lower,
-                facts.upper,
-                facts.velocity_limit,
-                facts.effort_limit,
-                facts.torque_rate_limit,
-            )
-            for facts in every
-        )
+        return tuple(arm.limits for arm in self._arms)
 
     def readings(self) -> tuple[ArmReading, ...]:
         """Return each arm's joints at the last measurement, and what was asked before."""
@@ -329,8 +159,8 @@ class DrakePlant:
         frame = self._frame
         x = station.state_vector()
         began = perf_counter()
-        for arm in self._arms:
-            arm.sense(x)
+        for arm, joints in zip(self._arms, self._joints, strict=True):
+            arm.sense(x[joints])
         self._executing = perf_counter() - began
         states = [arm.state for arm in self._arms]
         forces = station.contact_forces(states)
@@ -440,11 +270,22 @@ class DrakePlant:
         taken = self._prepared.paths.pop(0)
         paths = led_in(
             [path for path, _ in taken],
-            [arm.model.instance.facts for arm in self._arms],
+            [arm.model.facts for arm in self._arms],
             [arm.state.q for arm in self._arms],
         )
         for arm, path, (_, attitude) in zip(self._arms, paths, taken, strict=True):
             arm.follow(placement.task, path, attitude)
+
+
+def _joints_of(plant: MultibodyPlant, instance: ModelInstanceIndex) -> NDArray[np.intp]:
+    """Where the positions, then the velocities, of an arm's joints are in the plant's
+    state.
+    """
+    joints = [plant.get_joint(j) for j in plant.GetJointIndices(instance)]
+    moving = [joint for joint in joints if joint.num_positions() == 1]
+    positions = [joint.position_start() for joint in moving]
+    first = plant.num_positions()
+    return np.array([*positions, *(first + joint.velocity_start() for joint in moving)])
 
 
 def _raised_in_python(error: BaseException) -> bool:

@@ -20,7 +20,7 @@ from pushpressslide.planning.side_contacts import before_contacts
 from pushpressslide.robots.contact_reach import TURNING, tool_azimuths
 from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
 from pushpressslide.robots.tool import ToolAttitude
-from pushpressslide.sim.arm_model import ArmModel
+from pushpressslide.sim.arm_model import DrakeArmModel
 from pushpressslide.sim.joints.approach import Approach
 from pushpressslide.sim.joints.clearance import ClearanceModel, Gap
 from pushpressslide.sim.joints.postures import POSE, TipPath, ToolOption, tool_options
@@ -73,9 +73,9 @@ class ArmProblem:
         return arm_kinematics(self.robot)
 
     @cached_property
-    def dynamics(self) -> ArmModel:
+    def dynamics(self) -> DrakeArmModel:
         """The arm's dynamics, for the torque that holds a contact."""
-        return ArmModel(self.robot)
+        return DrakeArmModel(self.robot)
 
     @cached_property
     def clearance(self) -> ClearanceModel:

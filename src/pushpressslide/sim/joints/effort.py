@@ -11,7 +11,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.mechanics.pressing import resting_cop
-from pushpressslide.sim.arm_model import ArmModel
+from pushpressslide.sim.arm_model import DrakeArmModel
 
 SAMPLES = 24  # postures of a path that are checked
 STILL = 1e-9  # [m] between two samples, of a point that stays
@@ -20,7 +20,7 @@ STILL = 1e-9  # [m] between two samples, of a point that stays
 def largest_share(
     plan: Plan,
     contact: Contact,
-    model: ArmModel,
+    model: DrakeArmModel,
     postures: Array,
     bodies: Sequence[Pose2],
 ) -> float:

@@ -1,0 +1,26 @@
+"""What an arm needs to know of its own dynamics."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.execution.arm import ArmState
+from pushpressslide.robots.facts import RobotFacts
+
+
+class ArmModel(Protocol):
+    """Kinematics and dynamics of one arm; any library of rigid bodies can fill it in."""
+
+    @property
+    def facts(self) -> RobotFacts:
+        """The maker's limits of its joints."""
+
+    @property
+    def size(self) -> int:
+        """Number of its joints, n."""
+
+    def state_at(self, x: Array) -> ArmState:
+        """Pose and velocity of the tip, Jacobian, mass matrix and bias torques at joint
+        positions and velocities ``x`` (2 n,) [rad, rad/s].
+        """
