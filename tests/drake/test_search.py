@@ -195,10 +195,10 @@ def test_two_arms_are_refused_with_their_greatest_conflict(
 ) -> None:
     plan = pps.plan(pps.load_task("orthogonal-push"))
     monkeypatch.setattr(arms, "least_distance", lambda *_: 0.0012)
-    with pytest.raises(InfeasibleTaskError, match="along the contacts the arms come"):
+    with pytest.raises(InfeasibleTaskError) as caught:
         arms.joint_paths(plan)
-    with pytest.raises(InfeasibleTaskError, match=r"as near as 1\.2 mm to each other"):
-        arms.joint_paths(plan)
+    assert "along the contacts the arms come" in str(caught.value)
+    assert "as near as 1.2 mm to each other" in str(caught.value)
 
 
 def test_a_search_without_a_single_posture_is_refused_in_one_line(push: Plan) -> None:
