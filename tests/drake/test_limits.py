@@ -131,9 +131,10 @@ def test_a_jump_is_refused_on_the_planar_engine_too() -> None:
     assert "allowed 20 mm" in record.reason_text
 
 
-def test_nothing_is_broken_in_a_run_as_planned() -> None:
-    plan = plan_of()
-    record = run("drake", plan)
+def test_nothing_is_broken_in_a_run_as_planned(
+    shipped_run: Callable[[str], tuple[Plan, Record]],
+) -> None:
+    plan, record = shipped_run("rear-push-rear")
     measured = result(plan.task, plan, record, {})
     assert measured["success"], measured["reason"]
     assert measured["max_mean_normal_force"] < plan.task.limits.normal_force
