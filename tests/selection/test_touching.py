@@ -1,9 +1,12 @@
 """Which arms reach the object at both ends of a motion, and where it is handed over."""
 
+from collections.abc import Callable
+
 import pytest
 import yaml
 
 import pushpressslide as pps
+from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.selection.touching import Touching, touching
@@ -53,9 +56,11 @@ def test_what_can_be_chosen_is_known_to_be_reached() -> None:
         assert Touching(task).able(best.mode, [task.start, task.goal], 0, 1)
 
 
-def test_what_was_found_is_written_and_read_again() -> None:
+def test_what_was_found_is_written_and_read_again(
+    shipped_plan: Callable[[str], Plan],
+) -> None:
     """Poses of a grid are plain numbers."""
-    plan = pps.plan(pps.load_task("hand-over"))
+    plan = shipped_plan("hand-over")
     assert {c.arm for piece in plan.segments for c in piece.contacts} == {0, 1}
     again = yaml.safe_load(dump_task(plan.task))
     assert len(again["legs"]) == len(plan.task.legs) >= 2
