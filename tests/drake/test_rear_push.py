@@ -114,26 +114,48 @@ def change_of_the_end(first: Record, second: Record) -> tuple[float, float]:
     return math.hypot(apart[0], apart[1]), abs(float(apart[2]))
 
 
-@every_task
-def test_half_the_time_step_and_control_period_end_at_the_same_place(
-    shipped_run: Run, name: str
-) -> None:
-    """A third of what a shipped task is held to; finer steps agree better, see the next
-    test.
-    """
-    plan, coarse = shipped_run(name)
+def halved(plan: Plan, limit: float) -> Plan:
+    """Return a plan of half the time step and control period, that is stopped [s]."""
     motion = plan.task.motion
-    halved = replace(
+    finer = replace(
         motion,
         time_step=0.5 * motion.time_step,
         control_period=0.5 * motion.control_period,
     )
-    fine = run_drake(replace(plan, task=replace(plan.task, motion=halved)))
+    limits = replace(plan.task.limits, time=limit)
+    return replace(plan, task=replace(plan.task, motion=finer, limits=limits))
+
+
+@pytest.mark.long
+def test_half_the_time_step_and_control_period_end_at_the_same_place(
+    shipped_run: Run,
+) -> None:
+    """A third of what a shipped task is held to; finer steps agree better, see the next
+    test.
+    """
+    plan, coarse = shipped_run(TASKS[1])
+    fine = run_drake(halved(plan, plan.task.limits.time))
     for step in ("time_step", "control_period"):
         assert fine.meta[step] == pytest.approx(0.5 * coarse.meta[step])
     position, yaw = change_of_the_end(coarse, fine)
     assert position < 1e-3
     assert yaw < math.radians(0.6)
+
+
+def test_half_the_time_step_and_control_period_begin_the_same_way(
+    shipped_run: Run,
+) -> None:
+    plan, coarse = shipped_run(TASKS[0])
+    fine = run_drake(halved(plan, 12.0))
+    ends = []
+    for record in (coarse, fine):
+        tick = int(np.searchsorted(record.arrays["time"], 11.9))
+        assert record.arrays["phase"][tick] == PHASES.index("move")
+        ends.append(record.arrays["object_pose"][tick])
+    x, y, yaw = ends[0] - ends[1]
+    assert math.dist(ends[0][:2], plan.task.start.position) > 0.1
+    assert math.hypot(x, y) < 1e-3
+    assert abs(yaw) < math.radians(0.6)
 
 
 @pytest.mark.long
