@@ -137,6 +137,7 @@ def test_nothing_is_broken_in_a_run_as_planned(
     plan, record = shipped_run("rear-push-rear")
     measured = result(plan.task, plan, record, {})
     assert measured["success"], measured["reason"]
+    assert not measured["events"]  # nothing was tried again
     assert measured["max_mean_normal_force"] < plan.task.limits.normal_force
     assert 0.0 < measured["max_joint_speed_share"] < 1.0
     assert measured["clearance_driven"] > 0.0
