@@ -7,6 +7,8 @@ READY := $(VENV)/.ready
 # for each other. An idle worker takes tests from a busy one: some take minutes.
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
+# Workers and the commands that tests start share the bytecode that the first of them makes.
+unexport PYTHONDONTWRITEBYTECODE
 PYTEST := $(BIN)/pytest -n auto --dist worksteal
 
 # The newest supported Python on this machine that is newer than the oldest; may be empty.

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import ast
 import importlib
+import os
 import posixpath
 import re
 import subprocess
@@ -25,6 +26,8 @@ from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
 ROOT = Path(__file__).parents[1]
+IN_FULL = os.environ.get("SITE_IN_FULL") != "false"
+"""Whether notebooks are run, and sources shown (mkdocs.yml)."""
 PACKAGE = ROOT / "src" / "pushpressslide"
 STUDIES = "studies/docs/"
 READ = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "studies/README.md")
@@ -59,7 +62,8 @@ def notebook(path: Path) -> str:
     draws when it is run.
     """
     cells = nbformat.read(path, as_version=4)
-    nbclient.NotebookClient(cells, timeout=300, kernel_name="python3").execute()
+    if IN_FULL:
+        nbclient.NotebookClient(cells, timeout=300, kernel_name="python3").execute()
     parts = []
     for cell in cells.cells:
         if cell.cell_type != "code":

@@ -22,7 +22,7 @@ from pushpressslide.mechanics.pressure import rectangle_pressure
 from pushpressslide.planar import contact, world
 from pushpressslide.planar import sliding as planar_sliding
 
-ROWS = 10_000
+ROWS = 3_000
 DT = 0.004
 FACE = face_pressure(Box((0.2, 0.12, 0.06)), (0.0, 0.0), (0.0, 0.0))
 SUPPORTS = {
@@ -84,7 +84,7 @@ def test_a_compiled_tick_is_the_interpreted_one(name, count):
     near = 1e-8 if name == "samples" else 1e-12
     if fast.compiler() is None:
         pytest.skip("numba is not installed: pip install 'pushpressslide[fast]'")
-    rows = ROWS if name == "polygon" else ROWS // 10
+    rows = ROWS if name == "polygon" else ROWS // 5
     compiled = one_tick(name, count, rows)
     with fast.without_numba():
         interpreted = one_tick(name, count, rows)

@@ -32,7 +32,9 @@ def test_a_plan_into_a_folder_beyond_ascii_ends_as_usual(tmp_path: Path) -> None
 
 def test_a_run_into_a_folder_beyond_ascii_can_be_read(tmp_path: Path) -> None:
     out = tmp_path / "für-Ω"
-    done = pps("run", "rear-push-rear", "--engine", "planar", "--out", str(out))
+    near = "goal={x: 0.482, y: 0.209, yaw_deg: -52.7}"
+    task = ("rear-push-rear", "--set", near)
+    done = pps("run", *task, "--engine", "planar", "--out", str(out))
     assert done.returncode == 0, done.stderr
     assert "für-Ω" in json.loads((out / "result.json").read_text("utf-8"))["command"]
 

@@ -21,7 +21,8 @@ from pushpressslide.core import whole_file
 from pushpressslide.core.errors import PushPressSlideError
 
 Refusal = Callable[..., str]
-RUN = ("run", "rear-push-rear", "--engine", "planar")
+NEAR = "goal={x: 0.482, y: 0.209, yaw_deg: -52.7}"  # 0.1 m ahead
+RUN = ("run", "rear-push-rear", "--engine", "planar", "--set", NEAR)
 HOLDER = """
 import sys, time
 from pathlib import Path

@@ -172,7 +172,9 @@ def test_a_folder_that_cannot_be_made_is_refused(
 def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder that ``pps run`` has written."""
     folder = tmp_path_factory.mktemp("run")
-    args = ("--engine", "planar", "--force", "--quiet", "--out", str(folder))
+    near = "goal={x: 0.482, y: 0.209, yaw_deg: -52.7}"
+    where = ("--force", "--quiet", "--out", str(folder))
+    args = ("--set", near, "--engine", "planar", *where)
     assert pps("run", "rear-push-rear", *args).returncode == 0
     return folder
 

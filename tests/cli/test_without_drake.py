@@ -56,7 +56,9 @@ def test_what_needs_drake_says_how_to_install_it(
 
 
 def test_a_task_is_planned_and_run_on_the_planar_engine(tmp_path: Path) -> None:
-    args = ("rear-push-rear", "--json", "--out", str(tmp_path / "out"))
+    near = "goal={x: 0.482, y: 0.209, yaw_deg: -52.7}"
+    out = ("--out", str(tmp_path / "out"))
+    args = ("rear-push-rear", "--set", near, "--json", *out)
     assert pps("select", *args, folder=tmp_path).returncode == 0
     assert pps("plan", *args, "--force", folder=tmp_path).returncode == 0
     done = pps("run", *args, "--force", "--engine", "planar", folder=tmp_path)

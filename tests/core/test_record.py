@@ -7,40 +7,44 @@ from dataclasses import replace
 import pytest
 
 import pushpressslide as pps
-
-RUN = pps.run(pps.load_task("rear-push-rear"), engine="planar")
-
-
-def test_a_run_is_measured() -> None:
-    assert RUN.success
-    assert RUN.figures == pps.result(RUN)
+from pushpressslide.core.record import Record
 
 
-def test_a_record_that_was_not_measured_says_so() -> None:
+@pytest.fixture(scope="module")
+def run() -> Record:
+    return pps.run(pps.load_task("rear-push-rear"), engine="planar")
+
+
+def test_a_run_is_measured(run: Record) -> None:
+    assert run.success
+    assert run.figures == pps.result(run)
+
+
+def test_a_record_that_was_not_measured_says_so(run: Record) -> None:
     with pytest.raises(RuntimeError, match="not measured"):
-        _ = replace(RUN, figures={}).success
+        _ = replace(run, figures={}).success
 
 
-def test_reprs_are_one_short_line() -> None:
-    for thing in (RUN, RUN.plan, RUN.plan.task, pps.select(RUN.plan.task)[0]):
+def test_reprs_are_one_short_line(run: Record) -> None:
+    for thing in (run, run.plan, run.plan.task, pps.select(run.plan.task)[0]):
         text = repr(thing)
         assert "\n" not in text
         assert len(text) < 200
 
 
 def test_a_table_without_pandas_says_what_to_install(
-    monkeypatch: pytest.MonkeyPatch,
+    run: Record, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(pps.PushPressSlideError, match="pip install pandas"):
-        RUN.to_dataframe()
+        run.to_dataframe()
 
 
 @pytest.mark.skipif(not importlib.util.find_spec("pandas"), reason="needs pandas")
-def test_a_record_becomes_a_table() -> None:
-    table = RUN.to_dataframe()
-    assert len(table) == len(RUN.arrays["time"])
-    assert (table["object_pose_0"].to_numpy() == RUN.arrays["object_pose"][:, 0]).all()
+def test_a_record_becomes_a_table(run: Record) -> None:
+    table = run.to_dataframe()
+    assert len(table) == len(run.arrays["time"])
+    assert (table["object_pose_0"].to_numpy() == run.arrays["object_pose"][:, 0]).all()
 
 
 def test_rooms_can_be_explored() -> None:

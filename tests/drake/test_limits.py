@@ -131,11 +131,13 @@ def test_a_jump_is_refused_on_the_planar_engine_too() -> None:
     assert "allowed 20 mm" in record.reason_text
 
 
-def test_nothing_is_broken_in_a_run_as_planned() -> None:
-    plan = plan_of()
-    record = run("drake", plan)
+def test_nothing_is_broken_in_a_run_as_planned(
+    shipped_run: Callable[[str], tuple[Plan, Record]],
+) -> None:
+    plan, record = shipped_run("rear-push-rear")
     measured = result(plan.task, plan, record, {})
     assert measured["success"], measured["reason"]
+    assert not measured["events"]  # nothing was tried again
     assert measured["max_mean_normal_force"] < plan.task.limits.normal_force
     assert 0.0 < measured["max_joint_speed_share"] < 1.0
     assert measured["clearance_driven"] > 0.0

@@ -3,6 +3,7 @@ tool use.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +13,8 @@ import pushpressslide as pps
 from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.core.control import PHASES
 from pushpressslide.core.errors import InfeasibleTaskError
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.record import Record
 from pushpressslide.jobs.run import simulate
 from pushpressslide.report.metrics import result
 from pushpressslide.taskfile.load import load_task
@@ -26,12 +29,19 @@ BACK = [
 ]
 
 
-def measured(task, engine="drake"):
+Run = Callable[[str], tuple[Plan, Record]]
+
+
+def measured(task):
     """Return the result of a run, the yaw error in degrees and the position error in
     millimetres.
     """
-    plan, record, _ = simulate(task, engine=engine)
-    found = result(task, plan, record, {})
+    plan, record, _ = simulate(task)
+    return figures(plan, record)
+
+
+def figures(plan: Plan, record: Record):
+    found = result(plan.task, plan, record, {})
     return (
         found,
         1e3 * found["final_position_error"],
@@ -39,8 +49,8 @@ def measured(task, engine="drake"):
     )
 
 
-def test_press_slide_reaches_its_goal_without_slipping() -> None:
-    found, off, turned = measured(load_task("press-slide"))
+def test_press_slide_reaches_its_goal_without_slipping(shipped_run: Run) -> None:
+    found, off, turned = figures(*shipped_run("press-slide"))
     assert found["success"]
     assert off < 1.5
     assert turned < 0.5
@@ -73,9 +83,12 @@ def test_press_slide_reaches_its_goal_from_other_starts(overrides: list[str]) ->
     ],
 )
 def test_other_vehicles_reach_their_goals(
-    name: str, overrides: list[str], most: float
+    shipped_run: Run, name: str, overrides: list[str], most: float
 ) -> None:
-    _, off, turned = measured(load_task(name, overrides))
+    if overrides:
+        _, off, turned = measured(load_task(name, overrides))
+    else:
+        _, off, turned = figures(*shipped_run(name))
     assert off < most
     assert turned < 1.0
 
@@ -149,11 +162,11 @@ def test_a_bar_pushes_a_cube_to_its_place(overrides: list[str]) -> None:
     "name",
     ["press-slide", pytest.param("press-slide-forklift", marks=pytest.mark.long)],
 )
-def test_the_planar_engine_takes_the_same_way(name: str) -> None:
-    task = load_task(name)
+def test_the_planar_engine_takes_the_same_way(shipped_run: Run, name: str) -> None:
+    _, drake = shipped_run(name)
+    _, planar, _ = simulate(load_task(name), engine="planar")
     paths = []
-    for engine in ("drake", "planar"):
-        _, record, _ = simulate(task, engine=engine)
+    for record in (drake, planar):
         moving = record.arrays["phase"] == PHASES.index("move")
         paths.append(record.arrays["object_pose"][moving][:, :2])
     far = [np.min(np.hypot(*(paths[1] - p).T)) for p in paths[0][::20]]

@@ -46,8 +46,32 @@ def push() -> Plan:
 
 
 @pytest.fixture(scope="module")
-def results(push: Plan) -> list[SearchResult]:
-    return list(search(ArmProblem(push, 0)))
+def counted(push: Plan) -> tuple[list[SearchResult], list[int]]:
+    """Return the results, and how many postures were looked at before the first, after
+    it and after each other one.
+    """
+    least = ClearanceModel.least
+    postures = 0
+
+    def count(model, q, poses, **options):
+        nonlocal postures
+        postures += len(q)
+        return least(model, q, poses, **options)
+
+    found = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(ClearanceModel, "least", count)
+        stream = search(ArmProblem(push, 0))
+        counts = [postures]
+        for result in stream:
+            found.append(result)
+            counts.append(postures)
+    return found, counts
+
+
+@pytest.fixture(scope="module")
+def results(counted: tuple[list[SearchResult], list[int]]) -> list[SearchResult]:
+    return counted[0]
 
 
 def hopeless() -> Plan:
@@ -69,25 +93,11 @@ def test_each_result_extends_the_one_before_by_one_solution(
 
 
 def test_the_first_result_costs_only_the_first_solution(
-    push: Plan, results: list[SearchResult], monkeypatch: pytest.MonkeyPatch
+    counted: tuple[list[SearchResult], list[int]],
 ) -> None:
-    postures = 0
-    least = ClearanceModel.least
-
-    def counted(model, q, poses, **options):
-        nonlocal postures
-        postures += len(q)
-        return least(model, q, poses, **options)
-
-    monkeypatch.setattr(ClearanceModel, "least", counted)
-    stream = search(ArmProblem(push, 0))
-    assert postures == 0
-    first = next(stream)
-    begun = postures
-    path = first.solutions[0].path
-    np.testing.assert_array_equal(path.move, results[0].solutions[0].path.move)
-    assert len(list(stream)) == len(results) - 1
-    assert begun <= postures / len(results) * 2.0
+    results, postures = counted
+    assert postures[0] == 0
+    assert postures[1] <= postures[-1] / len(results) * 2.0
 
 
 def test_the_joint_path_is_the_best_of_the_first_result(
@@ -108,8 +118,7 @@ def test_a_search_without_a_solution_has_one_result_with_its_misses() -> None:
     with pytest.raises(InfeasibleTaskError) as caught:
         result.best(problem)
     assert str(caught.value).endswith(result.misses[0].why)
-    (forced, *_) = search(problem, force=True)
-    assert forced.solutions
+    assert next(search(problem, force=True)).solutions
 
 
 def test_an_arm_that_could_not_let_go_is_refused_at_once(
@@ -195,10 +204,10 @@ def test_two_arms_are_refused_with_their_greatest_conflict(
 ) -> None:
     plan = pps.plan(pps.load_task("orthogonal-push"))
     monkeypatch.setattr(arms, "least_distance", lambda *_: 0.0012)
-    with pytest.raises(InfeasibleTaskError, match="along the contacts the arms come"):
+    with pytest.raises(InfeasibleTaskError) as caught:
         arms.joint_paths(plan)
-    with pytest.raises(InfeasibleTaskError, match=r"as near as 1\.2 mm to each other"):
-        arms.joint_paths(plan)
+    assert "along the contacts the arms come" in str(caught.value)
+    assert "as near as 1.2 mm to each other" in str(caught.value)
 
 
 def test_a_search_without_a_single_posture_is_refused_in_one_line(push: Plan) -> None:

@@ -101,7 +101,7 @@ def test_the_fitted_pressure_never_loses_to_what_statics_expects(
             "pressure": lambda pairs, expected=expected: fit_pressure(pairs, expected),
             "no_fit": lambda pairs, expected=expected: static_model(expected),
         }
-        splits = random_splits(len(push_set.pairs), fit_share, 20, seed=3)
+        splits = random_splits(len(push_set.pairs), fit_share, 10, seed=3)
         scores = score(push_set.pairs, fits, splits)
         loss = scores["pressure"].mean - scores["no_fit"].mean
         assert loss <= LOSS, (push_set.name, math.degrees(loss))

@@ -17,6 +17,7 @@ import pushpressslide as pps  # noqa: E402
 import pushpressslide.learning  # noqa: E402 - registers the environments
 from pushpressslide.core.control import TipCommand  # noqa: E402
 from pushpressslide.core.task import Limits, Motion  # noqa: E402
+from pushpressslide.learning import command_env  # noqa: E402
 from pushpressslide.learning.command_env import CommandEnv  # noqa: E402
 from pushpressslide.learning.command_rows import (  # noqa: E402
     WIDTH,
@@ -117,7 +118,7 @@ def test_a_command_and_a_measurement_come_back_from_their_numbers():
     assert (observation_row(measurement, env.task.goal) == seen).all()
 
 
-def test_what_is_no_task_of_one_placement_is_refused_in_one_line():
+def test_what_is_no_task_of_one_placement_is_refused_in_one_line(monkeypatch):
     with pytest.raises(pps.TaskError, match="one goal"):
         CommandEnv("swap")
     with pytest.raises(pps.PushPressSlideError, match="allowed: drake, planar"):
@@ -129,5 +130,6 @@ def test_what_is_no_task_of_one_placement_is_refused_in_one_line():
         env.reset(options=asked)
     task = pps.load_task("press-slide")
     heavy = replace(task, object=replace(task.object, mass=900.0))
+    monkeypatch.setattr(command_env, "DRAWS", 2)  # each is planned in vain
     with pytest.raises(pps.InfeasibleTaskError):
         CommandEnv(heavy).reset(seed=0)

@@ -156,14 +156,14 @@ def pressed_part(corners: np.ndarray, plane: np.ndarray) -> np.ndarray:
 def load_and_moments(corners: np.ndarray, plane: np.ndarray) -> np.ndarray:
     """Of max(0, plane[0] + plane[1:] . r), by middles of the sides of triangles."""
     part = pressed_part(corners, plane)
-    total = np.zeros(3)
-    for i in range(1, len(part) - 1):
-        a, b, c = part[0], part[i], part[i + 1]
-        area = 0.5 * ((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0])
-        for middle in (0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)):
-            pressure = plane[0] + plane[1:] @ middle
-            total += area / 3.0 * pressure * np.array([1.0, *middle])
-    return total
+    if len(part) < 3:
+        return np.zeros(3)
+    a, b, c = part[0], part[1:-1], part[2:]
+    u, v = (b - a).T, (c - a).T
+    areas = 0.5 * (u[0] * v[1] - u[1] * v[0])
+    middles = 0.5 * np.array([a + b, b + c, c + a])  # (3, n, 2)
+    loads = areas / 3.0 * (plane[0] + middles @ plane[1:])
+    return np.array([loads.sum(), *np.einsum("mn,mni->i", loads, middles)])
 
 
 def pressure_about(corners: np.ndarray, cop: np.ndarray) -> np.ndarray:
@@ -197,34 +197,33 @@ def friction_about(part: np.ndarray, plane: np.ndarray, center: np.ndarray):
     left about ``center``: Gauss points in triangles between the centre and parts of the
     edges that get smaller towards the foot of its perpendicular.
     """
-    total = np.zeros(3)
-    for start, end in zip(part, np.roll(part, -1, 0), strict=True):
-        step = end - start
-        square = step @ step
-        if square == 0.0:
-            continue
-        foot = min(max(float((center - start) @ step / square), 0.0), 1.0)
-        cuts = np.concatenate(
-            ([0.0, 1.0], foot - foot * GRADES, foot + (1.0 - foot) * GRADES)
-        )
-        cuts = np.unique(cuts)
-        size = np.diff(cuts)
-        share = (cuts[:-1, None] + size[:, None] * NODES).ravel()
-        arm = start + share[:, None] * step - center
-        areas = arm[:, 0] * step[1] - arm[:, 1] * step[0]
-        areas *= (size[:, None] * WEIGHTS).ravel()
-        way = arm / np.linalg.norm(arm, axis=1)[:, None]
-        # along the ray the direction of sliding is the same, and p is linear: exact
-        loads = areas * (
-            (plane[0] + plane[1:] @ center) / 2.0 + (arm @ plane[1:]) / 3.0
-        )
-        outer = areas * (
-            (plane[0] + plane[1:] @ center) / 3.0 + (arm @ plane[1:]) / 4.0
-        )
-        force = np.array([-(loads @ way[:, 1]), loads @ way[:, 0]])
-        spin = outer @ np.linalg.norm(arm, axis=1)
-        total += (*force, spin + center[0] * force[1] - center[1] * force[0])
-    return total
+    steps = np.roll(part, -1, 0) - part
+    squares = (steps * steps).sum(axis=1)
+    starts = part[squares > 0.0]
+    steps = steps[squares > 0.0]
+    ahead = ((center - starts) * steps).sum(axis=1) / squares[squares > 0.0]
+    foot = np.clip(ahead, 0.0, 1.0)[:, None]
+    ends = np.broadcast_to((0.0, 1.0), (len(foot), 2))
+    cuts = [ends, foot - foot * GRADES, foot + (1.0 - foot) * GRADES]
+    cuts = np.sort(np.concatenate(cuts, axis=1), axis=1)
+    size = np.diff(cuts, axis=1)[..., None]
+    share = (cuts[:, :-1, None] + size * NODES)[..., None]
+    arms = starts[:, None, None] + share * steps[:, None, None] - center
+    areas = (
+        arms[..., 0] * steps[:, 1, None, None] - arms[..., 1] * steps[:, 0, None, None]
+    )
+    areas = (areas * size * WEIGHTS).ravel()
+    arm = arms.reshape(-1, 2)
+    reach = np.linalg.norm(arm, axis=1)
+    way = arm / reach[:, None]
+    # along the ray the direction of sliding is the same, and p is linear: exact
+    level = plane[0] + plane[1:] @ center
+    slope = arm @ plane[1:]
+    loads = areas * (level / 2.0 + slope / 3.0)
+    outer = areas * (level / 3.0 + slope / 4.0)
+    force = np.array([-(loads @ way[:, 1]), loads @ way[:, 0]])
+    spin = outer @ reach
+    return np.array([*force, spin + center[0] * force[1] - center[1] * force[0]])
 
 
 def axle_by_search(press: Press, angle: float) -> float | None:

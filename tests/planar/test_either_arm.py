@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
 import pushpressslide as pps
 from pushpressslide.control.run_loop import RunOptions
@@ -37,10 +38,23 @@ LEGS: list[dict[str, Any]] = [
 ]
 
 
-def test_one_arm_then_the_other_then_both_take_the_object_to_its_goal() -> None:
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What is written of a run of one arm, then the other, then both."""
     task = task_from_data(CELL | {"legs": LEGS}, "cell")
-    plan, record, _ = simulate(task, engine="planar")
-    found = result(task, plan, record, {})
+    out = tmp_path_factory.mktemp("cell")
+    found = run_task(task, engine="planar", out=Output(out))
+    assert found["contacts"] == load_run(out).result["contacts"]
+    return out
+
+
+def test_one_arm_then_the_other_then_both_take_the_object_to_its_goal(
+    folder: Path,
+) -> None:
+    ran = load_run(folder)
+    task = ran.plan.task
+    record = ran.record
+    found = ran.result
     assert found["success"], found["reason"]
     assert [c["arm"] for c in found["contacts"]] == [0, 1, 0, 1]
     arrays = record.arrays
@@ -54,18 +68,15 @@ def test_one_arm_then_the_other_then_both_take_the_object_to_its_goal() -> None:
         assert np.isnan(arrays["tip_reference"][ticks, arm]).all()
 
 
-def test_its_files_tell_which_arm_did_what(tmp_path: Path) -> None:
-    task = task_from_data(CELL | {"legs": LEGS}, "cell")
-    found = run_task(task, engine="planar", out=Output(tmp_path))
-    run = load_run(tmp_path)
+def test_its_files_tell_which_arm_did_what(folder: Path) -> None:
+    run = load_run(folder)
     assert [s.contacts[0].arm for s in run.plan.segments] == [0, 1, 0]
     assert [c["arm"] for c in run.result["contacts"]] == [0, 1, 0, 1]
-    assert found["contacts"] == run.result["contacts"]
-    page = (tmp_path / "report.html").read_text("utf-8")
+    page = (folder / "report.html").read_text("utf-8")
     assert "right arm, face 0" in page
     for name in ("Placement 1, left arm: panda", "Placement 2, right arm: panda"):
         assert name in page
-    assert (tmp_path / "replay.html").is_file()
+    assert (folder / "replay.html").is_file()
 
 
 def test_an_object_that_only_the_right_arm_reaches_is_pushed_by_the_right_arm() -> None:

@@ -1,5 +1,6 @@
 """The sentence that says why a mode was taken is true of the choices it was taken from."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
@@ -9,6 +10,8 @@ from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.selection.contest import Contest, contests
 from pushpressslide.selection.select import select
+
+Shipped = Callable[[str], Plan]
 
 
 def choice(mode: str, time: float | None, *normals: tuple[float, float]) -> Choice:
@@ -54,10 +57,11 @@ def test_a_mode_that_was_forced_is_not_praised() -> None:
 
 
 @pytest.mark.parametrize("name", ["any-mode", "rear-push-rear", "tool-use"])
-def test_the_contests_of_a_plan_hold_each_mode_once(name: str) -> None:
-    task = pps.load_task(name)
-    choices = select(task)
-    plan = pps.plan(task)
+def test_the_contests_of_a_plan_hold_each_mode_once(
+    shipped_plan: Shipped, name: str
+) -> None:
+    plan = shipped_plan(name)
+    choices = select(pps.load_task(name))
     found = contests(plan, choices)
     assert [contest.winner for contest in found] == plan.chosen(choices)
     for contest in found:
@@ -66,17 +70,18 @@ def test_the_contests_of_a_plan_hold_each_mode_once(name: str) -> None:
         assert sorted(modes) == sorted(of_leg)
 
 
-def test_motions_that_a_search_found_have_no_contest() -> None:
-    task = pps.load_task("carton")
-    plan = pps.plan(task)
+def test_motions_that_a_search_found_have_no_contest(shipped_plan: Shipped) -> None:
+    plan = shipped_plan("carton")
     assert len(plan.placements) > 1
-    assert contests(plan, select(task)) == []
+    assert contests(plan, select(pps.load_task("carton"))) == []
 
 
-def test_in_any_mode_several_modes_compete_and_the_taken_one_is_there_first() -> None:
+def test_in_any_mode_several_modes_compete_and_the_taken_one_is_there_first(
+    shipped_plan: Shipped,
+) -> None:
     """What the demo shows: the estimate agrees with runs of every mode."""
     task = pps.load_task("any-mode")
-    (contest,) = contests(pps.plan(task), select(task))
+    (contest,) = contests(shipped_plan("any-mode"), select(task))
     able = [rival for rival in contest.rivals if rival.feasible]
     assert len(able) >= 4
     assert all((contest.lead(rival) or 0.0) > 0.5 for rival in able)

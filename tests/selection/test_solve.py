@@ -17,7 +17,7 @@ from pushpressslide.planning.swept import swept
 from pushpressslide.report.plan_files import plan_from_dict, plan_to_dict
 from pushpressslide.selection.clearance import obstacle_refusal
 from pushpressslide.selection.preparation import PlansAlone
-from pushpressslide.selection.solve import plan, searchable, solve
+from pushpressslide.selection.solve import Solution, plan, searchable, solve
 from pushpressslide.taskfile.load import task_from_data
 
 # too heavy for one press of 40 N: it can only be pushed, and a post is in the way
@@ -45,8 +45,13 @@ def task() -> Task:
 
 
 @pytest.fixture(scope="module")
-def found(task: Task) -> Plan:
-    return plan(task)
+def solution(task: Task) -> Solution:
+    return solve(PlansAlone(), task, 1)
+
+
+@pytest.fixture(scope="module")
+def found(solution: Solution) -> Plan:
+    return solution.plan
 
 
 def test_a_push_round_a_post_is_found_as_several_motions(found: Plan) -> None:
@@ -57,9 +62,9 @@ def test_a_push_round_a_post_is_found_as_several_motions(found: Plan) -> None:
     )
 
 
-def test_what_the_search_dropped_is_told(task: Task) -> None:
+def test_what_the_search_dropped_is_told(solution: Solution) -> None:
     """A cylinder too heavy for a press: its motions are refused by their reasons."""
-    searched = solve(PlansAlone(), task, 1).searched
+    searched = solution.searched
     assert searched is not None
     assert searched.judged >= sum(motions.count for motions in searched.refused) > 0
     assert searched.poses > 0

@@ -1,8 +1,12 @@
 """Which arms reach the object at both ends of a motion, and where it is handed over."""
 
+from collections.abc import Callable
+
+import pytest
 import yaml
 
 import pushpressslide as pps
+from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.selection.touching import Touching, touching
@@ -29,12 +33,14 @@ def cell(start: dict[str, float], goal: dict[str, float]) -> Task:
     return task_from_data(data, "cell.yaml").told
 
 
-ACROSS = cell({"x": 0.5, "y": -0.6}, {"x": 0.5, "y": 0.6})
+@pytest.fixture(scope="module")
+def across() -> Task:
+    return cell({"x": 0.5, "y": -0.6}, {"x": 0.5, "y": 0.6})
 
 
-def test_no_arm_leads_an_object_from_one_side_to_the_other() -> None:
-    asked = Touching(ACROSS)
-    poses = [ACROSS.start, ACROSS.goal, Pose2(0.45, -0.4), Pose2(0.45, 0.4)]
+def test_no_arm_leads_an_object_from_one_side_to_the_other(across: Task) -> None:
+    asked = Touching(across)
+    poses = [across.start, across.goal, Pose2(0.45, -0.4), Pose2(0.45, 0.4)]
     for mode in ("rear_push", "press_slide"):
         assert not asked.able(mode, poses, 0, 1)
         assert asked.able(mode, poses, 0, 2)
@@ -50,19 +56,21 @@ def test_what_can_be_chosen_is_known_to_be_reached() -> None:
         assert Touching(task).able(best.mode, [task.start, task.goal], 0, 1)
 
 
-def test_what_was_found_is_written_and_read_again() -> None:
+def test_what_was_found_is_written_and_read_again(
+    shipped_plan: Callable[[str], Plan],
+) -> None:
     """Poses of a grid are plain numbers."""
-    plan = pps.plan(pps.load_task("hand-over"))
+    plan = shipped_plan("hand-over")
     assert {c.arm for piece in plan.segments for c in piece.contacts} == {0, 1}
     again = yaml.safe_load(dump_task(plan.task))
     assert len(again["legs"]) == len(plan.task.legs) >= 2
 
 
-def test_an_object_is_handed_over_where_both_arms_press_it() -> None:
-    ways = free_space(ACROSS).ways(ACROSS.goal)
-    reached = touching(ACROSS, "press_slide", waypoints(ACROSS, ways)).any(axis=2)
+def test_an_object_is_handed_over_where_both_arms_press_it(across: Task) -> None:
+    ways = free_space(across).ways(across.goal)
+    reached = touching(across, "press_slide", waypoints(across, ways)).any(axis=2)
     assert reached.all(axis=1).sum() >= 2
-    modes = pps.plan(ACROSS).segments
+    modes = pps.plan(across).segments
     arms = [contact.arm for segment in modes for contact in segment.contacts]
     assert arms[0] == 1
     assert arms[-1] == 0

@@ -27,6 +27,7 @@ from pushpressslide.jobs.run import run
 from pushpressslide.modes import MODES
 from pushpressslide.robots.facts import load_facts
 from pushpressslide.robots.urdf import urdf_text
+from pushpressslide.taskfile import checks
 from pushpressslide.taskfile.load import (
     check_task,
     dump_task,
@@ -101,7 +102,7 @@ def task_dicts(draw: st.DrawFn) -> dict[str, Any]:
         },
         "robots": [
             {
-                "model": "panda",
+                "model": draw(st.sampled_from(["hand", "hand", "panda"])),
                 "base": {"yaw_deg": draw(angles)},
                 "tip_radius": draw(sizes) / 3,
             }
@@ -135,7 +136,7 @@ def task_dicts(draw: st.DrawFn) -> dict[str, Any]:
 
 
 @given(task_dicts())
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_a_dumped_task_loads_again_to_an_equal_task(data: dict[str, Any]) -> None:
     task = task_from_data(data, "first")
     again = task_from_data(yaml.safe_load(dump_task(task)), "second")
@@ -237,8 +238,12 @@ def test_overrides_make_the_sections_that_the_file_lacks() -> None:
 
 
 @pytest.mark.parametrize("name", sorted(shipped_tasks()))
-def test_every_vehicle_of_a_tasks_modes_is_accepted_and_no_other(name: str) -> None:
+def test_every_vehicle_of_a_tasks_modes_is_accepted_and_no_other(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     task = load_task(name)
+    # reach is the same with every vehicle, and looked at above
+    monkeypatch.setattr(checks, "check_reach", lambda task: None)
     count = len(task.robots)
     modes = task.modes or [name for name in MODES if MODES[name].arms <= count]
     if task.legs:

@@ -1,6 +1,7 @@
 """What is played back is the same run."""
 
 import math
+from dataclasses import replace
 
 import pushpressslide as pps
 from pushpressslide.jobs.engines import ArmOptions, engine_named
@@ -9,7 +10,10 @@ from pushpressslide_studies.sim.playback import played_back
 
 
 def test_recorded_torques_lead_to_the_same_end() -> None:
-    task = pps.load_task("press-slide", ["goal={x: 0.5, y: 0.06, yaw_deg: 10}"])
+    task = pps.load_task("press-slide")
+    whole = pps.plan(task)
+    # 6 cm of its way
+    task = replace(task, goal=whole.object_pose(whole.segments[0], 0.06))
     engine = engine_named("drake")
     preparation = engine.preparation(False)
     plan = solve(preparation, task, 1).plan

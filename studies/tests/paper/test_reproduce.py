@@ -174,13 +174,15 @@ def test_joint_term_and_servo_make_up_for_too_little_force(tmp_path: Path) -> No
     """Three per cent below friction the force alone takes more than three times as long
     as with the term or the servo.
     """
-    measured = {
-        variant.name: reproduce.run_variant(
-            JOINT_TRACKING, variant, tmp_path / variant.name, 0, "drake"
-        ).result
-        for variant in JOINT_TRACKING.variants
-        if variant.name in ("less", "less-joint", "servo")
-    }
+    measured = {}
+    for variant in JOINT_TRACKING.variants:
+        if variant.name in ("less", "less-joint", "servo"):
+            # it creeps on: longer than that is slow enough
+            most = (*variant.overrides, "limits.time=120")
+            stopped = replace(variant, overrides=most)
+            measured[variant.name] = reproduce.run_variant(
+                JOINT_TRACKING, stopped, tmp_path / variant.name, 0, "drake"
+            ).result
     less, joined, servo = (measured[name] for name in ("less", "less-joint", "servo"))
     assert less["motion_duration"] > 100.0
     assert joined["success"]
