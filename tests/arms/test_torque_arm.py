@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
-from pushpressslide.arms.torque_arm import NO_POINT, TorqueArm, at_rest
+from pushpressslide.arms.model import at_rest
+from pushpressslide.arms.torque_arm import NO_POINT, TorqueArm
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import BrakeCommand, JointCommand, TipCommand, TipState
 from pushpressslide.core.plan import JointPath

@@ -8,6 +8,11 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.arms.paths import joint_path
+from pushpressslide.arms.paths.all_arms import APART, ArmPath, drawn_back, joint_paths
+from pushpressslide.arms.paths.approach import CAREFUL, LEAST_GAP
+from pushpressslide.arms.paths.capsules import least_distance
+from pushpressslide.arms.paths.clearance import CLEARANCE, LOOK
 from pushpressslide.core import margins
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath, Plan
@@ -24,11 +29,9 @@ from pushpressslide.core.task import (
 from pushpressslide.jobs.sampling import random_task
 from pushpressslide.planning import levers
 from pushpressslide.robots.kinematics import arm_kinematics
-from pushpressslide.sim.joints import joint_path
-from pushpressslide.sim.joints.approach import CAREFUL, LEAST_GAP
-from pushpressslide.sim.joints.arms import APART, ArmPath, drawn_back, joint_paths
-from pushpressslide.sim.joints.clearance import CLEARANCE, LOOK, ClearanceModel
-from pushpressslide.sim.joints.outline import Outline, least_distance
+from pushpressslide.sim.arm_library import DRAKE
+from pushpressslide.sim.clearance import DrakeClearance
+from pushpressslide.sim.outline import arm_capsules
 
 
 def check_way_back(plan: Plan, arm: int, path: JointPath) -> None:
@@ -44,7 +47,7 @@ def check_way_back(plan: Plan, arm: int, path: JointPath) -> None:
     assert path.room <= margins.ARM.retreat + 1e-9
     assert (kin.joint_margin(path.back[1:]) >= margins.ARM.joint_buffer).all()
     end = [plan.segments[-1].goal] * len(path.back)
-    gap = ClearanceModel(plan, arm).least(path.back, end, touching=True)
+    gap = DrakeClearance(plan, arm).least(path.back, end, touching=True)
     assert gap.distance >= CLEARANCE, gap.pair
 
 
@@ -61,7 +64,7 @@ def check(
         if arm not in moving:
             continue
         np.testing.assert_array_equal(path.approach[0], posture)
-        gap = ClearanceModel(plan, arm).least(
+        gap = DrakeClearance(plan, arm).least(
             path.approach, [plan.task.start] * len(path.approach), touching=False
         )
         assert gap.distance >= CLEARANCE, gap.pair
@@ -79,7 +82,7 @@ def keep_apart(plan: Plan, paths: tuple[ArmPath, ...]) -> None:
         )
         for path in (left, right)
     ]
-    one, other = (Outline(robot, i) for i, robot in enumerate(plan.task.robots))
+    one, other = (arm_capsules(robot, i) for i, robot in enumerate(plan.task.robots))
     assert least_distance(one, other, *ways, LOOK) > APART - 2e-3
     assert least_distance(one, other, left.move, right.move, LOOK) >= APART
     if left.back is not None and right.back is not None:
@@ -96,7 +99,7 @@ def turned(start: Pose2, point: Point, degrees: float) -> Pose2:
 
 def test_an_arm_goes_from_the_top_to_the_rear_face() -> None:
     press = pps.plan(pps.load_task("press-slide"))
-    first = joint_paths(press)
+    first = joint_paths(DRAKE, press)
     postures = drawn_back(first)
     kin = arm_kinematics(press.task.robots[0])
     above, contact = (
@@ -115,7 +118,7 @@ def test_an_arm_goes_from_the_top_to_the_rear_face() -> None:
             motion=Motion(),
         )
     )
-    check(push, joint_paths(push, postures=postures), postures)
+    check(push, joint_paths(DRAKE, push, postures=postures), postures)
 
 
 def test_an_arm_that_holds_keeps_its_posture_and_the_other_goes_round_it() -> None:
@@ -136,10 +139,10 @@ def test_an_arm_that_holds_keeps_its_posture_and_the_other_goes_round_it() -> No
     on = pps.plan(
         replace(there, name="on", start=there.goal, goal=turned(start, point, 50.0))
     )
-    first = joint_paths(turn)
+    first = joint_paths(DRAKE, turn)
     postures = drawn_back(first, frozenset({0}))
     np.testing.assert_array_equal(postures[0], first[0][0].move[-1])
-    paths = joint_paths(on, postures=postures, holding=frozenset({0}))
+    paths = joint_paths(DRAKE, on, postures=postures, holding=frozenset({0}))
     held, _ = paths[0]
     assert (held.approach == postures[0]).all()
     np.testing.assert_allclose(held.move[0], postures[0], atol=1e-5)
@@ -192,11 +195,11 @@ def test_two_arms_turn_a_large_box_and_push_it_into_a_slot(
     with monkeypatch.context() as grid_alone:
         grid_alone.setattr(joint_path, "REFINED", 0)
         with pytest.raises(InfeasibleTaskError, match="and object come as near as"):
-            joint_paths(turn)
-    first = joint_paths(turn)
+            joint_paths(DRAKE, turn)
+    first = joint_paths(DRAKE, turn)
     keep_apart(turn, first)
     postures = drawn_back(first)
-    second = joint_paths(push, postures=postures)
+    second = joint_paths(DRAKE, push, postures=postures)
     keep_apart(push, second)
     check(push, second, postures)
 
@@ -209,7 +212,7 @@ def drawn(name: str, index: int, seed: int) -> Plan:
 
 def test_tips_are_drawn_back_no_farther_than_the_arms_keep_apart() -> None:
     plan = drawn("orthogonal-push", 60, 1203)
-    paths = joint_paths(plan)
+    paths = joint_paths(DRAKE, plan)
     assert all(path.room < margins.ARM.retreat for path, _ in paths)
     check(plan, paths, tuple(path.approach[0] for path, _ in paths))
     keep_apart(plan, paths)
@@ -217,7 +220,7 @@ def test_tips_are_drawn_back_no_farther_than_the_arms_keep_apart() -> None:
 
 def test_an_arm_feels_for_its_contact_from_where_it_is_not_stretched() -> None:
     plan = drawn("parallel-push", 170, 1202)
-    for arm, (path, _) in enumerate(joint_paths(plan)):
+    for arm, (path, _) in enumerate(joint_paths(DRAKE, plan)):
         kin = arm_kinematics(plan.task.robots[arm])
         assert path.touch is not None
         conditions = np.linalg.cond(kin.jacobian(path.touch))

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pushpressslide.sim.joints.connect import CHECK_STEP, connect
+from pushpressslide.arms.paths.connect import CHECK_STEP, connect
 
 LOWER = np.array([-2.0, -2.0])
 UPPER = np.array([2.0, 2.0])

@@ -1,9 +1,10 @@
 """The torques that a contact takes, by the arm's own statics."""
 
 import pushpressslide as pps
+from pushpressslide.arms.paths.effort import largest_share
+from pushpressslide.arms.paths.joint_path import joint_path
+from pushpressslide.sim.arm_library import DRAKE
 from pushpressslide.sim.arm_model import DrakeArmModel
-from pushpressslide.sim.joints.effort import largest_share
-from pushpressslide.sim.joints.joint_path import joint_path
 
 HEAVY = ["motion.press_force=72", "object.mass=3.0"]
 
@@ -12,7 +13,7 @@ def shares(overrides: list[str]) -> tuple[float, float]:
     """Return those of the way there, and of the way back with the same postures."""
     light = pps.plan(pps.load_task("press-slide"))
     plan = pps.plan(pps.load_task("press-slide", overrides))
-    path, _ = joint_path(light)
+    path, _ = joint_path(DRAKE, light)
     (segment,) = light.segments
     bodies = [segment.body_pose(s) for s in path.arc_length]
     contact = plan.contacts[0]

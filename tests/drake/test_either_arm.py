@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from pushpressslide.arms.paths.arm_problem import ArmProblem
+from pushpressslide.arms.paths.clearance import CLEARANCE
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.run import simulate
 from pushpressslide.report.metrics import result
-from pushpressslide.sim.joints.arm_problem import ArmProblem
-from pushpressslide.sim.joints.clearance import CLEARANCE
+from pushpressslide.sim.arm_library import DRAKE
 from pushpressslide.taskfile.load import task_from_data
 
 BOX: dict[str, Any] = {
@@ -123,7 +124,7 @@ def test_an_object_that_only_the_right_arm_reaches_is_pushed_by_the_right_arm() 
 
 def test_an_arm_whose_home_is_in_the_way_is_parked_before_the_object_moves() -> None:
     _, plan, record, _ = run_of("in the way")
-    waiting = ArmProblem(plan.by_placement[0], 1)
+    waiting = ArmProblem(DRAKE, plan.by_placement[0], 1)
     q = record.arrays["joint_position_1"]
     moving = record.arrays["phase"] == 2
     assert np.allclose(q[0], waiting.kin.facts.home, atol=1e-3)

@@ -4,7 +4,7 @@ import numpy as np
 
 import pushpressslide as pps
 from pushpressslide.control.approach import JointApproach
-from pushpressslide.sim.joints.placements import all_joint_paths
+from pushpressslide.sim.arm_library import joint_paths_of
 from pushpressslide.sim.plant import DrakePlant
 from pushpressslide.sim.station import Station
 
@@ -14,7 +14,7 @@ STARTED = 5  # ticks after which the arms are under way
 
 def test_an_arm_in_free_motion_feels_next_to_nothing() -> None:
     plan = pps.plan(pps.load_task("parallel-push"))
-    paths = all_joint_paths(plan)
+    paths = joint_paths_of(plan)
     station = Station(plan, time_step=0.002)
     plant = DrakePlant(plan, station, paths, "generated")
     approach = JointApproach(plan.task.start, plant.joint_paths, (None, None), 0.0)

@@ -9,6 +9,10 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.arms.paths import joint_path as search
+from pushpressslide.arms.paths.approach import APPROACH_SPEED, LEAST_GAP, led_in
+from pushpressslide.arms.paths.clearance import CLEARANCE
+from pushpressslide.arms.paths.postures import CONDITION_LIMIT, JOINT_MARGIN
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.core.pose import Pose2
@@ -17,10 +21,8 @@ from pushpressslide.jobs.sampling import random_task
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.selection.solve import plan as make_plan
-from pushpressslide.sim.joints import joint_path as search
-from pushpressslide.sim.joints.approach import APPROACH_SPEED, LEAST_GAP, led_in
-from pushpressslide.sim.joints.clearance import CLEARANCE, ClearanceModel
-from pushpressslide.sim.joints.postures import CONDITION_LIMIT, JOINT_MARGIN
+from pushpressslide.sim.arm_library import DRAKE
+from pushpressslide.sim.clearance import DrakeClearance
 
 
 def base(robot: str = "panda") -> Task:
@@ -61,7 +63,7 @@ def check(plan: Plan, path: JointPath, attitude: ToolAttitude) -> None:
     assert turn < 2e-6
     assert kin.joint_margin(path.move).min() >= JOINT_MARGIN
     assert np.linalg.cond(kin.jacobian(path.move)).max() < CONDITION_LIMIT
-    model = ClearanceModel(plan, 0)
+    model = DrakeClearance(plan, 0)
     start = plan.task.start
     (segment,) = plan.segments
     objects = [plan.object_pose(segment, float(s)) for s in path.arc_length]
@@ -79,7 +81,7 @@ def check(plan: Plan, path: JointPath, attitude: ToolAttitude) -> None:
 @pytest.mark.parametrize("name", ["rear-push-rear", "rear-push-left"])
 def test_the_tip_of_a_shipped_task_is_right(name: str) -> None:
     plan = pps.plan(pps.load_task(name))
-    path, attitude = search.joint_path(plan)
+    path, attitude = search.joint_path(DRAKE, plan)
     check(plan, path, attitude)
     assert path.gap == pytest.approx(plan.task.motion.approach_distance)
 
@@ -88,12 +90,12 @@ def test_what_is_hopeless_is_refused_with_the_figure() -> None:
     plan = make_plan(near_the_base(0.02), force=True)
     told = r"panda_link0\w* and object come as near as -\d+\.\d mm, allowed from 5 mm"
     with pytest.raises(InfeasibleTaskError, match=told):
-        search.joint_path(plan)
+        search.joint_path(DRAKE, plan)
 
 
 def test_a_tip_that_cannot_be_drawn_back_all_the_way_is_drawn_back_less() -> None:
     plan = pps.plan(random_task(base(), 71, seed=2))
-    path, attitude = search.joint_path(plan)
+    path, attitude = search.joint_path(DRAKE, plan)
     assert LEAST_GAP <= path.gap < plan.task.motion.approach_distance
     check(plan, path, attitude)
 
@@ -101,13 +103,13 @@ def test_a_tip_that_cannot_be_drawn_back_all_the_way_is_drawn_back_less() -> Non
 @pytest.mark.parametrize("radius", [0.24, 0.36])
 def test_a_push_may_begin_near_the_base(radius: float) -> None:
     plan = pps.plan(near_the_base(radius))
-    check(plan, *search.joint_path(plan))
+    check(plan, *search.joint_path(DRAKE, plan))
 
 
 def test_the_smooth_distance_is_a_lower_bound_and_its_gradient_is_right() -> None:
     plan = pps.plan(pps.load_task("rear-push-rear"))
-    path, _ = search.joint_path(plan)
-    model = ClearanceModel(plan, 0)
+    path, _ = search.joint_path(DRAKE, plan)
+    model = DrakeClearance(plan, 0)
     rng = np.random.default_rng(0)
     for i in np.linspace(0, len(path.move) - 1, 5).astype(int):
         q = path.move[i] + rng.normal(0.0, 0.05, path.move.shape[1])

@@ -19,8 +19,8 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.planar.engine import run as run_planar
 from pushpressslide.report.metrics import result
+from pushpressslide.sim.arm_library import joint_paths_of
 from pushpressslide.sim.engine import run as run_drake
-from pushpressslide.sim.joints.placements import all_joint_paths
 
 BEGINS = 4.0  # [s] at which a hook begins to act, in contact on both engines
 # believed to be half as heavy as it is, so that more force is needed than allowed
@@ -35,7 +35,7 @@ def plan_of(*sets: str) -> Plan:
 
 @cache
 def paths_of(plan: Plan) -> object:
-    return all_joint_paths(plan)
+    return joint_paths_of(plan)
 
 
 def run(engine: str, plan: Plan, disturb: Callable | None = None) -> Record:

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from pushpressslide.arms.paths.capsules import _segment_distance, least_distance
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.kinematics import arm_kinematics
-from pushpressslide.sim.joints.outline import Outline, _segment_distance, least_distance
+from pushpressslide.sim.outline import arm_capsules
 
 
 def test_the_distance_of_segments_is_that_of_their_nearest_points() -> None:
@@ -29,8 +30,8 @@ def test_the_distance_of_segments_is_that_of_their_nearest_points() -> None:
 def test_two_arms_are_as_far_apart_as_they_are_moved(name: str) -> None:
     near, far = (Robot(name, (0.0, y, 0.0)) for y in (0.0, 3.0))
     q = arm_kinematics(near).facts.home[None]
-    one = Outline(near, 0)
-    other = Outline(far, 1)
+    one = arm_capsules(near, 0)
+    other = arm_capsules(far, 1)
     width = 3.0 - least_distance(one, other, q, q, 10.0)
     assert 0.0 < width < 0.6
-    assert least_distance(one, Outline(near, 1), q, q, 0.08) < -0.02
+    assert least_distance(one, arm_capsules(near, 1), q, q, 0.08) < -0.02

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.arms.paths import placements
+from pushpressslide.arms.paths.placements import PlacementPaths
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.robots.tool import UPRIGHT
-from pushpressslide.sim.joints import placements
-from pushpressslide.sim.joints.placements import PlacementPaths, all_joint_paths
+from pushpressslide.sim.arm_library import DRAKE, joint_paths_of
 
 PLAN = pps.plan(pps.load_task("rear-push-rear"))
 (SEGMENT,) = PLAN.segments
@@ -30,7 +31,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[Plan]:
     """The plans that joint paths were asked for."""
     plans: list[Plan] = []
 
-    def joint_paths(plan, *, force, postures, holding):
+    def joint_paths(library, plan, *, force, postures, holding):
         plans.append(plan)
         return ((PATH, UPRIGHT),)
 
@@ -48,20 +49,20 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[Plan]:
 def test_there_are_joint_paths_for_each_placement_of_the_whole_plan(
     asked: list[Plan], parts: tuple[Plan, ...]
 ) -> None:
-    preparation = PlacementPaths(force=True)
+    preparation = PlacementPaths(DRAKE, force=True)
     for part in parts:
         preparation.add(part)
     segments = tuple(segment for part in parts for segment in part.segments)
     whole = Plan(PLAN.task, segments)
     assert len(preparation.paths) == len(whole.placements)
     assert tuple(made.segments for made in preparation.plans) == whole.placements
-    assert len(all_joint_paths(whole)) == len(whole.placements)
+    assert len(joint_paths_of(whole)) == len(whole.placements)
 
 
 def test_a_placement_without_a_joint_path_changes_nothing(
     asked: list[Plan], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    preparation = PlacementPaths()
+    preparation = PlacementPaths(DRAKE)
     preparation.add(FIRST)
 
     def refuse(*args, **options):

@@ -10,25 +10,18 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
-from pushpressslide.core.errors import InfeasibleTaskError
-from pushpressslide.core.plan import Plan
-from pushpressslide.core.pose import Pose2
-from pushpressslide.robots.continuation import Continuation
-from pushpressslide.robots.tool import UPRIGHT
-from pushpressslide.selection.solve import plan as make_plan
-from pushpressslide.sim.joints import arms
-from pushpressslide.sim.joints import joint_path as joint_paths
-from pushpressslide.sim.joints.approach import Descent
-from pushpressslide.sim.joints.arm_problem import STEP, ArmProblem, object_path
-from pushpressslide.sim.joints.arms import Conflict
-from pushpressslide.sim.joints.clearance import ClearanceModel
-from pushpressslide.sim.joints.joint_path import (
+from pushpressslide.arms.paths import all_arms
+from pushpressslide.arms.paths import joint_path as joint_paths
+from pushpressslide.arms.paths.all_arms import Conflict
+from pushpressslide.arms.paths.approach import Descent
+from pushpressslide.arms.paths.arm_problem import STEP, ArmProblem, object_path
+from pushpressslide.arms.paths.joint_path import (
     SearchResult,
     _approach_miss,
     joint_path,
     search,
 )
-from pushpressslide.sim.joints.postures import (
+from pushpressslide.arms.paths.postures import (
     YAW_OFFSETS,
     Miss,
     Posture,
@@ -36,6 +29,14 @@ from pushpressslide.sim.joints.postures import (
     problem_text,
     tool_options,
 )
+from pushpressslide.core.errors import InfeasibleTaskError
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Pose2
+from pushpressslide.robots.continuation import Continuation
+from pushpressslide.robots.tool import UPRIGHT
+from pushpressslide.selection.solve import plan as make_plan
+from pushpressslide.sim.arm_library import DRAKE
+from pushpressslide.sim.clearance import DrakeClearance
 
 POSTURE = Posture(UPRIGHT, 0.0, np.zeros((2, 7)))
 
@@ -50,7 +51,7 @@ def counted(push: Plan) -> tuple[list[SearchResult], list[int]]:
     """Return the results, and how many postures were looked at before the first, after
     it and after each other one.
     """
-    least = ClearanceModel.least
+    least = DrakeClearance.least
     postures = 0
 
     def count(model, q, poses, **options):
@@ -60,8 +61,8 @@ def counted(push: Plan) -> tuple[list[SearchResult], list[int]]:
 
     found = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(ClearanceModel, "least", count)
-        stream = search(ArmProblem(push, 0))
+        patch.setattr(DrakeClearance, "least", count)
+        stream = search(ArmProblem(DRAKE, push, 0))
         counts = [postures]
         for result in stream:
             found.append(result)
@@ -103,15 +104,15 @@ def test_the_first_result_costs_only_the_first_solution(
 def test_the_joint_path_is_the_best_of_the_first_result(
     push: Plan, results: list[SearchResult]
 ) -> None:
-    path, attitude = joint_path(push)
-    best = results[-1].best(ArmProblem(push, 0))
+    path, attitude = joint_path(DRAKE, push)
+    best = results[-1].best(ArmProblem(DRAKE, push, 0))
     np.testing.assert_array_equal(path.approach, best.path.approach)
     assert attitude == best.move.posture.attitude
 
 
 def test_a_search_without_a_solution_has_one_result_with_its_misses() -> None:
     plan = hopeless()
-    problem = ArmProblem(plan, 0)
+    problem = ArmProblem(DRAKE, plan, 0)
     (result,) = search(problem)
     assert not result.solutions
     assert result.misses
@@ -126,7 +127,7 @@ def test_an_arm_that_could_not_let_go_is_refused_at_once(
 ) -> None:
     path = results[0].solutions[0].path
     monkeypatch.setattr(joint_paths, "_candidates", None)  # nothing is looked for
-    touching = ArmProblem(push, 0, start=path.move[0])
+    touching = ArmProblem(DRAKE, push, 0, start=path.move[0])
     (result,) = search(touching)
     assert not result.solutions
     assert re.search(
@@ -134,11 +135,11 @@ def test_an_arm_that_could_not_let_go_is_refused_at_once(
         result.misses[0].why,
     )
     with pytest.raises(TypeError):  # an arm that stands clear is not refused
-        next(search(ArmProblem(push, 0, start=path.approach[0])))
+        next(search(ArmProblem(DRAKE, push, 0, start=path.approach[0])))
 
 
 def test_the_refusal_depends_on_nothing_but_the_result(push: Plan) -> None:
-    problem = ArmProblem(push, 0)
+    problem = ArmProblem(DRAKE, push, 0)
     misses = tuple(Miss(0.1 * i, f"miss {i}", POSTURE) for i in (1, 2))
     result = SearchResult((), misses)
     for _ in range(2):
@@ -166,7 +167,7 @@ def test_an_arm_that_keeps_its_contact_goes_on_from_its_posture(
     push: Plan, results: list[SearchResult]
 ) -> None:
     q = results[0].solutions[0].path.move
-    problem = ArmProblem(push, 0, q[0], holds=True)
+    problem = ArmProblem(DRAKE, push, 0, q[0], holds=True)
     assert problem.along is not None
     axes = push.task.support.frame.axes
     tip = problem.along.tip
@@ -203,16 +204,16 @@ def test_two_arms_are_refused_with_their_greatest_conflict(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     plan = pps.plan(pps.load_task("orthogonal-push"))
-    monkeypatch.setattr(arms, "least_distance", lambda *_: 0.0012)
+    monkeypatch.setattr(all_arms, "least_distance", lambda *_: 0.0012)
     with pytest.raises(InfeasibleTaskError) as caught:
-        arms.joint_paths(plan)
+        all_arms.joint_paths(DRAKE, plan)
     assert "along the contacts the arms come" in str(caught.value)
     assert "as near as 1.2 mm to each other" in str(caught.value)
 
 
 def test_a_search_without_a_single_posture_is_refused_in_one_line(push: Plan) -> None:
     with pytest.raises(InfeasibleTaskError, match="no attitude of the tool"):
-        SearchResult(()).best(ArmProblem(push, 0))
+        SearchResult(()).best(ArmProblem(DRAKE, push, 0))
 
 
 def test_a_path_that_misses_its_attitude_is_not_called_short_of_reach() -> None:

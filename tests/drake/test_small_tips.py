@@ -17,6 +17,8 @@ from pydrake.multibody.tree import SpatialInertia
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
+from pushpressslide.arms.paths.clearance import CLEARANCE, Gap
+from pushpressslide.arms.paths.joint_path import joint_path
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.support_frame import TABLE
@@ -24,9 +26,9 @@ from pushpressslide.core.task import ObjectModel
 from pushpressslide.geometry.shapes import Box
 from pushpressslide.jobs.run import simulate
 from pushpressslide.selection.solve import plan as make_plan
+from pushpressslide.sim.arm_library import DRAKE
+from pushpressslide.sim.clearance import ROD_ROOM, DrakeClearance
 from pushpressslide.sim.contact import solve_contacts
-from pushpressslide.sim.joints.clearance import CLEARANCE, ROD_ROOM, ClearanceModel, Gap
-from pushpressslide.sim.joints.joint_path import joint_path
 from pushpressslide.sim.plane import add_plane
 from pushpressslide.sim.robot_models import rod_radius
 from pushpressslide.sim.scenes import add_object, object_modulus
@@ -48,10 +50,10 @@ def with_tip(name: str, radius: float) -> Plan:
 
 def contact_gap(plan: Plan) -> Gap:
     """Return the gap with the least to spare along the contact."""
-    path, _ = joint_path(plan)
+    path, _ = joint_path(DRAKE, plan)
     (segment, *_) = plan.segments
     poses = [plan.object_pose(segment, float(s)) for s in path.arc_length]
-    return ClearanceModel(plan, 0).least(path.move, poses, touching=True)
+    return DrakeClearance(plan, 0).least(path.move, poses, touching=True)
 
 
 @pytest.mark.parametrize("radius", RADII)
@@ -72,8 +74,8 @@ def test_beside_a_larger_tip_its_rod_keeps_the_usual_clearance(radius: float) ->
 
 def test_before_the_contact_a_small_tips_rod_keeps_the_usual_clearance() -> None:
     plan = with_tip("rear-push-rear", RADII[0])
-    path, _ = joint_path(plan)
-    model = ClearanceModel(plan, 0)
+    path, _ = joint_path(DRAKE, plan)
+    model = DrakeClearance(plan, 0)
     first = [plan.task.start]
     assert model.least(path.move[:1], first, touching=False).allowed == CLEARANCE
     assert model.least(path.move[:1], first, touching=True).allowed < CLEARANCE

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.arms.paths.clearance import CLEARANCE
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.run import simulate
@@ -17,7 +18,6 @@ from pushpressslide.report.metrics import result
 from pushpressslide.robots.facts import load_facts
 from pushpressslide.robots.urdf import urdf_text
 from pushpressslide.sim.engine import run as run_drake
-from pushpressslide.sim.joints.clearance import CLEARANCE
 from pushpressslide.taskfile.load import task_from_data
 from pushpressslide.view.drake.live import LiveView
 

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
+from pushpressslide.arms.paths.clearance import CLEARANCE
 from pushpressslide.jobs.run import simulate
 from pushpressslide.report.metrics import result
-from pushpressslide.sim.joints.clearance import CLEARANCE
 from pushpressslide.taskfile.load import load_task
 
 

@@ -8,15 +8,16 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.arms.paths.all_arms import joint_paths
+from pushpressslide.arms.paths.approach import Approach
+from pushpressslide.arms.paths.arm_problem import ArmProblem
+from pushpressslide.arms.paths.clearance import CLEARANCE, Gap
+from pushpressslide.arms.paths.joint_path import search
 from pushpressslide.core import margins
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath
 from pushpressslide.core.task import Task
-from pushpressslide.sim.joints.approach import Approach
-from pushpressslide.sim.joints.arm_problem import ArmProblem
-from pushpressslide.sim.joints.arms import joint_paths
-from pushpressslide.sim.joints.clearance import CLEARANCE, Gap
-from pushpressslide.sim.joints.joint_path import search
+from pushpressslide.sim.arm_library import DRAKE
 from pushpressslide.taskfile.load import load_task, task_from_data
 
 RIGHT = 1
@@ -44,7 +45,7 @@ def cell(end: float) -> Task:
 
 
 def waiting(end: float) -> ArmProblem:
-    return ArmProblem(pps.plan(cell(end)), RIGHT)
+    return ArmProblem(DRAKE, pps.plan(cell(end)), RIGHT)
 
 
 def way(problem: ArmProblem) -> JointPath:
@@ -93,14 +94,14 @@ def test_where_it_can_wait_nowhere_the_arm_and_the_nearest_miss_are_named(
         "as 1.0 mm, allowed from 5 mm"
     )
     with pytest.raises(InfeasibleTaskError, match=said):
-        joint_paths(pps.plan(cell(-0.05)))
+        joint_paths(DRAKE, pps.plan(cell(-0.05)))
 
 
 def test_it_keeps_clear_of_what_the_object_pushes() -> None:
     left = "{model: panda, base: {y: 0.1}, tip_length: 0.10}"
     right = "{model: iiwa7, base: {y: 0.55}}"
     task = load_task("tool-use", [f"robots=[{left}, {right}]", "motion.arm=left"])
-    problem = ArmProblem(pps.plan(task), RIGHT)
+    problem = ArmProblem(DRAKE, pps.plan(task), RIGHT)
     home = problem.kin.facts.home
     stands = problem.clearance.least(
         home[None], problem.object_path.shapes[:1], touching=False

@@ -284,11 +284,12 @@ def test_two_arms_turn_a_box_about_a_point_near_its_corner_on_drake(
 def test_a_large_box_turns_by_ninety_degrees_about_the_pressed_point_on_drake(
     far_push,
 ) -> None:
+    from pushpressslide.arms.paths.joint_path import joint_path
+    from pushpressslide.sim.arm_library import DRAKE
     from pushpressslide.sim.engine import run as run_drake
-    from pushpressslide.sim.joints.joint_path import joint_path
 
     made = pps.plan(replace(big_box(5.0, 60.0, 0.3, 0.7), modes=("press_and_push",)))
-    paths = tuple(joint_path(made, arm, force=True) for arm in (0, 1))
+    paths = tuple(joint_path(DRAKE, made, arm, force=True) for arm in (0, 1))
     record = run_drake(made, paths=[paths])
     measured = result(made.task, made, record, {})
     # the arms are placed by force: how near they come to the box is not asked

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Protocol
 
+import numpy as np
+
 from pushpressslide.core.arrays import Array
 from pushpressslide.execution.arm import ArmState
 from pushpressslide.robots.facts import RobotFacts
@@ -24,3 +26,8 @@ class ArmModel(Protocol):
         """Pose and velocity of the tip, Jacobian, mass matrix and bias torques at joint
         positions and velocities ``x`` (2 n,) [rad, rad/s].
         """
+
+
+def at_rest(q: Array) -> Array:
+    """State (2 n,) of joints at rest at positions ``q`` (n,)."""
+    return np.concatenate([q, np.zeros_like(q)])

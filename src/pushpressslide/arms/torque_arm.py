@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pushpressslide.arms.model import ArmModel
+from pushpressslide.arms.model import ArmModel, at_rest
 from pushpressslide.control.joint_reference import path_reference
 from pushpressslide.control.limits import ArmLimits, ArmReading
 from pushpressslide.core import margins
@@ -174,8 +174,3 @@ class ArmRow(NamedTuple):
             f"torque_share_{index}": self.limited.share,
             f"torque_rate_share_{index}": self.limited.rate_share,
         }
-
-
-def at_rest(q: Array) -> Array:
-    """State (2 n,) of joints at rest at positions ``q`` (n,)."""
-    return np.concatenate([q, np.zeros_like(q)])

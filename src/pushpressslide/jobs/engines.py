@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Protocol
 from pushpressslide.core.errors import PushPressSlideError
 
 if TYPE_CHECKING:
+    from pushpressslide.arms.paths.joint_path import ArmPath
     from pushpressslide.control.run_loop import RunOptions
     from pushpressslide.core.knock import Knock
     from pushpressslide.core.plan import Plan
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from pushpressslide.core.task import Shape
     from pushpressslide.report.stages import StageRun
     from pushpressslide.selection.preparation import Preparation
-    from pushpressslide.sim.joints.joint_path import ArmPath
 
     JointPaths = Sequence[tuple[ArmPath, ...]]  # of the arms, for each placement
 
@@ -85,11 +85,12 @@ class _Drake:
         """Return the search for joint paths."""
         import numpy as np
 
-        from pushpressslide.sim.joints.placements import PlacementPaths
+        from pushpressslide.arms.paths.placements import PlacementPaths
+        from pushpressslide.sim.arm_library import DRAKE
 
         if begin is None or not begin.joints:
-            return PlacementPaths(force)
-        return PlacementPaths(force, tuple(map(np.array, begin.joints)))
+            return PlacementPaths(DRAKE, force)
+        return PlacementPaths(DRAKE, force, tuple(map(np.array, begin.joints)))
 
     def run(self, plan: Plan, options: RunOptions, arms: ArmOptions) -> Record:
         """Run a plan and return its record."""

@@ -187,11 +187,12 @@ class CommandEnv(gymnasium.Env):
 
             plan = _lone(solve(PlansAlone(), task, 1).plan)
             return PlanarPlant(plan), plan
-        from pushpressslide.sim.joints.placements import PlacementPaths
+        from pushpressslide.arms.paths.placements import PlacementPaths
+        from pushpressslide.sim.arm_library import DRAKE
         from pushpressslide.sim.plant import DrakePlant
         from pushpressslide.sim.station import Station
 
-        paths = PlacementPaths(False)
+        paths = PlacementPaths(DRAKE)
         plan = _lone(solve(paths, task, ENOUGH).plan)
         station = Station(plan, time_step=task.motion.time_step)
         return DrakePlant(plan, station, paths.paths, "generated"), plan

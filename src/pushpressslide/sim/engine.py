@@ -7,13 +7,13 @@ from dataclasses import asdict, replace
 from functools import partial
 from typing import Any
 
+from pushpressslide.arms.paths.joint_path import ArmPath
 from pushpressslide.control.run_loop import RunOptions, run_loop
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
-from pushpressslide.sim.joints.driven import clearance_driven
-from pushpressslide.sim.joints.joint_path import ArmPath
-from pushpressslide.sim.joints.placements import all_joint_paths
+from pushpressslide.sim.arm_library import joint_paths_of
+from pushpressslide.sim.driven import clearance_driven
 from pushpressslide.sim.plant import DrakePlant
 from pushpressslide.sim.station import LiveView, Station
 
@@ -38,7 +38,7 @@ def run(
     record's meta says how far.
     """
     if paths is None:
-        paths = all_joint_paths(plan)
+        paths = joint_paths_of(plan)
     task = plan.part(plan.segments[0])
     motion = task.motion
     step = time_step or motion.time_step

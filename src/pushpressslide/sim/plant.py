@@ -15,18 +15,20 @@ from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
-from pushpressslide.arms.torque_arm import ArmRow, TorqueArm, at_rest
+from pushpressslide.arms.model import at_rest
+from pushpressslide.arms.paths.approach import led_in
+from pushpressslide.arms.paths.joint_path import ArmPath
+from pushpressslide.arms.paths.placements import PlacementPaths
+from pushpressslide.arms.torque_arm import ArmRow, TorqueArm
 from pushpressslide.control.approach import SETTLE
 from pushpressslide.control.limits import ArmLimits, ArmReading
 from pushpressslide.control.plant import PlantRow, Situation
 from pushpressslide.core.control import Commands, Measurement, TipState
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.core.task import Task
+from pushpressslide.sim.arm_library import DRAKE
 from pushpressslide.sim.arm_model import DrakeArmModel
 from pushpressslide.sim.convert import planar_pose_from_positions, planar_twist
-from pushpressslide.sim.joints.approach import led_in
-from pushpressslide.sim.joints.joint_path import ArmPath
-from pushpressslide.sim.joints.placements import PlacementPaths
 from pushpressslide.sim.station import Station
 
 TOUCH_AND_RELEASE = 4.0  # [s] typical time of both, for the progress
@@ -65,7 +67,7 @@ class DrakePlant:
         self._station = station
         self._spare = spare
         self._paths = paths
-        self._prepared = PlacementPaths()  # of what is ahead
+        self._prepared = PlacementPaths(DRAKE)  # of what is ahead
         self._prepared.paths = list(paths[1:])
         self._arms = [
             TorqueArm(
@@ -259,7 +261,7 @@ class DrakePlant:
         """
         postures = tuple(arm.state.q for arm in self._arms)
         self._prepared = PlacementPaths(
-            postures=postures, within=self._station.scene.bounds
+            DRAKE, postures=postures, within=self._station.scene.bounds
         )
         return self._prepared
 

@@ -33,6 +33,7 @@ from pydrake.multibody.tree import (
 )
 from pydrake.systems.framework import DiagramBuilder
 
+from pushpressslide.arms.paths.placements import reached_bounds
 from pushpressslide.core import task as model
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.knock import Knock
@@ -152,20 +153,6 @@ def grid_bounds(plan: Plan, tile: float) -> Bounds:
         min([y_min, *(v - reach for v in y)]) - more,
         max([y_max, *(v + reach for v in y)]) + more,
     )
-
-
-def reached_bounds(plan: Plan, room: float) -> Bounds:
-    """Return x_min, x_max, y_min, y_max [m] of what the object covers on its planned
-    way, and ``room`` [m] about it.
-    """
-    poses = [plan.task.true_start]
-    for segment in plan.segments:
-        grid = np.linspace(0.0, segment.path.length, 60)
-        poses += [plan.object_pose(segment, s) for s in grid]
-    x = [p.x for p in poses]
-    y = [p.y for p in poses]
-    margin = plan.task.object.shape.farthest((0.0, 0.0)) + room
-    return min(x) - margin, max(x) + margin, min(y) - margin, max(y) + margin
 
 
 def tile_size(shape: model.Shape) -> float:

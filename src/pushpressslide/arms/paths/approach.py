@@ -11,6 +11,14 @@ from itertools import chain, pairwise
 
 import numpy as np
 
+from pushpressslide.arms.paths.connect import Free, connect
+from pushpressslide.arms.paths.postures import (
+    CONDITION_LIMIT,
+    JOINT_MARGIN,
+    Posture,
+    TipPath,
+    tool_attitude,
+)
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import JointPath
@@ -20,14 +28,6 @@ from pushpressslide.robots.facts import RobotFacts
 from pushpressslide.robots.inverse import IkSearch, solve_ik
 from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import ToolAttitude
-from pushpressslide.sim.joints.connect import Free, connect
-from pushpressslide.sim.joints.postures import (
-    CONDITION_LIMIT,
-    JOINT_MARGIN,
-    Posture,
-    TipPath,
-    tool_attitude,
-)
 
 APPROACH_SPEED = 1.2  # [rad/s] of the fastest joint in free space
 SLIDE_SPEED = 0.4  # [m/s] of the fastest slide

@@ -8,12 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pydrake.math import RigidTransform
 
+from pushpressslide.arms.paths.capsules import least_distance
+from pushpressslide.arms.paths.clearance import LOOK
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
+from pushpressslide.sim.clearance import DrakeClearance
 from pushpressslide.sim.convert import transform_from_positions
-from pushpressslide.sim.joints.clearance import LOOK, ClearanceModel
-from pushpressslide.sim.joints.outline import Outline, least_distance
+from pushpressslide.sim.outline import arm_capsules
 
 PERIOD = 0.02  # [s] at most, between two postures that are looked at
 
@@ -46,7 +48,7 @@ def clearance_driven(record: Record) -> tuple[float, str]:
     placement = record.arrays["placement"][::stride]
     touching = _touching(plan)
     for arm, q in enumerate(postures):
-        model = ClearanceModel(plan, arm)
+        model = DrakeClearance(plan, arm)
         touches = np.array([arm in touching[int(number)] for number in placement])
         for ticks, shapes in ((touches, model.sphere), (~touches, set())):
             near, between = model.least_in_space(
@@ -58,7 +60,7 @@ def clearance_driven(record: Record) -> tuple[float, str]:
             if near < least:
                 least = near
                 pair = f"arm {arm}: {between}"
-    outlines = [Outline(robot, i) for i, robot in enumerate(plan.task.robots)]
+    outlines = [arm_capsules(robot, i) for i, robot in enumerate(plan.task.robots)]
     for i, one in enumerate(outlines):
         for j in range(i):
             near = least_distance(one, outlines[j], postures[i], postures[j], LOOK)

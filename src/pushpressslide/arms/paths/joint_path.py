@@ -19,12 +19,7 @@ from operator import attrgetter
 
 import numpy as np
 
-from pushpressslide.core import margins
-from pushpressslide.core.arrays import Array
-from pushpressslide.core.errors import InfeasibleTaskError
-from pushpressslide.core.plan import JointPath, Plan
-from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
-from pushpressslide.sim.joints.approach import (
+from pushpressslide.arms.paths.approach import (
     BARELY,
     CAREFUL,
     LEAST_GAP,
@@ -32,10 +27,11 @@ from pushpressslide.sim.joints.approach import (
     Descent,
     Trajectory,
 )
-from pushpressslide.sim.joints.arm_problem import ArmProblem, ContactPath
-from pushpressslide.sim.joints.clearance import CLEARANCE, ClearanceModel, Gap
-from pushpressslide.sim.joints.effort import largest_share
-from pushpressslide.sim.joints.postures import (
+from pushpressslide.arms.paths.arm_problem import ArmProblem, ContactPath
+from pushpressslide.arms.paths.clearance import CLEARANCE, Clearance, Gap
+from pushpressslide.arms.paths.effort import largest_share
+from pushpressslide.arms.paths.library import ArmLibrary
+from pushpressslide.arms.paths.postures import (
     JOINT_MARGIN,
     POSE,
     Miss,
@@ -48,8 +44,12 @@ from pushpressslide.sim.joints.postures import (
     problem_text,
     shortfall,
 )
-from pushpressslide.sim.joints.refine import refined_move
-from pushpressslide.sim.joints.waiting import waiting_moves
+from pushpressslide.arms.paths.waiting import waiting_moves
+from pushpressslide.core import margins
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.errors import InfeasibleTaskError
+from pushpressslide.core.plan import JointPath, Plan
+from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 
 GLANCE = 8  # every eighth posture of an approach is checked before all of them are
 REFINED = 4  # most misses that are refined
@@ -106,13 +106,15 @@ class SearchResult:
         )
 
 
-def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> ArmPath:
+def joint_path(
+    library: ArmLibrary, plan: Plan, arm: int = 0, *, force: bool = False
+) -> ArmPath:
     """Return the joint path of one arm, as if it were alone, and its tool's attitude.
 
     ``force`` takes the best path there is, however bad. Raises InfeasibleTaskError,
     with the figure that decides, where no tried posture has a path.
     """
-    problem = ArmProblem(plan, arm)
+    problem = ArmProblem(library, plan, arm)
     solution = next(search(problem, force=force)).best(problem)
     return solution.path, solution.move.posture.attitude
 
@@ -272,11 +274,13 @@ def _standing(posture: Array) -> Trajectory:
     return Trajectory(STANDING, np.repeat(posture[None], 2, axis=0))
 
 
-def _model(problem: ArmProblem, others: Mapping[int, Array]) -> ClearanceModel:
+def _model(problem: ArmProblem, others: Mapping[int, Array]) -> Clearance:
     """Return the arm's clearance model, of further arms that stand still too."""
     if not others:
         return problem.clearance
-    return ClearanceModel(problem.plan, problem.arm, {**problem.others, **others})
+    return problem.library.clearance(
+        problem.plan, problem.arm, {**problem.others, **others}
+    )
 
 
 def _joint_path(
@@ -295,9 +299,7 @@ def _joint_path(
     )
 
 
-def _approach_clearance(
-    problem: ArmProblem, model: ClearanceModel, postures: Array
-) -> Gap:
+def _approach_clearance(problem: ArmProblem, model: Clearance, postures: Array) -> Gap:
     """Return the gap with the least to spare: of every eighth posture where that is too
     small already.
     """
@@ -450,7 +452,7 @@ def _refined_move(
         [*[tip.objects[0]] * BACK, *tip.objects],
     )
     q = np.concatenate([np.repeat(posture.q[:1], BACK, axis=0), posture.q])
-    better = refined_move(
+    better = problem.library.refined(
         problem.kin,
         problem.clearance,
         extended,

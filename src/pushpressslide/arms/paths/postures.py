@@ -335,4 +335,5 @@ def _offsets_behind(side: float, yaw: float, azimuths: Sequence[float]) -> Array
             for o in YAW_OFFSETS
         ]
     )
-    return YAW_OFFSETS[np.abs(off).min(axis=1) < LEANING]
+    out: Array = YAW_OFFSETS[np.abs(off).min(axis=1) < LEANING]
+    return out

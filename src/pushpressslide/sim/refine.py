@@ -20,6 +20,7 @@ from pydrake.autodiffutils import ExtractGradient, ExtractValue, InitializeAutoD
 from pydrake.planning import KinematicTrajectoryOptimization
 from pydrake.solvers import Constraint, MathematicalProgram, SnoptSolver, SolverOptions
 
+from pushpressslide.arms.paths.postures import LARGEST_STEP, Posture, TipPath
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Pose2
 from pushpressslide.robots.inverse import (
@@ -30,8 +31,7 @@ from pushpressslide.robots.inverse import (
 )
 from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import ToolAttitude
-from pushpressslide.sim.joints.clearance import ClearanceModel
-from pushpressslide.sim.joints.postures import LARGEST_STEP, Posture, TipPath
+from pushpressslide.sim.clearance import DrakeClearance
 
 Function = Callable[[Array], tuple[Array, Array]]
 """Value (m,) and Jacobian (m, size) at a point (size,)."""
@@ -54,7 +54,7 @@ DIFFERENCE = 1e-6  # [rad] for derivatives by yaw and tilt
 
 def refined_move(
     kin: ArmKinematics,
-    model: ClearanceModel,
+    model: DrakeClearance,
     path: TipPath,
     guess: Posture,
     margin: float,
@@ -143,7 +143,7 @@ def _tip_error(
     return error
 
 
-def _distance(model: ClearanceModel, pose: Pose2, joints: int) -> Function:
+def _distance(model: DrakeClearance, pose: Pose2, joints: int) -> Function:
     """Return the arm's least distance [m] to everything, with the object at ``pose``."""
 
     def distance(x: Array) -> tuple[Array, Array]:

@@ -10,6 +10,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from pushpressslide.arms.model import ArmModel
+from pushpressslide.arms.paths.approach import Approach
+from pushpressslide.arms.paths.clearance import Clearance, Gap
+from pushpressslide.arms.paths.library import ArmLibrary
+from pushpressslide.arms.paths.postures import POSE, TipPath, ToolOption, tool_options
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Contact, Plan
@@ -20,10 +25,6 @@ from pushpressslide.planning.side_contacts import before_contacts
 from pushpressslide.robots.contact_reach import TURNING, tool_azimuths
 from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
 from pushpressslide.robots.tool import ToolAttitude
-from pushpressslide.sim.arm_model import DrakeArmModel
-from pushpressslide.sim.joints.approach import Approach
-from pushpressslide.sim.joints.clearance import ClearanceModel, Gap
-from pushpressslide.sim.joints.postures import POSE, TipPath, ToolOption, tool_options
 
 STEP = 0.015  # [m] of the object's path between samples
 TURN_ARM = 0.2  # [m] of path that a turn by one radian counts as
@@ -55,6 +56,7 @@ class ArmProblem:
     Derived parts (kinematics, planning plant, approach) are built on first use.
     """
 
+    library: ArmLibrary
     plan: Plan
     arm: int
     start: Array | None = None  # (n,) [rad]; None: the ready posture
@@ -73,14 +75,14 @@ class ArmProblem:
         return arm_kinematics(self.robot)
 
     @cached_property
-    def dynamics(self) -> DrakeArmModel:
+    def dynamics(self) -> ArmModel:
         """The arm's dynamics, for the torque that holds a contact."""
-        return DrakeArmModel(self.robot)
+        return self.library.model(self.robot)
 
     @cached_property
-    def clearance(self) -> ClearanceModel:
+    def clearance(self) -> Clearance:
         """Distances of the arm to everything else."""
-        return ClearanceModel(self.plan, self.arm, self.others)
+        return self.library.clearance(self.plan, self.arm, self.others)
 
     @cached_property
     def object_path(self) -> ObjectPath:
@@ -189,14 +191,14 @@ class ArmProblem:
         """The ways of the obstacles that the object pushes on its way, by name."""
         return carried_ways(self.plan.task, self.object_path.shapes)
 
-    def approach_clearance(self, model: ClearanceModel, postures: Array) -> Gap:
+    def approach_clearance(self, model: Clearance, postures: Array) -> Gap:
         """Return the gap with the least to spare of postures (m, n) before the
         contact.
         """
         poses = self.object_path.shapes[:1] * len(postures)
         return model.least(postures, poses, touching=False)
 
-    def free(self, model: ClearanceModel, q: Array) -> bool:
+    def free(self, model: Clearance, q: Array) -> bool:
         """Return whether a posture (n,) before the contact keeps its clearance."""
         return self.approach_clearance(model, q[None]).clear
 

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pushpressslide.arms.model import ArmModel, at_rest
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.mechanics.pressing import resting_cop
-from pushpressslide.sim.arm_model import DrakeArmModel
 
 SAMPLES = 24  # postures of a path that are checked
 STILL = 1e-9  # [m] between two samples, of a point that stays
@@ -20,7 +20,7 @@ STILL = 1e-9  # [m] between two samples, of a point that stays
 def largest_share(
     plan: Plan,
     contact: Contact,
-    model: DrakeArmModel,
+    model: ArmModel,
     postures: Array,
     bodies: Sequence[Pose2],
 ) -> float:
@@ -33,7 +33,7 @@ def largest_share(
     of the drag. ``bodies`` are the poses X_WB (k).
     """
     frame = plan.task.support.frame
-    effort = model.instance.facts.effort_limit
+    effort = model.facts.effort_limit
     plane = np.array(
         [frame.direction((1.0, 0.0, 0.0)), frame.direction((0.0, 1.0, 0.0))]
     )
@@ -43,7 +43,7 @@ def largest_share(
     share = 0.0
     samples = np.linspace(0, len(postures) - 1, SAMPLES).round().astype(int)
     for i in np.unique(samples):
-        state = model.state(postures[i], np.zeros(model.size))
+        state = model.state_at(at_rest(postures[i]))
         J = state.J[3:]
         push = np.array(frame.direction(contact.direction(bodies[i])))
         pressed = state.bias + normal * push @ J

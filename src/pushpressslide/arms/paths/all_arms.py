@@ -12,6 +12,16 @@ from itertools import islice
 
 import numpy as np
 
+from pushpressslide.arms.paths.arm_problem import ArmProblem
+from pushpressslide.arms.paths.capsules import (
+    ArmCapsules,
+    least_distance,
+    pair_distances,
+)
+from pushpressslide.arms.paths.clearance import LOOK
+from pushpressslide.arms.paths.joint_path import ArmPath, Solution, path_of_move, search
+from pushpressslide.arms.paths.library import ArmLibrary
+from pushpressslide.arms.paths.postures import Miss
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import InfeasibleTaskError
@@ -19,11 +29,6 @@ from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.planning.side_contacts import room_before
 from pushpressslide.robots.continuation import continuation
 from pushpressslide.robots.tool import ToolAttitude
-from pushpressslide.sim.joints.arm_problem import ArmProblem
-from pushpressslide.sim.joints.clearance import LOOK
-from pushpressslide.sim.joints.joint_path import ArmPath, Solution, path_of_move, search
-from pushpressslide.sim.joints.outline import Outline, least_distance, pair_distances
-from pushpressslide.sim.joints.postures import Miss
 
 Pair = Sequence[Solution]  # one joint path of each arm
 
@@ -50,6 +55,7 @@ class Conflict:
 
 
 def joint_paths(
+    library: ArmLibrary,
     plan: Plan,
     *,
     force: bool = False,
@@ -68,6 +74,7 @@ def joint_paths(
     still = {arm: q for arm, q in enumerate(starts) if arm in holding and q is not None}
     problems = [
         ArmProblem(
+            library,
             plan,
             arm,
             start,
@@ -112,7 +119,7 @@ def _with_ways_back(
     ]
     count = min(len(way) for way, _ in ways)
     if len(ways) > 1:
-        one, other = (Outline(problem.robot, problem.arm) for problem in problems)
+        one, other = map(_capsules, problems)
         (left, _), (right, _) = ways
 
         def apart(i: int) -> bool:
@@ -168,6 +175,10 @@ def _clear_count(clear: Callable[[int], bool], count: int) -> int:
     return next(blocked, count)
 
 
+def _capsules(problem: ArmProblem) -> ArmCapsules:
+    return problem.library.capsules(problem.robot, problem.arm)
+
+
 class _TwoArms:
     """The search for two joint paths that keep apart."""
 
@@ -175,7 +186,7 @@ class _TwoArms:
         self.plan = plan
         self.problems = problems
         self.force = force
-        self._outlines = [Outline(robot, i) for i, robot in enumerate(plan.task.robots)]
+        self._capsules = [_capsules(problem) for problem in problems]
 
     def paths(self) -> tuple[ArmPath, ...]:
         """Return the first attempt without a conflict, else raise the greatest
@@ -246,7 +257,7 @@ class _TwoArms:
             np.stack([solution.move.posture.q[0] for solution in each])
             for each in options
         )
-        mine, its = self._outlines
+        mine, its = self._capsules
         distances = pair_distances(mine, its, one, other, LOOK)
         apart = distances >= APART
         pairs: list[Pair] = [(left[i], right[j]) for i, j in np.argwhere(apart)]
@@ -294,7 +305,7 @@ class _TwoArms:
         """Return the arms' least distance [m], at most LOOK, over postures (k, n) of
         each.
         """
-        one, other = self._outlines
+        one, other = self._capsules
         return least_distance(one, other, left, right, LOOK)
 
     def _waiting(

@@ -9,11 +9,11 @@ from itertools import chain
 
 import numpy as np
 
+from pushpressslide.arms.paths.arm_problem import ArmProblem
+from pushpressslide.arms.paths.postures import Miss, Move, Posture
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.robots.tool import UPRIGHT
-from pushpressslide.sim.joints.arm_problem import ArmProblem
-from pushpressslide.sim.joints.postures import Miss, Move, Posture
 
 PARKED = 8  # most postures to be parked in that are offered
 

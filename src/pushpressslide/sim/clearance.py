@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from pydrake.geometry import Box as DrakeBox
@@ -29,25 +29,23 @@ from pydrake.multibody.tree import (
 )
 from pydrake.systems.framework import DiagramBuilder
 
+from pushpressslide.arms.paths.capsules import least_distance
+from pushpressslide.arms.paths.clearance import CLEARANCE, LOOK, NOTHING, Gap
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.support_frame import TABLE
 from pushpressslide.core.task import Shape, Task
 from pushpressslide.sim.convert import rigid_transform
-from pushpressslide.sim.joints.outline import Outline, least_distance
+from pushpressslide.sim.outline import arm_capsules
 from pushpressslide.sim.robot_models import add_robot
 from pushpressslide.sim.slabs import slabs
 from pushpressslide.sim.surfaces import convex_shapes
 
-# [m] least distance of the arm's capsules, which contain the real outline with 1 cm to
-# spare
-CLEARANCE = 0.005
 # of what a tip's sphere leaves between the rod that holds it and what it touches, less
 # than which the rod may not keep: the rest is for a tool that leans
 ROD_ROOM = 0.7
 TOUCHING = 12  # places round the sphere that are looked at for what it leaves
-LOOK = 0.08  # [m] larger distances are not computed
 PIECE = "#"  # before the number of a shape that is one of several of a body
 SMOOTHING = 5e-4  # [m] of the smooth minimum over pairs
 # [m] slightly below the surface, so that a base bolted to the table does not touch it
@@ -56,38 +54,7 @@ SLAB = 6.0  # [m] edge of a plane's slab
 SLAB_DEPTH = 1.0  # [m]
 
 
-@dataclass(frozen=True, slots=True)
-class Gap:
-    """Two shapes, and how near they come."""
-
-    distance: float  # [m]
-    pair: str  # their names
-    allowed: float = CLEARANCE  # [m]
-
-    @property
-    def clear(self) -> bool:
-        """Whether they keep their clearance."""
-        return self.distance >= self.allowed
-
-    @property
-    def lack(self) -> float:
-        """By how much they are too near [m]; < 0 where they are not."""
-        return self.allowed - self.distance
-
-    @property
-    def text(self) -> str:
-        """By how much they are too near, in words."""
-        digits = 0 if self.allowed == CLEARANCE else 1
-        return (
-            f"{self.pair} come as near as {self.distance * 1e3:.1f} mm, allowed from "
-            f"{self.allowed * 1e3:.{digits}f} mm"
-        )
-
-
-NOTHING = Gap(LOOK, "nothing within reach")
-
-
-class ClearanceModel:
+class DrakeClearance:
     """Distances between one arm in capsules, the object, the support, the obstacles,
     and arms that stand still.
     """
@@ -106,7 +73,7 @@ class ClearanceModel:
         self._plant = plant
         self._robot = add_robot(plant, robots[arm], arm, collision=True)
         self._still = [
-            (Outline(robots[arm], arm), Outline(robots[i], i), q[None])
+            (arm_capsules(robots[arm], arm), arm_capsules(robots[i], i), q[None])
             for i, q in (others or {}).items()
         ]
         self._add_object(task.object.shape)

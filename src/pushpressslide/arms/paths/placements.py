@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from pushpressslide.arms.paths.all_arms import drawn_back, joint_paths
+from pushpressslide.arms.paths.joint_path import ArmPath
+from pushpressslide.arms.paths.library import ArmLibrary
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan, lasting_arms
-from pushpressslide.sim.joints.arms import drawn_back, joint_paths
-from pushpressslide.sim.joints.joint_path import ArmPath
-from pushpressslide.sim.scenes import reached_bounds
-from pushpressslide.sim.surfaces import Bounds
+from pushpressslide.planning.free_way import Bounds
 
 ROOM = 0.05  # [m] about the object, for errors
 
@@ -18,6 +20,7 @@ class PlacementPaths:
 
     def __init__(
         self,
+        library: ArmLibrary,
         force: bool = False,
         postures: tuple[Array, ...] | None = None,
         within: Bounds | None = None,
@@ -27,6 +30,7 @@ class PlacementPaths:
         ``postures`` (n,) [rad] are where the arms begin, None for their ready postures;
         ``within`` [m] bounds where the object may be led: x_min, x_max, y_min, y_max.
         """
+        self.library = library
         self.force = force
         self.postures = postures
         self.within = within
@@ -54,7 +58,11 @@ class PlacementPaths:
             holding = lasting_arms(last.segments, placement.segments)
             postures = drawn_back(paths[-1], holding)
         added = joint_paths(
-            placement, force=self.force, postures=postures, holding=holding
+            self.library,
+            placement,
+            force=self.force,
+            postures=postures,
+            holding=holding,
         )
         self.plans = [*plans, placement]
         self.paths = [*paths, added]
@@ -69,7 +77,7 @@ class PlacementPaths:
         postures = self.postures
         if self.plans:
             postures = drawn_back(self.paths[-1])
-        return PlacementPaths(self.force, postures, self.within)
+        return PlacementPaths(self.library, self.force, postures, self.within)
 
 
 def _check_bounds(placement: Plan, within: Bounds) -> None:
@@ -85,12 +93,15 @@ def _check_bounds(placement: Plan, within: Bounds) -> None:
         )
 
 
-def all_joint_paths(plan: Plan) -> list[tuple[ArmPath, ...]]:
-    """Return the joint paths of every placement of a plan.
-
-    Raises InfeasibleTaskError as ``joint_paths``.
+def reached_bounds(plan: Plan, room: float) -> Bounds:
+    """Return x_min, x_max, y_min, y_max [m] of what the object covers on its planned
+    way, and ``room`` [m] about it.
     """
-    out = PlacementPaths()
-    for placement in plan.by_placement:
-        out.add(placement)
-    return out.paths
+    poses = [plan.task.true_start]
+    for segment in plan.segments:
+        grid = np.linspace(0.0, segment.path.length, 60)
+        poses += [plan.object_pose(segment, s) for s in grid]
+    x = [p.x for p in poses]
+    y = [p.y for p in poses]
+    margin = plan.task.object.shape.farthest((0.0, 0.0)) + room
+    return min(x) - margin, max(x) + margin, min(y) - margin, max(y) + margin

@@ -1,0 +1,68 @@
+"""How near an arm may come to what is about it, and what tells how near it is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.pose import Pose2
+
+# [m] least distance of the arm's capsules, which contain the real outline with 1 cm to
+# spare
+CLEARANCE = 0.005
+LOOK = 0.08  # [m] larger distances are not computed
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """Two shapes, and how near they come."""
+
+    distance: float  # [m]
+    pair: str  # their names
+    allowed: float = CLEARANCE  # [m]
+
+    @property
+    def clear(self) -> bool:
+        """Whether they keep their clearance."""
+        return self.distance >= self.allowed
+
+    @property
+    def lack(self) -> float:
+        """By how much they are too near [m]; < 0 where they are not."""
+        return self.allowed - self.distance
+
+    @property
+    def text(self) -> str:
+        """By how much they are too near, in words."""
+        digits = 0 if self.allowed == CLEARANCE else 1
+        return (
+            f"{self.pair} come as near as {self.distance * 1e3:.1f} mm, allowed from "
+            f"{self.allowed * 1e3:.{digits}f} mm"
+        )
+
+
+NOTHING = Gap(LOOK, "nothing within reach")
+
+
+class Clearance(Protocol):
+    """Distances of one arm to the object, the support, the obstacles, and arms that
+    stand still.
+    """
+
+    def least(
+        self,
+        postures: Array,
+        object_poses: Sequence[Pose2],
+        *,
+        touching: bool,
+        bodies: Mapping[str, Sequence[Pose2]] | None = None,
+    ) -> Gap:
+        """Gap with the least to spare, looked for up to ``LOOK``, over postures (k, n)
+        and object poses X_WG (k).
+
+        ``touching``: the tip's sphere touches the object on purpose; this pair is left
+        out. ``bodies``: poses (k each) of movable obstacles by name, by default where
+        the task has them.
+        """

@@ -1,0 +1,44 @@
+"""What a library of rigid bodies does for the search for joint paths."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+from pushpressslide.arms.model import ArmModel
+from pushpressslide.arms.paths.capsules import ArmCapsules
+from pushpressslide.arms.paths.clearance import Clearance
+from pushpressslide.arms.paths.postures import Posture, TipPath
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.task import Robot
+from pushpressslide.robots.kinematics import ArmKinematics
+
+
+class ArmLibrary(Protocol):
+    """Dynamics, distances and, where it has one, an optimiser of joint paths."""
+
+    def model(self, robot: Robot) -> ArmModel:
+        """Return the arm's dynamics."""
+
+    def clearance(self, plan: Plan, arm: int, others: Mapping[int, Array]) -> Clearance:
+        """Return the distances of an arm of a plan; ``others`` are postures (n,) of arms
+        that stand still, by index.
+        """
+
+    def capsules(self, robot: Robot, index: int) -> ArmCapsules:
+        """Return the capsules that hold an arm, the ``index``th of its task."""
+
+    def refined(
+        self,
+        kinematics: ArmKinematics,
+        clearance: Any,
+        path: TipPath,
+        guess: Posture,
+        margin: float,
+        least: float,
+    ) -> Posture | None:
+        """Return a posture near ``guess`` that follows a path where the guess just
+        fails, ``margin`` [rad] from the joint limits and ``least`` [m] from everything;
+        None where there is none, or nothing that looks for it.
+        """
