@@ -11,6 +11,7 @@ import math
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import compress
 
 import numpy as np
 
@@ -77,11 +78,15 @@ class Guard:
     anew: bool = False
     _memories: dict[int, _Memory] = field(default_factory=dict)
     # [rad] or [m] that each arm's joints had when it was asked first whether it is cramped
-    _rooms: list[float] | None = None
+    _first_rooms: list[float] | None = None
+    _speeds: list[list[float]] = field(init=False)  # [rad/s] limits of each arm
+
+    def __post_init__(self) -> None:
+        self._speeds = [arm.velocity.tolist() for arm in self.arms]
 
     def begin(self) -> None:
         """Forget the references: a new placement begins, with references of its own."""
-        self._rooms = None
+        self._first_rooms = None
         for memory in self._memories.values():
             memory.reference = None
 
@@ -105,13 +110,19 @@ class Guard:
         ``forces`` [N] are the normal forces measured at the tips, one per robot;
         ``commands`` are those about to be applied.
         """
-        found = [self._force(i, force) for i, force in enumerate(forces)]
-        for i, (limits, reading) in enumerate(zip(self.arms, readings, strict=True)):
-            found.append(_speed(i, limits, reading))
-            found.append(self._position(i, limits, reading))
-            found.append(self._torque(i, reading))
-        found += [self._jump(i, command) for i, command in enumerate(commands)]
-        return next((ending for ending in found if ending is not None), None)
+        found = None
+        for i, force in enumerate(forces):
+            pushed = self._force(i, force)
+            found = found or pushed
+        for i, reading in enumerate(readings):
+            fast = self._speed(i, reading)
+            near = self._position(i, reading)
+            strong = self._torque(i, reading)
+            found = found or fast or near or strong
+        for i, command in enumerate(commands):
+            jump = self._jump(i, command)
+            found = found or jump
+        return found
 
     def cramped(self, readings: Sequence[ArmReading]) -> bool:
         """Return whether a joint has come as near to its limit as an arm that draws back
@@ -121,11 +132,23 @@ class Guard:
             least(_rooms(limits, reading))
             for limits, reading in zip(self.arms, readings, strict=True)
         ]
-        if self._rooms is None:
-            self._rooms = rooms
+        if self._first_rooms is None:
+            self._first_rooms = rooms
         return any(
             room < min(margins.ARM.joint_buffer, first - POSITION_PLAY)
-            for room, first in zip(rooms, self._rooms, strict=True)
+            for room, first in zip(rooms, self._first_rooms, strict=True)
+        )
+
+    def _speed(self, arm: int, reading: ArmReading) -> Ending | None:
+        allowed = self._speeds[arm]
+        speeds = zip(reading.v.tolist(), allowed, strict=True)
+        if all(-most <= v <= most for v, most in speeds):
+            return None
+        worst = int((np.abs(reading.v) - allowed).argmax())
+        return Ending(
+            "joint_limit",
+            f"arm {arm}: joint {worst + 1} at {abs(float(reading.v[worst])):.2f} rad/s, "
+            f"allowed {allowed[worst]:g} rad/s",
         )
 
     def _memory(self, arm: int) -> _Memory:
@@ -149,12 +172,10 @@ class Guard:
             "force_limit", f"tip {arm}: {text} limits.normal_force of {limit:g} N"
         )
 
-    def _position(
-        self, arm: int, limits: ArmLimits, reading: ArmReading
-    ) -> Ending | None:
+    def _position(self, arm: int, reading: ArmReading) -> Ending | None:
         memory = self._memory(arm)
-        left = _rooms(limits, reading)
-        worst = int(left.argmin())
+        left = _rooms(self.arms[arm], reading)
+        worst = int(left.argmin())  # the first that is no number, if one is not
         room = float(left[worst])
         if memory.room is None:
             memory.room = room if self.anew else math.inf
@@ -220,30 +241,16 @@ def _rooms(limits: ArmLimits, reading: ArmReading) -> Array:
     return out
 
 
-def _speed(arm: int, limits: ArmLimits, reading: ArmReading) -> Ending | None:
-    speeds = zip(reading.v.tolist(), limits.velocity.tolist(), strict=True)
-    if all(-most <= v <= most for v, most in speeds):
-        return None
-    worst = int((np.abs(reading.v) - limits.velocity).argmax())
-    return Ending(
-        "joint_limit",
-        f"arm {arm}: joint {worst + 1} at {abs(float(reading.v[worst])):.2f} rad/s, "
-        f"allowed {limits.velocity[worst]:g} rad/s",
-    )
-
-
 def _tip_jump(before: TipCommand, command: TipCommand) -> float:
     """Return how far [m] a reference jumps along the axes that hold the tip in both."""
-    step = [b - a for a, b in zip(before.position, command.position, strict=True)]
+    x0, y0, z0 = before.position
+    x1, y1, z1 = command.position
+    dx, dy = x1 - x0, y1 - y0
     c = math.cos(command.normal_yaw)
     s = math.sin(command.normal_yaw)
-    along = (c * step[0] + s * step[1], c * step[1] - s * step[0], step[2])
-    return math.hypot(
-        *(
-            d
-            for d, old, new in zip(
-                along, before.stiffness, command.stiffness, strict=True
-            )
-            if old > 0.0 and new > 0.0
-        )
-    )
+    held = [
+        one > 0.0 and other > 0.0
+        for one, other in zip(before.stiffness, command.stiffness, strict=True)
+    ]
+    along = (c * dx + s * dy, c * dy - s * dx, z1 - z0)
+    return math.hypot(*compress(along, held))
