@@ -18,6 +18,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from time import perf_counter
 
+from pushpressslide.control.adaptation import TipSpeed
 from pushpressslide.control.correction import (
     Replanner,
     press_creep,
@@ -73,7 +74,7 @@ from pushpressslide.core.wrench import Twist
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 from pushpressslide.identification.center import CenterIdentifier, CenterState
 from pushpressslide.identification.online import AxleState
-from pushpressslide.kernels.leading import corrected, eased_grip, paced
+from pushpressslide.kernels.leading import corrected, paced
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Measured
 from pushpressslide.planning.side_contacts import room_before
@@ -87,13 +88,7 @@ YAW_NOISE = math.radians(0.08)
 LEAST_GAIN = 0.1
 RETOUCHES = 3
 LOSSES = 6  # of contact at one place, above which the attempt ends
-# of the share of the steering that may be used: its fall and rise [1/s], and the least
-GRIP = (margins.GRIP_USE, 4.0, 0.5, 0.3)
 RETRIES = 4
-EFFORT_SHARE = 0.5  # of the speed that tips are led with, below which they push harder
-EFFORT_RISE = 1.0  # [1/s] of the factor on their forces, for tips at rest
-EFFORT_MOST = 1.6
-LED = 1e-4  # [m/s] below which tips are not led anywhere
 
 Commands = tuple[TipCommand | None, ...]
 Step = tuple[Commands, ControlLog, ControllerState]
@@ -429,7 +424,7 @@ class Controller:
         speed = self._speed(state, measurement.time)
         started = perf_counter()
         guidance = binding.tracker.step(
-            binding.segment.path, X_WB, state.progress, speed, state.grip
+            binding.segment.path, X_WB, state.progress, speed, state.adaptation.grip
         )
         tracked = perf_counter()
         allocation = binding.allocate(guidance.fx, guidance.fy, guidance.tau)
@@ -454,11 +449,11 @@ class Controller:
         dt = measurement.time - state.last_time
         touched = binding.touched(X_WB, measurement.tips)
         axle, center = seen(state, measurement, X_WB, touched[0])
+        speeds = self._tip_speeds(measurement, commands, contacts)
         next_state = state._replace(
             progress=guidance.progress,
             lost=lost,
-            grip=eased_grip(state.grip, most, dt, GRIP),
-            effort=self._effort(state, measurement, commands, dt),
+            adaptation=state.adaptation.step(most, speeds, dt),
             tips=memories,
             last_time=measurement.time,
             axle=axle,
@@ -492,7 +487,7 @@ class Controller:
         allocation: Allocation,
     ) -> list[TipTask]:
         """Return what each tip is to do."""
-        gain = self.force_gain * drag_ratio(state) * state.effort
+        gain = self.force_gain * drag_ratio(state) * state.adaptation.effort
         starts = [memory.start for memory in state.tips]
         speeds: list[float | None] = [None] * len(starts)
         if self.entry is not None:
@@ -525,31 +520,21 @@ class Controller:
             for c in planned
         ]
 
-    def _effort(
+    def _tip_speeds(
         self,
-        state: ControllerState,
         measurement: Measurement,
         commands: Sequence[TipCommand],
-        dt: float,
-    ) -> float:
-        """Return the factor on the contact forces after a tick: a servo of velocities
-        alone lets rest what is held by more than it gives.
+        contacts: Sequence[Contact],
+    ) -> list[TipSpeed]:
+        """Velocities of the tips, as commanded and measured; of those alone that a
+        servo drives.
         """
         if not self.drives_on:
-            return 1.0
-        led = 0.0
-        moved = 0.0
-        for command, contact in zip(
-            commands, state.binding.segment.contacts, strict=True
-        ):
-            vx, vy, _ = command.velocity
-            x, y, _ = measurement.tips[contact.arm].velocity
-            led += vx * vx + vy * vy
-            moved += vx * x + vy * y
-        if led < LED * LED:
-            return state.effort
-        slow = EFFORT_SHARE - moved / led
-        return min(EFFORT_MOST, max(1.0, state.effort + EFFORT_RISE * slow * dt))
+            return []
+        return [
+            TipSpeed(command.velocity, measurement.tips[contact.arm].velocity)
+            for command, contact in zip(commands, contacts, strict=True)
+        ]
 
     def _after_move(
         self,

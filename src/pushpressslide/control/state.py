@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from pushpressslide.control.adaptation import Adaptation
 from pushpressslide.control.correction import sides_of, touched_points
 from pushpressslide.control.timeline import Timeline
 from pushpressslide.core.allocation import Allocation
@@ -167,10 +168,7 @@ class ControllerState(NamedTuple):
     center: CenterState = NOTHING_SEEN  # what is identified of the CoM
     # p_BCom [m] of the plan that is followed
     followed_center: Point = (0.0, 0.0)
-    # share of the steering that may be used, lowered while contacts are near slipping
-    grip: float = 1.0
-    # factor on the contact forces, raised while the tips are slower than led
-    effort: float = 1.0
+    adaptation: Adaptation = Adaptation()
     # of the object, as measured or, where the camera missed it, as predicted
     X_WB: Pose2 | None = None
     twist: Twist = NO_TWIST  # that the object is led with, in B

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.batch.path_runs import END, OFF, TIME, PathRuns
-from pushpressslide.control import controller
+from pushpressslide.control import adaptation, controller
 from pushpressslide.control.tip_motion import TIP_ACCELERATION
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
@@ -197,7 +197,7 @@ def _lead(task: Task, drive: RearSteerDrive, noise: Array) -> Lead:
         drive.X_BV.yaw,
         law,
         figures_of_car(car, drive.max_friction),
-        controller.GRIP,
+        adaptation.GRIP,
     )
 
 
