@@ -27,20 +27,33 @@ class TipSpeed(NamedTuple):
 
 
 class Adaptation(NamedTuple):
-    """Two factors that follow what the contacts bear."""
+    """Factors that follow what the contacts bear, and what the object resists with."""
 
     grip: float = 1.0  # share of the steering that may be used
     effort: float = 1.0  # on the contact forces
+    drag: float | None = None  # [N] that slides the object; None: as planned
 
     def step(
-        self, utilisation: float, speeds: Sequence[TipSpeed], dt: float
+        self,
+        utilisation: float,
+        speeds: Sequence[TipSpeed],
+        drag: float | None,
+        dt: float,
     ) -> Adaptation:
         """Adaptation after a tick of ``dt`` [s] at the largest friction
-        ``utilisation`` of all contacts; ``speeds`` are those of tips that a servo leads.
+        ``utilisation`` of all contacts; ``speeds`` are those of tips that a servo leads,
+        ``drag`` [N] is identified.
         """
-        return Adaptation(
-            eased_grip(self.grip, utilisation, dt, GRIP), self._effort(speeds, dt)
-        )
+        grip = eased_grip(self.grip, utilisation, dt, GRIP)
+        return Adaptation(grip, self._effort(speeds, dt), drag)
+
+    def drag_ratio(self, planned: float) -> float:
+        """Measured over ``planned`` support friction [N]: friction, mass, or a load that
+        the object pushes differ.
+        """
+        if self.drag is None:
+            return 1.0
+        return margins.drag_ratio(self.drag, planned)
 
     def _effort(self, speeds: Sequence[TipSpeed], dt: float) -> float:
         """Factor on the contact forces after a tick: a servo of velocities alone lets

@@ -12,7 +12,6 @@ from typing import NamedTuple
 from pushpressslide.control.entry import braking
 from pushpressslide.control.state import (
     SERVO_CAP,
-    ControllerState,
     TipContext,
     TipMemory,
     contact_yaw,
@@ -290,13 +289,3 @@ def missing(
         c.kind == "top" or n >= least for c, n in zip(contacts, normals, strict=True)
     )
     return any(f.lost and wanted for f, wanted in zip(felt, asked, strict=True))
-
-
-def drag_ratio(state: ControllerState) -> float:
-    """Return measured over planned support friction: friction, mass, or a load that the
-    object pushes differ.
-    """
-    measured = state.axle.drag
-    if measured is None:
-        return 1.0
-    return margins.drag_ratio(measured, state.binding.segment.drive.max_friction)

@@ -103,3 +103,4 @@ class ControlLog:
     allocated_wrench: tuple[float, float, float]
     steering: float  # [rad] force angle from the heading axis
     status: str
+    wall_times: tuple[float, float] = (0.0, 0.0)  # [s] to track, to allocate

@@ -1,0 +1,150 @@
+"""The paper's Algorithm 1: one tick of the motion, from where the object is to what the
+tips do.
+
+    track     the twist that leads the object along its path, and the wrench for it
+    allocate  contact forces inside their cones that make up the wrench
+    regulate  each tip: its force, a servo along its motion, its normal force
+
+It is pure: what is remembered goes in and comes out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from pushpressslide.control.adaptation import Adaptation
+from pushpressslide.control.entry import Entry
+from pushpressslide.control.following import Following
+from pushpressslide.control.state import Instant, TipMemory
+from pushpressslide.control.tip_motion import Felt, TipHold, TipMover, TipTask
+from pushpressslide.core import margins
+from pushpressslide.core.allocation import Allocation
+from pushpressslide.core.control import TipCommand
+from pushpressslide.core.guidance import Guidance
+from pushpressslide.core.plan import Contact
+from pushpressslide.core.wrench import Twist
+from pushpressslide.kernels.leading import paced
+
+CATCH_UP = 1.5  # [1/s] pull of the time reference on the progress
+
+
+class Decision(NamedTuple):
+    """What a tick of the motion comes to."""
+
+    guidance: Guidance
+    allocation: Allocation
+    commands: tuple[TipCommand, ...]  # one per contact
+    tips: tuple[TipMemory, ...]  # what to remember of each
+    felt: tuple[Felt, ...]
+    wall_times: tuple[float, float]  # [s] to track, to allocate
+
+
+@dataclass(frozen=True, slots=True)
+class Law:
+    """Algorithm 1 for one placement of a plan."""
+
+    mover: TipMover
+    floor_speed: float  # [m/s] along a path, at its end
+    force_gain: float  # on the contact forces
+    servo: bool  # whether a servo adds to them
+    tracks_joints: bool  # whether the joints are led by time
+    entry: Entry | None  # into an opening of the support
+    waits: bool  # at the end of the last path, for the object to be seated or at rest
+
+    def step(
+        self,
+        following: Following,
+        instant: Instant,
+        adaptation: Adaptation,
+        tips: Sequence[TipMemory],
+        clock: Callable[[], float],
+    ) -> Decision:
+        """What the tips do at an instant; ``clock`` [s] is for the record alone."""
+        X_WB = instant.X_WB
+        binding = following.binding
+        segment = binding.segment
+        speed = self.speed(following, instant.time)
+
+        started = clock()
+        guidance = binding.tracker.step(
+            segment.path, X_WB, following.progress, speed, adaptation.grip
+        )
+        tracked = clock()
+        allocation = binding.allocate(guidance.fx, guidance.fy, guidance.tau)
+        wall_times = (tracked - started, clock() - tracked)
+
+        wanted = self._tip_tasks(following, adaptation, guidance.twist, allocation)
+        tasks = self._entered(wanted, instant, tips)
+        progress = following.joint_progress(X_WB)
+        if self.tracks_joints:
+            progress = following.joint_reference(X_WB, instant.time)
+        moved = []
+        for memory, contact, task in zip(tips, segment.contacts, tasks, strict=True):
+            context = instant.context(contact, X_WB.yaw, progress)
+            moved.append(self.mover.step(memory, context, task))
+        commands, memories, felt = zip(*moved, strict=True)
+        return Decision(guidance, allocation, commands, memories, felt, wall_times)
+
+    def speed(self, following: Following, time: float) -> float:
+        """Speed [m/s] along the path: the profile's, and what catches up."""
+        profile = following.binding.segment.profile
+        planned = profile.at(time - following.clock_start)
+        left = following.left
+        floor = self.floor_speed
+        waits = self.waits and not following.ahead and left <= margins.ARM.stop
+        pace = (floor, 1.5 * profile.speed, profile.acceleration, CATCH_UP)
+        return paced(planned, following.progress, left, 0.0 if waits else floor, pace)
+
+    def _tip_tasks(
+        self,
+        following: Following,
+        adaptation: Adaptation,
+        twist: Twist,
+        allocation: Allocation,
+    ) -> list[TipTask]:
+        """What each tip is to do."""
+        binding = following.binding
+        planned_friction = binding.segment.drive.max_friction
+        gain = self.force_gain * adaptation.drag_ratio(planned_friction)
+        gain *= adaptation.effort
+        holds = self._holds(following.segment.contacts, allocation)
+        return [
+            TipTask(twist, center, (gain * fx, gain * fy), load, hold=hold)
+            for center, (fx, fy), load, hold in zip(
+                binding.tip_points,
+                allocation.forces,
+                allocation.normals,
+                holds,
+                strict=True,
+            )
+        ]
+
+    def _holds(
+        self, planned: Sequence[Contact], allocation: Allocation
+    ) -> list[TipHold | None]:
+        """What keeps each of two pushing tips at its ``planned`` contact; None of
+        others.
+        """
+        sides = sum(contact.kind == "side" for contact in planned)
+        if sides < 2 or not self.servo:
+            return [None] * len(planned)
+        least = margins.HELD_SHARE * math.fsum(allocation.normals)
+        least = max(least, self.mover.threshold)
+        return [
+            TipHold(c.tip_place(self.mover.radii[c.arm])[0], least) for c in planned
+        ]
+
+    def _entered(
+        self, tasks: list[TipTask], instant: Instant, tips: Sequence[TipMemory]
+    ) -> list[TipTask]:
+        """The same ``tasks``, with the speed at which a press enters an opening."""
+        if self.entry is None:
+            return tasks
+        speeds = self.entry.speeds(instant.tips, [memory.start for memory in tips])
+        return [
+            task._replace(entry_speed=speed)
+            for task, speed in zip(tasks, speeds, strict=True)
+        ]
