@@ -37,7 +37,7 @@ from pushpressslide.control.estimator import (
 )
 from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.following import Binding, Following, Prediction, bind
-from pushpressslide.control.law import Law
+from pushpressslide.control.law import Decision, Law
 from pushpressslide.control.state import (
     ControllerState,
     Failure,
@@ -48,7 +48,6 @@ from pushpressslide.control.state import (
     TipMemory,
     begin,
     by_arm,
-    control_log,
     findings,
     pressed,
     ramp_time,
@@ -73,6 +72,7 @@ from pushpressslide.core.plan import Contact, Plan, Segment, lasting_arms
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.record import Ending
 from pushpressslide.core.task import Task
+from pushpressslide.core.wrench import Wrench
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 from pushpressslide.identification.center import CenterIdentifier
 from pushpressslide.identification.findings import Findings
@@ -87,6 +87,8 @@ RETRIES = 4
 
 Commands = tuple[TipCommand | None, ...]
 Step = tuple[Commands, ControlLog, ControllerState]
+# of a phase: a command per contact, the next state, what the law of the motion came to
+PhaseStep = tuple[tuple[TipCommand, ...], ControllerState, Decision | None]
 
 
 class Controller:
@@ -167,7 +169,7 @@ class Controller:
         return ControllerState(
             PhaseState("touch", measurement.time, tips),
             Following(self._bound(first), first, tuple(ahead), prediction),
-            Estimate(*pose),
+            Estimate(pose.time, pose.X_WG),
             self.estimator.start(pose),
         )
 
@@ -200,28 +202,69 @@ class Controller:
         """Return one command per arm (None: it has no contact), what was decided, and
         the next state.
         """
+        state, instant = self._estimated(state, measurement)
+        name = state.phase.name
+        if name == "touch":
+            commands, next_state, decision = self._touch(state, instant)
+        elif name == "move":
+            commands, next_state, decision = self._move(state, instant)
+        else:
+            commands, next_state, decision = self._release(state, instant)
+        contacts = state.following.binding.segment.contacts
+        log = self._log(state, instant.time, decision)
+        return by_arm(commands, contacts, len(self.robots)), log, next_state
+
+    def _estimated(
+        self, state: ControllerState, measurement: Measurement
+    ) -> tuple[ControllerState, Instant]:
+        """The state with the estimate of this tick, and what is known at it."""
         time = measurement.time
-        pose = stamped(measurement) if measurement.pose_seen else None
+        tips = measurement.tips
+        phase = state.phase
+        following = state.following
         observation = Observation(
             time,
-            pose,
-            state.phase.led,
-            state.phase.name == "move",
-            measurement.tips,
-            state.following.binding,
-            state.following.prediction,
+            stamped(measurement) if measurement.pose_seen else None,
+            phase.led,
+            phase.name == "move",
+            tips,
+            following.binding,
+            following.prediction,
         )
         estimate, estimator = self.estimator.step(state.estimator, observation)
         X_WG = estimate.X_WG
-        X_WB = X_WG.compose(self.X_GB)
         dt = time - state.estimate.time
-        instant = Instant(time, dt, X_WG, X_WB, measurement.tips)
-        state = state._replace(estimate=estimate, estimator=estimator)
-        if state.phase.name == "touch":
-            return self._touch(state, instant)
-        if state.phase.name == "move":
-            return self._move(state, instant)
-        return self._release(state, instant)
+        instant = Instant(time, dt, X_WG, X_WG.compose(self.X_GB), tips)
+        return state._replace(estimate=estimate, estimator=estimator), instant
+
+    def _log(
+        self, state: ControllerState, time: float, decision: Decision | None
+    ) -> ControlLog:
+        """What was decided at a ``time`` [s], for the record."""
+        following = state.following
+        began = following.began
+        clock = 0.0 if began is None else time - began
+        pose = self.planned.body_pose(clock).compose(self.X_BG)
+        reference = Pose2(pose.x, pose.y, wrap_angle(pose.yaw))
+        name = state.phase.name
+        if decision is None:
+            return ControlLog(name, following.progress, reference)
+        guidance = decision.guidance
+        allocation = decision.allocation
+        wrench = guidance.wrench
+        rx, ry, rt = allocation.residual
+        given = Wrench(wrench.fx - rx, wrench.fy - ry, wrench.tau - rt, wrench.about)
+        return ControlLog(
+            name,
+            following.progress,
+            reference,
+            guidance.error,
+            wrench.moved_to((0.0, 0.0))[:3],
+            given.moved_to((0.0, 0.0))[:3],
+            guidance.steering,
+            allocation.status,
+            decision.wall_times,
+        )
 
     def normal_forces(
         self, state: ControllerState, measurement: Measurement
@@ -253,7 +296,7 @@ class Controller:
         turned = math.degrees(abs(wrap_angle(pose.yaw - task.goal.yaw)))
         return Ending("goal_missed", f"{off * 1e3:.1f} mm and {turned:.1f} deg off")
 
-    def _touch(self, state: ControllerState, instant: Instant) -> Step:
+    def _touch(self, state: ControllerState, instant: Instant) -> PhaseStep:
         phase = state.phase
         contacts = state.following.binding.segment.contacts
         elapsed = instant.time - phase.since
@@ -280,9 +323,7 @@ class Controller:
             next_state = begin(next_state, "release", instant, failure)
         elif all(step.done for step in steps):
             next_state = self._begin_move(next_state, instant)
-        commands = tuple(step.command for step in steps)
-        log = control_log(state, instant.time, self.X_BG, self.planned)
-        return by_arm(commands, contacts, len(self.robots)), log, next_state
+        return tuple(step.command for step in steps), next_state, None
 
     def _touch_yaw(
         self, state: ControllerState, yaw: float, elapsed: float, aligned: float
@@ -345,19 +386,21 @@ class Controller:
         part = self.parts[segment.leg]
         return bind(part, segment, self.execution.tracker(part, segment))
 
-    def _move(self, state: ControllerState, instant: Instant) -> Step:
+    def _move(self, state: ControllerState, instant: Instant) -> PhaseStep:
         following = state.following
         binding = following.binding
         contacts = binding.segment.contacts
-        decided = self.law.step(
+        decision = self.law.step(
             following, instant, state.adaptation, state.phase.tips, perf_counter
         )
-        guidance, allocation, commands, tips, felt, wall_times = decided
+        guidance = decision.guidance
+        felt = decision.felt
+        commands = decision.commands
         lost = None
-        if missing(felt, contacts, allocation.normals):
+        if missing(felt, contacts, decision.allocation.normals):
             lost = instant.time if state.watches.lost is None else state.watches.lost
         next_state = state._replace(
-            phase=state.phase._replace(tips=tips, led=guidance.twist),
+            phase=state.phase._replace(tips=decision.tips, led=guidance.twist),
             following=following._replace(progress=guidance.progress),
             adaptation=state.adaptation.step(
                 max(tip.friction_utilisation for tip in felt),
@@ -369,16 +412,7 @@ class Controller:
         )
         touched = binding.touched(instant.X_WB, instant.tips)
         next_state = self._after_move(next_state, instant, touched, guidance)
-        log = control_log(
-            state,
-            instant.time,
-            self.X_BG,
-            self.planned,
-            guidance,
-            allocation,
-            wall_times,
-        )
-        return by_arm(commands, contacts, len(self.robots)), log, next_state
+        return commands, next_state, decision
 
     def _tip_speeds(
         self,
@@ -681,7 +715,7 @@ class Controller:
                 return anew, found.center, retries + 1
         return fresh, center, retries
 
-    def _release(self, state: ControllerState, instant: Instant) -> Step:
+    def _release(self, state: ControllerState, instant: Instant) -> PhaseStep:
         """Draw the tips back; after a failure slow down first, and go on holding an
         object that nothing else carries.
         """
@@ -695,8 +729,7 @@ class Controller:
             over = over and _at_rest(instant.tips, contacts)
         name: Phase = "done" if over else "release"
         next_state = state._replace(phase=phase._replace(name=name))
-        log = control_log(state, instant.time, self.X_BG, self.planned)
-        return by_arm(commands, contacts, len(self.robots)), log, next_state
+        return commands, next_state, None
 
     def _drawn_back(
         self, state: ControllerState, instant: Instant

@@ -10,7 +10,6 @@ It is pure: what is remembered goes in and comes out.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -24,8 +23,6 @@ from pushpressslide.core import margins
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.control import TipCommand
 from pushpressslide.core.guidance import Guidance
-from pushpressslide.core.plan import Contact
-from pushpressslide.core.wrench import Twist
 from pushpressslide.kernels.leading import paced
 
 CATCH_UP = 1.5  # [1/s] pull of the time reference on the progress
@@ -76,8 +73,15 @@ class Law:
         allocation = binding.allocate(guidance.fx, guidance.fy, guidance.tau)
         wall_times = (tracked - started, clock() - tracked)
 
-        wanted = self._tip_tasks(following, adaptation, guidance.twist, allocation)
-        tasks = self._entered(wanted, instant, tips)
+        planned_friction = segment.drive.max_friction
+        gain = self.force_gain * adaptation.drag_ratio(planned_friction)
+        gain *= adaptation.effort
+        holds = self._holds(following, allocation)
+        speeds = self._entry_speeds(instant, tips)
+        forces = [(gain * fx, gain * fy) for fx, fy in allocation.forces]
+        points = binding.tip_points
+        parts = zip(points, forces, allocation.normals, speeds, holds, strict=True)
+        tasks = [TipTask(guidance.twist, *part) for part in parts]
         progress = following.joint_progress(X_WB)
         if self.tracks_joints:
             progress = following.joint_reference(X_WB, instant.time)
@@ -98,53 +102,19 @@ class Law:
         pace = (floor, 1.5 * profile.speed, profile.acceleration, CATCH_UP)
         return paced(planned, following.progress, left, 0.0 if waits else floor, pace)
 
-    def _tip_tasks(
-        self,
-        following: Following,
-        adaptation: Adaptation,
-        twist: Twist,
-        allocation: Allocation,
-    ) -> list[TipTask]:
-        """What each tip is to do."""
-        binding = following.binding
-        planned_friction = binding.segment.drive.max_friction
-        gain = self.force_gain * adaptation.drag_ratio(planned_friction)
-        gain *= adaptation.effort
-        holds = self._holds(following.segment.contacts, allocation)
-        return [
-            TipTask(twist, center, (gain * fx, gain * fy), load, hold=hold)
-            for center, (fx, fy), load, hold in zip(
-                binding.tip_points,
-                allocation.forces,
-                allocation.normals,
-                holds,
-                strict=True,
-            )
-        ]
-
     def _holds(
-        self, planned: Sequence[Contact], allocation: Allocation
+        self, following: Following, allocation: Allocation
     ) -> list[TipHold | None]:
-        """What keeps each of two pushing tips at its ``planned`` contact; None of
-        others.
-        """
-        sides = sum(contact.kind == "side" for contact in planned)
-        if sides < 2 or not self.servo:
-            return [None] * len(planned)
-        least = margins.HELD_SHARE * math.fsum(allocation.normals)
-        least = max(least, self.mover.threshold)
-        return [
-            TipHold(c.tip_place(self.mover.radii[c.arm])[0], least) for c in planned
-        ]
+        """What keeps each tip at its planned contact; None where nothing has to."""
+        contacts = following.segment.contacts
+        if not self.servo:
+            return [None] * len(contacts)
+        return self.mover.holds(contacts, allocation.normals)
 
-    def _entered(
-        self, tasks: list[TipTask], instant: Instant, tips: Sequence[TipMemory]
-    ) -> list[TipTask]:
-        """The same ``tasks``, with the speed at which a press enters an opening."""
+    def _entry_speeds(
+        self, instant: Instant, tips: Sequence[TipMemory]
+    ) -> list[float | None]:
+        """Speed [m/s] at which each tip may go into an opening; None where none does."""
         if self.entry is None:
-            return tasks
-        speeds = self.entry.speeds(instant.tips, [memory.start for memory in tips])
-        return [
-            task._replace(entry_speed=speed)
-            for task, speed in zip(tasks, speeds, strict=True)
-        ]
+            return [None] * len(tips)
+        return self.entry.speeds(instant.tips, [memory.start for memory in tips])

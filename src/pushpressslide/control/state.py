@@ -9,21 +9,17 @@ from typing import Any, NamedTuple
 from pushpressslide.control.adaptation import Adaptation
 from pushpressslide.control.estimator import NO_TWIST, Estimate
 from pushpressslide.control.following import Following
-from pushpressslide.control.timeline import Timeline
-from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.control import (
-    ControlLog,
     Measurement,
     Phase,
     TipCommand,
     TipState,
     Vector3,
 )
-from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import Contact
-from pushpressslide.core.pose import Point, Pose2, wrap_angle
+from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.record import ReasonCode
-from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.core.wrench import Twist
 from pushpressslide.execution.normal_force import NormalForceState
 from pushpressslide.identification.findings import Findings
 
@@ -256,41 +252,3 @@ def findings(state: ControllerState) -> Findings:
     if found.rho is not None:
         return found
     return found._replace(rho=state.following.rho)
-
-
-def control_log(
-    state: ControllerState,
-    time: float,
-    X_BG: Pose2,
-    planned: Timeline,
-    guidance: Guidance | None = None,
-    allocation: Allocation | None = None,
-    wall_times: tuple[float, float] = (0.0, 0.0),
-) -> ControlLog:
-    """Return what was decided at a tick, for the record."""
-    clock = 0.0
-    following = state.following
-    if following.began is not None:
-        clock = time - following.began
-    reference = planned.body_pose(clock).compose(X_BG)
-    pose = Pose2(reference.x, reference.y, wrap_angle(reference.yaw))
-    name = state.phase.name
-    if guidance is None or allocation is None:
-        nothing = (0.0, 0.0, 0.0)
-        return ControlLog(
-            name, following.progress, pose, nothing, nothing, nothing, 0.0, "ok"
-        )
-    wrench = guidance.wrench
-    rx, ry, rt = allocation.residual
-    given = Wrench(wrench.fx - rx, wrench.fy - ry, wrench.tau - rt, wrench.about)
-    return ControlLog(
-        name,
-        following.progress,
-        pose,
-        guidance.error,
-        wrench.moved_to((0.0, 0.0))[:3],
-        given.moved_to((0.0, 0.0))[:3],
-        guidance.steering,
-        allocation.status,
-        wall_times,
-    )

@@ -104,6 +104,18 @@ class TipMover:
         )
         return max(1, math.ceil((margins.LOSS_SIGMAS * self.noise / drop) ** 2))
 
+    def holds(
+        self, planned: Sequence[Contact], normals: Sequence[float]
+    ) -> list[TipHold | None]:
+        """What keeps each of two pushing tips at its ``planned`` contact, with
+        ``normals`` [N] allocated; None of others.
+        """
+        if sum(contact.kind == "side" for contact in planned) < 2:
+            return [None] * len(planned)
+        least = max(margins.HELD_SHARE * math.fsum(normals), self.threshold)
+        places = (c.tip_place(self.radii[c.arm])[0] for c in planned)
+        return [TipHold(place, least) for place in places]
+
     def step(
         self, memory: TipMemory, context: TipContext, task: TipTask
     ) -> tuple[TipCommand, TipMemory, Felt]:
