@@ -7,7 +7,7 @@ import pytest
 
 from pushpressslide.batch.compliant_push import PushingTip, tip_pushed
 from pushpressslide.batch.rows import answers, spread
-from pushpressslide.control import controller, tip_motion
+from pushpressslide.control import adaptation, estimator, law, tip_motion
 from pushpressslide.core import path as core_path
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.pose import Pose2
@@ -31,9 +31,9 @@ def test_a_run_is_made_of_the_kernels_of_loop_and_engine():
     assert path_run.one_tip_step is tip_step.one_tip_step
     assert core_path.nearest is path_run.nearest is arc_path.nearest
     assert core_path.trapezoid is path_run.trapezoid
-    assert controller.paced is path_run.paced is leading.paced
-    assert controller.corrected is path_run.corrected
-    assert controller.eased_grip is path_run.eased_grip
+    assert law.paced is path_run.paced is leading.paced
+    assert estimator.corrected is path_run.corrected
+    assert adaptation.eased_grip is path_run.eased_grip
     assert tip_motion.approached is path_run.approached
     assert rear_car.steered_push is path_run.steered_push is tracking.steered_push
     assert rear_stanley.stanley_steering is path_run.stanley_steering

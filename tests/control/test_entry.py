@@ -6,24 +6,21 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.control.entry import BRAKE, LANDING, Entry, braking, entry
-from pushpressslide.core.control import Measurement, TipState
-from pushpressslide.core.pose import Pose2
+from pushpressslide.core.control import TipState
 
 ENTRY = Entry(0.15, ((1, 0.27), (0, 0.28)))
 # [m] of the tips, 4 mm into the face; that of arm 1 first
 PRESSED = ((0.0, 0.0, 0.266), (0.0, 0.0, 0.276))
 
 
-def at(left: float, right: float, speed: float = 0.0) -> Measurement:
+def at(left: float, right: float, speed: float = 0.0) -> tuple[TipState, ...]:
     """Tips at depths [m] in the opening; the right arm is number 1 and has the first
     contact.
     """
     places = ((0.0, 0.0, 0.28 - left), (0.0, 0.0, 0.27 - right))
     inwards = (0.0, 0.0, -speed)
     none = (0.0, 0.0, 0.0)
-    return Measurement(
-        0.0, Pose2(), tuple(TipState(place, inwards, none) for place in places)
-    )
+    return tuple(TipState(place, inwards, none) for place in places)
 
 
 def test_the_depth_is_that_of_the_tip_below_where_it_touched() -> None:

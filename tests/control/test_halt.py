@@ -44,7 +44,7 @@ def test_tips_stay_only_where_they_are_halted_on_their_way_back(
             state = controller.halted(state, measured)
         (command,), _, state = controller.step(state, measured)
         heights.append(command.position[2])
-        if state.phase == "done":
+        if state.phase.name == "done":
             break
     rise = heights[-1] - place[2]
     if drawn is None:

@@ -29,23 +29,23 @@ def touched_and_lost(way: float) -> tuple[ControllerState, int]:
     tip = TipState(place, (0.0, 0.0, 0.0), pressing)
     state = controller.init(Measurement(0.0, pose, (tip,)))
     for i in range(1, 20000):
-        before = state.phase
+        before = state.phase.name
         force = pressing if before == "touch" else (0.0, 0.0, 0.0)
         place = tip_position(contact, pose.compose(TASK.object.X_GB), radius)
         tip = TipState(place, (0.0, 0.0, 0.0), force)
         _, _, state = controller.step(state, Measurement(i * DT, pose, (tip,)))
-        if state.phase == "touch" and before == "move":
+        if state.phase.name == "touch" and before == "move":
             touches += 1
             pose = Pose2(pose.x + way, pose.y, pose.yaw)
-        if state.failure is not None or touches > 2 * LOSSES:
+        if state.phase.failure is not None or touches > 2 * LOSSES:
             break
     return state, touches
 
 
 def test_a_contact_that_is_lost_in_one_place_ends_the_attempt() -> None:
     state, touches = touched_and_lost(0.0)
-    assert state.failure is not None
-    code, text = state.failure
+    assert state.phase.failure is not None
+    code, text = state.phase.failure
     assert code == "contact_lost"
     assert f"{LOSSES + 1} times within 12 mm" in text
     assert touches == LOSSES + 1
@@ -54,4 +54,4 @@ def test_a_contact_that_is_lost_in_one_place_ends_the_attempt() -> None:
 def test_losses_on_the_way_are_borne() -> None:
     state, touches = touched_and_lost(1.5 * margins.ARM.retouch)
     assert touches > 2 * LOSSES
-    assert state.failure is None
+    assert state.phase.failure is None

@@ -5,6 +5,7 @@ diary.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
@@ -15,6 +16,7 @@ import pytest
 import pushpressslide as pps
 from pushpressslide.control import run_loop as module
 from pushpressslide.control.approach import TRAVEL_SPEED
+from pushpressslide.control.estimator import Estimator, ObjectEstimator
 from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.limits import (
     MEAN_TIME,
@@ -24,7 +26,7 @@ from pushpressslide.control.limits import (
 )
 from pushpressslide.control.plant import PlantRow
 from pushpressslide.control.run_loop import PROGRESS_TICKS, RunOptions, run_loop
-from pushpressslide.control.state import tip_position
+from pushpressslide.control.state import PhaseState, tip_position
 from pushpressslide.core import margins
 from pushpressslide.core.control import (
     PHASES,
@@ -38,7 +40,7 @@ from pushpressslide.core.control import (
 from pushpressslide.core.plan import JointPath, Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Sensing
+from pushpressslide.core.task import Sensing, Task
 
 PERIOD = 0.01
 TICKS = 10  # that a scripted placement takes
@@ -123,14 +125,19 @@ class Diary:
 
 
 @dataclass(frozen=True)
+class Followed:
+    """What the scripted controller follows."""
+
+    reference: Segment
+
+
+@dataclass(frozen=True)
 class Line:
     """The scripted controller's state."""
 
+    phase: PhaseState
+    following: Followed
     step: int = 0
-    phase: str = "move"
-    failure: tuple[str, str] | None = None
-    reference: Segment | None = None
-    ticks: tuple[float, float] = (0.0, 0.0)
 
 
 class Script:
@@ -147,6 +154,7 @@ class Script:
         gap: float | None = None,
         back: float = math.inf,
         execution: Execution = USUAL,
+        estimator: Callable[[Task], Estimator] = ObjectEstimator,
     ) -> None:
         self.back = back
         self.halts: list[float] = []
@@ -160,7 +168,8 @@ class Script:
 
     def init(self, measurement: Measurement, held: Commands) -> Line:
         self.held = held
-        return Line(phase=self.phase, reference=self.segments[0])
+        phase = PhaseState(self.phase, measurement.time, ())
+        return Line(phase, Followed(self.segments[0]))
 
     def normal_forces(self, state: Line, measurement: Measurement) -> list[float]:
         return [-tip.force[2] for tip in measurement.tips]
@@ -168,7 +177,8 @@ class Script:
     def stop(
         self, state: Line, measurement: Measurement, failure: tuple[str, str]
     ) -> Line:
-        return replace(state, step=TICKS - STOP_TICKS, failure=failure)
+        phase = state.phase._replace(failure=failure)
+        return replace(state, step=TICKS - STOP_TICKS, phase=phase)
 
     def halted(self, state: Line, measurement: Measurement) -> Line:
         self.halts.append(measurement.time)
@@ -180,13 +190,12 @@ class Script:
         self.seen.append(measurement)
         log = ControlLog("move", 0.0, Pose2(), ZERO, ZERO, ZERO, 0.0, "ok")
         last = state.step + 1 == TICKS
-        state = replace(
-            state,
-            step=state.step + 1,
-            phase="done" if last else self.phase,
-            failure=state.failure or (self.failure if last else None),
+        phase = state.phase._replace(
+            name="done" if last else self.phase,
+            failure=state.phase.failure or (self.failure if last else None),
         )
-        return (PUSH,) * self.arms, log, state
+        next_state = replace(state, step=state.step + 1, phase=phase)
+        return (PUSH,) * self.arms, log, next_state
 
 
 @pytest.fixture(scope="module")

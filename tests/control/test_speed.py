@@ -8,7 +8,7 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.control.execution import USUAL
-from pushpressslide.control.state import bind
+from pushpressslide.control.following import bind
 from pushpressslide.core.pose import Pose2
 
 MOST_CALLS = 40  # Python functions that one track plus allocate may enter

@@ -35,7 +35,6 @@ from pushpressslide.core.pose import Pose2
 SETTLE = 0.2  # [s] that an arm or tip rests at the end of its approach
 HALT = 0.3  # [s] in which an approach that is stopped comes to rest
 TRAVEL_SPEED = 0.25  # [m/s] of a tip without an arm, at its fastest
-NO_ERROR = (0.0, 0.0, 0.0)
 
 
 class Approach(ABC):
@@ -55,9 +54,7 @@ class Approach(ABC):
         """
         self._began = began
         self._halted: float | None = None  # [s]
-        self._log = ControlLog(
-            "approach", 0.0, start, NO_ERROR, NO_ERROR, NO_ERROR, 0.0, "ok"
-        )
+        self._log = ControlLog("approach", 0.0, start)
         self.held = held
         self.arrival = began + duration  # [s] when the touch begins
 

@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pushpressslide.core.control import Measurement, Vector3
+from pushpressslide.core.control import TipState, Vector3
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.task import Task
 
@@ -34,14 +34,14 @@ class Entry:
     # of each contact: its arm, and the tip's height [m] on the face
     tips: tuple[tuple[int, float], ...]
 
-    def depths(self, measurement: Measurement) -> list[float]:
+    def depths(self, tips: Sequence[TipState]) -> list[float]:
         """Return how much deeper each tip is than when it would just touch the face on
         the support [m].
         """
-        return [height - measurement.tips[arm].position[2] for arm, height in self.tips]
+        return [height - tips[arm].position[2] for arm, height in self.tips]
 
     def speeds(
-        self, measurement: Measurement, begun: Sequence[Vector3]
+        self, measured: Sequence[TipState], begun: Sequence[Vector3]
     ) -> list[float | None]:
         """Return the speed [m/s] at which each tip may go in; None while the support is
         pressed.
@@ -49,19 +49,19 @@ class Entry:
         ``begun`` [m]: where each tip was when the motion began, pressed into the face
         by its load.
         """
-        tips = (measurement.tips[arm] for arm, _ in self.tips)
+        tips = (measured[arm] for arm, _ in self.tips)
         if (
             max(p[2] - tip.position[2] for p, tip in zip(begun, tips, strict=True))
             <= ENTERED
         ):
             return [None] * len(self.tips)
-        lefts = (max(self.stop - depth, 0.0) for depth in self.depths(measurement))
+        lefts = (max(self.stop - depth, 0.0) for depth in self.depths(measured))
         return [math.sqrt(2.0 * BRAKE * left + LANDING * LANDING) for left in lefts]
 
-    def seated(self, measurement: Measurement) -> bool:
+    def seated(self, tips: Sequence[TipState]) -> bool:
         """Return whether all tips are as deep as they go, and at rest."""
-        fastest = max(abs(measurement.tips[arm].velocity[2]) for arm, _ in self.tips)
-        return min(self.depths(measurement)) > self.stop - SEATED and fastest < AT_REST
+        fastest = max(abs(tips[arm].velocity[2]) for arm, _ in self.tips)
+        return min(self.depths(tips)) > self.stop - SEATED and fastest < AT_REST
 
 
 def braking(speed: float, allowed: float) -> float:

@@ -27,6 +27,7 @@ from pushpressslide.control.approach import (
     tip_path,
 )
 from pushpressslide.control.controller import Controller
+from pushpressslide.control.estimator import Estimator, ObjectEstimator
 from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.limits import ArmReading, Guard
 from pushpressslide.control.plant import Plant, Situation
@@ -50,7 +51,7 @@ from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
-from pushpressslide.core.task import Restart
+from pushpressslide.core.task import Restart, Task
 from pushpressslide.identification.findings import NOTHING
 from pushpressslide.planning.side_contacts import before_contacts
 
@@ -72,6 +73,8 @@ class RunOptions:
     disturb: Callable[[float, Commands], Commands] | None = None
     # the laws, where an experiment changes them
     execution: Execution = USUAL
+    # makes what estimates pose and figures of the object, from the task as believed
+    estimator: Callable[[Task], Estimator] = ObjectEstimator
     # that the run goes on from; None: the task's start, with the arms before the object
     begin: Situation | None = None
 
@@ -181,7 +184,7 @@ class RunLoop:
         began = perf_counter()
         truth = self.plant.measure()
         measurement = self.sensor.measure(truth)
-        followed = self.state.reference if self.state is not None else None
+        followed = self.state.following.reference if self.state is not None else None
         readings = self.plant.readings()
         runaways = self._runaways(readings)
         commands, log = self._decide(measurement)
@@ -198,8 +201,7 @@ class RunLoop:
         self.plant.apply(applied)
         total = perf_counter() - began
         self.plant.advance()
-        decided = self.state.ticks if self.state is not None else (0.0, 0.0)
-        wall_times = (*decided, total)
+        wall_times = (*log.wall_times, total)
         tick = Tick(truth, commands, log, followed, self.plant.row(), wall_times)
         return tick, measurement
 
@@ -208,7 +210,9 @@ class RunLoop:
             return self.approach.step(measurement.time)
         if self.state is None:
             self.state = self.controller.init(measurement, self.approach.held)
-        if self.state.phase == "release" and self.guard.cramped(self.plant.readings()):
+        if self.state.phase.name == "release" and self.guard.cramped(
+            self.plant.readings()
+        ):
             self.state = self.controller.halted(self.state, measurement)
         commands, log, self.state = self.controller.step(self.state, measurement)
         return commands, log
@@ -268,7 +272,12 @@ class RunLoop:
             travel = tip_paths(placement, held, measurement)
             self.approach = TipApproach(task.start, travel, held, time)
         self.controller = Controller(
-            self.plan, self.number, gap, back, self.options.execution
+            self.plan,
+            self.number,
+            gap,
+            back,
+            self.options.execution,
+            self.options.estimator,
         )
         self.state = None
 
@@ -297,7 +306,7 @@ class RunLoop:
             return False
         pose = measurement.object_pose
         if self.state is not None:
-            pose = self.controller.seen(self.state, measurement)
+            pose = self.controller.seen(self.state)
         why = self._lacks(self.breach or ending, pose)
         if why is None:
             return False
@@ -329,7 +338,7 @@ class RunLoop:
         segment = self.controller.segments[0]
         found = NOTHING
         if self.state is not None:
-            segment = self.state.segment
+            segment = self.state.following.segment
             found = findings(self.state)
         elif any(self.approach.held):
             raise InfeasibleTaskError("one arm still holds the object")
@@ -392,7 +401,11 @@ class RunLoop:
 
     def _placement_done(self) -> bool:
         state = self.state
-        return state is not None and state.phase == "done" and state.failure is None
+        return (
+            state is not None
+            and state.phase.name == "done"
+            and state.phase.failure is None
+        )
 
     def _ending(self, tick: Tick) -> Ending | None:
         """Return the first ending that a watch finds."""
@@ -408,9 +421,9 @@ class RunLoop:
             return self._stopped_short(stopping, tick.truth.time)
         if self.state is None:
             return self.breach if self.approach.at_rest(tick.truth.time) else None
-        if self.state.phase != "done":
+        if self.state.phase.name != "done":
             return None
-        failure = self.state.failure
+        failure = self.state.phase.failure
         return Ending("goal_reached") if failure is None else Ending(*failure)
 
     def _stopped_short(self, stopping: Stop, time: float) -> Ending | None:

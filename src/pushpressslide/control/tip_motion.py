@@ -12,7 +12,6 @@ from typing import NamedTuple
 from pushpressslide.control.entry import braking
 from pushpressslide.control.state import (
     SERVO_CAP,
-    ControllerState,
     TipContext,
     TipMemory,
     contact_yaw,
@@ -104,6 +103,18 @@ class TipMover:
             (1.0 - margins.LOSS_SHARE) * contact.load,
         )
         return max(1, math.ceil((margins.LOSS_SIGMAS * self.noise / drop) ** 2))
+
+    def holds(
+        self, planned: Sequence[Contact], normals: Sequence[float]
+    ) -> list[TipHold | None]:
+        """What keeps each of two pushing tips at its ``planned`` contact, with
+        ``normals`` [N] allocated; None of others.
+        """
+        if sum(contact.kind == "side" for contact in planned) < 2:
+            return [None] * len(planned)
+        least = max(margins.HELD_SHARE * math.fsum(normals), self.threshold)
+        places = (c.tip_place(self.radii[c.arm])[0] for c in planned)
+        return [TipHold(place, least) for place in places]
 
     def step(
         self, memory: TipMemory, context: TipContext, task: TipTask
@@ -290,13 +301,3 @@ def missing(
         c.kind == "top" or n >= least for c, n in zip(contacts, normals, strict=True)
     )
     return any(f.lost and wanted for f, wanted in zip(felt, asked, strict=True))
-
-
-def drag_ratio(state: ControllerState) -> float:
-    """Return measured over planned support friction: friction, mass, or a load that the
-    object pushes differ.
-    """
-    measured = state.axle.drag
-    if measured is None:
-        return 1.0
-    return margins.drag_ratio(measured, state.binding.segment.drive.max_friction)

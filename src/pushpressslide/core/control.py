@@ -97,9 +97,10 @@ class ControlLog:
     progress: float  # [m]
     reference: Pose2  # X_WG at the same TIME
     # along [m], left [m], heading [rad]; reference minus actual
-    tracking_error: tuple[float, float, float]
+    tracking_error: Vector3 = (0.0, 0.0, 0.0)
     # fx, fy [N], tau [N m] in B, about the CoM
-    wanted_wrench: tuple[float, float, float]
-    allocated_wrench: tuple[float, float, float]
-    steering: float  # [rad] force angle from the heading axis
-    status: str
+    wanted_wrench: Vector3 = (0.0, 0.0, 0.0)
+    allocated_wrench: Vector3 = (0.0, 0.0, 0.0)
+    steering: float = 0.0  # [rad] force angle from the heading axis
+    status: str = "ok"
+    wall_times: tuple[float, float] = (0.0, 0.0)  # [s] to track, to allocate

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.batch.path_runs import END, OFF, TIME, PathRuns
-from pushpressslide.control import controller
+from pushpressslide.control import adaptation, estimator, law
 from pushpressslide.control.tip_motion import TIP_ACCELERATION
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
@@ -131,7 +131,7 @@ def path_runs(plan: Plan, noise: Array) -> PathRuns:
     profile = plan.segments[0].profile
     motion = plan.task.motion
     floor = margins.FLOOR_SPEED * motion.speed
-    pace = (floor, 1.5 * profile.speed, profile.acceleration, controller.CATCH_UP)
+    pace = (floor, 1.5 * profile.speed, profile.acceleration, law.CATCH_UP)
     course = (
         pace,
         path.length,
@@ -192,12 +192,12 @@ def _lead(task: Task, drive: RearSteerDrive, noise: Array) -> Lead:
         car.effective_wheelbase, low + reserve, high - reserve, gain, 1.0
     )
     return (
-        controller.pose_gain(sensing),
+        estimator.pose_gain(sensing),
         drive.X_BV.position,
         drive.X_BV.yaw,
         law,
         figures_of_car(car, drive.max_friction),
-        controller.GRIP,
+        adaptation.GRIP,
     )
 
 

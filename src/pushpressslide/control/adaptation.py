@@ -1,0 +1,70 @@
+"""How the controller adapts: it steers less while contacts are near slipping, and pushes
+harder while tips that are led do not move.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from pushpressslide.core import margins
+from pushpressslide.core.control import Vector3
+from pushpressslide.kernels.leading import eased_grip
+
+# of the share of the steering that may be used: its fall and rise [1/s], and the least
+GRIP = (margins.GRIP_USE, 4.0, 0.5, 0.3)
+EFFORT_SHARE = 0.5  # of the speed that tips are led with, below which they push harder
+EFFORT_RISE = 1.0  # [1/s] of the factor on their forces, for tips at rest
+EFFORT_MOST = 1.6
+LED = 1e-4  # [m/s] below which tips are not led anywhere
+
+
+class TipSpeed(NamedTuple):
+    """How fast a tip is led, and how fast it moves [m/s]."""
+
+    led: Vector3
+    measured: Vector3
+
+
+class Adaptation(NamedTuple):
+    """Factors that follow what the contacts bear, and what the object resists with."""
+
+    grip: float = 1.0  # share of the steering that may be used
+    effort: float = 1.0  # on the contact forces
+    drag: float | None = None  # [N] that slides the object; None: as planned
+
+    def step(
+        self,
+        utilisation: float,
+        speeds: Sequence[TipSpeed],
+        drag: float | None,
+        dt: float,
+    ) -> Adaptation:
+        """Adaptation after a tick of ``dt`` [s] at the largest friction
+        ``utilisation`` of all contacts; ``speeds`` are those of tips that a servo leads,
+        ``drag`` [N] is identified.
+        """
+        grip = eased_grip(self.grip, utilisation, dt, GRIP)
+        return Adaptation(grip, self._effort(speeds, dt), drag)
+
+    def drag_ratio(self, planned: float) -> float:
+        """Measured over ``planned`` support friction [N]: friction, mass, or a load that
+        the object pushes differ.
+        """
+        if self.drag is None:
+            return 1.0
+        return margins.drag_ratio(self.drag, planned)
+
+    def _effort(self, speeds: Sequence[TipSpeed], dt: float) -> float:
+        """Factor on the contact forces after a tick: a servo of velocities alone lets
+        rest what is held by more than it gives.
+        """
+        led = 0.0
+        moved = 0.0
+        for (vx, vy, _), (x, y, _) in speeds:
+            led += vx * vx + vy * vy
+            moved += vx * x + vy * y
+        if led < LED * LED:
+            return self.effort
+        slow = EFFORT_SHARE - moved / led
+        return min(EFFORT_MOST, max(1.0, self.effort + EFFORT_RISE * slow * dt))

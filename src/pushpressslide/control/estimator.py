@@ -1,0 +1,203 @@
+"""Where the object is and what it is like, from stamped poses, what it was led with,
+and the contact forces.
+
+Another estimator takes the place of ``ObjectEstimator`` if it has the two functions of
+``Estimator``: a run is given one by ``RunOptions.estimator``.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple, Protocol
+
+from pushpressslide.control.correction import touched_points
+from pushpressslide.control.following import Binding, Prediction
+from pushpressslide.core.control import Measurement, TipState
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Sensing, Task
+from pushpressslide.core.twist_path import moved
+from pushpressslide.core.wrench import Twist
+from pushpressslide.identification.center import CenterState
+from pushpressslide.identification.findings import NOTHING, Findings
+from pushpressslide.identification.online import AxleState
+from pushpressslide.kernels.leading import corrected
+
+# [m], [rad] of noise that may remain in the object's pose: the mean of as many
+# measurements as it takes, up to 1 / LEAST_GAIN
+POSE_NOISE = 2e-4
+YAW_NOISE = math.radians(0.08)
+LEAST_GAIN = 0.1
+NO_TWIST = Twist(0.0, 0.0, 0.0)
+
+
+class StampedPose(NamedTuple):
+    """A measured pose of the object, and when it was measured."""
+
+    time: float  # [s]
+    X_WG: Pose2
+
+
+class Estimate(NamedTuple):
+    """What is known of the object at a time."""
+
+    time: float  # [s]
+    X_WG: Pose2
+    twist: Twist = NO_TWIST  # in B
+    parameters: Findings = NOTHING  # rho only where it is identified now
+    age: float = 0.0  # [s] of the last pose that was measured
+
+
+class Observation(NamedTuple):
+    """What an estimator is given at a tick."""
+
+    time: float  # [s]
+    pose: StampedPose | None  # None: nothing new
+    led: Twist  # that the object was led with since the last tick, in B
+    driven: bool  # whether the tips are to move the object now
+    tips: tuple[TipState, ...]  # as measured
+    binding: Binding  # what is followed
+    prediction: Prediction  # what the plan says of the object
+
+
+class Estimator(Protocol):
+    """Keeps no attribute that changes: its state goes in and comes out."""
+
+    def start(self, pose: StampedPose) -> Any:
+        """State at the start of a placement, with the object seen at ``pose``."""
+        ...
+
+    def step(self, state: Any, observation: Observation) -> tuple[Estimate, Any]:
+        """Estimate at a tick, and the next state; it never raises."""
+        ...
+
+
+class EstimatorState(NamedTuple):
+    """What the estimator remembers between ticks."""
+
+    pose: StampedPose  # the last one that was measured
+    time: float  # [s] of the last tick
+    X_WB: Pose2 | None = None  # as estimated at the last tick; None before the first
+    prediction: Prediction = Prediction()  # that the two next are compared with
+    axle: AxleState = AxleState()  # what is identified of the virtual axle
+    center: CenterState = CenterState()  # the same of the CoM
+
+
+class ObjectEstimator:
+    """Corrects a predicted pose by the measured one, and identifies virtual axle, rho,
+    drag and CoM while the object is driven.
+    """
+
+    def __init__(self, task: Task) -> None:
+        """Bind to the object and the sensors of ``task``, as they are believed."""
+        self._X_GB = task.object.X_GB
+        self._X_BG = self._X_GB.inverse()
+        self._gain = pose_gain(task.sensing)
+
+    def start(self, pose: StampedPose) -> EstimatorState:
+        """State in which nothing is identified."""
+        return EstimatorState(pose, pose.time)
+
+    def step(
+        self, state: EstimatorState, observation: Observation
+    ) -> tuple[Estimate, EstimatorState]:
+        """Estimate at a tick, and the next state."""
+        time = observation.time
+        pose = observation.pose or state.pose
+        X_WG = self._pose(state, observation)
+        X_WB = X_WG.compose(self._X_GB)
+        axle, center = _kept(state, observation.prediction)
+        if observation.driven:
+            axle, center = _identified(axle, center, X_WB, observation)
+        state = EstimatorState(pose, time, X_WB, observation.prediction, axle, center)
+        estimate = Estimate(
+            time, X_WG, observation.led, _findings(state), time - pose.time
+        )
+        return estimate, state
+
+    def _pose(self, state: EstimatorState, observation: Observation) -> Pose2:
+        """X_WG: where the object should have moved since the last tick, corrected by
+        what was measured; where the camera missed it, not corrected.
+        """
+        measured = observation.pose
+        if state.X_WB is None:
+            return (measured or state.pose).X_WG
+        if measured is not None and self._gain == 1.0:
+            return measured.X_WG
+        at_com = observation.led.moved_to((0.0, 0.0))
+        dt = observation.time - state.time
+        predicted = moved(state.X_WB, (at_com.vx, at_com.vy, at_com.w), dt)
+        if measured is None:
+            return predicted.compose(self._X_BG)
+        seen = measured.X_WG.compose(self._X_GB)
+        pose = corrected(
+            (predicted.x, predicted.y, predicted.yaw),
+            (seen.x, seen.y, seen.yaw),
+            self._gain,
+        )
+        return Pose2(*pose).compose(self._X_BG)
+
+
+def pose_gain(sensing: Sensing) -> float:
+    """Return the share of a measured pose's error that corrects the predicted one: 1
+    without noise, less where it is larger than POSE_NOISE or YAW_NOISE.
+    """
+    noise = max(sensing.position_noise / POSE_NOISE, sensing.yaw_noise / YAW_NOISE)
+    return min(1.0, max(LEAST_GAIN, 1.0 / max(noise * noise, 1e-12)))
+
+
+def stamped(measurement: Measurement) -> StampedPose:
+    """Pose of a measurement with its time, whether it is new or the last one seen."""
+    return StampedPose(measurement.time, measurement.object_pose)
+
+
+def _kept(
+    state: EstimatorState, prediction: Prediction
+) -> tuple[AxleState, CenterState]:
+    """What stays known of virtual axle and CoM where a plan predicts others."""
+    axle = state.axle
+    center = state.center
+    before = state.prediction
+    if prediction.axle is not before.axle:
+        axle = AxleState(drag=axle.drag)
+    if prediction.center is not before.center and before.center is not None:
+        center = before.center.onward(center)
+    return axle, center
+
+
+def _identified(
+    axle: AxleState, center: CenterState, X_WB: Pose2, observation: Observation
+) -> tuple[AxleState, CenterState]:
+    """What is identified of virtual axle and CoM after a tick in which the first contact
+    drives the object.
+    """
+    binding = observation.binding
+    first = binding.segment.contacts[:1]
+    (touched,) = touched_points(first, binding.sides[:1], X_WB, observation.tips)
+    fx, fy, _ = observation.tips[first[0].arm].force
+    force = X_WB.unrotate((fx, fy))
+    time = observation.time
+    predicted = observation.prediction
+    if predicted.axle is not None:
+        axle = predicted.axle.step(axle, time, X_WB, force)
+    if predicted.center is not None:
+        center = predicted.center.step(center, time, X_WB, force, touched)
+    return axle, center
+
+
+def _findings(state: EstimatorState) -> Findings:
+    """What is identified: virtual axle and CoM where they contradict the plan, and rho
+    with the axle.
+    """
+    predicted = state.prediction
+    axle = None
+    if predicted.axle is not None:
+        axle = predicted.axle.identified(state.axle)
+    center = state.center.center
+    elsewhere = False
+    if predicted.center is not None:
+        followed = predicted.followed_center
+        elsewhere = predicted.center.contradicts(state.center, followed)
+        if not elsewhere:  # the plan is not contradicted
+            center = followed
+    rho = None if axle is None else axle.rho
+    return Findings(axle, rho, state.axle.drag, center, elsewhere)

@@ -1,0 +1,120 @@
+"""The paper's Algorithm 1: one tick of the motion, from where the object is to what the
+tips do.
+
+    track     the twist that leads the object along its path, and the wrench for it
+    allocate  contact forces inside their cones that make up the wrench
+    regulate  each tip: its force, a servo along its motion, its normal force
+
+It is pure: what is remembered goes in and comes out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from pushpressslide.control.adaptation import Adaptation
+from pushpressslide.control.entry import Entry
+from pushpressslide.control.following import Following
+from pushpressslide.control.state import Instant, TipMemory
+from pushpressslide.control.tip_motion import Felt, TipHold, TipMover, TipTask
+from pushpressslide.core import margins
+from pushpressslide.core.allocation import Allocation
+from pushpressslide.core.control import TipCommand
+from pushpressslide.core.guidance import Guidance
+from pushpressslide.kernels.leading import paced
+
+CATCH_UP = 1.5  # [1/s] pull of the time reference on the progress
+
+
+class Decision(NamedTuple):
+    """What a tick of the motion comes to."""
+
+    guidance: Guidance
+    allocation: Allocation
+    commands: tuple[TipCommand, ...]  # one per contact
+    tips: tuple[TipMemory, ...]  # what to remember of each
+    felt: tuple[Felt, ...]
+    wall_times: tuple[float, float]  # [s] to track, to allocate
+
+
+@dataclass(frozen=True, slots=True)
+class Law:
+    """Algorithm 1 for one placement of a plan."""
+
+    mover: TipMover
+    floor_speed: float  # [m/s] along a path, at its end
+    force_gain: float  # on the contact forces
+    servo: bool  # whether a servo adds to them
+    tracks_joints: bool  # whether the joints are led by time
+    entry: Entry | None  # into an opening of the support
+    waits: bool  # at the end of the last path, for the object to be seated or at rest
+
+    def step(
+        self,
+        following: Following,
+        instant: Instant,
+        adaptation: Adaptation,
+        tips: Sequence[TipMemory],
+        clock: Callable[[], float],
+    ) -> Decision:
+        """What the tips do at an instant; ``clock`` [s] is for the record alone."""
+        X_WB = instant.X_WB
+        binding = following.binding
+        segment = binding.segment
+        speed = self.speed(following, instant.time)
+
+        started = clock()
+        guidance = binding.tracker.step(
+            segment.path, X_WB, following.progress, speed, adaptation.grip
+        )
+        tracked = clock()
+        allocation = binding.allocate(guidance.fx, guidance.fy, guidance.tau)
+        wall_times = (tracked - started, clock() - tracked)
+
+        planned_friction = segment.drive.max_friction
+        gain = self.force_gain * adaptation.drag_ratio(planned_friction)
+        gain *= adaptation.effort
+        holds = self._holds(following, allocation)
+        speeds = self._entry_speeds(instant, tips)
+        forces = [(gain * fx, gain * fy) for fx, fy in allocation.forces]
+        points = binding.tip_points
+        parts = zip(points, forces, allocation.normals, speeds, holds, strict=True)
+        tasks = [TipTask(guidance.twist, *part) for part in parts]
+        progress = following.joint_progress(X_WB)
+        if self.tracks_joints:
+            progress = following.joint_reference(X_WB, instant.time)
+        moved = []
+        for memory, contact, task in zip(tips, segment.contacts, tasks, strict=True):
+            context = instant.context(contact, X_WB.yaw, progress)
+            moved.append(self.mover.step(memory, context, task))
+        commands, memories, felt = zip(*moved, strict=True)
+        return Decision(guidance, allocation, commands, memories, felt, wall_times)
+
+    def speed(self, following: Following, time: float) -> float:
+        """Speed [m/s] along the path: the profile's, and what catches up."""
+        profile = following.binding.segment.profile
+        planned = profile.at(time - following.clock_start)
+        left = following.left
+        floor = self.floor_speed
+        waits = self.waits and not following.ahead and left <= margins.ARM.stop
+        pace = (floor, 1.5 * profile.speed, profile.acceleration, CATCH_UP)
+        return paced(planned, following.progress, left, 0.0 if waits else floor, pace)
+
+    def _holds(
+        self, following: Following, allocation: Allocation
+    ) -> list[TipHold | None]:
+        """What keeps each tip at its planned contact; None where nothing has to."""
+        contacts = following.segment.contacts
+        if not self.servo:
+            return [None] * len(contacts)
+        return self.mover.holds(contacts, allocation.normals)
+
+    def _entry_speeds(
+        self, instant: Instant, tips: Sequence[TipMemory]
+    ) -> list[float | None]:
+        """Speed [m/s] at which each tip may go into an opening; None where none does."""
+        if self.entry is None:
+            return [None] * len(tips)
+        return self.entry.speeds(instant.tips, [memory.start for memory in tips])
