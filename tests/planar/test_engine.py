@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
-from pushpressslide.control.run_loop import RunOptions
+from pushpressslide.control.run_loop import RunLoop, RunOptions, run_loop
 from pushpressslide.core.plan import Contact
+from pushpressslide.core.record import Ending
 from pushpressslide.planar.engine import run
+from pushpressslide.planar.plant import PlanarPlant
 from pushpressslide.view.planar.replay import replay_data, write_replay
 
 
@@ -90,3 +92,26 @@ def test_the_page_shows_every_tip_and_the_load_of_presses(idle, tmp_path):
     assert set(data["loads"][0]) == {0.0}
     assert len(data["tips"]) == len(data["forces"]) == 2
     assert "NaN" not in write_replay(plan, record, tmp_path).read_text()
+
+
+def test_a_run_is_a_loop_over_steps() -> None:
+    """Stepped by hand, in one piece, and stopped half-way."""
+    plan = pps.plan(pps.load_task("rear-push-rear"))
+    whole = run_loop(PlanarPlant(plan), plan)
+    loop = RunLoop(PlanarPlant(plan), plan)
+    ending = None
+    half = None
+    while ending is None:
+        if half is None and loop.plant.time > 5.0:
+            half = loop.record(Ending("interrupted", "looked at"))
+        ending = loop.step()
+    stepped = loop.record(ending)
+    assert (stepped.reason, stepped.reason_text) == (whole.reason, whole.reason_text)
+    assert half is not None
+    for name, values in whole.arrays.items():
+        if name.startswith("tick_"):
+            continue
+        assert np.array_equal(values, stepped.arrays[name], equal_nan=True), name
+        if not name.startswith("plan_"):
+            part = half.arrays[name]
+            assert np.array_equal(values[: len(part)], part, equal_nan=True), name

@@ -90,7 +90,7 @@ def run_loop(
     Nothing is decided by wall time: a plant that is deterministic gives the same record
     for the same seed.
     """
-    loop = RunLoop(plant, plan, options or RunOptions(), watches)
+    loop = RunLoop(plant, plan, options, watches)
     with _uncollected():
         return loop.run()
 
@@ -113,8 +113,14 @@ class RunLoop:
     """One run: the present placement, what is ahead, and what ends it."""
 
     def __init__(
-        self, plant: Plant, plan: Plan, options: RunOptions, watches: Sequence[Watch]
+        self,
+        plant: Plant,
+        plan: Plan,
+        options: RunOptions | None = None,
+        watches: Sequence[Watch] = (),
     ) -> None:
+        """Put the first placement before ``plant``; nothing has moved yet."""
+        options = options or RunOptions()
         task = plan.part(plan.segments[0])
         period = task.motion.control_period
         self.plan = plan
@@ -146,21 +152,35 @@ class RunLoop:
         self._begin((None,) * len(task.robots), plant.time, before)
 
     def run(self) -> Record:
-        """Go through all ticks and return the record."""
+        """Step to the end and return the record."""
         started = perf_counter()
-        ending = Ending("time_limit", f"limits.time of {self.time_limit:g} s is over")
-        while self.plant.time < self.time_limit:
-            tick, measurement = self._tick()
-            self.recorder.add(tick)
-            if self._placement_done() and self.number + 1 < len(self.placements):
-                self._hand_over(tick, measurement)
-            ended = self._ending(tick)
-            if ended is not None and not self._recovers(ended, tick, measurement):
-                ending = ended
-                break
-            self._report(tick.truth.time)
+        ending = None
+        while ending is None:
+            ending = self.step()
+        return self.record(ending, perf_counter() - started)
+
+    def step(self) -> Ending | None:
+        """Pass one control period: measure, decide, guard, apply, advance, record.
+
+        Returns why the run is over, None while it goes on. After a recovery the tick
+        is the last one before the new approach.
+        """
+        if self.plant.time >= self.time_limit:
+            text = f"limits.time of {self.time_limit:g} s is over"
+            return Ending("time_limit", text)
+        tick, measurement = self._tick()
+        self.recorder.add(tick)
+        if self._placement_done() and self.number + 1 < len(self.placements):
+            self._hand_over(tick, measurement)
+        ended = self._ending(tick)
+        if ended is not None and not self._recovers(ended, tick, measurement):
+            return ended
+        self._report(tick.truth.time)
+        return None
+
+    def record(self, ending: Ending, wall_time: float = 0.0) -> Record:
+        """Return the record of all steps so far, which took ``wall_time`` [s]."""
         arrays = self.recorder.arrays()
-        wall_time = perf_counter() - started
         plan = self.plan
         for earlier, count in reversed(self.earlier):
             plan = earlier.begun(count, plan)

@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from pushpressslide.control.plant import Plant
-from pushpressslide.control.run_loop import RunLoop, RunOptions
+from pushpressslide.control.run_loop import RunLoop
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Measurement
 from pushpressslide.core.errors import (
@@ -118,7 +118,7 @@ class CommandEnv(gymnasium.Env):
         super().reset(seed=seed)
         starts = start_asked(options, 1)
         plant, plan = self._made(None if starts is None else starts[0])
-        self.loop = RunLoop(plant, plan, RunOptions(), ())
+        self.loop = RunLoop(plant, plan)
         self._touching = frozenset(contact.arm for contact in plan.contacts)
         measurement = plant.measure()
         while measurement.time < self.loop.approach.arrival:
