@@ -168,6 +168,20 @@ def print_legs(plan: Plan) -> None:
             )
 
 
+def _print_stages(stages: Sequence[Mapping[str, Any]]) -> None:
+    """Say what each of several stages did."""
+    if len(stages) < 2:
+        return
+    for number, stage in enumerate(stages, start=1):
+        reached = "reached" if stage["reached"] else "not reached"
+        purpose = "aside" if stage["aside"] else "to its goal"
+        modes = ", ".join(stage["modes"]) or "not begun"
+        text = f"stage {number}: {stage['body']} {purpose}, {modes}, {reached}"
+        if stage["time"] is not None:
+            text += f" at {stage['time'][1]:.1f} s"
+        print_text(text, 4)
+
+
 def print_result(result: Mapping[str, Any], folder: Path) -> None:
     """Print the figures of a run, and where its pages are."""
     table = simple_table("figure", "value", "unit")
@@ -192,15 +206,7 @@ def print_result(result: Mapping[str, Any], folder: Path) -> None:
             shown += f" / {_number(result.get('motion_duration'), scale, digits)}"
         table.add_row(name, shown, unit)
     _print(table)
-    stages = result.get("stages", ())
-    for number, stage in enumerate(stages if len(stages) > 1 else (), start=1):
-        reached = "reached" if stage["reached"] else "not reached"
-        purpose = "aside" if stage["aside"] else "to its goal"
-        modes = ", ".join(stage["modes"]) or "not begun"
-        text = f"stage {number}: {stage['body']} {purpose}, {modes}, {reached}"
-        if stage["time"] is not None:
-            text += f" at {stage['time'][1]:.1f} s"
-        print_text(text, 4)
+    _print_stages(result.get("stages", ()))
     for event in result["events"]:
         goes_on = (
             "planned anew" if event["recovered"] else f"no way on: {event['lacking']}"

@@ -11,7 +11,7 @@ from pushpressslide.control.limits import MEAN_TIME
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import wrap_angle
 from pushpressslide.core.record import Ending, Record
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Task, Tolerance
 from pushpressslide.report import series
 from pushpressslide.report.support import seat_error
 
@@ -47,18 +47,22 @@ def outcome_figures(
     """
     error = goal_error(task, record)
     fault = _fault(task, record, figures)
-    tolerance = task.tolerance
     return {
         "success": record.reason == "goal_reached" and fault is None,
         "reason": _reason(task, record, error, fault),
         "final_position_error": error.position,
         "final_yaw_error": error.yaw,
         "final_error_xy": [error.ahead, error.left],
-        "tolerance": {
-            "position": tolerance.position,
-            "yaw": tolerance.yaw,
-            "bodies": tolerance.bodies,
-        },
+        "tolerance": tolerance_figures(task.tolerance),
+    }
+
+
+def tolerance_figures(tolerance: Tolerance) -> dict[str, float]:
+    """Return a tolerance, as in result.json."""
+    return {
+        "position": tolerance.position,
+        "yaw": tolerance.yaw,
+        "bodies": tolerance.bodies,
     }
 
 

@@ -14,7 +14,7 @@ from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.core.record import Ending
 from pushpressslide.core.task import Task, Tolerance
 from pushpressslide.report.json_text import plain
-from pushpressslide.report.outcome import goal_error
+from pushpressslide.report.outcome import goal_error, tolerance_figures
 from pushpressslide.report.stages import StageRun, final_poses
 
 Figures = Mapping[str, Any]
@@ -82,11 +82,7 @@ def staged_result(
         "reason": {"code": ended.code, "text": ended.text},
         "final_position_error": worst[0],
         "final_yaw_error": worst[1],
-        "tolerance": {
-            "position": task.tolerance.position,
-            "yaw": task.tolerance.yaw,
-            "bodies": task.tolerance.bodies,
-        },
+        "tolerance": tolerance_figures(task.tolerance),
         "planning_time": _planning_time(results),
         "events": _events(runs, results),
         "bodies": bodies,

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -114,26 +115,18 @@ def replay_data(
     ticks = frames(arrays["time"])
     tips = np.moveaxis(arrays["tip_position"][ticks][:, :, :2], 1, 0)
     forces = np.nan_to_num(np.moveaxis(arrays["measured_force"][ticks], 1, 0))
-    plans = [part.plan for part in parts] or [plan]
+    stages = list(parts) or [replace(record, plan=plan)]
     scene, own_ticks = scene_ticks(record, ticks)
     axles = []
     contacts: list[list[float | str | None]] = [[] for _ in task.robots]
-    for number, own_plan in enumerate(plans):
-        own = ticks[scene == number]
-        part = parts[number] if parts else record
-        axles += _axles(own_plan, arrays["vehicle_frame"][own])
-        for row, found in zip(
-            contacts,
-            _contacts(own_plan, part, own_ticks[scene == number]),
-            strict=True,
-        ):
-            row += found
+    for number, stage in enumerate(stages):
+        own = own_ticks[scene == number]
+        axles += _axles(stage, own)
+        found = _contacts(stage, own)
+        contacts = [row + more for row, more in zip(contacts, found, strict=True)]
     return {
         **_support_data(task, goals or task_goals(task)),
-        "scenes": [
-            _scene_data(own_plan.task, part)
-            for own_plan, part in zip(plans, parts or [record], strict=True)
-        ],
+        "scenes": list(map(_scene_data, stages)),
         "scene": scene.tolist(),
         "moving": (arrays["phase"][ticks] == PHASES.index("move")).tolist(),
         "pose": _degrees(arrays["object_pose"][ticks]),
@@ -161,20 +154,23 @@ def scene_ticks(
     return scene, ticks - first
 
 
-def _axles(plan: Plan, frames_BV: Array) -> list[list[float]]:
-    """Return X_GV of the tracking point, yaw in degrees."""
-    found = [plan.task.X_GB.compose(Pose2(*map(float, row))) for row in frames_BV]
+def _axles(record: Record, ticks: NDArray[np.intp]) -> list[list[float]]:
+    """Return X_GV of the tracking point at ticks of a stage, yaw in degrees."""
+    X_GB = record.plan.task.X_GB
+    rows = record.arrays["vehicle_frame"][ticks]
+    found = [X_GB.compose(Pose2(*map(float, row))) for row in rows]
     return [
         [round(X.x, 4), round(X.y, 4), round(math.degrees(X.yaw), 2)] for X in found
     ]
 
 
 def _contacts(
-    plan: Plan, record: Record, ticks: NDArray[np.intp]
+    record: Record, ticks: NDArray[np.intp]
 ) -> list[list[float | str | None]]:
     """Return for each arm and frame the direction of its push in the object's frame
     [deg], "top" for a press, None without a contact.
     """
+    plan = record.plan
     parts = plan.by_placement
     number = record.arrays["placement"][ticks].astype(int)
     out: list[list[float | str | None]] = []
@@ -208,8 +204,9 @@ def _support_data(task: Task, goals: Sequence[Placed]) -> dict[str, Any]:
     }
 
 
-def _scene_data(task: Task, record: Record) -> dict[str, Any]:
+def _scene_data(record: Record) -> dict[str, Any]:
     """Return what does not move in a stage, the outline of what does, and its path."""
+    task = record.plan.task
     outline = [[round(x, 5), round(y, 5)] for x, y in task.object.shape.outline()]
     obstacles = []
     for obstacle in task.obstacles:
