@@ -19,11 +19,8 @@ EFFORT_MOST = 1.6
 LED = 1e-4  # [m/s] below which tips are not led anywhere
 
 
-class TipSpeed(NamedTuple):
-    """How fast a tip is led, and how fast it moves [m/s]."""
-
-    led: Vector3
-    measured: Vector3
+TipSpeed = tuple[Vector3, Vector3]
+"""How fast a tip is led, and how fast it moves [m/s]."""
 
 
 class Adaptation(NamedTuple):

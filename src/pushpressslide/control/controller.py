@@ -235,7 +235,10 @@ class Controller:
         X_WG = estimate.X_WG
         dt = time - state.estimate.time
         instant = Instant(time, dt, X_WG, X_WG.compose(self.X_GB), tips)
-        return state._replace(estimate=estimate, estimator=estimator), instant
+        estimated = ControllerState(
+            phase, following, estimate, estimator, state.adaptation, state.watches
+        )
+        return estimated, instant
 
     def _log(
         self, state: ControllerState, time: float, decision: Decision | None
@@ -396,19 +399,23 @@ class Controller:
         guidance = decision.guidance
         felt = decision.felt
         commands = decision.commands
-        lost = None
-        if missing(felt, contacts, decision.allocation.normals):
-            lost = instant.time if state.watches.lost is None else state.watches.lost
-        next_state = state._replace(
-            phase=state.phase._replace(tips=decision.tips, led=guidance.twist),
-            following=following._replace(progress=guidance.progress),
-            adaptation=state.adaptation.step(
-                max(tip.friction_utilisation for tip in felt),
-                self._tip_speeds(instant, commands, contacts),
-                state.estimate.parameters.drag,
-                instant.dt,
-            ),
-            watches=state.watches._replace(lost=lost),
+        watches = state.watches
+        lost = missing(felt, contacts, decision.allocation.normals)
+        if lost != (watches.lost is not None):
+            watches = watches._replace(lost=instant.time if lost else None)
+        adaptation = state.adaptation.step(
+            max(tip.friction_utilisation for tip in felt),
+            self._tip_speeds(instant, commands, contacts),
+            state.estimate.parameters.drag,
+            instant.dt,
+        )
+        next_state = ControllerState(
+            PhaseState("move", state.phase.since, decision.tips, led=guidance.twist),
+            following._replace(progress=guidance.progress),
+            state.estimate,
+            state.estimator,
+            adaptation,
+            watches,
         )
         touched = binding.touched(instant.X_WB, instant.tips)
         next_state = self._after_move(next_state, instant, touched, guidance)
@@ -426,7 +433,7 @@ class Controller:
         if not self.law.servo:
             return []
         return [
-            TipSpeed(command.velocity, instant.tips[contact.arm].velocity)
+            (command.velocity, instant.tips[contact.arm].velocity)
             for command, contact in zip(commands, contacts, strict=True)
         ]
 
@@ -455,7 +462,7 @@ class Controller:
         if rests > margins.ARM.stall_time:
             text = f"stood still for {rests:.0f} s, {left * 1e3:.0f} mm before its end"
             return begin(state, "release", instant, ("goal_missed", text))
-        if self._arrived(following, instant):
+        if self._arrived(following, instant, left):
             ahead = following.ahead or self._retry(state, instant)
             if not ahead:
                 return begin(state, "done" if self.holds else "release", instant)
@@ -478,15 +485,13 @@ class Controller:
         """
         if self.waits or not self.law.servo:
             return None
-        moving = Still(instant.X_WB, instant.time)
         still = state.watches.still
-        if still is None or still.since < state.phase.since:
-            return moving
-        way = self._way(still.pose, instant.X_WB)
-        speed = state.following.binding.segment.profile.speed
-        if way < margins.STALL * speed * margins.ARM.stall_time:
-            return still
-        return moving
+        if still is not None and still.since >= state.phase.since:
+            way = self._way(still.pose, instant.X_WB)
+            speed = state.following.binding.segment.profile.speed
+            if way < margins.STALL * speed * margins.ARM.stall_time:
+                return still
+        return Still(instant.X_WB, instant.time)
 
     def _touch_again(self, state: ControllerState, instant: Instant) -> ControllerState:
         """Touch where the tips are; stop where contact is lost again and again."""
@@ -584,9 +589,10 @@ class Controller:
         )
         return state._replace(following=following)
 
-    def _arrived(self, following: Following, instant: Instant) -> bool:
-        """Whether a segment is over; in an opening, or held, when it rests."""
-        left = following.left
+    def _arrived(self, following: Following, instant: Instant, left: float) -> bool:
+        """Whether a segment is over, ``left`` [m] before its end; in an opening, or
+        held, when it rests.
+        """
         if following.ahead or not self.waits:
             return left <= margins.ARM.stop
         duration = following.binding.segment.profile.duration

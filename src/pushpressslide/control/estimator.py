@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple, Protocol
 
-from pushpressslide.control.correction import touched_points
+from pushpressslide.control.correction import touched_point
 from pushpressslide.control.following import Binding, Prediction
 from pushpressslide.core.control import Measurement, TipState
 from pushpressslide.core.pose import Pose2
@@ -80,6 +80,7 @@ class EstimatorState(NamedTuple):
     prediction: Prediction = Prediction()  # that the two next are compared with
     axle: AxleState = AxleState()  # what is identified of the virtual axle
     center: CenterState = CenterState()  # the same of the CoM
+    findings: Findings = NOTHING  # of all that
 
 
 class ObjectEstimator:
@@ -105,14 +106,21 @@ class ObjectEstimator:
         pose = observation.pose or state.pose
         X_WG = self._pose(state, observation)
         X_WB = X_WG.compose(self._X_GB)
-        axle, center = _kept(state, observation.prediction)
+        predicted = observation.prediction
+        axle = state.axle
+        center = state.center
+        found = state.findings
+        if predicted is not state.prediction:
+            axle, center = _kept(state, predicted)
         if observation.driven:
             axle, center = _identified(axle, center, X_WB, observation)
-        state = EstimatorState(pose, time, X_WB, observation.prediction, axle, center)
-        estimate = Estimate(
-            time, X_WG, observation.led, _findings(state), time - pose.time
+        if observation.driven or predicted is not state.prediction:
+            found = _findings(predicted, axle, center)
+        age = time - pose.time
+        estimate = Estimate(time, X_WG, observation.led, found, age)
+        return estimate, EstimatorState(
+            pose, time, X_WB, predicted, axle, center, found
         )
-        return estimate, state
 
     def _pose(self, state: EstimatorState, observation: Observation) -> Pose2:
         """X_WG: where the object should have moved since the last tick, corrected by
@@ -171,33 +179,32 @@ def _identified(
     drives the object.
     """
     binding = observation.binding
-    first = binding.segment.contacts[:1]
-    (touched,) = touched_points(first, binding.sides[:1], X_WB, observation.tips)
-    fx, fy, _ = observation.tips[first[0].arm].force
-    force = X_WB.unrotate((fx, fy))
+    contact = binding.segment.contacts[0]
+    tip = observation.tips[contact.arm]
+    force = X_WB.unrotate(tip.force[:2])
     time = observation.time
     predicted = observation.prediction
     if predicted.axle is not None:
         axle = predicted.axle.step(axle, time, X_WB, force)
     if predicted.center is not None:
+        touched = touched_point(binding.sides[0], X_WB, tip)
         center = predicted.center.step(center, time, X_WB, force, touched)
     return axle, center
 
 
-def _findings(state: EstimatorState) -> Findings:
+def _findings(predicted: Prediction, axle: AxleState, center: CenterState) -> Findings:
     """What is identified: virtual axle and CoM where they contradict the plan, and rho
     with the axle.
     """
-    predicted = state.prediction
-    axle = None
+    identified = None
     if predicted.axle is not None:
-        axle = predicted.axle.identified(state.axle)
-    center = state.center.center
+        identified = predicted.axle.identified(axle)
+    place = center.center
     elsewhere = False
     if predicted.center is not None:
         followed = predicted.followed_center
-        elsewhere = predicted.center.contradicts(state.center, followed)
+        elsewhere = predicted.center.contradicts(center, followed)
         if not elsewhere:  # the plan is not contradicted
-            center = followed
-    rho = None if axle is None else axle.rho
-    return Findings(axle, rho, state.axle.drag, center, elsewhere)
+            place = followed
+    rho = None if identified is None else identified.rho
+    return Findings(identified, rho, axle.drag, place, elsewhere)

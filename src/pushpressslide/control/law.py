@@ -73,15 +73,21 @@ class Law:
         allocation = binding.allocate(guidance.fx, guidance.fy, guidance.tau)
         wall_times = (tracked - started, clock() - tracked)
 
-        planned_friction = segment.drive.max_friction
-        gain = self.force_gain * adaptation.drag_ratio(planned_friction)
+        twist = guidance.twist
+        gain = self.force_gain * adaptation.drag_ratio(segment.drive.max_friction)
         gain *= adaptation.effort
-        holds = self._holds(following, allocation)
-        speeds = self._entry_speeds(instant, tips)
-        forces = [(gain * fx, gain * fy) for fx, fy in allocation.forces]
-        points = binding.tip_points
-        parts = zip(points, forces, allocation.normals, speeds, holds, strict=True)
-        tasks = [TipTask(guidance.twist, *part) for part in parts]
+        parts = zip(
+            binding.tip_points,
+            allocation.forces,
+            allocation.normals,
+            self._entry_speeds(instant, tips),
+            self._holds(following, allocation),
+            strict=True,
+        )
+        tasks = [
+            TipTask(twist, point, (gain * fx, gain * fy), load, speed, hold)
+            for point, (fx, fy), load, speed, hold in parts
+        ]
         progress = following.joint_progress(X_WB)
         if self.tracks_joints:
             progress = following.joint_reference(X_WB, instant.time)
