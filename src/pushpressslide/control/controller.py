@@ -247,8 +247,10 @@ class Controller:
         following = state.following
         began = following.began
         clock = 0.0 if began is None else time - began
-        pose = self.planned.body_pose(clock).compose(self.X_BG)
-        reference = Pose2(pose.x, pose.y, wrap_angle(pose.yaw))
+        reference = self.planned.body_pose(clock).compose(self.X_BG)
+        yaw = wrap_angle(reference.yaw)
+        if yaw != reference.yaw:
+            reference = replace(reference, yaw=yaw)
         name = state.phase.name
         if decision is None:
             return ControlLog(name, following.progress, reference)

@@ -190,10 +190,8 @@ def touched_points(
     On the line of its face, the circle of a round side, or the top: a tip's measured
     depth is not a slide.
     """
-    return tuple(
-        touched_point(side, X_WB, tips[contact.arm])
-        for contact, side in zip(contacts, sides, strict=True)
-    )
+    pairs = zip(contacts, sides, strict=True)
+    return tuple([touched_point(side, X_WB, tips[c.arm]) for c, side in pairs])
 
 
 def touched_point(side: Side | None, X_WB: Pose2, tip: TipState) -> Point:

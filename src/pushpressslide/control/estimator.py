@@ -76,7 +76,7 @@ class EstimatorState(NamedTuple):
 
     pose: StampedPose  # the last one that was measured
     time: float  # [s] of the last tick
-    X_WB: Pose2 | None = None  # as estimated at the last tick; None before the first
+    X_WG: Pose2 | None = None  # as estimated at the last tick; None before the first
     prediction: Prediction = Prediction()  # that the two next are compared with
     axle: AxleState = AxleState()  # what is identified of the virtual axle
     center: CenterState = CenterState()  # the same of the CoM
@@ -105,7 +105,6 @@ class ObjectEstimator:
         time = observation.time
         pose = observation.pose or state.pose
         X_WG = self._pose(state, observation)
-        X_WB = X_WG.compose(self._X_GB)
         predicted = observation.prediction
         axle = state.axle
         center = state.center
@@ -113,13 +112,14 @@ class ObjectEstimator:
         if predicted is not state.prediction:
             axle, center = _kept(state, predicted)
         if observation.driven:
+            X_WB = X_WG.compose(self._X_GB)
             axle, center = _identified(axle, center, X_WB, observation)
         if observation.driven or predicted is not state.prediction:
             found = _findings(predicted, axle, center)
         age = time - pose.time
         estimate = Estimate(time, X_WG, observation.led, found, age)
         return estimate, EstimatorState(
-            pose, time, X_WB, predicted, axle, center, found
+            pose, time, X_WG, predicted, axle, center, found
         )
 
     def _pose(self, state: EstimatorState, observation: Observation) -> Pose2:
@@ -127,13 +127,15 @@ class ObjectEstimator:
         what was measured; where the camera missed it, not corrected.
         """
         measured = observation.pose
-        if state.X_WB is None:
+        before = state.X_WG
+        if before is None:
             return (measured or state.pose).X_WG
         if measured is not None and self._gain == 1.0:
             return measured.X_WG
         at_com = observation.led.moved_to((0.0, 0.0))
         dt = observation.time - state.time
-        predicted = moved(state.X_WB, (at_com.vx, at_com.vy, at_com.w), dt)
+        X_WB = before.compose(self._X_GB)
+        predicted = moved(X_WB, (at_com.vx, at_com.vy, at_com.w), dt)
         if measured is None:
             return predicted.compose(self._X_BG)
         seen = measured.X_WG.compose(self._X_GB)

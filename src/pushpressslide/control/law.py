@@ -91,10 +91,10 @@ class Law:
         progress = following.joint_progress(X_WB)
         if self.tracks_joints:
             progress = following.joint_reference(X_WB, instant.time)
-        moved = []
-        for memory, contact, task in zip(tips, segment.contacts, tasks, strict=True):
-            context = instant.context(contact, X_WB.yaw, progress)
-            moved.append(self.mover.step(memory, context, task))
+        moved = [
+            self.mover.step(memory, instant.context(c, X_WB.yaw, progress), task)
+            for memory, c, task in zip(tips, segment.contacts, tasks, strict=True)
+        ]
         commands, memories, felt = zip(*moved, strict=True)
         return Decision(guidance, allocation, commands, memories, felt, wall_times)
 
