@@ -76,6 +76,7 @@ from pushpressslide.core.wrench import Wrench
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 from pushpressslide.identification.center import CenterIdentifier
 from pushpressslide.identification.findings import Findings
+from pushpressslide.identification.online import AxleIdentifier
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Measured
 from pushpressslide.planning.side_contacts import room_before
@@ -160,10 +161,8 @@ class Controller:
             )
             for contact in first.contacts
         )
-        part = self.parts[first.leg]
         prediction = Prediction(
-            MODES[first.mode].identifier(part, first),
-            self._center_identifier(first, (0.0, 0.0)),
+            self._axle_identifier(first), self._center_identifier(first, (0.0, 0.0))
         )
         pose = stamped(measurement)
         return ControllerState(
@@ -352,11 +351,10 @@ class Controller:
         longest = margins.longest(
             margins.TOUCH_DETOUR, rest.path.length, self.object.radius
         )
-        touched = following.binding.touched(instant.X_WB, instant.tips)
+        X_WB = instant.X_WB
+        touched = following.binding.touched(X_WB, instant.tips)
         found = findings(state)
-        measured = Measured.touching(
-            instant.X_WB, rest.contacts, touched, longest, found
-        )
+        measured = Measured.touching(X_WB, rest.contacts, touched, longest, found)
         fresh = self.replanner.believing(following.rho).replan(
             (rest, *following.ahead), measured
         )
@@ -379,6 +377,11 @@ class Controller:
             following = following._replace(clock_start=following.clock_start + pause)
         following = following.begun(time)
         return begin(state._replace(following=following), "move", instant)
+
+    def _axle_identifier(self, segment: Segment) -> AxleIdentifier | None:
+        """Return what identifies the virtual axle in a segment."""
+        part = self.parts[segment.leg]
+        return MODES[segment.mode].identifier(part, segment)
 
     def _center_identifier(
         self, segment: Segment, center: Point
@@ -446,9 +449,7 @@ class Controller:
         touched: tuple[Point, ...],
         guidance: Guidance,
     ) -> ControllerState:
-        """What comes next: go on, end, touch again, touch the planned place anew, or
-        follow a better plan.
-        """
+        """What comes next: go on, end, touch again, or follow a better plan."""
         time = instant.time
         following = state.following
         left = following.left
@@ -556,18 +557,15 @@ class Controller:
     ) -> ControllerState:
         """Follow a better plan from here, if there is one."""
         time = instant.time
-        following = state.following
         found = findings(state)
-        if found.rho != following.rho:
-            following = following._replace(rho=found.rho)
+        if found.rho != state.following.rho:
+            following = state.following._replace(rho=found.rho)
             state = state._replace(following=following)
+        following = state.following
+        segments = (following.binding.segment, *following.ahead)
+        since = time - state.watches.replanned
         better = self.replanner.onward(
-            (following.binding.segment, *following.ahead),
-            instant.X_WB,
-            touched,
-            guidance,
-            time - state.watches.replanned,
-            found,
+            segments, instant.X_WB, touched, guidance, since, found
         )
         if better is None:
             return state
@@ -580,7 +578,7 @@ class Controller:
         prediction = following.prediction
         if found.center != prediction.followed_center:
             # the virtual axle is looked for about the centre that was found
-            axle = MODES[first.mode].identifier(self.parts[first.leg], first)
+            axle = self._axle_identifier(first)
             prediction = prediction._replace(axle=axle, followed_center=found.center)
         following = following._replace(
             binding=self._bound(first),

@@ -74,23 +74,17 @@ class Law:
         wall_times = (tracked - started, clock() - tracked)
 
         twist = guidance.twist
-        gain = self.force_gain * adaptation.drag_ratio(segment.drive.max_friction)
-        gain *= adaptation.effort
-        parts = zip(
-            binding.tip_points,
-            allocation.forces,
-            allocation.normals,
-            self._entry_speeds(instant, tips),
-            self._holds(following, allocation),
-            strict=True,
-        )
+        gain = adaptation.force_gain(self.force_gain, segment.drive.max_friction)
+        speeds = self._entry_speeds(instant, tips)
+        holds = self._holds(following, allocation)
+        points = binding.tip_points
+        loads = allocation.normals
+        parts = zip(points, allocation.forces, loads, speeds, holds, strict=True)
         tasks = [
             TipTask(twist, point, (gain * fx, gain * fy), load, speed, hold)
             for point, (fx, fy), load, speed, hold in parts
         ]
-        progress = following.joint_progress(X_WB)
-        if self.tracks_joints:
-            progress = following.joint_reference(X_WB, instant.time)
+        progress = following.joint_reference(X_WB, instant.time, self.tracks_joints)
         moved = [
             self.mover.step(memory, instant.context(c, X_WB.yaw, progress), task)
             for memory, c, task in zip(tips, segment.contacts, tasks, strict=True)
