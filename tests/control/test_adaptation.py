@@ -16,9 +16,9 @@ from pushpressslide.control.adaptation import (
 USE, FALL, RISE, LEAST = GRIP
 DT = 0.004
 LED = (0.05, 0.0, 0.0)
-RESTING = [TipSpeed(LED, (0.0, 0.0, 0.0))]
-FOLLOWING = [TipSpeed(LED, LED)]
-NOT_LED = [TipSpeed((0.0, 0.0, 0.0), LED)]
+RESTING = [(LED, (0.0, 0.0, 0.0))]
+FOLLOWING = [(LED, LED)]
+NOT_LED = [((0.0, 0.0, 0.0), LED)]
 
 
 def after(ticks: int, utilisation: float, speeds: list[TipSpeed]) -> Adaptation:

@@ -19,11 +19,8 @@ EFFORT_MOST = 1.6
 LED = 1e-4  # [m/s] below which tips are not led anywhere
 
 
-class TipSpeed(NamedTuple):
-    """How fast a tip is led, and how fast it moves [m/s]."""
-
-    led: Vector3
-    measured: Vector3
+TipSpeed = tuple[Vector3, Vector3]
+"""How fast a tip is led, and how fast it moves [m/s]."""
 
 
 class Adaptation(NamedTuple):
@@ -47,13 +44,14 @@ class Adaptation(NamedTuple):
         grip = eased_grip(self.grip, utilisation, dt, GRIP)
         return Adaptation(grip, self._effort(speeds, dt), drag)
 
-    def drag_ratio(self, planned: float) -> float:
-        """Measured over ``planned`` support friction [N]: friction, mass, or a load that
-        the object pushes differ.
+    def force_gain(self, gain: float, planned: float) -> float:
+        """Factor on the contact forces, with a ``gain`` of their own and the ``planned``
+        support friction [N]: friction, mass, or a load that the object pushes differ.
         """
-        if self.drag is None:
-            return 1.0
-        return margins.drag_ratio(self.drag, planned)
+        ratio = 1.0
+        if self.drag is not None:
+            ratio = margins.drag_ratio(self.drag, planned)
+        return gain * ratio * self.effort
 
     def _effort(self, speeds: Sequence[TipSpeed], dt: float) -> float:
         """Factor on the contact forces after a tick: a servo of velocities alone lets

@@ -76,6 +76,7 @@ from pushpressslide.core.wrench import Wrench
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 from pushpressslide.identification.center import CenterIdentifier
 from pushpressslide.identification.findings import Findings
+from pushpressslide.identification.online import AxleIdentifier
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Measured
 from pushpressslide.planning.side_contacts import room_before
@@ -160,10 +161,8 @@ class Controller:
             )
             for contact in first.contacts
         )
-        part = self.parts[first.leg]
         prediction = Prediction(
-            MODES[first.mode].identifier(part, first),
-            self._center_identifier(first, (0.0, 0.0)),
+            self._axle_identifier(first), self._center_identifier(first, (0.0, 0.0))
         )
         pose = stamped(measurement)
         return ControllerState(
@@ -235,7 +234,10 @@ class Controller:
         X_WG = estimate.X_WG
         dt = time - state.estimate.time
         instant = Instant(time, dt, X_WG, X_WG.compose(self.X_GB), tips)
-        return state._replace(estimate=estimate, estimator=estimator), instant
+        estimated = ControllerState(
+            phase, following, estimate, estimator, state.adaptation, state.watches
+        )
+        return estimated, instant
 
     def _log(
         self, state: ControllerState, time: float, decision: Decision | None
@@ -244,8 +246,10 @@ class Controller:
         following = state.following
         began = following.began
         clock = 0.0 if began is None else time - began
-        pose = self.planned.body_pose(clock).compose(self.X_BG)
-        reference = Pose2(pose.x, pose.y, wrap_angle(pose.yaw))
+        reference = self.planned.body_pose(clock).compose(self.X_BG)
+        yaw = wrap_angle(reference.yaw)
+        if yaw != reference.yaw:
+            reference = replace(reference, yaw=yaw)
         name = state.phase.name
         if decision is None:
             return ControlLog(name, following.progress, reference)
@@ -347,11 +351,10 @@ class Controller:
         longest = margins.longest(
             margins.TOUCH_DETOUR, rest.path.length, self.object.radius
         )
-        touched = following.binding.touched(instant.X_WB, instant.tips)
+        X_WB = instant.X_WB
+        touched = following.binding.touched(X_WB, instant.tips)
         found = findings(state)
-        measured = Measured.touching(
-            instant.X_WB, rest.contacts, touched, longest, found
-        )
+        measured = Measured.touching(X_WB, rest.contacts, touched, longest, found)
         fresh = self.replanner.believing(following.rho).replan(
             (rest, *following.ahead), measured
         )
@@ -375,6 +378,11 @@ class Controller:
         following = following.begun(time)
         return begin(state._replace(following=following), "move", instant)
 
+    def _axle_identifier(self, segment: Segment) -> AxleIdentifier | None:
+        """Return what identifies the virtual axle in a segment."""
+        part = self.parts[segment.leg]
+        return MODES[segment.mode].identifier(part, segment)
+
     def _center_identifier(
         self, segment: Segment, center: Point
     ) -> CenterIdentifier | None:
@@ -396,19 +404,23 @@ class Controller:
         guidance = decision.guidance
         felt = decision.felt
         commands = decision.commands
-        lost = None
-        if missing(felt, contacts, decision.allocation.normals):
-            lost = instant.time if state.watches.lost is None else state.watches.lost
-        next_state = state._replace(
-            phase=state.phase._replace(tips=decision.tips, led=guidance.twist),
-            following=following._replace(progress=guidance.progress),
-            adaptation=state.adaptation.step(
-                max(tip.friction_utilisation for tip in felt),
-                self._tip_speeds(instant, commands, contacts),
-                state.estimate.parameters.drag,
-                instant.dt,
-            ),
-            watches=state.watches._replace(lost=lost),
+        watches = state.watches
+        lost = missing(felt, contacts, decision.allocation.normals)
+        if lost != (watches.lost is not None):
+            watches = watches._replace(lost=instant.time if lost else None)
+        adaptation = state.adaptation.step(
+            max(tip.friction_utilisation for tip in felt),
+            self._tip_speeds(instant, commands, contacts),
+            state.estimate.parameters.drag,
+            instant.dt,
+        )
+        next_state = ControllerState(
+            PhaseState("move", state.phase.since, decision.tips, led=guidance.twist),
+            following._replace(progress=guidance.progress),
+            state.estimate,
+            state.estimator,
+            adaptation,
+            watches,
         )
         touched = binding.touched(instant.X_WB, instant.tips)
         next_state = self._after_move(next_state, instant, touched, guidance)
@@ -426,7 +438,7 @@ class Controller:
         if not self.law.servo:
             return []
         return [
-            TipSpeed(command.velocity, instant.tips[contact.arm].velocity)
+            (command.velocity, instant.tips[contact.arm].velocity)
             for command, contact in zip(commands, contacts, strict=True)
         ]
 
@@ -437,9 +449,7 @@ class Controller:
         touched: tuple[Point, ...],
         guidance: Guidance,
     ) -> ControllerState:
-        """What comes next: go on, end, touch again, touch the planned place anew, or
-        follow a better plan.
-        """
+        """What comes next: go on, end, touch again, or follow a better plan."""
         time = instant.time
         following = state.following
         left = following.left
@@ -455,7 +465,7 @@ class Controller:
         if rests > margins.ARM.stall_time:
             text = f"stood still for {rests:.0f} s, {left * 1e3:.0f} mm before its end"
             return begin(state, "release", instant, ("goal_missed", text))
-        if self._arrived(following, instant):
+        if self._arrived(following, instant, left):
             ahead = following.ahead or self._retry(state, instant)
             if not ahead:
                 return begin(state, "done" if self.holds else "release", instant)
@@ -478,15 +488,13 @@ class Controller:
         """
         if self.waits or not self.law.servo:
             return None
-        moving = Still(instant.X_WB, instant.time)
         still = state.watches.still
-        if still is None or still.since < state.phase.since:
-            return moving
-        way = self._way(still.pose, instant.X_WB)
-        speed = state.following.binding.segment.profile.speed
-        if way < margins.STALL * speed * margins.ARM.stall_time:
-            return still
-        return moving
+        if still is not None and still.since >= state.phase.since:
+            way = self._way(still.pose, instant.X_WB)
+            speed = state.following.binding.segment.profile.speed
+            if way < margins.STALL * speed * margins.ARM.stall_time:
+                return still
+        return Still(instant.X_WB, instant.time)
 
     def _touch_again(self, state: ControllerState, instant: Instant) -> ControllerState:
         """Touch where the tips are; stop where contact is lost again and again."""
@@ -549,18 +557,15 @@ class Controller:
     ) -> ControllerState:
         """Follow a better plan from here, if there is one."""
         time = instant.time
-        following = state.following
         found = findings(state)
-        if found.rho != following.rho:
-            following = following._replace(rho=found.rho)
+        if found.rho != state.following.rho:
+            following = state.following._replace(rho=found.rho)
             state = state._replace(following=following)
+        following = state.following
+        segments = (following.binding.segment, *following.ahead)
+        since = time - state.watches.replanned
         better = self.replanner.onward(
-            (following.binding.segment, *following.ahead),
-            instant.X_WB,
-            touched,
-            guidance,
-            time - state.watches.replanned,
-            found,
+            segments, instant.X_WB, touched, guidance, since, found
         )
         if better is None:
             return state
@@ -573,7 +578,7 @@ class Controller:
         prediction = following.prediction
         if found.center != prediction.followed_center:
             # the virtual axle is looked for about the centre that was found
-            axle = MODES[first.mode].identifier(self.parts[first.leg], first)
+            axle = self._axle_identifier(first)
             prediction = prediction._replace(axle=axle, followed_center=found.center)
         following = following._replace(
             binding=self._bound(first),
@@ -584,9 +589,10 @@ class Controller:
         )
         return state._replace(following=following)
 
-    def _arrived(self, following: Following, instant: Instant) -> bool:
-        """Whether a segment is over; in an opening, or held, when it rests."""
-        left = following.left
+    def _arrived(self, following: Following, instant: Instant, left: float) -> bool:
+        """Whether a segment is over, ``left`` [m] before its end; in an opening, or
+        held, when it rests.
+        """
         if following.ahead or not self.waits:
             return left <= margins.ARM.stop
         duration = following.binding.segment.profile.duration

@@ -190,12 +190,17 @@ def touched_points(
     On the line of its face, the circle of a round side, or the top: a tip's measured
     depth is not a slide.
     """
-    out = []
-    for contact, side in zip(contacts, sides, strict=True):
-        x, y, _ = tips[contact.arm].position
-        p = X_WB.unapply((x, y))
-        out.append(p if side is None else side.foot(p))
-    return tuple(out)
+    pairs = zip(contacts, sides, strict=True)
+    return tuple([touched_point(side, X_WB, tips[c.arm]) for c, side in pairs])
+
+
+def touched_point(side: Side | None, X_WB: Pose2, tip: TipState) -> Point:
+    """Where a ``tip`` touches a ``side`` of the object, or its top where that is None,
+    in B [m].
+    """
+    x, y, _ = tip.position
+    point = X_WB.unapply((x, y))
+    return point if side is None else side.foot(point)
 
 
 def slide(contacts: Sequence[Contact], touched: Sequence[Point]) -> float:

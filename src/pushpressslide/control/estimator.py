@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple, Protocol
 
-from pushpressslide.control.correction import touched_points
+from pushpressslide.control.correction import touched_point
 from pushpressslide.control.following import Binding, Prediction
 from pushpressslide.core.control import Measurement, TipState
 from pushpressslide.core.pose import Pose2
@@ -76,10 +76,11 @@ class EstimatorState(NamedTuple):
 
     pose: StampedPose  # the last one that was measured
     time: float  # [s] of the last tick
-    X_WB: Pose2 | None = None  # as estimated at the last tick; None before the first
+    X_WG: Pose2 | None = None  # as estimated at the last tick; None before the first
     prediction: Prediction = Prediction()  # that the two next are compared with
     axle: AxleState = AxleState()  # what is identified of the virtual axle
     center: CenterState = CenterState()  # the same of the CoM
+    findings: Findings = NOTHING  # of all that
 
 
 class ObjectEstimator:
@@ -104,28 +105,37 @@ class ObjectEstimator:
         time = observation.time
         pose = observation.pose or state.pose
         X_WG = self._pose(state, observation)
-        X_WB = X_WG.compose(self._X_GB)
-        axle, center = _kept(state, observation.prediction)
+        predicted = observation.prediction
+        axle = state.axle
+        center = state.center
+        found = state.findings
+        if predicted is not state.prediction:
+            axle, center = _kept(state, predicted)
         if observation.driven:
+            X_WB = X_WG.compose(self._X_GB)
             axle, center = _identified(axle, center, X_WB, observation)
-        state = EstimatorState(pose, time, X_WB, observation.prediction, axle, center)
-        estimate = Estimate(
-            time, X_WG, observation.led, _findings(state), time - pose.time
+        if observation.driven or predicted is not state.prediction:
+            found = _findings(predicted, axle, center)
+        age = time - pose.time
+        estimate = Estimate(time, X_WG, observation.led, found, age)
+        return estimate, EstimatorState(
+            pose, time, X_WG, predicted, axle, center, found
         )
-        return estimate, state
 
     def _pose(self, state: EstimatorState, observation: Observation) -> Pose2:
         """X_WG: where the object should have moved since the last tick, corrected by
         what was measured; where the camera missed it, not corrected.
         """
         measured = observation.pose
-        if state.X_WB is None:
+        before = state.X_WG
+        if before is None:
             return (measured or state.pose).X_WG
         if measured is not None and self._gain == 1.0:
             return measured.X_WG
         at_com = observation.led.moved_to((0.0, 0.0))
         dt = observation.time - state.time
-        predicted = moved(state.X_WB, (at_com.vx, at_com.vy, at_com.w), dt)
+        X_WB = before.compose(self._X_GB)
+        predicted = moved(X_WB, (at_com.vx, at_com.vy, at_com.w), dt)
         if measured is None:
             return predicted.compose(self._X_BG)
         seen = measured.X_WG.compose(self._X_GB)
@@ -171,33 +181,32 @@ def _identified(
     drives the object.
     """
     binding = observation.binding
-    first = binding.segment.contacts[:1]
-    (touched,) = touched_points(first, binding.sides[:1], X_WB, observation.tips)
-    fx, fy, _ = observation.tips[first[0].arm].force
-    force = X_WB.unrotate((fx, fy))
+    contact = binding.segment.contacts[0]
+    tip = observation.tips[contact.arm]
+    force = X_WB.unrotate(tip.force[:2])
     time = observation.time
     predicted = observation.prediction
     if predicted.axle is not None:
         axle = predicted.axle.step(axle, time, X_WB, force)
     if predicted.center is not None:
+        touched = touched_point(binding.sides[0], X_WB, tip)
         center = predicted.center.step(center, time, X_WB, force, touched)
     return axle, center
 
 
-def _findings(state: EstimatorState) -> Findings:
+def _findings(predicted: Prediction, axle: AxleState, center: CenterState) -> Findings:
     """What is identified: virtual axle and CoM where they contradict the plan, and rho
     with the axle.
     """
-    predicted = state.prediction
-    axle = None
+    identified = None
     if predicted.axle is not None:
-        axle = predicted.axle.identified(state.axle)
-    center = state.center.center
+        identified = predicted.axle.identified(axle)
+    place = center.center
     elsewhere = False
     if predicted.center is not None:
         followed = predicted.followed_center
-        elsewhere = predicted.center.contradicts(state.center, followed)
+        elsewhere = predicted.center.contradicts(center, followed)
         if not elsewhere:  # the plan is not contradicted
-            center = followed
-    rho = None if axle is None else axle.rho
-    return Findings(axle, rho, state.axle.drag, center, elsewhere)
+            place = followed
+    rho = None if identified is None else identified.rho
+    return Findings(identified, rho, axle.drag, place, elsewhere)

@@ -125,15 +125,16 @@ class Following(NamedTuple):
         same_leg = segment.leg == planned.leg
         return twists and isinstance(segment.path, ArcPath) and same_leg
 
-    def joint_reference(self, X_WB: Pose2, time: float) -> float:
-        """Place on the planned path [m] where the reference is at this ``time`` [s], the
-        paper's q(t), at most JOINT_LEAD from the object at ``X_WB``.
+    def joint_reference(self, X_WB: Pose2, time: float, timed: bool) -> float:
+        """Place on the planned path [m] at which the joint reference is taken in the
+        move; a ``timed`` one is where it is planned at this ``time`` [s], the paper's
+        q(t), at most JOINT_LEAD from the object at ``X_WB``.
         """
         here = self.joint_progress(X_WB)
         reference = self.reference
-        if reference is None:
+        if not timed or reference is None:
             return here
         elapsed = time - self.reference_start
-        timed = reference.profile.at(elapsed)[0] - reference.path.length
-        timed += self.joint_start + self.segment.path.length
-        return max(0.0, min(max(timed, here - JOINT_LEAD), here + JOINT_LEAD))
+        planned = reference.profile.at(elapsed)[0] - reference.path.length
+        planned += self.joint_start + self.segment.path.length
+        return max(0.0, min(max(planned, here - JOINT_LEAD), here + JOINT_LEAD))

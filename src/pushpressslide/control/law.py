@@ -73,22 +73,22 @@ class Law:
         allocation = binding.allocate(guidance.fx, guidance.fy, guidance.tau)
         wall_times = (tracked - started, clock() - tracked)
 
-        planned_friction = segment.drive.max_friction
-        gain = self.force_gain * adaptation.drag_ratio(planned_friction)
-        gain *= adaptation.effort
-        holds = self._holds(following, allocation)
+        twist = guidance.twist
+        gain = adaptation.force_gain(self.force_gain, segment.drive.max_friction)
         speeds = self._entry_speeds(instant, tips)
-        forces = [(gain * fx, gain * fy) for fx, fy in allocation.forces]
+        holds = self._holds(following, allocation)
         points = binding.tip_points
-        parts = zip(points, forces, allocation.normals, speeds, holds, strict=True)
-        tasks = [TipTask(guidance.twist, *part) for part in parts]
-        progress = following.joint_progress(X_WB)
-        if self.tracks_joints:
-            progress = following.joint_reference(X_WB, instant.time)
-        moved = []
-        for memory, contact, task in zip(tips, segment.contacts, tasks, strict=True):
-            context = instant.context(contact, X_WB.yaw, progress)
-            moved.append(self.mover.step(memory, context, task))
+        loads = allocation.normals
+        parts = zip(points, allocation.forces, loads, speeds, holds, strict=True)
+        tasks = [
+            TipTask(twist, point, (gain * fx, gain * fy), load, speed, hold)
+            for point, (fx, fy), load, speed, hold in parts
+        ]
+        progress = following.joint_reference(X_WB, instant.time, self.tracks_joints)
+        moved = [
+            self.mover.step(memory, instant.context(c, X_WB.yaw, progress), task)
+            for memory, c, task in zip(tips, segment.contacts, tasks, strict=True)
+        ]
         commands, memories, felt = zip(*moved, strict=True)
         return Decision(guidance, allocation, commands, memories, felt, wall_times)
 

@@ -249,6 +249,7 @@ def begin(
 def findings(state: ControllerState) -> Findings:
     """What is identified, with rho as it was last where it is not identified now."""
     found = state.estimate.parameters
-    if found.rho is not None:
+    rho = state.following.rho
+    if found.rho is not None or rho is None:
         return found
-    return found._replace(rho=state.following.rho)
+    return found._replace(rho=rho)

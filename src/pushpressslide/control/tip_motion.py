@@ -98,6 +98,8 @@ class TipMover:
         """Return over how many measurements the normal force is averaged before a loss
         is judged: their mean is margins.LOSS_SIGMAS surer than the drop that counts as loss.
         """
+        if self.noise == 0.0:
+            return 1
         drop = max(
             margins.KEPT_SHARE * self.threshold,
             (1.0 - margins.LOSS_SHARE) * contact.load,
@@ -296,8 +298,10 @@ def missing(
     """Return whether a contact is lost that is to press, or to push with a good share
     of all ``normals`` [N].
     """
+    if not any(one.lost for one in felt):
+        return False
     least = margins.LEAST_SHARE * math.fsum(normals)
-    asked = (
-        c.kind == "top" or n >= least for c, n in zip(contacts, normals, strict=True)
+    return any(
+        one.lost and (contact.kind == "top" or normal >= least)
+        for one, contact, normal in zip(felt, contacts, normals, strict=True)
     )
-    return any(f.lost and wanted for f, wanted in zip(felt, asked, strict=True))
