@@ -157,7 +157,10 @@ def pose_gain(sensing: Sensing) -> float:
 
 def stamped(measurement: Measurement) -> StampedPose:
     """Pose of a measurement with its time, whether it is new or the last one seen."""
-    return StampedPose(measurement.time, measurement.object_pose)
+    time = measurement.pose_time
+    return StampedPose(
+        measurement.time if time is None else time, measurement.object_pose
+    )
 
 
 def _kept(

@@ -12,7 +12,7 @@ import gc
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
 
@@ -27,7 +27,11 @@ from pushpressslide.control.approach import (
     tip_path,
 )
 from pushpressslide.control.controller import Controller
-from pushpressslide.control.estimator import Estimator, ObjectEstimator
+from pushpressslide.control.estimator import (
+    Estimator,
+    ObjectEstimator,
+    StampedPose,
+)
 from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.limits import ArmReading, Guard
 from pushpressslide.control.plant import Plant, Situation
@@ -36,6 +40,7 @@ from pushpressslide.control.recovery import RECOVERABLE, planned_anew, restart
 from pushpressslide.control.sensing import Sensor
 from pushpressslide.control.state import ControllerState, findings, tip_position
 from pushpressslide.control.stopping import JointWatch, Stop, StopLevel
+from pushpressslide.control.tracker import ObjectTracker
 from pushpressslide.control.watches import Watch
 from pushpressslide.core import margins
 from pushpressslide.core.control import (
@@ -75,6 +80,8 @@ class RunOptions:
     execution: Execution = USUAL
     # makes what estimates pose and figures of the object, from the task as believed
     estimator: Callable[[Task], Estimator] = ObjectEstimator
+    # sees the object in place of the plant's own sensor, which goes on to feel the tips
+    tracker: ObjectTracker | None = None
     # that the run goes on from; None: the task's start, with the arms before the object
     begin: Situation | None = None
 
@@ -132,6 +139,7 @@ class RunLoop:
         # plans that others took the place of, and how many placements were begun of each
         self.earlier: list[tuple[Plan, int]] = []
         self.sensor = Sensor(task.sensing, options.seed, period)
+        self.tracked = StampedPose(plant.time, task.start)  # as last seen by a tracker
         goes_on = options.begin is not None
         self.guard = Guard(
             task.limits.normal_force, period, plant.arm_limits, anew=goes_on
@@ -203,7 +211,7 @@ class RunLoop:
         """Pass one control period; return what came of it, and what was measured."""
         began = perf_counter()
         truth = self.plant.measure()
-        measurement = self.sensor.measure(truth)
+        measurement = self._measured(truth)
         followed = self.state.following.reference if self.state is not None else None
         readings = self.plant.readings()
         runaways = self._runaways(readings)
@@ -224,6 +232,22 @@ class RunLoop:
         wall_times = (*log.wall_times, total)
         tick = Tick(truth, commands, log, followed, self.plant.row(), wall_times)
         return tick, measurement
+
+    def _measured(self, truth: Measurement) -> Measurement:
+        """What the sensors make of a measurement, and a tracker, if there is one."""
+        measurement = self.sensor.measure(truth)
+        tracker = self.options.tracker
+        if tracker is None:
+            return measurement
+        pose = tracker.read()
+        if pose is not None:
+            self.tracked = pose
+        return replace(
+            measurement,
+            object_pose=self.tracked.X_WG,
+            pose_seen=pose is not None,
+            pose_time=self.tracked.time,
+        )
 
     def _decide(self, measurement: Measurement) -> tuple[Commands, ControlLog]:
         if measurement.time < self.approach.arrival:

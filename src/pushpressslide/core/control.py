@@ -38,6 +38,7 @@ class Measurement:
     tips: tuple[TipState, ...]
     # False: the camera missed this tick, and ``object_pose`` is the last one seen
     pose_seen: bool = True
+    pose_time: float | None = None  # [s] at which that pose was seen; None: now
 
 
 @dataclass(frozen=True, slots=True)
