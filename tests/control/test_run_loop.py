@@ -188,7 +188,7 @@ class Script:
         self, state: Line, measurement: Measurement
     ) -> tuple[Commands, ControlLog, Line]:
         self.seen.append(measurement)
-        log = ControlLog("move", 0.0, Pose2(), ZERO, ZERO, ZERO, 0.0, "ok")
+        log = ControlLog("move", 0.0, Pose2())
         last = state.step + 1 == TICKS
         phase = state.phase._replace(
             name="done" if last else self.phase,

@@ -1,14 +1,13 @@
-"""The controller: the paper's Algorithm 1, for any mode and any plant, top to bottom.
+"""The controller of one placement, for any mode and any plant, phase by phase.
 
     touch    line the tips up with their contacts, advance until they feel the object,
              settle the normal force
-    move     track -> wrench -> allocate -> contact forces, plus a velocity servo along
-             the contact motion; segment after segment of a placement
+    move     the paper's Algorithm 1 (law.py) at each tick, segment after segment
     release  draw the tips back, unless nothing else carries the object; then done
 
 State in, state out: ``init(measurement) -> state``, ``step(state, measurement) ->
 (commands, log, state)``. It sees what a robot would see: object pose, tip state,
-contact force. It never raises; what went wrong is in ``state.failure``.
+contact force. It never raises; what went wrong is in ``state.phase.failure``.
 """
 
 from __future__ import annotations
@@ -254,9 +253,8 @@ class Controller:
         if decision is None:
             return ControlLog(name, following.progress, reference)
         guidance = decision.guidance
-        allocation = decision.allocation
         wrench = guidance.wrench
-        rx, ry, rt = allocation.residual
+        rx, ry, rt = decision.allocation.residual
         given = Wrench(wrench.fx - rx, wrench.fy - ry, wrench.tau - rt, wrench.about)
         return ControlLog(
             name,
@@ -266,7 +264,6 @@ class Controller:
             wrench.moved_to((0.0, 0.0))[:3],
             given.moved_to((0.0, 0.0))[:3],
             guidance.steering,
-            allocation.status,
             decision.wall_times,
         )
 

@@ -103,5 +103,4 @@ class ControlLog:
     wanted_wrench: Vector3 = (0.0, 0.0, 0.0)
     allocated_wrench: Vector3 = (0.0, 0.0, 0.0)
     steering: float = 0.0  # [rad] force angle from the heading axis
-    status: str = "ok"
     wall_times: tuple[float, float] = (0.0, 0.0)  # [s] to track, to allocate
