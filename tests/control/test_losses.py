@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import pushpressslide as pps
-from pushpressslide.control.controller import LOSSES, Controller
+from pushpressslide.control.controller import Controller
 from pushpressslide.control.state import ControllerState, tip_position
+from pushpressslide.control.supervisor import LOSSES
 from pushpressslide.core import margins
 from pushpressslide.core.control import Measurement, TipState
 from pushpressslide.core.pose import Pose2

@@ -19,14 +19,9 @@ from time import perf_counter
 
 from pushpressslide.control.adaptation import TipSpeed
 from pushpressslide.control.correction import (
-    Replanner,
-    press_creep,
     rest_of,
-    side_slide,
-    sides_of,
-    touched_points,
 )
-from pushpressslide.control.entry import HOLD_TIME, SEAT_TIME, Entry, entry
+from pushpressslide.control.entry import Entry
 from pushpressslide.control.estimator import (
     Estimate,
     Estimator,
@@ -35,15 +30,14 @@ from pushpressslide.control.estimator import (
     stamped,
 )
 from pushpressslide.control.execution import USUAL, Execution
-from pushpressslide.control.following import Binding, Following, Prediction, bind
+from pushpressslide.control.following import Following, Prediction
 from pushpressslide.control.law import Decision, Law
+from pushpressslide.control.placement import Placement, share_of_tolerance
 from pushpressslide.control.state import (
     ControllerState,
     Failure,
     Instant,
-    Losses,
     PhaseState,
-    Still,
     TipMemory,
     begin,
     by_arm,
@@ -54,6 +48,7 @@ from pushpressslide.control.state import (
     smooth_change,
     smooth_rate,
 )
+from pushpressslide.control.supervisor import Moment, Supervisor
 from pushpressslide.control.timeline import Timeline
 from pushpressslide.control.tip_motion import TipMover, missing
 from pushpressslide.control.touch import TipTouch, WayBack, drawn_back, held_at
@@ -65,25 +60,14 @@ from pushpressslide.core.control import (
     TipCommand,
     TipState,
 )
-from pushpressslide.core.guidance import Guidance
-from pushpressslide.core.path import ArcPath
-from pushpressslide.core.plan import Contact, Plan, Segment, lasting_arms
-from pushpressslide.core.pose import Point, Pose2, wrap_angle
+from pushpressslide.core.plan import Contact, Plan, Segment
+from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.core.record import Ending
 from pushpressslide.core.task import Task
 from pushpressslide.core.wrench import Wrench
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
-from pushpressslide.identification.center import CenterIdentifier
-from pushpressslide.identification.findings import Findings
-from pushpressslide.identification.online import AxleIdentifier
-from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Measured
 from pushpressslide.planning.side_contacts import room_before
-from pushpressslide.planning.workspace import poses_along
-
-RETOUCHES = 3
-LOSSES = 6  # of contact at one place, above which the attempt ends
-RETRIES = 4
 
 Commands = tuple[TipCommand | None, ...]
 Step = tuple[Commands, ControlLog, ControllerState]
@@ -110,41 +94,25 @@ class Controller:
         ``back`` [m] is how far the tips can be drawn back from the end; ``execution``
         may change the laws; ``estimator`` makes one of the task as it is believed.
         """
-        self.execution = execution
         self.back = min(margins.ARM.retreat, back)
-        placements = plan.placements
-        self.segments = placements[number]
+        self.placement = Placement(plan, number, execution)
+        self.segments = self.placement.segments
         self.planned = Timeline(self.segments)
-        self.planned_poses = [X for piece in self.segments for X in poses_along(piece)]
         first = self.segments[0]
-        told = plan.task.told
-        self.parts = told.parts
-        task = self.parts[first.leg]
-        self.object = task.object
+        task = self.placement.task
         self.X_GB = task.object.X_GB
         self.X_BG = self.X_GB.inverse()
         self.robots = task.robots
-        self.replanner = Replanner(told)
         self.estimator = estimator(task)
-        last = self.parts[self.segments[-1].leg]
-        self.entry = entry(last, first.contacts)  # into an opening of the support
-        final = number == len(placements) - 1
-        # to the end of the run, since nothing else carries the object at its goal
-        self.scene = told.scene
-        self.holds = final and not self.scene.carried(last.goal)
-        self.waits = self.entry is not None or self.holds
-        # nothing but a retry can mend a miss
-        self.reaches_far = self.waits or task.motion.recoveries == 0
-        self.lasting: frozenset[int] = frozenset()
-        if not final:
-            self.lasting = lasting_arms(self.segments, placements[number + 1])
-        self.touches = _touches(task, first, gap, self.entry)
-        self.law = _law(task, execution, self.entry, self.waits)
-        self.patience = min(
+        self.lasting = self.placement.lasting
+        self.touches = _touches(task, first, gap, self.placement.entry)
+        self.law = _law(task, execution, self.placement)
+        patience = min(
             margins.ARM.loss_time(contact.kind)
             + task.motion.control_period * self.law.mover.samples(contact)
             for contact in first.contacts
         )
+        self.supervisor = Supervisor(self.placement, self.law.servo, patience)
 
     def init(self, measurement: Measurement, held: Commands = ()) -> ControllerState:
         """Return the state at the start of the touch.
@@ -161,12 +129,13 @@ class Controller:
             for contact in first.contacts
         )
         prediction = Prediction(
-            self._axle_identifier(first), self._center_identifier(first, (0.0, 0.0))
+            self.placement.axle_identifier(first),
+            self.placement.center_identifier(first, (0.0, 0.0)),
         )
         pose = stamped(measurement)
         return ControllerState(
             PhaseState("touch", measurement.time, tips),
-            Following(self._bound(first), first, tuple(ahead), prediction),
+            Following(self.placement.bound(first), first, tuple(ahead), prediction),
             Estimate(pose.time, pose.X_WG),
             self.estimator.start(pose),
         )
@@ -290,8 +259,8 @@ class Controller:
         """Return by how much an object left at ``pose``, X_WG, misses the goal of this
         placement; None if it does not.
         """
-        task = self.parts[self.segments[-1].leg]
-        if _share_of_tolerance(task, pose) < margins.RETRY_ABOVE:
+        task = self.placement.last
+        if share_of_tolerance(task, pose) < margins.RETRY_ABOVE:
             return None
         off = math.dist(pose.position, task.goal.position)
         turned = math.degrees(abs(wrap_angle(pose.yaw - task.goal.yaw)))
@@ -346,22 +315,22 @@ class Controller:
         following = state.following
         rest = rest_of(following.binding.segment, following.progress)
         longest = margins.longest(
-            margins.TOUCH_DETOUR, rest.path.length, self.object.radius
+            margins.TOUCH_DETOUR, rest.path.length, self.placement.object.radius
         )
         X_WB = instant.X_WB
         touched = following.binding.touched(X_WB, instant.tips)
         found = findings(state)
         measured = Measured.touching(X_WB, rest.contacts, touched, longest, found)
-        fresh = self.replanner.believing(following.rho).replan(
+        fresh = self.placement.replanner.believing(following.rho).replan(
             (rest, *following.ahead), measured
         )
         if fresh:
             prediction = following.prediction._replace(
-                center=self._center_identifier(fresh[0], found.center),
+                center=self.placement.center_identifier(fresh[0], found.center),
                 followed_center=found.center,
             )
             following = following._replace(
-                binding=self._bound(fresh[0]),
+                binding=self.placement.bound(fresh[0]),
                 ahead=fresh[1:],
                 prediction=prediction,
                 progress=0.0,
@@ -374,22 +343,6 @@ class Controller:
             following = following._replace(clock_start=following.clock_start + pause)
         following = following.begun(time)
         return begin(state._replace(following=following), "move", instant)
-
-    def _axle_identifier(self, segment: Segment) -> AxleIdentifier | None:
-        """Return what identifies the virtual axle in a segment."""
-        part = self.parts[segment.leg]
-        return MODES[segment.mode].identifier(part, segment)
-
-    def _center_identifier(
-        self, segment: Segment, center: Point
-    ) -> CenterIdentifier | None:
-        """Return what identifies the CoM in a segment planned with it at ``center``."""
-        part = self.parts[segment.leg]
-        return MODES[segment.mode].center_identifier(part, segment, center)
-
-    def _bound(self, segment: Segment) -> Binding:
-        part = self.parts[segment.leg]
-        return bind(part, segment, self.execution.tracker(part, segment))
 
     def _move(self, state: ControllerState, instant: Instant) -> PhaseStep:
         following = state.following
@@ -420,7 +373,9 @@ class Controller:
             watches,
         )
         touched = binding.touched(instant.X_WB, instant.tips)
-        next_state = self._after_move(next_state, instant, touched, guidance)
+        next_state = self.supervisor.step(
+            Moment(next_state, instant, touched, guidance)
+        )
         return commands, next_state, decision
 
     def _tip_speeds(
@@ -438,285 +393,6 @@ class Controller:
             (command.velocity, instant.tips[contact.arm].velocity)
             for command, contact in zip(commands, contacts, strict=True)
         ]
-
-    def _after_move(
-        self,
-        state: ControllerState,
-        instant: Instant,
-        touched: tuple[Point, ...],
-        guidance: Guidance,
-    ) -> ControllerState:
-        """What comes next: go on, end, touch again, or follow a better plan."""
-        time = instant.time
-        following = state.following
-        left = following.left
-        astray = abs(guidance.error[1])
-        allowed = margins.ARM.astray
-        if astray > allowed:
-            text = f"{astray * 1e3:.0f} mm off its path, allowed {allowed * 1e3:.0f} mm"
-            return begin(state, "release", instant, ("goal_missed", text))
-        still = self._still(state, instant)
-        if still is not state.watches.still:
-            state = state._replace(watches=state.watches._replace(still=still))
-        rests = time - still.since if still else 0.0
-        if rests > margins.ARM.stall_time:
-            text = f"stood still for {rests:.0f} s, {left * 1e3:.0f} mm before its end"
-            return begin(state, "release", instant, ("goal_missed", text))
-        if self._arrived(following, instant, left):
-            ahead = following.ahead or self._retry(state, instant)
-            if not ahead:
-                return begin(state, "done" if self.holds else "release", instant)
-            return self._next_segment(state, ahead, instant)
-        watches = state.watches
-        if watches.lost is not None and time - watches.lost > self.patience:
-            return self._touch_again(state, instant)
-        retouch = margins.ARM.retouch
-        slid = side_slide(following.segment.contacts, touched) > retouch
-        crept = press_creep(self.segments[0].contacts, touched) > margins.CREPT
-        if (slid or crept) and left > retouch and watches.retouches < RETOUCHES:
-            return self._touch_planned_place(state, instant, crept)
-        if watches.lost is not None:
-            return state
-        return self._replanned(state, instant, touched, guidance)
-
-    def _still(self, state: ControllerState, instant: Instant) -> Still | None:
-        """Return where the object was when it last moved, in this phase; None where it
-        may rest, as with a force alone, or at a goal where it is waited for.
-        """
-        if self.waits or not self.law.servo:
-            return None
-        still = state.watches.still
-        if still is not None and still.since >= state.phase.since:
-            way = self._way(still.pose, instant.X_WB)
-            speed = state.following.binding.segment.profile.speed
-            if way < margins.STALL * speed * margins.ARM.stall_time:
-                return still
-        return Still(instant.X_WB, instant.time)
-
-    def _touch_again(self, state: ControllerState, instant: Instant) -> ControllerState:
-        """Touch where the tips are; stop where contact is lost again and again."""
-        within = margins.ARM.retouch
-        losses = Losses(instant.X_WB, 1)
-        before = state.watches.losses
-        if before is not None and self._way(before.pose, instant.X_WB) <= within:
-            losses = Losses(before.pose, before.count + 1)
-        state = state._replace(watches=state.watches._replace(losses=losses))
-        if losses.count > LOSSES:
-            text = f"contact lost {losses.count} times within {within * 1e3:.0f} mm"
-            return begin(state, "release", instant, ("contact_lost", text))
-        again = begin(state, "touch", instant)
-        return again._replace(phase=again.phase._replace(align=False))
-
-    def _way(self, pose: Pose2, X_WB: Pose2) -> float:
-        """Return how far the object has come from ``pose``, X_WB, turns included [m]."""
-        turned = self.object.radius * abs(wrap_angle(X_WB.yaw - pose.yaw))
-        return math.dist(X_WB.position, pose.position) + turned
-
-    def _touch_planned_place(
-        self, state: ControllerState, instant: Instant, crept: bool
-    ) -> ControllerState:
-        """Let go, and touch again where the segment was planned to be touched; harder a
-        press that ``crept``.
-        """
-        following = state.following
-        followed = following.binding.segment
-        planned = self.segments[0].contacts  # those of the whole placement
-        contacts = tuple(
-            replace(contact, point=at.point)
-            for contact, at in zip(followed.contacts, planned, strict=True)
-        )
-        if crept:
-            most = self.parts[followed.leg].limits.planned_force
-            contacts = tuple(
-                replace(
-                    contact,
-                    load=max(contact.load, min(margins.HARDER * contact.load, most)),
-                )
-                for contact in contacts
-            )
-        drive = following.segment.drive
-        segment = replace(followed, contacts=contacts, drive=drive)
-        watches = state.watches
-        again = state._replace(
-            following=following._replace(binding=self._bound(segment)),
-            watches=watches._replace(
-                lost=instant.time, retouches=watches.retouches + 1
-            ),
-        )
-        return begin(again, "touch", instant)
-
-    def _replanned(
-        self,
-        state: ControllerState,
-        instant: Instant,
-        touched: tuple[Point, ...],
-        guidance: Guidance,
-    ) -> ControllerState:
-        """Follow a better plan from here, if there is one."""
-        time = instant.time
-        found = findings(state)
-        if found.rho != state.following.rho:
-            following = state.following._replace(rho=found.rho)
-            state = state._replace(following=following)
-        following = state.following
-        segments = (following.binding.segment, *following.ahead)
-        since = time - state.watches.replanned
-        better = self.replanner.onward(
-            segments, instant.X_WB, touched, guidance, since, found
-        )
-        if better is None:
-            return state
-        state = state._replace(watches=state.watches._replace(replanned=time))
-        # a turn on the spot that goes on as arcs leads away from its spot
-        led = isinstance(following.segment.path, ArcPath)
-        if led and not (self.reaches_far or self._beside(better.segments)):
-            return state  # asked again after a pause
-        first = better.segments[0]
-        prediction = following.prediction
-        if found.center != prediction.followed_center:
-            # the virtual axle is looked for about the centre that was found
-            axle = self._axle_identifier(first)
-            prediction = prediction._replace(axle=axle, followed_center=found.center)
-        following = following._replace(
-            binding=self._bound(first),
-            ahead=better.segments[1:],
-            prediction=prediction,
-            progress=better.progress,
-            clock_start=time - better.clock,
-        )
-        return state._replace(following=following)
-
-    def _arrived(self, following: Following, instant: Instant, left: float) -> bool:
-        """Whether a segment is over, ``left`` [m] before its end; in an opening, or
-        held, when it rests.
-        """
-        if following.ahead or not self.waits:
-            return left <= margins.ARM.stop
-        duration = following.binding.segment.profile.duration
-        late = instant.time - following.clock_start - duration
-        if self.entry is None:
-            rests = late > HOLD_TIME
-        else:
-            rests = self.entry.seated(instant.tips)
-        return late > SEAT_TIME or (left <= margins.ARM.stop and rests)
-
-    def _retry(self, state: ControllerState, instant: Instant) -> tuple[Segment, ...]:
-        """Return segments that take the object to its goal in another attempt, if it is
-        not there.
-        """
-        following = state.following
-        task = self.parts[following.segment.leg]
-        off = _share_of_tolerance(task, instant.X_WG)
-        above = margins.RETRY_ABOVE
-        if self.entry is not None:
-            above = margins.RETRY_ABOVE_SEATED
-        if off < above or state.watches.retries == RETRIES:
-            return ()
-        segment = following.binding.segment
-        touched = following.binding.touched(instant.X_WB, instant.tips)
-        replanner = self.replanner.believing(following.rho)
-        measured = Measured.touching(
-            instant.X_WB, segment.contacts, touched, findings=findings(state)
-        )
-        fresh = replanner.again(segment, measured)
-        return fresh if self._can_follow(fresh, instant.time) else ()
-
-    def _can_follow(self, segments: Sequence[Segment], time: float) -> bool:
-        """Whether ``segments`` begun at ``time`` [s] end in time, and beside the planned
-        way: elsewhere nobody has looked whether the arms can follow.
-        """
-        return self._in_time(segments, time) and (
-            self.reaches_far or self._beside(segments)
-        )
-
-    def _beside(self, segments: Sequence[Segment]) -> bool:
-        """Whether each pose of ``segments`` is near a planned one."""
-        near = margins.ARM.beside
-        turn = margins.ARM.turned_beside
-        return all(
-            any(
-                math.dist(pose.position, other.position) < near
-                and abs(wrap_angle(pose.yaw - other.yaw)) < turn
-                for other in self.planned_poses
-            )
-            for segment in segments
-            for pose in poses_along(segment)
-        )
-
-    def _in_time(self, segments: Sequence[Segment], time: float) -> bool:
-        """Whether ``segments`` begun at ``time`` [s] end before the run has to."""
-        ends = time + math.fsum(segment.profile.duration for segment in segments)
-        part = self.parts[self.segments[0].leg]
-        return ends < part.limits.time - ramp_time(margins.ARM.retreat)
-
-    def _next_segment(
-        self, state: ControllerState, ahead: tuple[Segment, ...], instant: Instant
-    ) -> ControllerState:
-        """Go on with the first of ``ahead``, from where the object is, without letting
-        go.
-        """
-        before = state.following
-        planned = ahead[0]
-        found = findings(state)._replace(axle=None, rho=before.rho)
-        fresh, center, retries = self._led_on(state, ahead, instant, found)
-        joint_start = before.joint_progress(instant.X_WB)
-        if before.remade(planned):
-            # the joints go on along what was planned of the whole leg
-            joint_start = before.joint_start
-            planned = before.segment
-        first = fresh[0]
-        axle = MODES[ahead[0].mode].identifier(self.parts[ahead[0].leg], first)
-        following = Following(
-            self._bound(first),
-            planned,
-            fresh[1:],
-            Prediction(axle, self._center_identifier(first, center), center),
-            clock_start=instant.time,
-            began=before.began,
-            reference=first,
-            reference_start=instant.time,
-            joint_start=joint_start,
-            rho=before.rho,
-        )
-        watches = state.watches._replace(replanned=instant.time, retries=retries)
-        return state._replace(following=following, watches=watches)
-
-    def _led_on(
-        self,
-        state: ControllerState,
-        ahead: tuple[Segment, ...],
-        instant: Instant,
-        found: Findings,
-    ) -> tuple[tuple[Segment, ...], Point, int]:
-        """The segments ``ahead`` from where the object is, or the retry that takes their
-        place; p_BCom [m] that they are planned with, and how many retries there were.
-        """
-        X_WB = instant.X_WB
-        following = state.following
-        planned = ahead[0]
-        part = self.parts[planned.leg]
-        mode = MODES[planned.mode]
-        sides = sides_of(self.object, planned.contacts)
-        touched = touched_points(planned.contacts, sides, X_WB, instant.tips)
-        longest = margins.longest(
-            margins.TOUCH_DETOUR, planned.path.length, self.object.radius
-        )
-        replanner = self.replanner.believing(following.rho)
-        measured = Measured.touching(X_WB, planned.contacts, touched, longest, found)
-        fresh = replanner.replan(ahead, measured)
-        center = found.center if fresh else following.prediction.followed_center
-        fresh = fresh or ahead
-        retries = state.watches.retries
-        if not following.ahead:
-            return fresh, center, retries + 1
-        if retries < RETRIES and mode.misses(part, fresh, X_WB):
-            beyond = Measured.touching(
-                X_WB, fresh[-1].contacts, touched, findings=found
-            )
-            anew = replanner.again(fresh[-1], beyond)
-            if anew and self._can_follow(anew, instant.time):
-                return anew, found.center, retries + 1
-        return fresh, center, retries
 
     def _release(self, state: ControllerState, instant: Instant) -> PhaseStep:
         """Draw the tips back; after a failure slow down first, and go on holding an
@@ -740,10 +416,10 @@ class Controller:
         """Commands of tips on their way back, or that hold."""
         phase = state.phase
         failed = phase.failure is not None
-        holds = failed and not self.scene.carried(instant.X_WG)
+        holds = failed and not self.placement.scene.carried(instant.X_WG)
         share = _way_back(phase, instant.time)
         segment = state.following.binding.segment
-        part = self.parts[segment.leg]
+        part = self.placement.parts[segment.leg]
         yaw = instant.X_WG.yaw
         progress = state.following.joint_progress(instant.X_WB)
         commands = []
@@ -783,8 +459,9 @@ def _touches(
     )
 
 
-def _law(task: Task, execution: Execution, into: Entry | None, waits: bool) -> Law:
+def _law(task: Task, execution: Execution, placement: Placement) -> Law:
     """Algorithm 1 with the figures of a task."""
+    into = placement.entry
     mover = TipMover(
         task.motion.servo_damping if execution.servo else 0.0,
         task.contact_friction,
@@ -798,7 +475,15 @@ def _law(task: Task, execution: Execution, into: Entry | None, waits: bool) -> L
     servo = execution.servo and execution.force_gain is None
     floor_speed = margins.FLOOR_SPEED * task.motion.speed
     tracks_joints = execution.joint_stiffness > 0.0
-    return Law(mover, floor_speed, execution.gain, servo, tracks_joints, into, waits)
+    return Law(
+        mover,
+        floor_speed,
+        execution.gain,
+        servo,
+        tracks_joints,
+        into,
+        placement.waits,
+    )
 
 
 def _sunk(into: Entry | None) -> float:
@@ -834,13 +519,6 @@ def _way_back(phase: PhaseState, time: float) -> WayBack:
     u = _ramp_back(phase, time)
     duration = ramp_time(margins.ARM.retreat)
     return WayBack(share, smooth_rate(u) / duration, smooth_change(u) / duration**2)
-
-
-def _share_of_tolerance(task: Task, pose: Pose2) -> float:
-    """Return how far an object at ``pose``, X_WG, is from its goal, over the tolerance."""
-    off = math.dist(pose.position, task.goal.position) / task.tolerance.position
-    turned = abs(wrap_angle(pose.yaw - task.goal.yaw)) / task.tolerance.yaw
-    return max(off, turned)
 
 
 def _at_rest(tips: Sequence[TipState], contacts: Sequence[Contact]) -> bool:

@@ -1,0 +1,475 @@
+"""What comes next in the motion: a table of transitions that is asked in its order at
+every tick.
+
+``TRANSITIONS`` is the policy. The first row whose event holds says what is done; a row
+asks nothing of those below it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+from pushpressslide.control.correction import (
+    press_creep,
+    side_slide,
+    sides_of,
+    touched_points,
+)
+from pushpressslide.control.entry import HOLD_TIME, SEAT_TIME
+from pushpressslide.control.following import Following, Prediction
+from pushpressslide.control.placement import Placement, share_of_tolerance
+from pushpressslide.control.state import (
+    ControllerState,
+    Failure,
+    Instant,
+    Losses,
+    Still,
+    begin,
+    findings,
+    ramp_time,
+)
+from pushpressslide.core import margins
+from pushpressslide.core.guidance import Guidance
+from pushpressslide.core.path import ArcPath
+from pushpressslide.core.plan import Segment
+from pushpressslide.core.pose import Point, Pose2, wrap_angle
+from pushpressslide.identification.findings import Findings
+from pushpressslide.modes import MODES
+from pushpressslide.modes.base import Measured
+from pushpressslide.planning.workspace import poses_along
+
+RETOUCHES = 3
+LOSSES = 6  # of contact at one place, above which the attempt ends
+RETRIES = 4
+
+
+class Moment(NamedTuple):
+    """A tick of the motion, after its commands."""
+
+    state: ControllerState
+    instant: Instant
+    touched: tuple[Point, ...]  # [m] in B, where the tips touch the object
+    guidance: Guidance
+
+    @property
+    def left(self) -> float:
+        """Rest of the path [m]."""
+        return self.state.following.left
+
+
+class Supervisor:
+    """Watches the motion of one placement."""
+
+    def __init__(self, placement: Placement, servo: bool, patience: float) -> None:
+        """Watch ``placement``; ``servo``: the tips are led, not pushed by a force alone;
+        ``patience`` [s] is how long a contact may be missing.
+        """
+        self.placement = placement
+        self.servo = servo
+        self.patience = patience
+
+    def step(self, moment: Moment) -> ControllerState:
+        """State after a tick of the motion: what the first event that holds leads to."""
+        still = self._still(moment.state, moment.instant)
+        watches = moment.state.watches
+        if still is not watches.still:
+            state = moment.state._replace(watches=watches._replace(still=still))
+            moment = moment._replace(state=state)
+        for transition in TRANSITIONS:
+            if transition.holds(self, moment):
+                return transition.act(self, moment)
+        return moment.state
+
+    def astray(self, moment: Moment) -> bool:
+        """The tracking point is too far off its path."""
+        return abs(moment.guidance.error[1]) > margins.ARM.astray
+
+    def stop_astray(self, moment: Moment) -> ControllerState:
+        """Stop: goal missed."""
+        astray = abs(moment.guidance.error[1])
+        allowed = margins.ARM.astray
+        text = f"{astray * 1e3:.0f} mm off its path, allowed {allowed * 1e3:.0f} mm"
+        return _stopped(moment, ("goal_missed", text))
+
+    def stalled(self, moment: Moment) -> bool:
+        """The object stands still where it should move."""
+        return self._rested(moment) > margins.ARM.stall_time
+
+    def stop_stalled(self, moment: Moment) -> ControllerState:
+        """Stop: goal missed."""
+        rests = self._rested(moment)
+        left = moment.left
+        text = f"stood still for {rests:.0f} s, {left * 1e3:.0f} mm before its end"
+        return _stopped(moment, ("goal_missed", text))
+
+    def arrived_midway(self, moment: Moment) -> bool:
+        """A segment is over, and another one with the same contacts is ahead."""
+        following = moment.state.following
+        return bool(following.ahead) and self._arrived(following, moment.instant)
+
+    def go_on(self, moment: Moment) -> ControllerState:
+        """Follow the next segment from where the object is, or the mode's retry in its
+        place.
+        """
+        ahead = moment.state.following.ahead
+        return self._next_segment(moment.state, ahead, moment.instant)
+
+    def arrived(self, moment: Moment) -> bool:
+        """The last segment is over."""
+        return self._arrived(moment.state.following, moment.instant)
+
+    def end(self, moment: Moment) -> ControllerState:
+        """Retry where the goal is missed; else hold what nothing else carries, or let
+        go.
+        """
+        state = moment.state
+        instant = moment.instant
+        retry = self._retry(state, instant)
+        if retry:
+            return self._next_segment(state, retry, instant)
+        return begin(state, "done" if self.placement.holds else "release", instant)
+
+    def lost_for_good(self, moment: Moment) -> bool:
+        """Contact is lost once more at a place where it was lost again and again."""
+        return self.lost(moment) and self._losses(moment).count > LOSSES
+
+    def stop_lost(self, moment: Moment) -> ControllerState:
+        """Stop: contact lost."""
+        losses = self._losses(moment)
+        within = margins.ARM.retouch
+        text = f"contact lost {losses.count} times within {within * 1e3:.0f} mm"
+        return _stopped(_with_losses(moment, losses), ("contact_lost", text))
+
+    def lost(self, moment: Moment) -> bool:
+        """Contact has been missing for longer than the patience."""
+        since = moment.state.watches.lost
+        return since is not None and moment.instant.time - since > self.patience
+
+    def touch_again(self, moment: Moment) -> ControllerState:
+        """Touch where the tips are."""
+        state = _with_losses(moment, self._losses(moment)).state
+        again = begin(state, "touch", moment.instant)
+        return again._replace(phase=again.phase._replace(align=False))
+
+    def crept(self, moment: Moment) -> bool:
+        """A press has crept, and there is way left to mend it."""
+        planned = self.placement.segments[0].contacts
+        crept = press_creep(planned, moment.touched) > margins.CREPT
+        return crept and self._may_retouch(moment)
+
+    def touch_harder(self, moment: Moment) -> ControllerState:
+        """Touch the planned place again, and press harder."""
+        return self._touch_planned_place(moment.state, moment.instant, crept=True)
+
+    def slid(self, moment: Moment) -> bool:
+        """A push has slid along its face, and there is way left to mend it."""
+        contacts = moment.state.following.segment.contacts
+        slid = side_slide(contacts, moment.touched) > margins.ARM.retouch
+        return slid and self._may_retouch(moment)
+
+    def touch_planned(self, moment: Moment) -> ControllerState:
+        """Touch the planned place again."""
+        return self._touch_planned_place(moment.state, moment.instant, crept=False)
+
+    def missing(self, moment: Moment) -> bool:
+        """Contact is missing, but for less than the patience."""
+        return moment.state.watches.lost is not None
+
+    def wait(self, moment: Moment) -> ControllerState:
+        """Go on."""
+        return moment.state
+
+    def otherwise(self, moment: Moment) -> bool:
+        """Nothing else holds."""
+        return True
+
+    def replan(self, moment: Moment) -> ControllerState:
+        """Follow a better plan from here, if there is one."""
+        return self._replanned(moment)
+
+    def _rested(self, moment: Moment) -> float:
+        """How long [s] the object has stood still."""
+        still = moment.state.watches.still
+        return moment.instant.time - still.since if still else 0.0
+
+    def _may_retouch(self, moment: Moment) -> bool:
+        enough = moment.left > margins.ARM.retouch
+        return enough and moment.state.watches.retouches < RETOUCHES
+
+    def _losses(self, moment: Moment) -> Losses:
+        """How often contact was lost here, with this time."""
+        X_WB = moment.instant.X_WB
+        before = moment.state.watches.losses
+        within = margins.ARM.retouch
+        if before is not None and self._way(before.pose, X_WB) <= within:
+            return Losses(before.pose, before.count + 1)
+        return Losses(X_WB, 1)
+
+    def _still(self, state: ControllerState, instant: Instant) -> Still | None:
+        """Return where the object was when it last moved, in this phase; None where it
+        may rest, as with a force alone, or at a goal where it is waited for.
+        """
+        if self.placement.waits or not self.servo:
+            return None
+        still = state.watches.still
+        if still is not None and still.since >= state.phase.since:
+            way = self._way(still.pose, instant.X_WB)
+            speed = state.following.binding.segment.profile.speed
+            if way < margins.STALL * speed * margins.ARM.stall_time:
+                return still
+        return Still(instant.X_WB, instant.time)
+
+    def _way(self, pose: Pose2, X_WB: Pose2) -> float:
+        """Return how far the object has come from ``pose``, X_WB, turns included [m]."""
+        turned = self.placement.object.radius * abs(wrap_angle(X_WB.yaw - pose.yaw))
+        return math.dist(X_WB.position, pose.position) + turned
+
+    def _touch_planned_place(
+        self, state: ControllerState, instant: Instant, crept: bool
+    ) -> ControllerState:
+        """Let go, and touch again where the segment was planned to be touched; harder a
+        press that ``crept``.
+        """
+        following = state.following
+        followed = following.binding.segment
+        planned = self.placement.segments[0].contacts  # those of the whole placement
+        contacts = tuple(
+            replace(contact, point=at.point)
+            for contact, at in zip(followed.contacts, planned, strict=True)
+        )
+        if crept:
+            most = self.placement.parts[followed.leg].limits.planned_force
+            contacts = tuple(
+                replace(
+                    contact,
+                    load=max(contact.load, min(margins.HARDER * contact.load, most)),
+                )
+                for contact in contacts
+            )
+        drive = following.segment.drive
+        segment = replace(followed, contacts=contacts, drive=drive)
+        watches = state.watches
+        again = state._replace(
+            following=following._replace(binding=self.placement.bound(segment)),
+            watches=watches._replace(
+                lost=instant.time, retouches=watches.retouches + 1
+            ),
+        )
+        return begin(again, "touch", instant)
+
+    def _replanned(self, moment: Moment) -> ControllerState:
+        """The state that follows a better plan from here, if there is one."""
+        state, instant, touched, guidance = moment
+        time = instant.time
+        found = findings(state)
+        if found.rho != state.following.rho:
+            following = state.following._replace(rho=found.rho)
+            state = state._replace(following=following)
+        following = state.following
+        segments = (following.binding.segment, *following.ahead)
+        since = time - state.watches.replanned
+        better = self.placement.replanner.onward(
+            segments, instant.X_WB, touched, guidance, since, found
+        )
+        if better is None:
+            return state
+        state = state._replace(watches=state.watches._replace(replanned=time))
+        # a turn on the spot that goes on as arcs leads away from its spot
+        led = isinstance(following.segment.path, ArcPath)
+        if led and not (self.placement.reaches_far or self._beside(better.segments)):
+            return state  # asked again after a pause
+        first = better.segments[0]
+        prediction = following.prediction
+        if found.center != prediction.followed_center:
+            # the virtual axle is looked for about the centre that was found
+            axle = self.placement.axle_identifier(first)
+            prediction = prediction._replace(axle=axle, followed_center=found.center)
+        following = following._replace(
+            binding=self.placement.bound(first),
+            ahead=better.segments[1:],
+            prediction=prediction,
+            progress=better.progress,
+            clock_start=time - better.clock,
+        )
+        return state._replace(following=following)
+
+    def _arrived(self, following: Following, instant: Instant) -> bool:
+        """Whether a segment is over; in an opening, or held, when it rests."""
+        left = following.left
+        if following.ahead or not self.placement.waits:
+            return left <= margins.ARM.stop
+        duration = following.binding.segment.profile.duration
+        late = instant.time - following.clock_start - duration
+        if self.placement.entry is None:
+            rests = late > HOLD_TIME
+        else:
+            rests = self.placement.entry.seated(instant.tips)
+        return late > SEAT_TIME or (left <= margins.ARM.stop and rests)
+
+    def _retry(self, state: ControllerState, instant: Instant) -> tuple[Segment, ...]:
+        """Return segments that take the object to its goal in another attempt, if it is
+        not there.
+        """
+        following = state.following
+        task = self.placement.parts[following.segment.leg]
+        off = share_of_tolerance(task, instant.X_WG)
+        above = margins.RETRY_ABOVE
+        if self.placement.entry is not None:
+            above = margins.RETRY_ABOVE_SEATED
+        if off < above or state.watches.retries == RETRIES:
+            return ()
+        segment = following.binding.segment
+        touched = following.binding.touched(instant.X_WB, instant.tips)
+        replanner = self.placement.replanner.believing(following.rho)
+        measured = Measured.touching(
+            instant.X_WB, segment.contacts, touched, findings=findings(state)
+        )
+        fresh = replanner.again(segment, measured)
+        return fresh if self._can_follow(fresh, instant.time) else ()
+
+    def _can_follow(self, segments: Sequence[Segment], time: float) -> bool:
+        """Whether ``segments`` begun at ``time`` [s] end in time, and beside the planned
+        way: elsewhere nobody has looked whether the arms can follow.
+        """
+        return self._in_time(segments, time) and (
+            self.placement.reaches_far or self._beside(segments)
+        )
+
+    def _beside(self, segments: Sequence[Segment]) -> bool:
+        """Whether each pose of ``segments`` is near a planned one."""
+        near = margins.ARM.beside
+        turn = margins.ARM.turned_beside
+        return all(
+            any(
+                math.dist(pose.position, other.position) < near
+                and abs(wrap_angle(pose.yaw - other.yaw)) < turn
+                for other in self.placement.planned_poses
+            )
+            for segment in segments
+            for pose in poses_along(segment)
+        )
+
+    def _in_time(self, segments: Sequence[Segment], time: float) -> bool:
+        """Whether ``segments`` begun at ``time`` [s] end before the run has to."""
+        ends = time + math.fsum(segment.profile.duration for segment in segments)
+        part = self.placement.parts[self.placement.segments[0].leg]
+        return ends < part.limits.time - ramp_time(margins.ARM.retreat)
+
+    def _next_segment(
+        self, state: ControllerState, ahead: tuple[Segment, ...], instant: Instant
+    ) -> ControllerState:
+        """Go on with the first of ``ahead``, from where the object is, without letting
+        go.
+        """
+        before = state.following
+        planned = ahead[0]
+        found = findings(state)._replace(axle=None, rho=before.rho)
+        fresh, center, retries = self._led_on(state, ahead, instant, found)
+        joint_start = before.joint_progress(instant.X_WB)
+        if before.remade(planned):
+            # the joints go on along what was planned of the whole leg
+            joint_start = before.joint_start
+            planned = before.segment
+        first = fresh[0]
+        axle = MODES[ahead[0].mode].identifier(
+            self.placement.parts[ahead[0].leg], first
+        )
+        following = Following(
+            self.placement.bound(first),
+            planned,
+            fresh[1:],
+            Prediction(axle, self.placement.center_identifier(first, center), center),
+            clock_start=instant.time,
+            began=before.began,
+            reference=first,
+            reference_start=instant.time,
+            joint_start=joint_start,
+            rho=before.rho,
+        )
+        watches = state.watches._replace(replanned=instant.time, retries=retries)
+        return state._replace(following=following, watches=watches)
+
+    def _led_on(
+        self,
+        state: ControllerState,
+        ahead: tuple[Segment, ...],
+        instant: Instant,
+        found: Findings,
+    ) -> tuple[tuple[Segment, ...], Point, int]:
+        """The segments ``ahead`` from where the object is, or the retry that takes their
+        place; p_BCom [m] that they are planned with, and how many retries there were.
+        """
+        X_WB = instant.X_WB
+        following = state.following
+        planned = ahead[0]
+        part = self.placement.parts[planned.leg]
+        mode = MODES[planned.mode]
+        sides = sides_of(self.placement.object, planned.contacts)
+        touched = touched_points(planned.contacts, sides, X_WB, instant.tips)
+        longest = margins.longest(
+            margins.TOUCH_DETOUR, planned.path.length, self.placement.object.radius
+        )
+        replanner = self.placement.replanner.believing(following.rho)
+        measured = Measured.touching(X_WB, planned.contacts, touched, longest, found)
+        fresh = replanner.replan(ahead, measured)
+        center = found.center if fresh else following.prediction.followed_center
+        fresh = fresh or ahead
+        retries = state.watches.retries
+        if not following.ahead:
+            return fresh, center, retries + 1
+        if retries < RETRIES and mode.misses(part, fresh, X_WB):
+            beyond = Measured.touching(
+                X_WB, fresh[-1].contacts, touched, findings=found
+            )
+            anew = replanner.again(fresh[-1], beyond)
+            if anew and self._can_follow(anew, instant.time):
+                return anew, found.center, retries + 1
+        return fresh, center, retries
+
+
+def _stopped(moment: Moment, failure: Failure) -> ControllerState:
+    return begin(moment.state, "release", moment.instant, failure)
+
+
+def _with_losses(moment: Moment, losses: Losses) -> Moment:
+    watches = moment.state.watches._replace(losses=losses)
+    return moment._replace(state=moment.state._replace(watches=watches))
+
+
+class Transition(NamedTuple):
+    """A row of the table: an event, and what it leads to."""
+
+    holds: Callable[[Supervisor, Moment], bool]
+    act: Callable[[Supervisor, Moment], ControllerState]
+
+    @property
+    def event(self) -> str:
+        """Its name."""
+        return self.holds.__name__.replace("_", " ")
+
+    @property
+    def words(self) -> tuple[str, str]:
+        """When it holds and what is done then, as their functions say."""
+        when, then = (
+            " ".join((function.__doc__ or "").split())
+            for function in (self.holds, self.act)
+        )
+        return when, then
+
+
+TRANSITIONS: tuple[Transition, ...] = (
+    Transition(Supervisor.astray, Supervisor.stop_astray),
+    Transition(Supervisor.stalled, Supervisor.stop_stalled),
+    Transition(Supervisor.arrived_midway, Supervisor.go_on),
+    Transition(Supervisor.arrived, Supervisor.end),
+    Transition(Supervisor.lost_for_good, Supervisor.stop_lost),
+    Transition(Supervisor.lost, Supervisor.touch_again),
+    Transition(Supervisor.crept, Supervisor.touch_harder),
+    Transition(Supervisor.slid, Supervisor.touch_planned),
+    Transition(Supervisor.missing, Supervisor.wait),
+    Transition(Supervisor.otherwise, Supervisor.replan),
+)
+"""The policy of the motion, asked from above every tick."""
