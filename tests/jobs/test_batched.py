@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from pushpressslide.batch.fast import without_numba
 from pushpressslide.cli import app
-from pushpressslide.control import controller
+from pushpressslide.control import placement
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.pose import Pose2
 from pushpressslide.jobs.batched import (
@@ -34,7 +34,7 @@ NEAR_YAW = math.radians(0.15)
 NEAR_PATH = 2e-3  # [m] of the largest distance from the path
 
 
-class Unchanging(controller.Replanner):
+class Unchanging(placement.Replanner):
     """A replanner that keeps the plan."""
 
     def replan(self, *args, **kwargs):
@@ -67,7 +67,7 @@ def truths_about(task):
 def test_final_poses_are_those_of_the_planar_engine_without_new_plans(
     name, monkeypatch
 ):
-    monkeypatch.setattr(controller, "Replanner", Unchanging)
+    monkeypatch.setattr(placement, "Replanner", Unchanging)
     task = load_task(name)
     task = replace(task, motion=replace(task.motion, recoveries=0))
     plan = planned(task)
