@@ -29,12 +29,7 @@ def select_stages(task: Task, folder: Path, as_json: bool) -> None:
         "schema": 1,
         "task": task.name,
         "stages": [
-            {
-                "body": one.stage.body,
-                "goal": asdict(one.stage.goal),
-                "aside": one.stage.aside,
-                "choices": choice_rows(one.solution.choices),
-            }
+            {**asdict(one.stage), "choices": choice_rows(one.solution.choices)}
             for one in planned
         ],
     }

@@ -186,10 +186,6 @@ class Supervisor:
         """Nothing else holds."""
         return True
 
-    def replan(self, moment: Moment) -> ControllerState:
-        """Follow a better plan from here, if there is one."""
-        return self._replanned(moment)
-
     def _rested(self, moment: Moment) -> float:
         """How long [s] the object has stood still."""
         still = moment.state.watches.still
@@ -260,8 +256,8 @@ class Supervisor:
         )
         return begin(again, "touch", instant)
 
-    def _replanned(self, moment: Moment) -> ControllerState:
-        """The state that follows a better plan from here, if there is one."""
+    def replan(self, moment: Moment) -> ControllerState:
+        """Follow a better plan from here, if there is one."""
         state, instant, touched, guidance = moment
         time = instant.time
         found = findings(state)

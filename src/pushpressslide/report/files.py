@@ -25,7 +25,12 @@ from pushpressslide.core.state import State
 from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report.json_text import plain, to_json
-from pushpressslide.report.plan_files import SCHEMA, stage_from_dict, stages_to_dict
+from pushpressslide.report.plan_files import (
+    SCHEMA,
+    purpose_from_dict,
+    stage_from_dict,
+    stages_to_dict,
+)
 from pushpressslide.report.stage_figures import stage_figures
 from pushpressslide.report.stages import (
     StagePlan,
@@ -214,8 +219,7 @@ def _older_run(
     for number, entry in enumerate(stored["stages"], start=1):
         if "began" in entry:
             own = load_run(folder / OLDER_STAGES / str(number))
-            stage = Stage(entry["body"], Pose2(**entry["goal"]), entry["aside"])
-            runs.append(_run(entry, stage, own.record, own.choices))
+            runs.append(_run(entry, purpose_from_dict(entry), own.record, own.choices))
             result["stages"][number - 1]["figures"] = own.result
     ending = Ending(result["reason"]["code"], result["reason"]["text"])
     record = joined_record(runs, ending, result["seed"])

@@ -81,8 +81,14 @@ def plan_from_dict(data: Mapping[str, Any], task: Task) -> Plan:
 
 def stage_from_dict(data: Mapping[str, Any], task: Task) -> StagePlan:
     """Return a stage of ``stages_to_dict``; ``task`` is its own."""
-    stage = Stage(data["body"], Pose2(**data["goal"]), data["aside"])
-    return StagePlan(stage, plan_from_dict(data, task), choices_from_dict(data))
+    return StagePlan(
+        purpose_from_dict(data), plan_from_dict(data, task), choices_from_dict(data)
+    )
+
+
+def purpose_from_dict(data: Mapping[str, Any]) -> Stage:
+    """Return what a stage of ``stages_to_dict`` is to do."""
+    return Stage(data["body"], Pose2(**data["goal"]), data["aside"])
 
 
 def choices_from_dict(data: Mapping[str, Any]) -> tuple[Choice, ...]:
@@ -133,12 +139,7 @@ def _stage_to_dict(task: Task, part: StagePlan) -> dict[str, Any]:
     """
     from pushpressslide.taskfile.dump import task_data
 
-    stage = part.stage
-    out: dict[str, Any] = {
-        "body": stage.body,
-        "goal": asdict(stage.goal),
-        "aside": stage.aside,
-    }
+    out: dict[str, Any] = asdict(part.stage)
     if isinstance(part, StageRun):
         out["began"] = part.began
         out["poses"] = {body: asdict(X) for body, X in part.state.poses.items()}

@@ -59,8 +59,8 @@ def write_video(
     """Write the run as an animated picture in real time; return its path.
 
     The format, .webp or .gif, follows from the name of ``out``; a folder gets run.webp.
-    ``size`` is (width, height) [pixels]; ``goals`` and ``parts`` as of ``write_replay``. Raises
-    SimulationError for another format.
+    ``size`` is (width, height) [pixels]; ``goals`` and ``parts`` as of
+    ``write_replay``. Raises SimulationError for another format.
     """
     out = film.film_path(out)
     ticks = film.film_ticks(record.arrays["time"], frames_per_second)
