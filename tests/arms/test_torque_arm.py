@@ -14,7 +14,7 @@ from pushpressslide.arms.torque_arm import NO_POINT, TorqueArm
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import BrakeCommand, JointCommand, TipCommand, TipState
 from pushpressslide.core.plan import JointPath
-from pushpressslide.execution.arm import ArmState
+from pushpressslide.execution.arm import ArmDynamics
 from pushpressslide.robots.facts import RobotFacts, load_facts
 from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
 from pushpressslide.robots.tool import ToolAttitude
@@ -40,13 +40,13 @@ class Rotors:
     def mass(self) -> Array:
         return np.diag(self.facts.armature + 1.0)
 
-    def state_at(self, x: Array) -> ArmState:
+    def state_at(self, x: Array) -> ArmDynamics:
         q, v = x[: self.size], x[self.size :]
         rotation, place, J = self.kinematics.tip_and_jacobian(q)
         wx, wy, wz, vx, vy, vz = (J @ v).tolist()
         px, py, pz = place.tolist()
         rest = np.zeros(self.size)
-        return ArmState(
+        return ArmDynamics(
             q,
             v,
             (px, py, pz),

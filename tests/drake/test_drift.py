@@ -9,7 +9,7 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.core.control import TipCommand
-from pushpressslide.execution.arm import ArmExecutor, ArmState
+from pushpressslide.execution.arm import ArmDynamics, ArmExecutor
 from pushpressslide.execution.torque import LEAST_MOBILITY
 from pushpressslide.sim.arm_model import DrakeArmModel
 
@@ -23,7 +23,7 @@ def arm() -> DrakeArmModel:
     return DrakeArmModel(pps.load_task("rear-push-rear").robots[0])
 
 
-def turning(arm: DrakeArmModel, seed: int) -> ArmState:
+def turning(arm: DrakeArmModel, seed: int) -> ArmDynamics:
     return arm.state(READY, np.random.default_rng(seed).uniform(-0.5, 0.5, 7))
 
 

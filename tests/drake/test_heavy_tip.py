@@ -15,8 +15,8 @@ from pushpressslide.execution.arm import (
     ROTATION_DAMPING,
     ROTATION_STIFFNESS,
     SERVO_TIME,
+    ArmDynamics,
     ArmExecutor,
-    ArmState,
 )
 from pushpressslide.execution.torque import (
     LEAST_MOBILITY,
@@ -43,7 +43,7 @@ def arm() -> DrakeArmModel:
 
 def torque(
     arm: DrakeArmModel,
-    state: ArmState,
+    state: ArmDynamics,
     error: np.ndarray,
     stiffness: float = 0.0,
     catches_up: bool = True,
@@ -80,7 +80,7 @@ def torque(
     return limited.torque - state.bias
 
 
-def damped(state: ArmState, force: np.ndarray, share: float = 1.0) -> np.ndarray:
+def damped(state: ArmDynamics, force: np.ndarray, share: float = 1.0) -> np.ndarray:
     """Return the torque (n,) of a tip's damper, ``force`` (3,) [N] at first, with the
     velocity that it leads to in a tick; a cap leaves a ``share`` of it along the table.
     """
@@ -93,7 +93,7 @@ def damped(state: ArmState, force: np.ndarray, share: float = 1.0) -> np.ndarray
     return held_for_a_tick(Impedance(J[3:].T @ force, growth), state.M)
 
 
-def radial(state: ArmState) -> tuple[np.ndarray, float]:
+def radial(state: ArmDynamics) -> tuple[np.ndarray, float]:
     """Return the direction along the table in which the tip weighs most, and how much
     it does [kg].
     """

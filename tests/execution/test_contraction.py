@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pushpressslide.core.control import TipCommand, Vector3
-from pushpressslide.execution.arm import ArmExecutor, ArmState
+from pushpressslide.execution.arm import ArmDynamics, ArmExecutor
 
 FREE = ((1500.0, 1500.0, 3000.0), (150.0, 150.0, 250.0))
 MOVE = ((0.0, 0.0, 2000.0), (400.0, 400.0, 300.0))
@@ -33,7 +33,7 @@ class RandomArm:
     def size(self) -> int:
         return len(self.axes)
 
-    def state(self, q: np.ndarray, v: np.ndarray) -> ArmState:
+    def state(self, q: np.ndarray, v: np.ndarray) -> ArmDynamics:
         """Return the arm's state, of which gravity and Coriolis forces are no part."""
         R = np.eye(3)
         place = np.zeros(3)
@@ -54,7 +54,7 @@ class RandomArm:
         wx, wy, wz, vx, vy, vz = (J @ v).tolist()
         px, py, pz = place.tolist()
         zero = np.zeros(self.size)
-        return ArmState(
+        return ArmDynamics(
             q, v, (px, py, pz), R, (vx, vy, vz), (wx, wy, wz), J, M, zero, np.zeros(6)
         )
 

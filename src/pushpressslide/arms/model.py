@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from pushpressslide.core.arrays import Array
-from pushpressslide.execution.arm import ArmState
+from pushpressslide.execution.arm import ArmDynamics
 from pushpressslide.robots.facts import RobotFacts
 
 
@@ -22,7 +22,7 @@ class ArmModel(Protocol):
     def size(self) -> int:
         """Number of its joints, n."""
 
-    def state_at(self, x: Array) -> ArmState:
+    def state_at(self, x: Array) -> ArmDynamics:
         """Pose and velocity of the tip, Jacobian, mass matrix and bias torques at joint
         positions and velocities ``x`` (2 n,) [rad, rad/s].
         """

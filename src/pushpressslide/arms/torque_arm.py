@@ -22,7 +22,7 @@ from pushpressslide.core.control import (
 )
 from pushpressslide.core.plan import JointPath
 from pushpressslide.core.task import Task
-from pushpressslide.execution.arm import ArmExecutor, ArmState
+from pushpressslide.execution.arm import ArmDynamics, ArmExecutor
 from pushpressslide.execution.torque import LimitedTorque
 from pushpressslide.robots.tool import ToolAttitude
 
@@ -45,7 +45,7 @@ class TorqueArm:
         self._stiffness = joint_stiffness
         # (n,) [rad/s] of the reference
         self._fastest = margins.POSTURE_SPEED * model.facts.velocity_limit
-        self.state: ArmState
+        self.state: ArmDynamics
         self.path: JointPath
         self._limited: LimitedTorque | None = None  # of the tick before
         self._reference = np.zeros(0)  # (n,) [rad]

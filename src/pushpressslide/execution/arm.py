@@ -57,7 +57,7 @@ TINY = 1e-9  # [N m s] of a joint's momentum that counts as none
 
 
 @dataclass(frozen=True, slots=True)
-class ArmState:
+class ArmDynamics:
     """What is known of one arm at a tick; world axes, tip = centre of the tip's sphere."""
 
     q: Array  # (n,) [rad]
@@ -131,7 +131,7 @@ class ArmExecutor:
         self._spin_axis = self.frame.spin_axis
 
     def free(
-        self, arm: ArmState, q_ref: Array, v_ref: Array, previous: Array
+        self, arm: ArmDynamics, q_ref: Array, v_ref: Array, previous: Array
     ) -> LimitedTorque:
         """Return the torques that track joints in free space; ``previous`` (n,) [N m]
         are those of the tick before.
@@ -140,7 +140,7 @@ class ArmExecutor:
         tau = joint_torque(arm.M, arm.bias, arm.q, arm.v, q_ref, v_ref, rate)
         return limited(tau, previous, self._most, self._most_change)
 
-    def brake(self, arm: ArmState, weight: Array, previous: Array) -> LimitedTorque:
+    def brake(self, arm: ArmDynamics, weight: Array, previous: Array) -> LimitedTorque:
         """Torques that hold the arm's ``weight`` (n,) [N m] and take the speed from its
         joints, as fast as its torques allow; ``previous`` (n,) [N m] are those of the
         tick before.
@@ -159,7 +159,7 @@ class ArmExecutor:
 
     def contact(
         self,
-        arm: ArmState,
+        arm: ArmDynamics,
         command: TipCommand,
         q_ref: Array,
         v_ref: Array,
@@ -192,7 +192,7 @@ class ArmExecutor:
 
     def _of_tip(
         self,
-        arm: ArmState,
+        arm: ArmDynamics,
         J: Array,
         command: TipCommand,
         moment: Vector3,
@@ -221,7 +221,7 @@ class ArmExecutor:
         return axes @ self._axes.T
 
     def _of_posture(
-        self, arm: ArmState, J: Array, error: Array, speed: Array
+        self, arm: ArmDynamics, J: Array, error: Array, speed: Array
     ) -> Impedance:
         """Impedance of the joints about their reference, ``error`` (n,) [rad] and
         ``speed`` (n,) [rad/s] away: felt where the tip does not feel it, and where it
@@ -247,7 +247,7 @@ class ArmExecutor:
             growth = growth + added * np.eye(len(error))
         return Impedance(torque, growth)
 
-    def _posture_share(self, arm: ArmState, J: Array) -> PostureShare:
+    def _posture_share(self, arm: ArmDynamics, J: Array) -> PostureShare:
         """Share of the joints where they are; ``J`` (6, n) as in ``_of_posture``."""
         n = len(arm.q)
         JJt = J @ J.T
@@ -257,7 +257,7 @@ class ArmExecutor:
         felt = left.damper if brake is None else left.damper + brake
         return PostureShare(arm.q, left.share, brake, self._posture.added * felt)
 
-    def _moment(self, arm: ArmState, command: TipCommand) -> Vector3:
+    def _moment(self, arm: ArmDynamics, command: TipCommand) -> Vector3:
         """Return the moment [N m], world axes, that holds the tool's attitude."""
         return tip_moment(
             self.rotation(command.tool_yaw + self.yaw_offset),
@@ -268,7 +268,9 @@ class ArmExecutor:
             self._rotation.damping,
         )
 
-    def _inertial(self, arm: ArmState, command: TipCommand, velocity: Vector3) -> Array:
+    def _inertial(
+        self, arm: ArmDynamics, command: TipCommand, velocity: Vector3
+    ) -> Array:
         """Return the wrench (6,), world axes, that moves the arm's own inertia as the
         command asks; ``velocity`` [m/s] of the tip, in the support's frame.
 

@@ -8,7 +8,7 @@ from pydrake.multibody.tree import JacobianWrtVariable, MultibodyForces
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Robot
-from pushpressslide.execution.arm import ArmState
+from pushpressslide.execution.arm import ArmDynamics
 from pushpressslide.robots.facts import RobotFacts
 from pushpressslide.sim.robot_models import add_robot
 
@@ -41,11 +41,11 @@ class DrakeArmModel:
         """The maker's limits of its joints."""
         return self.instance.facts
 
-    def state(self, q: Array, v: Array) -> ArmState:
+    def state(self, q: Array, v: Array) -> ArmDynamics:
         """State at joint positions ``q`` (n,) and velocities ``v`` (n,)."""
         return self.state_at(np.concatenate([q, v]))
 
-    def state_at(self, x: Array) -> ArmState:
+    def state_at(self, x: Array) -> ArmDynamics:
         """Return what a torque controller needs at ``x`` (2 n,), positions and
         velocities.
         """
@@ -61,7 +61,7 @@ class DrakeArmModel:
         bias = plant.CalcInverseDynamics(context, self._rest, self._forces)
         px, py, pz = X[:, 3].tolist()
         wx, wy, wz, vx, vy, vz = (J @ v).tolist()
-        return ArmState(
+        return ArmDynamics(
             x[: self.size],
             v,
             (px, py, pz),

@@ -18,7 +18,7 @@ from pushpressslide.core.control import Vector3
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
-from pushpressslide.execution.arm import ArmState
+from pushpressslide.execution.arm import ArmDynamics
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.force_sensor import ForceSensor
 from pushpressslide.sim.knock import NAME
@@ -134,7 +134,7 @@ class Station:
         x: Array = self.plant.GetPositionsAndVelocities(self.plant_context)
         return x
 
-    def contact_forces(self, arms: Sequence[ArmState]) -> list[Vector3]:
+    def contact_forces(self, arms: Sequence[ArmDynamics]) -> list[Vector3]:
         """Return the measured force [N] of each tip ON what it touches, world axes;
         ``arms`` are the states of the arms now.
         """
