@@ -10,9 +10,17 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.arms.model import at_rest
-from pushpressslide.arms.torque_arm import NO_POINT, TorqueArm
+from pushpressslide.arms.torque_arm import TorqueArm
+from pushpressslide.control.recording import NO_VECTOR, contact_point
 from pushpressslide.core.arrays import Array
-from pushpressslide.core.control import BrakeCommand, JointCommand, TipCommand, TipState
+from pushpressslide.core.control import (
+    ArmCommand,
+    BrakeCommand,
+    JointCommand,
+    TipCommand,
+    TipState,
+    Vector3,
+)
 from pushpressslide.core.plan import JointPath
 from pushpressslide.execution.arm import ArmDynamics
 from pushpressslide.robots.facts import RobotFacts, load_facts
@@ -60,56 +68,86 @@ class Rotors:
         )
 
 
+class Joints:
+    """Joints that turn as their torques have them."""
+
+    def __init__(self, model: Rotors) -> None:
+        self.model = model
+        self.time = 0.0
+        self.x = at_rest(model.facts.home)
+        self.torque = np.zeros(model.size)
+
+    def joints(self) -> Array:
+        return self.x
+
+    def tip_force(self, arm: ArmDynamics) -> Vector3:
+        return NOTHING
+
+    def drive(self, torque: Array) -> None:
+        self.torque = torque
+
+    def advance(self) -> None:
+        size = self.model.size
+        v = self.x[size:] + PERIOD * np.linalg.solve(self.model.mass, self.torque)
+        self.x = np.concatenate([self.x[:size] + PERIOD * v, v])
+        self.time += PERIOD
+
+
 @pytest.fixture
-def arm() -> TorqueArm:
-    """Return a Panda in its ready posture, with a joint path that stays there."""
+def joints() -> Joints:
     robot = TASK.robots[0]
-    model = Rotors(load_facts(robot.model), arm_kinematics(robot))
-    made = TorqueArm(model, RADIUS)
+    return Joints(Rotors(load_facts(robot.model), arm_kinematics(robot)))
+
+
+@pytest.fixture
+def arm(joints: Joints) -> TorqueArm:
+    """Return a Panda in its ready posture, with a joint path that stays there."""
+    model = joints.model
+    made = TorqueArm(model, joints)
     home = model.facts.home[None]
     path = JointPath(
         np.zeros(1), home, np.zeros(1), home, 0.0, 0.1, 10.0, 0.1, gap=0.01
     )
     made.follow(TASK, path, ToolAttitude())
-    made.sense(at_rest(home[0]))
+    made.read()
     return made
 
 
-def driven(arm: TorqueArm, command: object, ticks: int) -> list[Array]:
-    """Return the joints' positions after each tick under a command."""
-    state = arm.state
-    x = np.concatenate([state.q, state.v])
-    size = arm.model.size
-    out = []
+def drive(arm: TorqueArm, joints: Joints, command: ArmCommand, ticks: int) -> None:
+    """Pass ticks under a command."""
     for _ in range(ticks):
-        arm.execute(command)  # type: ignore[arg-type]
-        v = x[size:] + PERIOD * np.linalg.solve(state.M, arm.torque - state.bias)
-        x = np.concatenate([x[:size] + PERIOD * v, v])
-        arm.sense(x)
-        out.append(x[:size])
-    return out
+        arm.read()
+        arm.send(command)
+        joints.advance()
+    arm.read()
 
 
-def test_joints_are_led_to_where_they_are_wanted(arm: TorqueArm) -> None:
+def test_joints_are_led_to_where_they_are_wanted(
+    arm: TorqueArm, joints: Joints
+) -> None:
     wanted = arm.state.q + 0.1
-    driven(arm, JointCommand(wanted, np.zeros_like(wanted)), 500)
+    drive(arm, joints, JointCommand(wanted, np.zeros_like(wanted)), 500)
     assert arm.state.q == pytest.approx(wanted, abs=2e-3)
     assert arm.state.v == pytest.approx(0.0, abs=1e-2)
-    assert (np.abs(arm.torque) <= arm.limits.effort).all()
-    assert 0.0 <= arm.reading.torque_share <= 1.0
+    assert (np.abs(joints.torque) <= arm.limits.effort).all()
+    asked = arm.read().joints
+    assert asked is not None
+    assert 0.0 <= asked.torque_share <= 1.0
 
 
-def test_without_a_command_it_rests_where_its_path_begins(arm: TorqueArm) -> None:
+def test_without_a_command_it_rests_where_its_path_begins(
+    arm: TorqueArm, joints: Joints
+) -> None:
     begin = arm.path.move[0]
-    arm.sense(at_rest(begin + 0.02))
-    driven(arm, None, 500)
+    joints.x = at_rest(begin + 0.02)
+    drive(arm, joints, None, 500)
     assert arm.state.q == pytest.approx(begin, abs=2e-3)
 
 
-def test_an_arm_that_brakes_comes_to_rest(arm: TorqueArm) -> None:
+def test_an_arm_that_brakes_comes_to_rest(arm: TorqueArm, joints: Joints) -> None:
     size = arm.model.size
-    arm.sense(np.concatenate([arm.state.q, np.full(size, 0.5)]))
-    driven(arm, BrakeCommand(), 250)
+    joints.x = np.concatenate([arm.state.q, np.full(size, 0.5)])
+    drive(arm, joints, BrakeCommand(), 250)
     assert arm.state.v == pytest.approx(0.0, abs=1e-6)
 
 
@@ -126,19 +164,21 @@ def test_a_posture_that_jumps_is_led_to_at_a_bounded_rate(arm: TorqueArm) -> Non
         servo_cap=0.0,
         progress=0.0,
     )
-    arm.execute(still)
-    before = arm.row().reference
+    before = arm.send(still).reference
     command = replace(still, posture=arm.state.q + 1.0)
-    arm.execute(command)
-    step = arm.row().reference - before
+    after = arm.send(command).reference
+    assert before is not None
+    assert after is not None
+    step = after - before
     assert (step > 0.0).all()
     assert (step <= PERIOD * arm.limits.velocity).all()
 
 
-def test_a_tip_is_touched_where_the_force_points_through_it(arm: TorqueArm) -> None:
+def test_a_tip_is_touched_where_the_force_points_through_it() -> None:
     place = (0.4, 0.1, 0.02)
-    touched = arm.contact_point(TipState(place, NOTHING, (0.0, -3.0, 4.0)))
+    touched = contact_point(TipState(place, NOTHING, (0.0, -3.0, 4.0)), RADIUS)
     assert touched == pytest.approx(
         (0.4, 0.1 - 0.6 * RADIUS, 0.02 + 0.8 * RADIUS), abs=1e-12
     )
-    assert arm.contact_point(TipState(place, NOTHING, (0.0, 0.0, 0.01))) is NO_POINT
+    light = TipState(place, NOTHING, (0.0, 0.0, 0.01))
+    assert contact_point(light, RADIUS) is NO_VECTOR

@@ -15,11 +15,11 @@ from pushpressslide.control.estimator import (
     EstimatorState,
     ObjectEstimator,
     Observation,
-    StampedPose,
     pose_gain,
 )
 from pushpressslide.control.following import Prediction
 from pushpressslide.control.run_loop import RunOptions, run_loop
+from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import Measurement, TipState
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Sensing, Task
@@ -27,7 +27,7 @@ from pushpressslide.core.wrench import Twist
 from pushpressslide.identification.center import CenterState, Window
 from pushpressslide.identification.online import AxleState
 from pushpressslide.modes import MODES
-from pushpressslide.planar.plant import PlanarPlant
+from pushpressslide.planar.cell import planar_cell
 
 DT = 0.01
 NOISY = pps.load_task("rear-push-rear", ["sensing.position_noise=0.001"])
@@ -177,7 +177,7 @@ def test_another_estimator_runs_a_shipped_task(
     monkeypatch.setattr(LowPass, "made", 0)
     monkeypatch.setattr(LowPass, "ticks", 0)
     plan = pps.plan(pps.load_task(name))
-    record = run_loop(PlanarPlant(plan), plan, RunOptions(estimator=LowPass))
+    record = run_loop(planar_cell(plan), plan, RunOptions(estimator=LowPass))
     assert record.reason == "goal_reached"
     assert LowPass.made == len(plan.placements)
     # from the touch to the end of the last placement

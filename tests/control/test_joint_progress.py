@@ -11,9 +11,10 @@ import pushpressslide as pps
 from pushpressslide.control.controller import Controller
 from pushpressslide.control.execution import USUAL
 from pushpressslide.control.following import bind
+from pushpressslide.control.run_loop import RunLoop
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.task import Robot
-from pushpressslide.planar.plant import PlanarPlant
+from pushpressslide.planar.cell import planar_cell
 from pushpressslide.planning.pressed.manoeuvre import pressed_manoeuvres
 
 
@@ -26,7 +27,8 @@ def test_a_turn_on_the_spot_that_goes_on_as_arcs_keeps_its_place_by_the_yaw(
     plan = pps.plan(task)
     (planned,) = plan.segments
     controller = Controller(plan)
-    state = controller.init(PlanarPlant(plan).measure())
+    measurement, _ = RunLoop(planar_cell(plan), plan).measure()
+    state = controller.init(measurement)
     here = planned.path.pose(share * planned.path.length)
     X_WB = here.compose(planned.X_BV.inverse())
     arcs = pressed_manoeuvres(task, task.body_ends[0], planned.contacts)

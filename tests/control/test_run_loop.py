@@ -42,6 +42,8 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Sensing, Task
 
+pytestmark = pytest.mark.filterwarnings("ignore:a plant of one piece")
+
 PERIOD = 0.01
 TICKS = 10  # that a scripted placement takes
 STOP_TICKS = 3  # that a scripted controller takes to stop safely
@@ -78,7 +80,6 @@ class Diary:
     breaks_after: float = np.inf  # [s]
     joint_paths: tuple[JointPath, ...] = ()
     name: str = "diary"
-    overhead: float = 0.0
     meta: dict[str, Any] = field(default_factory=lambda: {"kind": "diary"})
     reading: ArmReading | None = None  # of every arm
     ticks: int = 0
@@ -115,7 +116,7 @@ class Diary:
         self.asked.append("row")
         ticks = self.ticks
         forces = (ZERO,) * self.arms
-        return PlantRow(ZERO, forces, 1e-3, lambda: {"extra": ticks})
+        return PlantRow(ZERO, forces, extras=lambda: {"extra": ticks})
 
     def diverged(self) -> str | None:
         return "it broke" if self.time > self.breaks_after else None
@@ -282,7 +283,8 @@ def test_the_record_holds_what_the_plant_adds(one, scripts) -> None:
     record = run_loop(Diary(arms=1), one)
     assert (record.engine, record.meta) == ("diary", {"kind": "diary", "events": []})
     assert record.arrays["extra"].tolist() == [i + 1 for i in range(TICKS)]
-    assert set(record.arrays["tick_execute"]) == {1e-3}
+    assert (record.arrays["tick_execute"] > 0.0).all()
+    assert (record.arrays["tick_execute"] < record.arrays["tick_total"]).all()
 
 
 LIMIT = 40.0  # [N] limits.normal_force of the task
@@ -442,9 +444,9 @@ def test_a_seed_decides_what_the_controller_sees(one, scripts) -> None:
 
 def test_progress_is_told_with_the_expected_duration(one) -> None:
     told: list[tuple[float, float]] = []
-    plant = Diary(arms=1, overhead=7.0)
+    plant = Diary(arms=1)
     run_loop(plant, one, RunOptions(progress=lambda *times: told.append(times)))
-    expected = 7.0 + one.duration
+    expected = module.TOUCH_AND_RELEASE + one.duration
     assert [time for time, _ in told] == pytest.approx(
         [(i * PROGRESS_TICKS - 1) * PERIOD for i in range(1, len(told) + 1)]
     )

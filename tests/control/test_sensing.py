@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pushpressslide.control.sensing import Sensor
+from pushpressslide.control.cell import Applied, ArmState, Cell, TipAlone
+from pushpressslide.control.sensing import sensed
+from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import Measurement, TipState
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Sensing
@@ -25,6 +27,51 @@ def truth(tick: int) -> Measurement:
 def still() -> Measurement:
     tip = TipState((1.0, 2.0, 3.0), (0.0, 0.0, 0.0), (4.0, 5.0, 6.0))
     return Measurement(0.0, Pose2(0.1, 0.2, 0.3), (tip,))
+
+
+class Sensor:
+    """A cell in which what is true is told, and what comes out of its sensors."""
+
+    simulated = True
+    time = 0.0
+
+    def __init__(self, sensing: Sensing, seed: int, dt: float) -> None:
+        self.truth = truth(0)
+        tips = [Told(self, 0), Told(self, 1)]
+        self.cell = sensed(Cell("told", self, tips, self), sensing, seed, dt)
+        self.last = truth(0)
+
+    def advance(self) -> None: ...
+
+    def failure(self) -> None: ...
+
+    def read(self) -> StampedPose:
+        return StampedPose(self.time, self.truth.object_pose)
+
+    def measure(self, truth: Measurement) -> Measurement:
+        """One tick on."""
+        self.time += 1.0
+        self.truth = truth
+        pose = self.cell.tracker.read()
+        arms = self.cell.arms[: len(truth.tips)]
+        tips = tuple(arm.read().tip for arm in arms)
+        held = self.last.object_pose if pose is None else pose.X_WG
+        self.last = Measurement(truth.time, held, tips, pose_seen=pose is not None)
+        return self.last
+
+
+class Told(TipAlone):
+    """A tip that is where it is told to be."""
+
+    def __init__(self, told: Sensor, index: int) -> None:
+        self.told = told
+        self.index = index
+
+    def read(self) -> ArmState:
+        return ArmState(self.told.time, self.told.truth.tips[self.index])
+
+    def send(self, command: object) -> Applied:
+        return Applied()
 
 
 def seen(sensing: Sensing, count: int = COUNT, seed: int = 1) -> list[Measurement]:

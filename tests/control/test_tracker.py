@@ -14,41 +14,27 @@ from pushpressslide.control.estimator import (
     EstimatorState,
     ObjectEstimator,
     Observation,
-    StampedPose,
 )
 from pushpressslide.control.run_loop import RunOptions, run_loop
-from pushpressslide.core.control import Measurement
-from pushpressslide.planar.plant import PlanarPlant
+from pushpressslide.control.tracker import ObjectTracker, StampedPose
+from pushpressslide.planar.cell import planar_cell
 
 AGE = 0.05  # [s] of a pose when it comes
 TASK = pps.load_task("rear-push-rear")
 PLAN = pps.plan(TASK)
 
 
-class Watched(PlanarPlant):
-    """The planar engine, before a camera that sees the object at every tick."""
-
-    def __init__(self, plan: pps.Plan) -> None:
-        super().__init__(plan)
-        self.pictures: SimpleQueue[StampedPose | None] = SimpleQueue()
-
-    def measure(self) -> Measurement:
-        truth = super().measure()
-        self.pictures.put(StampedPose(truth.time, truth.object_pose))
-        return truth
-
-
 class Late:
-    """Poses that are seen every few ticks and come later."""
+    """Poses that a camera sees every few ticks and that come later."""
 
-    def __init__(self, plant: Watched, every: int = 1) -> None:
-        self.plant = plant
+    def __init__(self, camera: ObjectTracker, every: int = 1) -> None:
+        self.camera = camera
         self.every = every
         self.seen: deque[StampedPose] = deque()
         self.count = 0
 
     def read(self) -> StampedPose | None:
-        picture = self.plant.pictures.get()
+        picture = self.camera.read()
         assert picture is not None
         if self.count % self.every == 0:
             self.seen.append(picture)
@@ -71,9 +57,9 @@ def test_a_task_is_done_by_poses_that_are_old_when_they_come(every: int) -> None
             ages.append(estimate.age)
             return estimate, state
 
-    plant = Watched(PLAN)
-    options = RunOptions(tracker=Late(plant, every), estimator=Noting)
-    record = run_loop(plant, PLAN, options)
+    cell = planar_cell(PLAN)
+    options = RunOptions(tracker=Late(cell.tracker, every), estimator=Noting)
+    record = run_loop(cell, PLAN, options)
     figures = pps.result(record)
     assert figures["success"], figures["reason"]
     assert figures["final_position_error"] < 3e-3
@@ -85,16 +71,18 @@ def test_a_task_is_done_by_poses_that_are_old_when_they_come(every: int) -> None
 
 def test_poses_may_come_from_another_thread() -> None:
     """One that forwards what it sees, whenever it is its turn."""
-    plant = Watched(PLAN)
+    cell = planar_cell(PLAN)
+    pictures: SimpleQueue[StampedPose | None] = SimpleQueue()
     sent: SimpleQueue[StampedPose] = SimpleQueue()
 
     def forward() -> None:
-        while (picture := plant.pictures.get()) is not None:
+        while (picture := pictures.get()) is not None:
             sent.put(picture)
 
     class Newest:
         def read(self) -> StampedPose | None:
             newest = None
+            pictures.put(cell.tracker.read())
             try:
                 while True:
                     newest = sent.get_nowait()
@@ -104,9 +92,9 @@ def test_poses_may_come_from_another_thread() -> None:
     worker = threading.Thread(target=forward)
     worker.start()
     try:
-        record = run_loop(plant, PLAN, RunOptions(tracker=Newest()))
+        record = run_loop(cell, PLAN, RunOptions(tracker=Newest()))
     finally:
-        plant.pictures.put(None)
+        pictures.put(None)
         worker.join()
     assert pps.result(record)["success"]
 
@@ -124,5 +112,5 @@ def test_an_object_that_nobody_has_seen_is_where_the_plan_begins() -> None:
             return super().start(pose)
 
     options = RunOptions(tracker=Blind(), estimator=Looking, stop=lambda: bool(first))
-    run_loop(PlanarPlant(PLAN), PLAN, options)
+    run_loop(planar_cell(PLAN), PLAN, options)
     assert first == [StampedPose(0.0, TASK.start)]

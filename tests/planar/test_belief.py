@@ -12,7 +12,7 @@ from pushpressslide.core.task import Belief, Robot, Task
 from pushpressslide.core.twist_path import moved
 from pushpressslide.identification.online import AxleState
 from pushpressslide.modes import MODES
-from pushpressslide.planar.plant import PlanarPlant
+from pushpressslide.planar.cell import planar_cell
 from pushpressslide.planning.pressed.vehicle import press_of
 from pushpressslide.report.metrics import result
 from pushpressslide.rom.drives import SpinDrive
@@ -50,7 +50,7 @@ def test_tips_touch_the_object_where_they_are_planned_to(
 ) -> None:
     task = handled("rear-push-rear")
     tips = [
-        PlanarPlant(pps.plan(each)).measure().tips[0].position
+        planar_cell(pps.plan(each)).arms[0].read().tip.position
         for each in (task, mistaken(task, error))
     ]
     assert tips[0] == pytest.approx(tips[1])

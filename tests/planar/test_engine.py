@@ -12,8 +12,8 @@ import pushpressslide as pps
 from pushpressslide.control.run_loop import RunLoop, RunOptions, run_loop
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.record import Ending
+from pushpressslide.planar.cell import planar_cell
 from pushpressslide.planar.engine import run
-from pushpressslide.planar.plant import PlanarPlant
 from pushpressslide.view.planar.replay import replay_data, write_replay
 
 
@@ -97,12 +97,12 @@ def test_the_page_shows_every_tip_and_the_load_of_presses(idle, tmp_path):
 def test_a_run_is_a_loop_over_steps() -> None:
     """Stepped by hand, in one piece, and stopped half-way."""
     plan = pps.plan(pps.load_task("rear-push-rear"))
-    whole = run_loop(PlanarPlant(plan), plan)
-    loop = RunLoop(PlanarPlant(plan), plan)
+    whole = run_loop(planar_cell(plan), plan)
+    loop = RunLoop(planar_cell(plan), plan)
     ending = None
     half = None
     while ending is None:
-        if half is None and loop.plant.time > 5.0:
+        if half is None and loop.cell.clock.time > 5.0:
             half = loop.record(Ending("interrupted", "looked at"))
         ending = loop.step()
     stepped = loop.record(ending)

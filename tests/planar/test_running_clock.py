@@ -1,4 +1,4 @@
-"""A plant whose clock runs on while a recovery is planned, as that of a robot cell: the
+"""A cell whose clock runs on while a recovery is planned, as that of a robot: the
 tips hold, and go on from where they are by then.
 """
 
@@ -10,40 +10,42 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.control.cell import Cell
 from pushpressslide.control.limits import JUMP, Guard
 from pushpressslide.control.run_loop import RunOptions, run_loop
 from pushpressslide.core import margins
 from pushpressslide.core.control import Commands, TipCommand
 from pushpressslide.core.record import Record
-from pushpressslide.planar.plant import PlanarPlant
+from pushpressslide.planar.cell import PlanarPhysics, PlanarTip, planar_cell
 from pushpressslide.selection.preparation import Preparation
 
-PLANNING = 2.0  # [s] of the plant's time, that a plan takes
+PLANNING = 2.0  # [s] of the cell's time, that a plan takes
 BREAKS = 5.0  # [s] at which a reference jumps for a tick, in the push
 ZERO = (0.0, 0.0, 0.0)
 
 
-class Running(PlanarPlant):
-    """A planar plant that obeys its last commands while somebody plans."""
+class Running(PlanarPhysics):
+    """A planar world that obeys its last commands while somebody plans."""
 
     planned_at: float | None = None  # [s]
     held: Commands = ()
     drift = 0.0  # [m] that the tip moves by meanwhile
 
-    def apply(self, commands: Commands) -> None:
-        super().apply(commands)
-        self.last = commands
-
     def prepare(self) -> Preparation:
         self.planned_at = self.time
-        self.held = self.last
-        before = super().measure().tips[0].position
+        self.held = tuple(self.commands)
+        before = self.now.tips[0].position
         while self.time < self.planned_at + PLANNING:
             self.advance()
-        self.drift = float(
-            np.linalg.norm(np.subtract(super().measure().tips[0].position, before))
-        )
+        after = self.now.tips[0].position
+        self.drift = float(np.linalg.norm(np.subtract(after, before)))
         return super().prepare()
+
+
+def running(plan: pps.Plan) -> tuple[Running, Cell]:
+    physics = Running(plan)
+    tip = PlanarTip(physics, 0)
+    return physics, Cell("planar", physics, [tip], physics, physics, physics)
 
 
 def jumps_once(time: float, commands: Commands) -> Commands:
@@ -60,13 +62,13 @@ def jumps_once(time: float, commands: Commands) -> Commands:
 @pytest.fixture(scope="module")
 def ran() -> tuple[Running, Record]:
     plan = pps.plan(pps.load_task("rear-push-rear"))
-    plant = Running(plan)
-    return plant, run_loop(plant, plan, RunOptions(disturb=jumps_once))
+    physics, cell = running(plan)
+    return physics, run_loop(cell, plan, RunOptions(disturb=jumps_once))
 
 
 def test_the_run_goes_on_and_reaches_its_goal(ran: tuple[Running, Record]) -> None:
-    plant, record = ran
-    assert plant.planned_at is not None
+    physics, record = ran
+    assert physics.planned_at is not None
     assert record.reason == "goal_reached"
     times = record.arrays["time"]
     gaps = np.diff(times)
@@ -76,25 +78,25 @@ def test_the_run_goes_on_and_reaches_its_goal(ran: tuple[Running, Record]) -> No
 def test_tips_are_told_to_stay_while_a_recovery_is_planned(
     ran: tuple[Running, Record],
 ) -> None:
-    plant, _ = ran
-    (held,) = plant.held
+    physics, _ = ran
+    (held,) = physics.held
     assert isinstance(held, TipCommand)
     assert held.velocity == ZERO
     assert held.force == ZERO
     assert min(held.stiffness) > 0.0
-    assert plant.drift < 1e-3
+    assert physics.drift < 1e-3
 
 
 def test_no_reference_jumps_when_planning_is_over(ran: tuple[Running, Record]) -> None:
-    plant, record = ran
-    assert plant.planned_at is not None
+    physics, record = ran
+    assert physics.planned_at is not None
     times = record.arrays["time"]
     references = record.arrays["tip_reference"][:, 0]
     steps = np.linalg.norm(np.diff(references, axis=0), axis=1)
-    after = times[1:] > plant.planned_at
+    after = times[1:] > physics.planned_at
     assert steps[after].max() < 0.1 * JUMP
     # where planning ended, the reference begins at the tip
-    first = int(np.argmax(times > plant.planned_at + 0.5 * PLANNING))
+    first = int(np.argmax(times > physics.planned_at + 0.5 * PLANNING))
     place = record.arrays["tip_position"][first, 0]
     assert references[first] == pytest.approx(place, abs=1e-3)
 
@@ -112,17 +114,18 @@ def test_a_guard_that_takes_over_knows_the_last_references() -> None:
 
 
 def test_a_recovery_is_not_begun_that_planning_left_no_time_for() -> None:
-    """The time that counts is the plant's after planning: beside it, what the same
+    """The time that counts is the cell's after planning: beside it, what the same
     recovery needs where planning takes none.
     """
     plan = pps.plan(pps.load_task("rear-push-rear"))
-    quick = run_loop(PlanarPlant(plan), plan, RunOptions(disturb=jumps_once))
+    quick = run_loop(planar_cell(plan), plan, RunOptions(disturb=jumps_once))
     (rest,) = quick.plan.later
     (event,) = quick.meta["events"]
     needed = event["time"] + rest.duration + margins.ARM.regrasp
     limits = [f"limits.time={needed + 0.5 * PLANNING}"]
     tight = pps.plan(pps.load_task("rear-push-rear", limits))
-    slow = run_loop(Running(tight), tight, RunOptions(disturb=jumps_once))
+    _, cell = running(tight)
+    slow = run_loop(cell, tight, RunOptions(disturb=jumps_once))
     assert not slow.meta["events"][0]["recovered"]
     assert "limits.time leaves" in slow.meta["events"][0]["lacking"]
     assert slow.reason == "reference_jump"

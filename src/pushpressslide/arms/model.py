@@ -1,4 +1,4 @@
-"""What an arm needs to know of its own dynamics."""
+"""What an arm that is driven by torques needs: its own dynamics, encoders and motors."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.control import Vector3
 from pushpressslide.execution.arm import ArmDynamics
 from pushpressslide.robots.facts import RobotFacts
 
@@ -26,6 +27,25 @@ class ArmModel(Protocol):
         """Pose and velocity of the tip, Jacobian, mass matrix and bias torques at joint
         positions and velocities ``x`` (2 n,) [rad, rad/s].
         """
+
+
+class Drives(Protocol):
+    """Encoders, force sensor and motors of one arm, simulated or real."""
+
+    @property
+    def time(self) -> float:
+        """Time [s] of the cell's clock."""
+
+    def joints(self) -> Array:
+        """Joint positions and velocities (2 n,) [rad, rad/s] now."""
+
+    def tip_force(self, arm: ArmDynamics) -> Vector3:
+        """Force [N] of the tip ON what it touches now, world axes, of an ``arm`` whose
+        joints are where they were read last.
+        """
+
+    def drive(self, torque: Array) -> None:
+        """Apply joint torques (n,) [N m] until the next call."""
 
 
 def at_rest(q: Array) -> Array:

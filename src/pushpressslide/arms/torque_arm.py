@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from typing import Any, NamedTuple
-
 import numpy as np
 
-from pushpressslide.arms.model import ArmModel, at_rest
+from pushpressslide.arms.model import ArmModel, Drives, at_rest
+from pushpressslide.control.cell import Applied, ArmState, Driverless, Interface
 from pushpressslide.control.joint_reference import path_reference
 from pushpressslide.control.limits import ArmLimits, ArmReading
 from pushpressslide.core import margins
@@ -21,52 +18,46 @@ from pushpressslide.core.control import (
     TipState,
 )
 from pushpressslide.core.plan import JointPath
+from pushpressslide.core.support_frame import TABLE
 from pushpressslide.core.task import Task
 from pushpressslide.execution.arm import ArmDynamics, ArmExecutor
 from pushpressslide.execution.torque import LimitedTorque
+from pushpressslide.robots.facts import RobotFacts
 from pushpressslide.robots.tool import ToolAttitude
 
-FELT_FORCE = 0.3  # [N] from which a contact point can be told from the force
 RATE_TIME = 0.05  # [s] over which the rate of the joint reference is smoothed
-NO_POINT = [math.nan] * 3
 
 
-class TorqueArm:
-    """One arm: its model, its executor, and its joint path."""
+class TorqueArm(Driverless):
+    """One arm: its model, its drives, its executor, and its joint path."""
+
+    interface: Interface = "torque"
 
     def __init__(
-        self, model: ArmModel, tip_radius: float, joint_stiffness: float = 0.0
+        self, model: ArmModel, drives: Drives, joint_stiffness: float = 0.0
     ) -> None:
-        """Take the arm of a model, with a tip of a radius [m]; ``joint_stiffness``
-        [N m/rad] is as of ``control.execution.Execution``.
+        """Take the arm of a model; ``joint_stiffness`` [N m/rad] is as of
+        ``control.execution.Execution``.
         """
         self.model = model
-        self._radius = tip_radius
+        self.limits = _limits(model.facts)
+        self._drives = drives
+        self._frame = TABLE  # of the support
         self._stiffness = joint_stiffness
         # (n,) [rad/s] of the reference
         self._fastest = margins.POSTURE_SPEED * model.facts.velocity_limit
-        self.state: ArmDynamics
+        self.state: ArmDynamics  # as read last
+        self.tip: TipState  # the same
         self.path: JointPath
         self._limited: LimitedTorque | None = None  # of the tick before
         self._reference = np.zeros(0)  # (n,) [rad]
         self._rate = np.zeros(0)  # (n,) [rad/s] of the reference, smoothed
 
-    @property
-    def limits(self) -> ArmLimits:
-        """The maker's limits of its joints."""
-        facts = self.model.facts
-        return ArmLimits(
-            facts.lower,
-            facts.upper,
-            facts.velocity_limit,
-            facts.effort_limit,
-            facts.torque_rate_limit,
-        )
-
     def follow(self, task: Task, path: JointPath, attitude: ToolAttitude) -> None:
         """Take ``path`` as the joint reference, with the tool held as in ``attitude``."""
         facts = self.model.facts
         self.path = path
+        self._frame = task.support.frame
         self._executor = ArmExecutor(
             facts.lower,
             facts.upper,
@@ -76,46 +67,59 @@ class TorqueArm:
             path.tool_yaw_offset,
             self._stiffness,
             task.motion.control_period,
-            task.support.frame,
+            self._frame,
         )
 
-    def sense(self, x: Array) -> None:
-        """Take joint positions and velocities ``x`` (2 n,) as measured."""
-        self.state = self.model.state_at(x)
+    def read(self) -> ArmState:
+        """Joints, and the tip's place, velocity and force by them."""
+        state = self.model.state_at(self._drives.joints())
+        self.state = state
+        frame = self._frame
+        self.tip = TipState(
+            frame.coordinates(state.position),
+            frame.components(state.velocity),
+            frame.components(self._drives.tip_force(state)),
+        )
+        return ArmState(self._drives.time, self.tip, self._reading())
 
-    def execute(self, command: ArmCommand) -> None:
-        """Compute the torque for a command."""
+    def send(self, command: ArmCommand) -> Applied:
+        """Apply the torque that executes a command where the arm was read last."""
+        limited = self._limited_torque(command)
+        self._limited = limited
+        self._drives.drive(limited.torque)
+        return Applied(
+            limited.torque, self._reference, limited.share, limited.rate_share
+        )
+
+    def _limited_torque(self, command: ArmCommand) -> LimitedTorque:
         if isinstance(command, BrakeCommand):
             weight = self.model.state_at(at_rest(self.state.q)).bias
-            self._limited = self._executor.brake(self.state, weight, self.torque)
-            return
+            return self._executor.brake(self.state, weight, self._torque)
         if isinstance(command, TipCommand):
             posture = command.posture
             if posture is None:
                 posture = path_reference(self.path, command.progress)
             self._take_posture(posture)
-            self._limited = self._executor.contact(
-                self.state, command, self._reference, self._rate, self.torque
+            return self._executor.contact(
+                self.state, command, self._reference, self._rate, self._torque
             )
-            return
         self._rate = np.zeros(0)
         if command is None:
             start = path_reference(self.path, 0.0)
             command = JointCommand(start, np.zeros_like(start))
         self._reference = command.position
-        self._limited = self._executor.free(
-            self.state, command.position, command.velocity, self.torque
+        return self._executor.free(
+            self.state, command.position, command.velocity, self._torque
         )
 
     @property
-    def torque(self) -> Array:
+    def _torque(self) -> Array:
         """Torques (n,) [N m] as last applied; before the first, those of an arm that is
         held at rest.
         """
         return self.state.bias if self._limited is None else self._limited.torque
 
-    @property
-    def reading(self) -> ArmReading:
+    def _reading(self) -> ArmReading:
         """What the joints do, and what the last command asked of them."""
         state = self.state
         if self._limited is None:
@@ -138,39 +142,12 @@ class TorqueArm:
         self._rate = self._rate + dt / RATE_TIME * (change - self._rate)
         self._reference = self._reference + dt * change
 
-    def row(self) -> ArmRow:
-        """Return what is recorded of this arm in a tick, once its torque is applied."""
-        assert self._limited is not None
-        return ArmRow(self.state.q, self.state.v, self._reference, self._limited)
 
-    def contact_point(self, tip: TipState) -> Sequence[float]:
-        """Return where the tip's sphere is touched [m], by the direction of the force;
-        NaN where it is too small.
-        """
-        size = math.hypot(*tip.force)
-        if size <= FELT_FORCE:
-            return NO_POINT
-        return [
-            p + self._radius * f / size
-            for p, f in zip(tip.position, tip.force, strict=True)
-        ]
-
-
-class ArmRow(NamedTuple):
-    """What an arm did in a tick."""
-
-    q: Array  # (n,) [rad]
-    v: Array  # (n,) [rad/s]
-    reference: Array  # (n,) [rad]
-    limited: LimitedTorque  # as applied
-
-    def arrays(self, index: int) -> dict[str, Any]:
-        """Return the rows of the arm's arrays in the record; ``index`` is its number."""
-        return {
-            f"joint_position_{index}": self.q,
-            f"joint_velocity_{index}": self.v,
-            f"joint_torque_{index}": self.limited.torque,
-            f"joint_reference_{index}": self.reference,
-            f"torque_share_{index}": self.limited.share,
-            f"torque_rate_share_{index}": self.limited.rate_share,
-        }
+def _limits(facts: RobotFacts) -> ArmLimits:
+    return ArmLimits(
+        facts.lower,
+        facts.upper,
+        facts.velocity_limit,
+        facts.effort_limit,
+        facts.torque_rate_limit,
+    )

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, Protocol
 
 from pushpressslide.control.correction import touched_point
 from pushpressslide.control.following import Binding, Prediction
+from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import Measurement, TipState
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Sensing, Task
@@ -28,13 +29,6 @@ POSE_NOISE = 2e-4
 YAW_NOISE = math.radians(0.08)
 LEAST_GAIN = 0.1
 NO_TWIST = Twist(0.0, 0.0, 0.0)
-
-
-class StampedPose(NamedTuple):
-    """A measured pose of the object, and when it was measured."""
-
-    time: float  # [s]
-    X_WG: Pose2
 
 
 class Estimate(NamedTuple):

@@ -1,21 +1,30 @@
-"""What an engine or a robot cell is to the run loop: a plant that is measured, commanded
-and advanced.
-
-Poses, points and forces are about x, y and height of the support's frame
-(core/support_frame.py), on a table the world's.
+"""Simulators that were written for earlier versions: one object with all parts of a
+cell. It goes with version 0.5.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import warnings
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
+from pushpressslide.control.cell import (
+    Applied,
+    ArmState,
+    Cell,
+    Driverless,
+    Interface,
+    Truth,
+)
 from pushpressslide.control.limits import ArmLimits, ArmReading
+from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.arrays import Array
-from pushpressslide.core.control import Commands, Measurement, Vector3
+from pushpressslide.core.control import ArmCommand, Commands, Measurement, Vector3
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.selection.preparation import Preparation
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,9 +34,8 @@ class PlantRow:
     # of G's origin along x and y [m/s], and the yaw rate [rad/s]
     object_twist: Vector3
     tip_forces: tuple[Vector3, ...]  # [N] of each tip ON the object during the tick
-    execution_time: float = 0.0  # [s] of wall time, from commands to actuators
-    # makes this tick's rows of the arrays of core.record.Record that not every plant
-    # has; asked when the run is over
+    execution_time: float = 0.0  # no longer asked for
+    # makes this tick's rows of the arrays of core.record.Record that not every plant has
     extras: Callable[[], Mapping[str, Any]] = dict
 
 
@@ -44,57 +52,135 @@ class Situation:
 
 
 class Plant(Protocol):
-    """An object on its support with the arms at it.
+    """An object on its support with the arms at it, as one object.
 
-    A plant starts at time 0 with the object at its true start and the arms where the
-    approach to the first placement begins, or all as a situation has it. Its period is ``motion.control_period``.
+    ``control.cell.Cell`` takes its place. Members as they are told of there.
     """
 
-    name: str  # of the engine, as in a record
-    overhead: float  # [s] expected beside the planned motions; for the progress only
+    name: str
+
+    @property
+    def time(self) -> float: ...  # noqa: D102
+
+    @property
+    def joint_paths(self) -> tuple[JointPath, ...]: ...  # noqa: D102
+
+    @property
+    def meta(self) -> Mapping[str, Any]: ...  # noqa: D102
+
+    @property
+    def arm_limits(self) -> tuple[ArmLimits, ...]: ...  # noqa: D102
+
+    def readings(self) -> tuple[ArmReading, ...]: ...  # noqa: D102
+
+    def measure(self) -> Measurement: ...  # noqa: D102
+
+    def apply(self, commands: Commands) -> None: ...  # noqa: D102
+
+    def advance(self) -> None: ...  # noqa: D102
+
+    def row(self) -> PlantRow: ...  # noqa: D102
+
+    def diverged(self) -> str | None: ...  # noqa: D102
+
+    def prepare(self) -> Preparation: ...  # noqa: D102
+
+    def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None: ...  # noqa: D102
+
+
+def cell_of(plant: Plant, arms: int) -> Cell:
+    """Cell of a plant with a number of ``arms``; with a DeprecationWarning."""
+    warnings.warn(
+        "a plant of one piece goes with version 0.5; give run_loop a Cell "
+        "(pushpressslide.control.cell)",
+        DeprecationWarning,
+        stacklevel=4,
+    )
+    whole = _Whole(plant, arms)
+    tips = [_PlantArm(whole, i) for i in range(arms)]
+    return Cell(plant.name, whole, tips, whole, plant, whole)
+
+
+class _Whole:
+    """Clock, tracker and witness of a plant, which is measured once a tick."""
+
+    simulated = True
+
+    def __init__(self, plant: Plant, arms: int) -> None:
+        self.plant = plant
+        self.commands: list[ArmCommand] = [None] * arms
+        self._measured: Measurement | None = None  # in this tick
+        self._passed: Measurement | None = None  # in the tick before
 
     @property
     def time(self) -> float:
-        """Time [s] since the start."""
+        return self.plant.time
 
     @property
-    def joint_paths(self) -> tuple[JointPath, ...]:
-        """The joint path of each arm in this placement, from where the arm was when
-        the placement began; empty where tips move without arms.
-        """
+    def facts(self) -> Mapping[str, Any]:
+        return self.plant.meta
 
-    @property
-    def meta(self) -> Mapping[str, Any]:
-        """Facts about the whole run, for the record."""
+    def measurement(self) -> Measurement:
+        """As the plant measures it at this time."""
+        measured = self._measured
+        if measured is None or measured.time != self.plant.time:
+            measured = self.plant.measure()
+            self._measured = measured
+        return measured
 
-    @property
-    def arm_limits(self) -> tuple[ArmLimits, ...]:
-        """The limits of each arm's joints; none where tips move without arms."""
-
-    def readings(self) -> tuple[ArmReading, ...]:
-        """Return each arm's joints at the last measurement, and what the last commands
-        asked of them; none where tips move without arms.
-        """
-
-    def measure(self) -> Measurement:
-        """Return the truth that sensors see at the present time."""
-
-    def apply(self, commands: Commands) -> None:
-        """Command every arm until the next call."""
+    def read(self) -> StampedPose | None:
+        measured = self.measurement()
+        return StampedPose(measured.time, measured.object_pose)
 
     def advance(self) -> None:
-        """Let one control period pass; what goes wrong is kept for ``diverged``."""
+        self.plant.advance()
+        self._passed = self._measured
+        self._measured = None
 
-    def row(self) -> PlantRow:
-        """Return what is recorded of the tick from the last measurement on."""
+    def failure(self) -> str | None:
+        return self.plant.diverged()
 
-    def diverged(self) -> str | None:
-        """Return why the run cannot go on, or None."""
+    def observe(self) -> Truth:
+        assert self._passed is not None
+        row = self.plant.row()
+        truth = self._passed
+        forces = row.tip_forces
+        return Truth(
+            truth.object_pose, truth.tips, row.object_twist, forces, row.extras
+        )
 
-    def prepare(self) -> Preparation:
-        """Return an empty preparation of placements from where the arms are now, in
-        place of all that are ahead.
-        """
 
-    def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None:
-        """Go on with the next placement; arms in ``lasting`` keep their contacts."""
+class _PlantArm(Driverless):
+    """One of the arms of a plant, which takes the commands of all together."""
+
+    def __init__(self, whole: _Whole, index: int) -> None:
+        self._whole = whole
+        self._index = index
+        has_joints = bool(whole.plant.joint_paths)
+        self.interface: Interface = "torque" if has_joints else "tip"
+
+    @property
+    def limits(self) -> ArmLimits | None:
+        return _one(self._whole.plant.arm_limits, self._index)
+
+    @property
+    def path(self) -> JointPath | None:
+        return _one(self._whole.plant.joint_paths, self._index)
+
+    def read(self) -> ArmState:
+        measured = self._whole.measurement()
+        tip = measured.tips[self._index]
+        joints = _one(self._whole.plant.readings(), self._index)
+        return ArmState(measured.time, tip, joints)
+
+    def send(self, command: ArmCommand) -> Applied:
+        commands = self._whole.commands
+        commands[self._index] = command
+        if self._index == len(commands) - 1:
+            self._whole.plant.apply(tuple(commands))
+        return Applied()
+
+
+def _one(every: Sequence[T], index: int) -> T | None:
+    """What one arm has; None where no arm has any."""
+    return every[index] if every else None

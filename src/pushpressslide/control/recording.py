@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
@@ -9,24 +10,26 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pushpressslide.control.plant import PlantRow
+from pushpressslide.control.cell import Applied, Truth
+from pushpressslide.control.limits import ArmReading
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import (
     PHASES,
     Commands,
     ControlLog,
-    Measurement,
     TipCommand,
+    TipState,
     Vector3,
 )
 from pushpressslide.core.plan import Plan, Segment
-from pushpressslide.core.pose import Pose2
+from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.core.record import Ending, Record
 from pushpressslide.execution.impedance import tip_force
 
 Column = Sequence[Any]  # what is recorded under one name, a row for each tick
 
 PATH_SAMPLES = 200
+FELT_FORCE = 0.3  # [N] from which a contact point can be told from the force
 NO_VECTOR = (np.nan, np.nan, np.nan)
 
 
@@ -34,13 +37,16 @@ NO_VECTOR = (np.nan, np.nan, np.nan)
 class Tick:
     """One pass of the run loop: what was true, thought, commanded, and came of it."""
 
-    truth: Measurement  # at the start of the tick
+    time: float  # [s] at its start
+    truth: Truth
     commands: Commands  # as given, before any disturbance
     log: ControlLog
     # the segment that was followed, as planned when it began; None before the first
     followed: Segment | None
-    row: PlantRow
-    wall_times: tuple[float, float, float]  # [s] to track, to allocate, in total
+    # joints of each arm as measured, and what was applied to them
+    joints: tuple[tuple[ArmReading, Applied], ...]
+    # [s] to track, to allocate, to read and drive the arms, in total
+    wall_times: tuple[float, float, float, float]
 
 
 class _Noted(NamedTuple):
@@ -107,6 +113,8 @@ class Recorder:
             **_log_columns(ticks),
             **_arm_columns(ticks),
             **_wall_time_columns(ticks),
+            **_joint_columns(ticks),
+            **self._contact_columns(ticks),
             **_extra_columns(ticks),
         }
         return {name: _array(column) for name, column in columns.items()}
@@ -125,6 +133,17 @@ class Recorder:
             "stretch": [noted.stretch for noted in self._noted],
             "vehicle_frame": frames,
         }
+
+    def _contact_columns(self, ticks: Sequence[Tick]) -> dict[str, Column]:
+        """Where the tips of arms are touched."""
+        if not ticks or not ticks[0].joints:
+            return {}
+        radii = [robot.tip_radius for robot in self._plan.task.robots]
+        points = [
+            [contact_point(*each) for each in zip(tick.truth.tips, radii, strict=True)]
+            for tick in ticks
+        ]
+        return {"contact_point": points}
 
     def record(
         self,
@@ -175,10 +194,10 @@ def _place(noted: _Noted) -> tuple[int, Pose2]:
 def _log_columns(ticks: Sequence[Tick]) -> dict[str, Column]:
     logs = [tick.log for tick in ticks]
     return {
-        "time": [tick.truth.time for tick in ticks],
+        "time": [tick.time for tick in ticks],
         "phase": [PHASES.index(log.phase) for log in logs],
-        "object_pose": [_flat(tick.truth.object_pose) for tick in ticks],
-        "object_twist": [tick.row.object_twist for tick in ticks],
+        "object_pose": [_flat(tick.truth.X_WG) for tick in ticks],
+        "object_twist": _twists(ticks),
         "reference_pose": [_flat(log.reference) for log in logs],
         "tracking_error": [log.tracking_error for log in logs],
         "progress": [log.progress for log in logs],
@@ -186,6 +205,56 @@ def _log_columns(ticks: Sequence[Tick]) -> dict[str, Column]:
         "wanted_wrench": [log.wanted_wrench for log in logs],
         "allocated_wrench": [log.allocated_wrench for log in logs],
     }
+
+
+def _twists(ticks: Sequence[Tick]) -> Column:
+    """Twists of the object; where nobody knows them, by its poses."""
+    twists: list[Vector3] = []
+    for before, tick in zip([*ticks[:1], *ticks[:-1]], ticks, strict=True):
+        twist = tick.truth.twist
+        if twist is None:
+            dt = tick.time - before.time or math.inf
+            old = before.truth.X_WG
+            new = tick.truth.X_WG
+            turned = wrap_angle(new.yaw - old.yaw)
+            twist = ((new.x - old.x) / dt, (new.y - old.y) / dt, turned / dt)
+        twists.append(twist)
+    return twists
+
+
+def _forces(truth: Truth) -> tuple[Vector3, ...]:
+    """Force of each tip during a tick."""
+    if truth.forces is not None:
+        return truth.forces
+    return tuple(tip.force for tip in truth.tips)
+
+
+def contact_point(tip: TipState, radius: float) -> Vector3:
+    """Return where the sphere of a ``tip`` is touched [m], by the direction of its
+    force; NaN where that is too small.
+    """
+    size = math.hypot(*tip.force)
+    if size <= FELT_FORCE:
+        return NO_VECTOR
+    (x, y, z), (fx, fy, fz) = tip.position, tip.force
+    return (x + radius * fx / size, y + radius * fy / size, z + radius * fz / size)
+
+
+def _joint_columns(ticks: Sequence[Tick]) -> dict[str, Column]:
+    """What the joints of arms did, and what was applied to them."""
+    columns: dict[str, Column] = {}
+    for i in range(len(ticks[0].joints) if ticks else 0):
+        joints = [tick.joints[i] for tick in ticks]
+        applied = [one for _, one in joints]
+        columns[f"joint_position_{i}"] = [reading.q for reading, _ in joints]
+        columns[f"joint_velocity_{i}"] = [reading.v for reading, _ in joints]
+        if applied[0].reference is not None:
+            columns[f"joint_reference_{i}"] = [one.reference for one in applied]
+        if applied[0].torque is not None:
+            columns[f"joint_torque_{i}"] = [one.torque for one in applied]
+            columns[f"torque_share_{i}"] = [one.torque_share for one in applied]
+            columns[f"torque_rate_share_{i}"] = [one.rate_share for one in applied]
+    return columns
 
 
 def _flat(pose: Pose2) -> Vector3:
@@ -210,7 +279,7 @@ def _arm_columns(ticks: Sequence[Tick]) -> dict[str, Column]:
             for tick in ticks
         ],
         "tip_position": [[tip.position for tip in tick.truth.tips] for tick in ticks],
-        "measured_force": [tick.row.tip_forces for tick in ticks],
+        "measured_force": [_forces(tick.truth) for tick in ticks],
     }
 
 
@@ -222,13 +291,13 @@ def _wall_time_columns(ticks: Sequence[Tick]) -> dict[str, Column]:
     return {
         "tick_track": [tick.wall_times[0] for tick in ticks],
         "tick_allocate": [tick.wall_times[1] for tick in ticks],
-        "tick_execute": [tick.row.execution_time for tick in ticks],
-        "tick_total": [tick.wall_times[2] for tick in ticks],
+        "tick_execute": [tick.wall_times[2] for tick in ticks],
+        "tick_total": [tick.wall_times[3] for tick in ticks],
     }
 
 
 def _extra_columns(ticks: Sequence[Tick]) -> dict[str, Column]:
-    rows = [tick.row.extras() for tick in ticks]
+    rows = [tick.truth.extras() for tick in ticks]
     return {name: [row[name] for row in rows] for name in rows[0]} if rows else {}
 
 

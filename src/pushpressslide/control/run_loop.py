@@ -1,9 +1,9 @@
-"""The run loop: it runs one plan on any plant.
+"""The run loop: it runs one plan in any cell.
 
 Commands come from the approach while the arms move freely, then from the controller.
 When a placement is done the next one is handed over. A guard sees every command before
-it is applied; where a limit is broken the arms stop safely. The controller, the guard,
-the watches, the plant, the user or the time limit end the run.
+it is sent; where a limit is broken the arms stop safely. The controller, the guard, the
+watches, the clock, the user or the time limit end the run.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import gc
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
@@ -26,21 +26,18 @@ from pushpressslide.control.approach import (
     free_tip,
     tip_path,
 )
+from pushpressslide.control.cell import Applied, Cell, Truth
 from pushpressslide.control.controller import Controller
-from pushpressslide.control.estimator import (
-    Estimator,
-    ObjectEstimator,
-    StampedPose,
-)
+from pushpressslide.control.estimator import Estimator, ObjectEstimator
 from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.limits import ArmReading, Guard
-from pushpressslide.control.plant import Plant, Situation
+from pushpressslide.control.plant import Plant, Situation, cell_of
 from pushpressslide.control.recording import Recorder, Tick
 from pushpressslide.control.recovery import RECOVERABLE, planned_anew, restart
-from pushpressslide.control.sensing import Sensor
+from pushpressslide.control.sensing import sensed
 from pushpressslide.control.state import ControllerState, findings, tip_position
 from pushpressslide.control.stopping import JointWatch, Stop, StopLevel
-from pushpressslide.control.tracker import ObjectTracker
+from pushpressslide.control.tracker import ObjectTracker, StampedPose
 from pushpressslide.control.watches import Watch
 from pushpressslide.core import margins
 from pushpressslide.core.control import (
@@ -62,11 +59,12 @@ from pushpressslide.planning.side_contacts import before_contacts
 
 AT_BASE = 0.01  # [m] from its base at which a tip without an arm waits
 PROGRESS_TICKS = 25  # between two reports of the progress
+TOUCH_AND_RELEASE = 4.0  # [s] typical time of both, for the progress
 
 
 @dataclass(frozen=True, slots=True)
 class RunOptions:
-    """What a caller may ask of a run on any plant."""
+    """What a caller may ask of a run in any cell."""
 
     seed: int = 0  # of the sensor noise
     # called with time and expected duration [s] every PROGRESS_TICKS
@@ -80,24 +78,24 @@ class RunOptions:
     execution: Execution = USUAL
     # makes what estimates pose and figures of the object, from the task as believed
     estimator: Callable[[Task], Estimator] = ObjectEstimator
-    # sees the object in place of the plant's own sensor, which goes on to feel the tips
+    # sees the object in place of the cell's own
     tracker: ObjectTracker | None = None
     # that the run goes on from; None: the task's start, with the arms before the object
     begin: Situation | None = None
 
 
 def run_loop(
-    plant: Plant,
+    cell: Cell | Plant,
     plan: Plan,
     options: RunOptions | None = None,
     watches: Sequence[Watch] = (),
 ) -> Record:
-    """Run ``plan`` on ``plant`` from its start and return the record.
+    """Run ``plan`` in a cell from its start and return the record.
 
-    Nothing is decided by wall time: a plant that is deterministic gives the same record
-    for the same seed.
+    Nothing is decided by wall time: a simulator that is deterministic gives the same
+    record for the same seed.
     """
-    loop = RunLoop(plant, plan, options, watches)
+    loop = RunLoop(cell, plan, options, watches)
     with _uncollected():
         return loop.run()
 
@@ -121,59 +119,60 @@ class RunLoop:
 
     def __init__(
         self,
-        plant: Plant,
+        cell: Cell | Plant,
         plan: Plan,
         options: RunOptions | None = None,
         watches: Sequence[Watch] = (),
     ) -> None:
-        """Put the first placement before ``plant``; nothing has moved yet."""
+        """Put the first placement before ``cell``; nothing has moved yet."""
         options = options or RunOptions()
         task = plan.part(plan.segments[0])
         period = task.motion.control_period
+        if not isinstance(cell, Cell):
+            cell = cell_of(cell, len(task.robots))
+        if cell.clock.simulated:
+            cell = sensed(cell, task.sensing, options.seed, period)
         self.plan = plan
-        self.plant = plant
+        self.cell = cell
+        self.tracker = options.tracker or cell.tracker
         self.options = options
         self.time_limit = task.limits.time
         self.recoveries = task.motion.recoveries  # left
         self.events: list[dict[str, Any]] = []  # what was recovered from
         # plans that others took the place of, and how many placements were begun of each
         self.earlier: list[tuple[Plan, int]] = []
-        self.sensor = Sensor(task.sensing, options.seed, period)
-        self.tracked = StampedPose(plant.time, task.start)  # as last seen by a tracker
+        self.tracked = StampedPose(cell.clock.time, task.start)  # as last seen
         goes_on = options.begin is not None
-        self.guard = Guard(
-            task.limits.normal_force, period, plant.arm_limits, anew=goes_on
-        )
-        self.joint_watches = [
-            JointWatch(limits.velocity.tolist()) for limits in plant.arm_limits
-        ]
+        limits = cell.arm_limits
+        self.guard = Guard(task.limits.normal_force, period, limits, anew=goes_on)
+        self.joint_watches = [JointWatch(each.velocity.tolist()) for each in limits]
         self.breach: Ending | None = None  # the limit that was broken
         self.stopping: Stop | None = None  # since then
         self.recorder = Recorder(plan)
-        self.watches = (self._finished, *watches, self._diverged, self._stopped)
+        self.watches = (self._finished, *watches, self._failed, self._stopped)
         self.ticks = 0
-        self.expected = plant.overhead + plan.duration
         self.placements = plan.by_placement
         self.number = 0  # of the present placement
         self.state: ControllerState | None = None  # None before the touch
-        before = plant.measure() if goes_on else None
-        self._begin((None,) * len(task.robots), plant.time, before)
+        before = self.measure()[0] if goes_on else None
+        self._begin((None,) * len(task.robots), cell.clock.time, before)
 
     def run(self) -> Record:
         """Step to the end and return the record."""
         started = perf_counter()
         ending = None
-        while ending is None:
-            ending = self.step()
+        with self.cell.connected():
+            while ending is None:
+                ending = self.step()
         return self.record(ending, perf_counter() - started)
 
     def step(self) -> Ending | None:
-        """Pass one control period: measure, decide, guard, apply, advance, record.
+        """Pass one control period: measure, decide, guard, send, advance, record.
 
         Returns why the run is over, None while it goes on. After a recovery the tick
         is the last one before the new approach.
         """
-        if self.plant.time >= self.time_limit:
+        if self.cell.clock.time >= self.time_limit:
             text = f"limits.time of {self.time_limit:g} s is over"
             return Ending("time_limit", text)
         tick, measurement = self._tick()
@@ -183,7 +182,7 @@ class RunLoop:
         ended = self._ending(tick)
         if ended is not None and not self._recovers(ended, tick, measurement):
             return ended
-        self._report(tick.truth.time)
+        self._report(tick.time)
         return None
 
     def record(self, ending: Ending, wall_time: float = 0.0) -> Record:
@@ -192,15 +191,44 @@ class RunLoop:
         plan = self.plan
         for earlier, count in reversed(self.earlier):
             plan = earlier.begun(count, plan)
+        witness = self.cell.witness
+        facts = {} if witness is None else witness.facts
         return self.recorder.record(
             arrays,
             self.breach or ending,
-            self.plant.name,
+            self.cell.name,
             self.options.seed,
             wall_time,
             plan,
-            {**self.plant.meta, **self._own_laws(), "events": self.events},
+            {**facts, **self._own_laws(), "events": self.events},
         )
+
+    def measure(self) -> tuple[Measurement, list[ArmReading]]:
+        """What tracker and arms measure now, and the joints of the arms."""
+        time = self.cell.clock.time
+        states = [arm.read() for arm in self.cell.arms]
+        pose = self.tracker.read()
+        if pose is not None:
+            self.tracked = pose
+        seen = self.tracked
+        tips = tuple(state.tip for state in states)
+        joints = [state.joints for state in states if state.joints is not None]
+        measurement = Measurement(time, seen.X_WG, tips, pose is not None, seen.time)
+        return measurement, joints
+
+    @property
+    def approaching(self) -> bool:
+        """Whether the arms are still on their way to the touch."""
+        return self.cell.clock.time < self.approach.arrival
+
+    def drive(self, commands: Commands) -> Measurement:
+        """Pass one control period under ``commands`` of somebody else, which nobody
+        judges or records; what is measured at its end.
+        """
+        self._send(commands)
+        self.cell.clock.advance()
+        measurement, _ = self.measure()
+        return measurement
 
     def _own_laws(self) -> dict[str, str]:
         """What a record says of laws that an experiment changed; else nothing."""
@@ -210,53 +238,54 @@ class RunLoop:
     def _tick(self) -> tuple[Tick, Measurement]:
         """Pass one control period; return what came of it, and what was measured."""
         began = perf_counter()
-        truth = self.plant.measure()
-        measurement = self._measured(truth)
+        measurement, readings = self.measure()
+        read = perf_counter()
+        time = measurement.time
         followed = self.state.following.reference if self.state is not None else None
-        readings = self.plant.readings()
         runaways = self._runaways(readings)
-        commands, log = self._decide(measurement)
-        applied = self._disturbed(truth.time, commands, log)
+        commands, log = self._decide(measurement, readings)
+        sent = self._disturbed(time, commands, log)
         if self.breach is None:
-            breach = _runaway(runaways) or self._judged(measurement, readings, applied)
+            breach = _runaway(runaways) or self._judged(measurement, readings, sent)
             if breach is not None:
                 self._stop(breach, measurement, log.phase)
-                commands, log = self._decide(measurement)
+                commands, log = self._decide(measurement, readings)
         if self.stopping is not None:
-            time = truth.time
-            applied = self.stopping.step(time, readings, runaways, commands)
-            commands = applied
-        self.plant.apply(applied)
-        total = perf_counter() - began
-        self.plant.advance()
-        wall_times = (*log.wall_times, total)
-        tick = Tick(truth, commands, log, followed, self.plant.row(), wall_times)
+            sent = self.stopping.step(time, readings, runaways, commands)
+            commands = sent
+        decided = perf_counter()
+        applied = self._send(sent)
+        ended = perf_counter()
+        self.cell.clock.advance()
+        execution = read - began + ended - decided
+        wall_times = (*log.wall_times, execution, ended - began)
+        truth = self._truth(measurement)
+        joints = tuple(zip(readings, applied, strict=False))
+        tick = Tick(time, truth, commands, log, followed, joints, wall_times)
         return tick, measurement
 
-    def _measured(self, truth: Measurement) -> Measurement:
-        """What the sensors make of a measurement, and a tracker, if there is one."""
-        measurement = self.sensor.measure(truth)
-        tracker = self.options.tracker
-        if tracker is None:
-            return measurement
-        pose = tracker.read()
-        if pose is not None:
-            self.tracked = pose
-        return replace(
-            measurement,
-            object_pose=self.tracked.X_WG,
-            pose_seen=pose is not None,
-            pose_time=self.tracked.time,
-        )
+    def _send(self, commands: Commands) -> list[Applied]:
+        """Command every arm until the next call."""
+        arms = zip(self.cell.arms, commands, strict=True)
+        return [arm.send(command) for arm, command in arms]
 
-    def _decide(self, measurement: Measurement) -> tuple[Commands, ControlLog]:
+    def _truth(self, measurement: Measurement) -> Truth:
+        """What is recorded of the tick that was passed: what was measured, if nobody
+        knows better.
+        """
+        witness = self.cell.witness
+        if witness is not None:
+            return witness.observe()
+        return Truth(measurement.object_pose, measurement.tips)
+
+    def _decide(
+        self, measurement: Measurement, readings: Sequence[ArmReading]
+    ) -> tuple[Commands, ControlLog]:
         if measurement.time < self.approach.arrival:
             return self.approach.step(measurement.time)
         if self.state is None:
             self.state = self.controller.init(measurement, self.approach.held)
-        if self.state.phase.name == "release" and self.guard.cramped(
-            self.plant.readings()
-        ):
+        if self.state.phase.name == "release" and self.guard.cramped(readings):
             self.state = self.controller.halted(self.state, measurement)
         commands, log, self.state = self.controller.step(self.state, measurement)
         return commands, log
@@ -286,7 +315,7 @@ class RunLoop:
         time = measurement.time
         text = f"{breach.text} (at {time:.2f} s, {phase})"
         self.breach = Ending(breach.code, text)
-        self.stopping = Stop(self.plant.arm_limits, time, self.guard.period)
+        self.stopping = Stop(self.guard.arms, time, self.guard.period)
         if self.state is None:
             self.approach.halt(time)
         else:
@@ -306,7 +335,7 @@ class RunLoop:
         """Begin the present placement at ``time`` [s], with the tips as measured."""
         placement = self.placements[self.number]
         task = placement.task
-        paths = self.plant.joint_paths
+        paths = self.cell.joint_paths
         gap = before_contacts(task, placement.contacts)
         back = min((path.room for path in paths), default=math.inf)
         if paths:  # what the approach really leaves
@@ -324,6 +353,16 @@ class RunLoop:
             self.options.estimator,
         )
         self.state = None
+        self.expected = self._expected(time)
+
+    def _expected(self, time: float) -> float:
+        """When the run is expected to end [s], in a placement that begins at ``time``;
+        later approaches are taken to last as long as its own.
+        """
+        ahead = self.placements[self.number :]
+        approach = self.approach.arrival - time
+        motions = sum(placement.duration for placement in ahead)
+        return time + (approach + TOUCH_AND_RELEASE) * len(ahead) + motions
 
     def _hand_over(self, tick: Tick, measurement: Measurement) -> None:
         """Begin the next placement; arms that keep their contact go on as commanded."""
@@ -333,16 +372,16 @@ class RunLoop:
             for i, command in enumerate(tick.commands)
         )
         self.number += 1
-        self.plant.hand_over(self.placements[self.number], lasting)
+        self.cell.placements.hand_over(self.placements[self.number], lasting)
         self.guard.begin()
-        self._begin(held, tick.truth.time, measurement)
+        self._begin(held, tick.time, measurement)
         self.recorder.begin(self.plan, self.number)
 
     def _recovers(self, ending: Ending, tick: Tick, measurement: Measurement) -> bool:
         """Plan anew what is left, from where object and arms are, and begin it; return
         whether that can be done, and in time.
 
-        The arms hold meanwhile, since planning may take seconds of a plant's time. None
+        The arms hold meanwhile, since planning may take seconds of a cell's time. None
         is planned from an arm that did not draw back.
         """
         gave_up = self.stopping is not None and self.stopping.took_over
@@ -354,11 +393,12 @@ class RunLoop:
         why = self._lacks(self.breach or ending, pose)
         if why is None:
             return False
-        time = tick.truth.time
+        time = tick.time
         try:
             begin = self._restart(pose)
-            held = self._hold(tick.truth)
-            plan = planned_anew(self.plan.task, begin, self.plant.prepare)
+            held = self._hold(tick)
+            prepare = self.cell.placements.prepare
+            plan = planned_anew(self.plan.task, begin, prepare)
             self._check_in_time(plan)
         except InfeasibleTaskError as error:
             self._note(time, why, str(error))
@@ -390,23 +430,24 @@ class RunLoop:
             raise InfeasibleTaskError("nothing but the arms carries the object")
         return restart(task, segment, pose, found)
 
-    def _hold(self, truth: Measurement) -> Commands:
+    def _hold(self, tick: Tick) -> Commands:
         """Command all arms, or tips without arms, to stay where they are; return the
         commands.
         """
-        readings = self.plant.readings()
         held: Commands = tuple(
-            JointCommand(reading.q, np.zeros_like(reading.q)) for reading in readings
+            JointCommand(reading.q, np.zeros_like(reading.q))
+            for reading, _ in tick.joints
         )
-        if not readings:
-            held = tuple(free_tip(tip.position, (0.0, 0.0, 0.0)) for tip in truth.tips)
-        self.plant.apply(held)
+        if not tick.joints:
+            tips = tick.truth.tips
+            held = tuple(free_tip(tip.position, (0.0, 0.0, 0.0)) for tip in tips)
+        self._send(held)
         return held
 
     def _check_in_time(self, plan: Plan) -> None:
         """Raise InfeasibleTaskError where ``plan``, begun now, does not end in time."""
         needed = plan.duration + margins.ARM.regrasp * len(plan.placements)
-        left = self.time_limit - self.plant.time
+        left = self.time_limit - self.cell.clock.time
         if needed > left:
             raise InfeasibleTaskError(
                 f"another attempt takes {needed:.0f} s; limits.time leaves {left:.0f} s"
@@ -426,9 +467,9 @@ class RunLoop:
 
     def _resume(self, plan: Plan, held: Commands) -> None:
         """Begin ``plan`` in place of the rest of the present one, now: planning has
-        taken what it has of the plant's time, under the commands ``held``.
+        taken what it has of the cell's time, under the commands ``held``.
         """
-        measurement = self.plant.measure()
+        measurement, _ = self.measure()
         time = measurement.time
         self.earlier.append((self.plan, self.number + 1))
         self.plan = plan
@@ -438,8 +479,7 @@ class RunLoop:
         self.breach = None
         self.stopping = None
         self.guard = self.guard.successor(plan.task.limits.normal_force, held)
-        self.expected = time + margins.ARM.regrasp + plan.duration
-        self.plant.hand_over(self.placements[0], frozenset())
+        self.cell.placements.hand_over(self.placements[0], frozenset())
         self._begin((None,) * len(plan.task.robots), time, measurement)
         self.recorder.begin(plan, 0)
 
@@ -462,9 +502,9 @@ class RunLoop:
     def _finished(self, tick: Tick) -> Ending | None:
         stopping = self.stopping
         if stopping is not None and stopping.took_over:
-            return self._stopped_short(stopping, tick.truth.time)
+            return self._stopped_short(stopping, tick.time)
         if self.state is None:
-            return self.breach if self.approach.at_rest(tick.truth.time) else None
+            return self.breach if self.approach.at_rest(tick.time) else None
         if self.state.phase.name != "done":
             return None
         failure = self.state.phase.failure
@@ -482,14 +522,14 @@ class RunLoop:
             self.breach = Ending(self.breach.code, text)
         return self.breach
 
-    def _diverged(self, tick: Tick) -> Ending | None:
-        why = self.plant.diverged()
+    def _failed(self, tick: Tick) -> Ending | None:
+        why = self.cell.clock.failure()
         return None if why is None else Ending("diverged", why)
 
     def _stopped(self, tick: Tick) -> Ending | None:
         if not self.options.stop():
             return None
-        text = f"stopped by the user at {tick.truth.time:.1f} s"
+        text = f"stopped by the user at {tick.time:.1f} s"
         return Ending("interrupted", text)
 
     def _report(self, time: float) -> None:

@@ -1,16 +1,22 @@
-"""What the controller is given instead of the truth: noise, bias, delay and drop-outs of
+"""What a simulated robot sees instead of the truth: noise, bias, delay and drop-outs of
 each sensor (task field ``sensing``).
 """
 
 from __future__ import annotations
 
+import math
 from collections import deque
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from pushpressslide.core.control import Measurement, TipState, Vector3
+from pushpressslide.control.cell import Applied, Arm, ArmState, Cell, Truth
+from pushpressslide.control.limits import ArmLimits
+from pushpressslide.control.tracker import ObjectTracker, StampedPose
+from pushpressslide.core.control import ArmCommand, TipState, Vector3
+from pushpressslide.core.plan import JointPath
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Sensing
 
@@ -30,65 +36,111 @@ class DelayLine(Generic[T]):
         return self._line[0]
 
 
-class Sensor:
-    """The sensors of a run: object pose, tips by the joints, contact forces.
-
-    Asked at every tick of a run, whether or not the controller uses the measurement, so
-    that a delay is always one in time. Each sensor has its own stream of noise. What
-    ``sensing`` leaves out is exact.
+class SensedTracker:
+    """A tracker with the faults of a sensor: each pose is seen with noise and a bias,
+    or not at all, and comes late.
     """
 
-    def __init__(self, sensing: Sensing, seed: int, dt: float) -> None:
-        """Prepare the streams and the delay lines; ``dt`` [s] is the control period."""
+    def __init__(
+        self,
+        tracker: ObjectTracker,
+        sensing: Sensing,
+        random: np.random.Generator,
+        dt: float,
+    ) -> None:
+        """Prepare the delay line; ``dt`` [s] is the control period."""
+        self.truth = Pose2()  # X_WG as last read
+        self._tracker = tracker
         self._sensing = sensing
-        self._exact = sensing == Sensing()
-        streams = np.random.default_rng(seed).spawn(3)
-        self._pose_random, self._tip_random, self._force_random = streams
-        self._poses: DelayLine[Pose2 | None] = DelayLine(sensing.delay_of_pose, dt)
-        self._tips: DelayLine[tuple[TipState, ...]] = DelayLine(
-            sensing.delay_of_tips, dt
-        )
-        self._forces: DelayLine[tuple[Vector3, ...]] = DelayLine(
-            sensing.delay_of_force, dt
-        )
-        self._last_pose: Pose2 | None = None
+        self._random = random
+        self._line: DelayLine[StampedPose | None] = DelayLine(sensing.delay_of_pose, dt)
+        self._seen = False  # whether anything ever was
+        self._last = math.nan  # [s] stamp of what was read last
+        self._out: StampedPose | None = None  # what that came to
 
-    def measure(self, truth: Measurement) -> Measurement:
-        """Return what is measured at the present time, which is its time stamp.
-
-        A measurement without a new pose holds the last one; the first one is never
-        without.
-        """
-        if self._exact:
-            return truth
-        pose = self._poses.through(self._pose(truth.object_pose))
-        seen = pose is not None
+    def read(self) -> StampedPose | None:
+        """What comes out of the sensor; the same if it is read twice at one time."""
+        pose = self._tracker.read()
         if pose is None:
-            pose = self._last_pose
-        self._last_pose = pose
-        assert pose is not None
-        tips = self._tips.through(tuple(self._tip(tip) for tip in truth.tips))
-        forces = self._forces.through(tuple(self._force(t.force) for t in truth.tips))
-        felt = tuple(
-            replace(tip, force=force) for tip, force in zip(tips, forces, strict=True)
-        )
-        return Measurement(truth.time, pose, felt, pose_seen=seen)
-
-    def _pose(self, pose: Pose2) -> Pose2 | None:
-        s = self._sensing
-        x, y, yaw = (float(v) for v in self._pose_random.normal(size=3))
-        dropped = float(self._pose_random.random()) < s.pose_dropout
-        if dropped and self._last_pose is not None:
             return None
+        if pose.time != self._last:
+            self.truth = pose.X_WG
+            self._last = pose.time
+            self._out = self._line.through(self._noisy(pose))
+        return self._out
+
+    def _noisy(self, pose: StampedPose) -> StampedPose | None:
+        s = self._sensing
+        x, y, yaw = (float(v) for v in self._random.normal(size=3))
+        dropped = float(self._random.random()) < s.pose_dropout
+        if dropped and self._seen:
+            return None
+        self._seen = True
         bias_x, bias_y = s.position_bias
+        X_WG = pose.X_WG
         seen = Pose2(
-            pose.x + bias_x + s.position_noise * x,
-            pose.y + bias_y + s.position_noise * y,
-            pose.yaw + s.yaw_bias + s.yaw_noise * yaw,
+            X_WG.x + bias_x + s.position_noise * x,
+            X_WG.y + bias_y + s.position_noise * y,
+            X_WG.yaw + s.yaw_bias + s.yaw_noise * yaw,
         )
-        if self._last_pose is None:
-            self._last_pose = seen
-        return seen
+        return StampedPose(pose.time, seen)
+
+
+class SensedArm:
+    """An arm whose tip's place and force have noise and a bias, and come late."""
+
+    def __init__(
+        self,
+        arm: Arm,
+        sensing: Sensing,
+        streams: tuple[np.random.Generator, np.random.Generator],
+        dt: float,
+    ) -> None:
+        """Prepare the delay lines; ``streams`` of place and force, which all arms share;
+        ``dt`` [s] is the control period.
+        """
+        self.arm = arm
+        self.interface = arm.interface
+        self.truth: TipState  # as last read
+        self._sensing = sensing
+        self._tip_random, self._force_random = streams
+        self._tips: DelayLine[TipState] = DelayLine(sensing.delay_of_tips, dt)
+        self._forces: DelayLine[Vector3] = DelayLine(sensing.delay_of_force, dt)
+        self._out: ArmState | None = None  # what was read last
+
+    @property
+    def limits(self) -> ArmLimits | None:
+        """The arm's own."""
+        return self.arm.limits
+
+    @property
+    def path(self) -> JointPath | None:
+        """The arm's own."""
+        return self.arm.path
+
+    def connect(self) -> None:
+        """Connect the arm."""
+        self.arm.connect()
+
+    def disconnect(self) -> None:
+        """Disconnect the arm."""
+        self.arm.disconnect()
+
+    def read(self) -> ArmState:
+        """What comes out of the sensors; the same if they are read twice at one time."""
+        state = self.arm.read()
+        out = self._out
+        if out is not None and out.time == state.time:
+            return out
+        self.truth = state.tip
+        tip = self._tips.through(self._tip(state.tip))
+        force = self._forces.through(self._force(state.tip.force))
+        self._out = state._replace(tip=replace(tip, force=force))
+        return self._out
+
+    def send(self, command: ArmCommand) -> Applied:
+        """Send to the arm."""
+        return self.arm.send(command)
 
     def _tip(self, tip: TipState) -> TipState:
         s = self._sensing
@@ -99,6 +151,37 @@ class Sensor:
         s = self._sensing
         noise = s.force_noise * self._force_random.normal(size=3)
         return _moved(force, s.force_bias, noise)
+
+
+class SensedTruth:
+    """What was true before the sensors made something else of it."""
+
+    facts: Mapping[str, Any] = {}
+
+    def __init__(self, tracker: SensedTracker, arms: Sequence[SensedArm]) -> None:
+        """Watch a tracker and arms."""
+        self._tracker = tracker
+        self._arms = arms
+
+    def observe(self) -> Truth:
+        """Pose and tips as last read."""
+        return Truth(self._tracker.truth, tuple(arm.truth for arm in self._arms))
+
+
+def sensed(cell: Cell, sensing: Sensing, seed: int, dt: float) -> Cell:
+    """``cell`` seen and felt through sensors with the faults that ``sensing`` tells;
+    those of pose, place and force have streams of noise of their own.
+
+    They are read at every tick of a run, whether or not anything is done with it, so
+    that a delay is always one in time. ``dt`` [s] is the control period.
+    """
+    if sensing == Sensing():
+        return cell
+    pose, tips, forces = np.random.default_rng(seed).spawn(3)
+    tracker = SensedTracker(cell.tracker, sensing, pose, dt)
+    arms = [SensedArm(arm, sensing, (tips, forces), dt) for arm in cell.arms]
+    witness = cell.witness or SensedTruth(tracker, arms)
+    return replace(cell, tracker=tracker, arms=arms, witness=witness)
 
 
 def _moved(value: Vector3, bias: Vector3, noise: np.ndarray) -> Vector3:

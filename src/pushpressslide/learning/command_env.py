@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from pushpressslide.control.plant import Plant
+from pushpressslide.control.cell import Cell
 from pushpressslide.control.run_loop import RunLoop
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Measurement
@@ -99,7 +99,7 @@ class CommandEnv(gymnasium.Env):
         self.scale = CommandScale(self.task.motion, self.task.limits)
         size = (WIDTH * arms,)
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, size, dtype=np.float64)
-        self.loop: RunLoop  # of the present episode: plan, controller and plant
+        self.loop: RunLoop  # of the present episode
         self._touching: frozenset[int] = frozenset()
 
     @property
@@ -117,32 +117,25 @@ class CommandEnv(gymnasium.Env):
         """
         super().reset(seed=seed)
         starts = start_asked(options, 1)
-        plant, plan = self._made(None if starts is None else starts[0])
-        self.loop = RunLoop(plant, plan)
+        cell, plan = self._made(None if starts is None else starts[0])
+        self.loop = RunLoop(cell, plan)
         self._touching = frozenset(contact.arm for contact in plan.contacts)
-        measurement = plant.measure()
-        while measurement.time < self.loop.approach.arrival:
-            commands, _ = self.loop.approach.step(measurement.time)
-            plant.apply(commands)
-            plant.advance()
-            measurement = plant.measure()
+        while self.loop.approaching:
+            self.loop.step()
+        measurement, _ = self.loop.measure()
         return self._told(measurement)
 
     def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Command the tips for one control period."""
         rows = np.reshape(action, (-1, WIDTH))
-        plant = self.loop.plant
-        plant.apply(
-            tuple(
-                self.scale.command(row) if arm in self._touching else None
-                for arm, row in enumerate(rows)
-            )
+        commands = tuple(
+            self.scale.command(row) if arm in self._touching else None
+            for arm, row in enumerate(rows)
         )
-        plant.advance()
-        measurement = plant.measure()
+        measurement = self.loop.drive(commands)
         observation, info = self._told(measurement)
         reward = -info["distance"] - self._rho * info["angle"]
-        over = info["success"] or plant.diverged() is not None
+        over = info["success"] or self.loop.cell.clock.failure() is not None
         late = measurement.time >= self.task.limits.time
         return observation, reward, over, late, info
 
@@ -160,8 +153,8 @@ class CommandEnv(gymnasium.Env):
         }
         return np.clip(row, space.low, space.high), info
 
-    def _made(self, start: Sequence[float] | Array | None) -> tuple[Plant, Plan]:
-        """Return a plant and a plan from a start, drawn where none is given.
+    def _made(self, start: Sequence[float] | Array | None) -> tuple[Cell, Plan]:
+        """Return a cell and a plan from a start, drawn where none is given.
 
         What only arms or a ledge carry begins at the task's own start.
         """
@@ -179,23 +172,23 @@ class CommandEnv(gymnasium.Env):
                     raise
         raise AssertionError
 
-    def _from(self, start: Pose2) -> tuple[Plant, Plan]:
+    def _from(self, start: Pose2) -> tuple[Cell, Plan]:
         task = replace(self.task, start=start)
         check_task(task)
         if self.engine == "planar":
-            from pushpressslide.planar.plant import PlanarPlant
+            from pushpressslide.planar.cell import planar_cell
 
             plan = _lone(solve(PlansAlone(), task, 1).plan)
-            return PlanarPlant(plan), plan
+            return planar_cell(plan), plan
         from pushpressslide.arms.paths.placements import PlacementPaths
         from pushpressslide.sim.arm_library import DRAKE
-        from pushpressslide.sim.plant import DrakePlant
+        from pushpressslide.sim.cell import drake_cell
         from pushpressslide.sim.station import Station
 
         paths = PlacementPaths(DRAKE)
         plan = _lone(solve(paths, task, ENOUGH).plan)
         station = Station(plan, time_step=task.motion.time_step)
-        return DrakePlant(plan, station, paths.paths, "generated"), plan
+        return drake_cell(plan, station, paths.paths), plan
 
 
 def _lone(plan: Plan) -> Plan:

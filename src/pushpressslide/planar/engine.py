@@ -7,7 +7,7 @@ from __future__ import annotations
 from pushpressslide.control.run_loop import RunOptions, run_loop
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
-from pushpressslide.planar.plant import PlanarPlant
+from pushpressslide.planar.cell import planar_cell
 
 
 def run(plan: Plan, options: RunOptions | None = None) -> Record:
@@ -19,4 +19,4 @@ def run(plan: Plan, options: RunOptions | None = None) -> Record:
     object passes through them.
     """
     begin = None if options is None else options.begin
-    return run_loop(PlanarPlant(plan, begin), plan, options)
+    return run_loop(planar_cell(plan, begin), plan, options)

@@ -13,8 +13,8 @@ from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.sim.arm_library import joint_paths_of
+from pushpressslide.sim.cell import drake_cell
 from pushpressslide.sim.driven import clearance_driven
-from pushpressslide.sim.plant import DrakePlant
 from pushpressslide.sim.station import LiveView, Station
 
 
@@ -48,10 +48,10 @@ def run(
     if view is None and knock is None:  # neither can be handed over
         spare = partial(Station, plan, models=models, time_step=step, convex=True)
     stiffness = options.execution.joint_stiffness
-    plant = DrakePlant(
+    cell = drake_cell(
         plan, station, paths, models, options.begin, spare, joint_stiffness=stiffness
     )
-    record = run_loop(plant, plan, options)
+    record = run_loop(cell, plan, options)
     clearance, pair = clearance_driven(record)
     driven: dict[str, Any] = {"clearance_driven": clearance, "clearance_pair": pair}
     knocker = station.scene.knocker

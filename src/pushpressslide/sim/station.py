@@ -134,18 +134,16 @@ class Station:
         x: Array = self.plant.GetPositionsAndVelocities(self.plant_context)
         return x
 
-    def contact_forces(self, arms: Sequence[ArmDynamics]) -> list[Vector3]:
-        """Return the measured force [N] of each tip ON what it touches, world axes;
-        ``arms`` are the states of the arms now.
+    def contact_force(self, i: int, arm: ArmDynamics) -> Vector3:
+        """Return the measured force [N] of the tip of arm ``i`` ON what it touches,
+        world axes; ``arm`` is its state now.
         """
         reactions = self._reactions.Eval(self.plant_context)
         vdot = self._accelerations.Eval(self.plant_context)
-        forces = []
-        for sensor, v, arm in zip(self._sensors, self._velocities, arms, strict=True):
-            acceleration = arm.J[3:] @ vdot[v] + arm.drift[3:]
-            reaction = reactions[sensor.joint]
-            forces.append(sensor.force(reaction, arm.rotation, acceleration))
-        return forces
+        sensor = self._sensors[i]
+        acceleration = arm.J[3:] @ vdot[self._velocities[i]] + arm.drift[3:]
+        reaction = reactions[sensor.joint]
+        return sensor.force(reaction, arm.rotation, acceleration)
 
     def set_torque(self, i: int, torque: Array) -> None:
         """Write the joint torques [N m] of arm ``i`` until the next call."""

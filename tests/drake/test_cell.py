@@ -9,23 +9,26 @@ from pydrake.systems.framework import EventStatus
 from pydrake.systems.primitives import ConstantVectorSource, Integrator
 
 import pushpressslide as pps
-from pushpressslide.core.control import Measurement
 from pushpressslide.core.pose import Pose2
-from pushpressslide.sim.plant import DrakePlant
+from pushpressslide.core.support_frame import TABLE
+from pushpressslide.sim.cell import DrakePhysics, _Instant
 from pushpressslide.sim.station import Station
 
 
-def plant_of(simulator: Simulator) -> DrakePlant:
-    """Return a plant that has nothing but a simulator and its clock."""
-    plant = DrakePlant.__new__(DrakePlant)
-    plant._ticks = 0
-    plant._period = 0.01
-    plant._failure = None
-    plant._spare = None
-    plant._station = SimpleNamespace(simulator=simulator, disturb=lambda *_: None)
-    plant._x = np.zeros(0)
-    plant._truth = Measurement(0.0, Pose2(), ())
-    return plant
+def physics_of(simulator: Simulator) -> DrakePhysics:
+    """Return physics that have nothing but a simulator and its clock."""
+    physics = DrakePhysics.__new__(DrakePhysics)
+    physics._ticks = 0
+    physics._period = 0.01
+    physics._failure = None
+    physics._spare = None
+    physics.station = SimpleNamespace(
+        simulator=simulator, disturb=lambda *_: None, state_vector=lambda: np.zeros(7)
+    )
+    physics._body = 0
+    physics.frame = TABLE
+    physics.now = _Instant([0.0] * 7, Pose2())
+    return physics
 
 
 def simulator() -> Simulator:
@@ -34,10 +37,10 @@ def simulator() -> Simulator:
 
 def test_an_error_of_the_simulator_is_a_run_that_diverged() -> None:
     unconnected = Simulator(Integrator(1))
-    plant = plant_of(unconnected)
-    plant.advance()
-    assert plant._failure is not None
-    assert "InputPort" in plant._failure
+    physics = physics_of(unconnected)
+    physics.advance()
+    assert physics._failure is not None
+    assert "InputPort" in physics._failure
 
 
 def test_an_error_of_ours_inside_the_simulation_is_raised() -> None:
@@ -46,34 +49,38 @@ def test_an_error_of_ours_inside_the_simulation_is_raised() -> None:
 
     watched = simulator()
     watched.set_monitor(mistaken)
-    plant = plant_of(watched)
+    physics = physics_of(watched)
     with pytest.raises(RuntimeError, match="a mistake of ours"):
-        plant.advance()
-    assert plant._failure is None
+        physics.advance()
+    assert physics._failure is None
 
 
 def test_a_good_tick_is_no_failure() -> None:
-    plant = plant_of(simulator())
-    plant.advance()
-    assert plant.time == 0.01
-    assert plant._failure is None
+    physics = physics_of(simulator())
+    physics.advance()
+    assert physics.time == 0.01
+    assert physics._failure is None
 
 
 def test_a_spare_station_takes_over_where_the_solver_gives_up() -> None:
-    plant = plant_of(Simulator(Integrator(1)))  # fails, since it is not connected
-    plant._station.context = plant._station.simulator.get_context()
-    plant._facts = {}
+    physics = physics_of(Simulator(Integrator(1)))  # fails, since it is not connected
+    physics.station.context = physics.station.simulator.get_context()
+    physics.facts = {}
     taken = []
-    spare = SimpleNamespace(simulator=simulator(), take_over=taken.append)
-    first = plant._station
-    plant._spare = lambda: spare
-    plant.advance()
+    spare = SimpleNamespace(
+        simulator=simulator(),
+        take_over=taken.append,
+        state_vector=lambda: np.zeros(7),
+    )
+    first = physics.station
+    physics._spare = lambda: spare
+    physics.advance()
     assert taken == [first]
-    assert plant._failure is None
-    assert plant._facts["convex_from"] == 0.0
-    assert spare.simulator.get_context().get_time() == plant.time
+    assert physics._failure is None
+    assert physics.facts["convex_from"] == 0.0
+    assert spare.simulator.get_context().get_time() == physics.time
     # there is no second one
-    assert plant._spare is None
+    assert physics._spare is None
 
 
 def test_a_station_goes_on_from_where_another_one_is() -> None:

@@ -1,0 +1,61 @@
+"""Joint paths of torque-driven arms, from one placement to the next one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pushpressslide.arms.paths.approach import led_in
+from pushpressslide.arms.paths.joint_path import ArmPath
+from pushpressslide.arms.paths.library import ArmLibrary
+from pushpressslide.arms.paths.placements import PlacementPaths
+from pushpressslide.arms.torque_arm import TorqueArm
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.task import Task
+from pushpressslide.planning.free_way import Bounds
+
+
+class ArmPlacements:
+    """As ``control.cell.Placements``, by the search for joint paths."""
+
+    def __init__(
+        self,
+        library: ArmLibrary,
+        arms: Sequence[TorqueArm],
+        paths: Sequence[tuple[ArmPath, ...]],
+        within: Bounds | None = None,
+    ) -> None:
+        """Lead ``arms`` along ``paths``, a set for each placement; ``within`` [m] bounds
+        where the object may be led: x_min, x_max, y_min, y_max.
+        """
+        self._library = library
+        self._arms = arms
+        self._within = within
+        self._prepared = PlacementPaths(library)  # of what is ahead
+        self._prepared.paths = list(paths)
+
+    def begin(self, task: Task, postures: Sequence[Array] | None = None) -> None:
+        """Give the arms the joint paths of the next placement of ``task``; arms that are
+        at ``postures`` (n,) [rad] are led to its beginning first.
+        """
+        taken = self._prepared.paths.pop(0)
+        paths = [path for path, _ in taken]
+        if postures is not None:
+            facts = [arm.model.facts for arm in self._arms]
+            paths = led_in(paths, facts, postures)
+        for arm, path, (_, attitude) in zip(self._arms, paths, taken, strict=True):
+            arm.follow(task, path, attitude)
+
+    def prepare(self) -> PlacementPaths:
+        """A preparation of joint paths from where the arms were read last."""
+        self._prepared = PlacementPaths(
+            self._library, postures=self._postures(), within=self._within
+        )
+        return self._prepared
+
+    def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None:
+        """Take the next joint paths, from where the arms were read last."""
+        self.begin(placement.task, self._postures())
+
+    def _postures(self) -> tuple[Array, ...]:
+        return tuple(arm.state.q for arm in self._arms)

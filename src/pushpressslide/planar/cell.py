@@ -1,0 +1,117 @@
+"""The planar world as a cell: quasi-static, on the exact limit surface.
+
+The truth is the task's own friction, mass and shape; the controller sees only what a
+robot would see.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from pushpressslide.control.cell import Applied, ArmState, Cell, TipAlone, Truth
+from pushpressslide.control.plant import Situation
+from pushpressslide.control.tracker import StampedPose
+from pushpressslide.core.control import ArmCommand, TipCommand
+from pushpressslide.core.plan import Plan
+from pushpressslide.planar.world import World, resting
+from pushpressslide.planning.side_contacts import before_contacts
+from pushpressslide.selection.preparation import PlansAlone, Preparation
+
+TIPPING_TIME = 0.1  # [s] of load off the base that ends a run
+
+
+def planar_cell(plan: Plan, begin: Situation | None = None) -> Cell:
+    """Cell with the object of ``plan`` at its true start, and the tips before their
+    contacts or where they are as the run begins.
+    """
+    physics = PlanarPhysics(plan, begin)
+    tips = [PlanarTip(physics, i) for i in range(len(plan.task.robots))]
+    return Cell("planar", physics, tips, physics, physics, physics)
+
+
+class PlanarPhysics:
+    """An object and tips without arms: clock, tracker, placements and witness."""
+
+    simulated = True
+
+    def __init__(self, plan: Plan, begin: Situation | None = None) -> None:
+        """Put object and tips where a run begins."""
+        task = plan.part(plan.segments[0])
+        self.time = 0.0  # [s]
+        self.facts: Mapping[str, Any] = {"time_step": task.motion.control_period}
+        # for each tip, until another one takes its place
+        self.commands: list[TipCommand | None] = [None] * len(task.robots)
+        self._period = task.motion.control_period
+        self._task = task
+        self._X_BG = task.object.X_GB.inverse()
+        self._world = World(task, plan.contacts, self._period)
+        gap = before_contacts(task, plan.contacts)
+        self.now = self._world.start(task.true_start, task.start, gap)
+        if begin is not None:
+            self.now = self.now._replace(tips=tuple(map(resting, begin.tips)))
+        self._before = self.now  # one tick ago
+        self._X_WG = self.now.X_WB.compose(self._X_BG)
+        self._X_WG_before = self._X_WG
+        self._tipping = 0.0  # [s] since when the load is off the base
+
+    def read(self) -> StampedPose:
+        """The object's pose."""
+        return StampedPose(self.time, self._X_WG)
+
+    def advance(self) -> None:
+        """Let one control period pass."""
+        self._before = self.now
+        self._X_WG_before = self._X_WG
+        self.now = self._world.step(self.now, self.commands)
+        self._X_WG = self.now.X_WB.compose(self._X_BG)
+        self.time = self.time + self._period
+        self._tipping = self._tipping + self._period if self.now.tipping else 0.0
+
+    def observe(self) -> Truth:
+        """The truth of the tick that was passed last."""
+        before = self._before
+        twist = self.now.twist.moved_to(self._X_BG.position)
+        velocity = before.X_WB.rotate((twist.vx, twist.vy))
+        return Truth(
+            self._X_WG_before,
+            before.tips,
+            (*velocity, twist.w),
+            tuple(tip.force for tip in self.now.tips),
+        )
+
+    def failure(self) -> str | None:
+        """That the object tips over or falls, or None."""
+        if self._tipping <= TIPPING_TIME:
+            return None
+        pressed = any(-tip.force[2] for tip in self.now.tips)
+        if any(self._task.scene.weight_along) and not pressed:
+            return "the object falls: nothing presses it on the wall"
+        return "the object tips over: the centre of pressure has left what carries it"
+
+    def prepare(self) -> Preparation:
+        """A preparation that takes any plan."""
+        return PlansAlone()
+
+    def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None:
+        """Take the contacts of the next placement; the tips stay where they are."""
+        self._world = World(placement.task, placement.contacts, self._period)
+
+
+class PlanarTip(TipAlone):
+    """One tip of the planar world."""
+
+    def __init__(self, physics: PlanarPhysics, index: int) -> None:
+        """Take the ``index``th tip."""
+        self._physics = physics
+        self._index = index
+
+    def read(self) -> ArmState:
+        """Place, velocity, and the force of the tick before."""
+        return ArmState(self._physics.time, self._physics.now.tips[self._index])
+
+    def send(self, command: ArmCommand) -> Applied:
+        """Obey a command of a tip; no other one moves it."""
+        tip = command if isinstance(command, TipCommand) else None
+        self._physics.commands[self._index] = tip
+        return Applied()

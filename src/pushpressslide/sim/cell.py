@@ -1,0 +1,266 @@
+"""Drake's hydroelastic simulation as a cell: arms that are driven by joint torques, and
+what only a simulator knows.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import ModelInstanceIndex
+
+from pushpressslide.arms.model import at_rest
+from pushpressslide.arms.paths.joint_path import ArmPath
+from pushpressslide.arms.placements import ArmPlacements
+from pushpressslide.arms.torque_arm import TorqueArm
+from pushpressslide.control.approach import SETTLE
+from pushpressslide.control.cell import Cell, Truth
+from pushpressslide.control.plant import Situation
+from pushpressslide.control.tracker import StampedPose
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.control import Vector3
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Pose2
+from pushpressslide.execution.arm import ArmDynamics
+from pushpressslide.sim.arm_library import DRAKE
+from pushpressslide.sim.arm_model import DrakeArmModel
+from pushpressslide.sim.convert import planar_pose_from_positions, planar_twist
+from pushpressslide.sim.station import Station
+
+FALLEN = "the object has fallen over the edge of support.region"
+FAR = 2.0  # [m] from start and goal: the simulation has diverged
+
+
+def drake_cell(
+    plan: Plan,
+    station: Station,
+    paths: Sequence[tuple[ArmPath, ...]],
+    models: str = "generated",
+    begin: Situation | None = None,
+    spare: Callable[[], Station] | None = None,
+    joint_stiffness: float = 0.0,
+) -> Cell:
+    """Cell with the arms of ``station`` where the first of ``paths`` begins, or arms and
+    bodies as ``begin`` has them.
+
+    There is one set of joint paths for each placement. ``spare`` makes a station that
+    takes over where the solver of ``station`` does not converge; ``joint_stiffness``
+    [N m/rad] is as of ``control.execution.Execution``.
+    """
+    task = plan.part(plan.segments[0])
+    physics = DrakePhysics(plan, station, spare)
+    arms = [
+        TorqueArm(
+            DrakeArmModel(robot, models=models),
+            DrakeDrives(physics, i),
+            joint_stiffness,
+        )
+        for i, robot in enumerate(task.robots)
+    ]
+    placements = ArmPlacements(DRAKE, arms, paths, station.scene.bounds)
+    placements.begin(task, None if begin is None else begin.joints)
+    physics.put(arms, begin)
+    physics.facts.update(_path_facts(paths), models=models)
+    physics.facts["start_tips"] = [
+        arm.model.state_at(at_rest(arm.path.approach[-1])).position for arm in arms
+    ]
+    return Cell("drake", physics, arms, physics, placements, physics)
+
+
+def _path_facts(paths: Sequence[tuple[ArmPath, ...]]) -> dict[str, Any]:
+    """What is to be known of the planned joint paths of all placements."""
+    every = [path for placement in paths for path, _ in placement]
+    first = max(float(path.approach_time[-1]) for path, _ in paths[0])
+    return {
+        "joint_margin_planned": min(path.joint_margin for path in every),
+        "condition_planned": max(path.condition for path in every),
+        "clearance_planned": min(path.clearance for path in every),
+        "approach_time": first + SETTLE,
+    }
+
+
+class DrakePhysics:
+    """A station: clock, tracker and witness of what happens in it."""
+
+    simulated = True
+
+    def __init__(
+        self,
+        plan: Plan,
+        station: Station,
+        spare: Callable[[], Station] | None = None,
+    ) -> None:
+        """Take a station, and what makes another one for ``drake_cell``."""
+        task = plan.part(plan.segments[0])
+        plant = station.plant
+        self.station = station
+        self.frame = task.support.frame
+        self._ends = (task.start, plan.task.goal)
+        self._edged = task.support.region is not None
+        self._period = task.motion.control_period
+        self._spare = spare
+        moved = station.scene.object
+        self._body = moved.floating_positions_start()
+        velocity = moved.floating_velocities_start_in_v()
+        self._body_velocity = plant.num_positions() + velocity
+        self._body_rows = {"object_pose_3d": self._body} | {
+            f"body_{name}": body.floating_positions_start()
+            for name, body in station.scene.bodies.items()
+        }
+        self.facts: dict[str, Any] = {
+            "time_step": plant.time_step(),
+            "control_period": self._period,
+        }
+        self._ticks = 0
+        self._failure: str | None = None
+
+    def put(self, arms: Sequence[TorqueArm], begin: Situation | None) -> None:
+        """Put ``arms`` where their joint paths begin, or arms and bodies as ``begin``
+        has them; and begin to simulate.
+        """
+        station = self.station
+        plant = station.plant
+        context = station.plant_context
+        instances = [robot.model_instance for robot in station.scene.robots]
+        for instance, arm in zip(instances, arms, strict=True):
+            plant.SetPositions(context, instance, arm.path.approach[0])
+        if begin is not None:
+            for instance, speed in zip(instances, begin.speeds, strict=True):
+                plant.SetVelocities(context, instance, speed)
+            station.put(begin.bodies)
+        station.simulator.Initialize()
+        self._arms = arms
+        self._look()
+        self._before = self.now
+
+    def _look(self) -> None:
+        """Take the plant's state."""
+        self.state = self.station.state_vector()  # (nq + nv,)
+        x = self.state.tolist()
+        pose = planar_pose_from_positions(x[self._body : self._body + 7], self.frame)
+        self.now = _Instant(x, pose)
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._ticks * self._period
+
+    def read(self) -> StampedPose:
+        """The object's pose."""
+        return StampedPose(self.time, self.now.X_WG)
+
+    def advance(self) -> None:
+        """Simulate one control period."""
+        self._before = self.now
+        self.station.disturb(self.now.x, self.now.X_WG, self.time)
+        self._ticks += 1
+        complaint = self._complaint()
+        if complaint is not None and self._spare is not None:
+            other = self.station
+            self.station = self._spare()
+            self.station.take_over(other)
+            self._spare = None
+            self.facts["convex_from"] = other.context.get_time()
+            complaint = self._complaint()
+        self._failure = complaint
+        self._look()
+
+    def _complaint(self) -> str | None:
+        """Simulate to the end of the control period; return what the simulator complains
+        of.
+        """
+        try:
+            self.station.simulator.AdvanceTo(self._ticks * self._period)
+        except RuntimeError as error:
+            if _raised_in_python(error):
+                raise
+            return str(error).splitlines()[0]
+        return None
+
+    def failure(self) -> str | None:
+        """Why the simulation cannot go on, or None.
+
+        The object was far away or had fallen as the last tick began, or the simulator
+        complained.
+        """
+        x, pose = self._before
+        off = min(math.dist(pose.position, end.position) for end in self._ends)
+        if not math.isfinite(sum(x)) or off > FAR:
+            return f"the object is at ({pose.x:.2f}, {pose.y:.2f})"
+        if self._edged:
+            px, py, pz = x[self._body + 4 : self._body + 7]
+            if self.frame.coordinates((px, py, pz))[2] < 0.0:
+                return f"{FALLEN} at ({pose.x:.2f}, {pose.y:.2f})"
+        return self._failure
+
+    def observe(self) -> Truth:
+        """The truth of the tick that was passed last."""
+        x, pose = self._before
+        start = self._body_velocity
+        twist = planar_twist(x[start : start + 6], self.frame)
+        tips = tuple(arm.tip for arm in self._arms)
+        return Truth(pose, tips, twist, extras=partial(self._body_poses, x))
+
+    def _body_poses(self, x: Sequence[float]) -> dict[str, Any]:
+        """Rows of the arrays that this simulation alone has, from a state ``x``."""
+        return {name: x[start : start + 7] for name, start in self._body_rows.items()}
+
+
+class _Instant(NamedTuple):
+    """What is where at a time."""
+
+    x: list[float]  # state of the plant
+    X_WG: Pose2
+
+
+class DrakeDrives:
+    """Encoders, force sensor and motors of one arm of a station."""
+
+    def __init__(self, physics: DrakePhysics, index: int) -> None:
+        """Take the ``index``th arm."""
+        self._physics = physics
+        self._index = index
+        robot = physics.station.scene.robots[index]
+        self._joints = _joints_of(physics.station.plant, robot.model_instance)
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._physics.time
+
+    def joints(self) -> Array:
+        """Positions and velocities (2 n,)."""
+        return self._physics.state[self._joints]
+
+    def tip_force(self, arm: ArmDynamics) -> Vector3:
+        """Force [N] of the tip ON what it touches, world axes."""
+        return self._physics.station.contact_force(self._index, arm)
+
+    def drive(self, torque: Array) -> None:
+        """Apply joint torques (n,) [N m] until the next call."""
+        self._physics.station.set_torque(self._index, torque)
+
+
+def _joints_of(plant: MultibodyPlant, instance: ModelInstanceIndex) -> NDArray[np.intp]:
+    """Where the positions, then the velocities, of an arm's joints are in the plant's
+    state.
+    """
+    joints = [plant.get_joint(j) for j in plant.GetJointIndices(instance)]
+    moving = [joint for joint in joints if joint.num_positions() == 1]
+    positions = [joint.position_start() for joint in moving]
+    first = plant.num_positions()
+    return np.array([*positions, *(first + joint.velocity_start() for joint in moving)])
+
+
+def _raised_in_python(error: BaseException) -> bool:
+    """Return whether Python code below the handler raised ``error``, not the simulator.
+
+    The simulator calls systems that are written in Python.
+    """
+    here = error.__traceback__
+    return here is not None and here.tb_next is not None
