@@ -42,7 +42,7 @@ def test_tips_stay_only_where_they_are_halted_on_their_way_back(
         measured = Measurement(i * DT, TASK.start, (tip,))
         if begin <= i * DT <= end:
             state = controller.halted(state, measured)
-        (command,), _, state = controller.step(state, measured)
+        (command,), _, state, _ = controller.step(state, measured)
         heights.append(command.position[2])
         if state.phase.name == "done":
             break

@@ -34,7 +34,10 @@ def touched_and_lost(way: float) -> tuple[ControllerState, int]:
         force = pressing if before == "touch" else (0.0, 0.0, 0.0)
         place = tip_position(contact, pose.compose(TASK.object.X_GB), radius)
         tip = TipState(place, (0.0, 0.0, 0.0), force)
-        _, _, state = controller.step(state, Measurement(i * DT, pose, (tip,)))
+        step = controller.step(state, Measurement(i * DT, pose, (tip,)))
+        state = step.state
+        if step.event is not None:
+            state = controller.supervisor.step(step.event)
         if state.phase.name == "touch" and before == "move":
             touches += 1
             pose = Pose2(pose.x + way, pose.y, pose.yaw)

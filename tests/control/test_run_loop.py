@@ -16,6 +16,7 @@ import pytest
 import pushpressslide as pps
 from pushpressslide.control import run_loop as module
 from pushpressslide.control.approach import TRAVEL_SPEED
+from pushpressslide.control.controller import Step
 from pushpressslide.control.estimator import Estimator, ObjectEstimator
 from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.limits import (
@@ -25,7 +26,7 @@ from pushpressslide.control.limits import (
     ArmReading,
 )
 from pushpressslide.control.plant import PlantRow
-from pushpressslide.control.run_loop import PROGRESS_TICKS, RunOptions, run_loop
+from pushpressslide.control.run_loop import PROGRESS_TICKS, RunOptions
 from pushpressslide.control.state import PhaseState, tip_position
 from pushpressslide.core import margins
 from pushpressslide.core.control import (
@@ -185,9 +186,7 @@ class Script:
         self.halts.append(measurement.time)
         return state
 
-    def step(
-        self, state: Line, measurement: Measurement
-    ) -> tuple[Commands, ControlLog, Line]:
+    def step(self, state: Line, measurement: Measurement) -> Step:
         self.seen.append(measurement)
         log = ControlLog("move", 0.0, Pose2())
         last = state.step + 1 == TICKS
@@ -196,7 +195,13 @@ class Script:
             failure=state.phase.failure or (self.failure if last else None),
         )
         next_state = replace(state, step=state.step + 1, phase=phase)
-        return (PUSH,) * self.arms, log, next_state
+        return Step((PUSH,) * self.arms, log, next_state, None)
+
+
+def run_loop(plant: Diary, plan: Plan, options: RunOptions | None = None) -> Record:
+    """Run with the scripted controller."""
+    scripted = replace(options or RunOptions(), controller=Script)
+    return module.run_loop(plant, plan, scripted)
 
 
 @pytest.fixture(scope="module")
@@ -219,7 +224,6 @@ def scripts(monkeypatch: pytest.MonkeyPatch) -> list[Script]:
     made: list[Script] = []
     monkeypatch.setattr(Script, "made", made, raising=False)
     monkeypatch.setattr(Script, "failure", None)
-    monkeypatch.setattr(module, "Controller", Script)
     return made
 
 
@@ -281,7 +285,8 @@ def test_every_tick_is_recorded_once_and_at_its_own_time(one, scripts) -> None:
 
 def test_the_record_holds_what_the_plant_adds(one, scripts) -> None:
     record = run_loop(Diary(arms=1), one)
-    assert (record.engine, record.meta) == ("diary", {"kind": "diary", "events": []})
+    meta = {"kind": "diary", "controller": "Script", "events": []}
+    assert (record.engine, record.meta) == ("diary", meta)
     assert record.arrays["extra"].tolist() == [i + 1 for i in range(TICKS)]
     assert (record.arrays["tick_execute"] > 0.0).all()
     assert (record.arrays["tick_execute"] < record.arrays["tick_total"]).all()
@@ -445,7 +450,8 @@ def test_a_seed_decides_what_the_controller_sees(one, scripts) -> None:
 def test_progress_is_told_with_the_expected_duration(one) -> None:
     told: list[tuple[float, float]] = []
     plant = Diary(arms=1)
-    run_loop(plant, one, RunOptions(progress=lambda *times: told.append(times)))
+    options = RunOptions(progress=lambda *times: told.append(times))
+    module.run_loop(plant, one, options)
     expected = module.TOUCH_AND_RELEASE + one.duration
     assert [time for time, _ in told] == pytest.approx(
         [(i * PROGRESS_TICKS - 1) * PERIOD for i in range(1, len(told) + 1)]

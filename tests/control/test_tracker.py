@@ -57,9 +57,8 @@ def test_a_task_is_done_by_poses_that_are_old_when_they_come(every: int) -> None
             ages.append(estimate.age)
             return estimate, state
 
-    cell = planar_cell(PLAN)
-    options = RunOptions(tracker=Late(cell.tracker, every), estimator=Noting)
-    record = run_loop(cell, PLAN, options)
+    options = RunOptions(tracker=lambda own: Late(own, every), estimator=Noting)
+    record = run_loop(planar_cell(PLAN), PLAN, options)
     figures = pps.result(record)
     assert figures["success"], figures["reason"]
     assert figures["final_position_error"] < 3e-3
@@ -80,9 +79,12 @@ def test_poses_may_come_from_another_thread() -> None:
             sent.put(picture)
 
     class Newest:
+        def __init__(self, camera: ObjectTracker) -> None:
+            self.camera = camera
+
         def read(self) -> StampedPose | None:
             newest = None
-            pictures.put(cell.tracker.read())
+            pictures.put(self.camera.read())
             try:
                 while True:
                     newest = sent.get_nowait()
@@ -92,7 +94,7 @@ def test_poses_may_come_from_another_thread() -> None:
     worker = threading.Thread(target=forward)
     worker.start()
     try:
-        record = run_loop(cell, PLAN, RunOptions(tracker=Newest()))
+        record = run_loop(cell, PLAN, RunOptions(tracker=Newest))
     finally:
         pictures.put(None)
         worker.join()
@@ -111,6 +113,8 @@ def test_an_object_that_nobody_has_seen_is_where_the_plan_begins() -> None:
             first.append(pose)
             return super().start(pose)
 
-    options = RunOptions(tracker=Blind(), estimator=Looking, stop=lambda: bool(first))
+    options = RunOptions(
+        tracker=lambda own: Blind(), estimator=Looking, stop=lambda: bool(first)
+    )
     run_loop(planar_cell(PLAN), PLAN, options)
     assert first == [StampedPose(0.0, TASK.start)]

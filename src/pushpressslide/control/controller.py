@@ -6,8 +6,9 @@
     release  draw the tips back, unless nothing else carries the object; then done
 
 State in, state out: ``init(measurement) -> state``, ``step(state, measurement) ->
-(commands, log, state)``. It sees what a robot would see: object pose, tip state,
-contact force. It never raises; what went wrong is in ``state.phase.failure``.
+(commands, log, state, event)``. It sees what a robot would see: object pose, tip state,
+contact force. It never raises; what went wrong is in ``state.phase.failure``. What an
+event leads to is the supervisor's to decide, which may plan.
 """
 
 from __future__ import annotations
@@ -16,11 +17,9 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from time import perf_counter
+from typing import NamedTuple
 
 from pushpressslide.control.adaptation import TipSpeed
-from pushpressslide.control.correction import (
-    rest_of,
-)
 from pushpressslide.control.entry import Entry
 from pushpressslide.control.estimator import (
     Estimate,
@@ -41,14 +40,13 @@ from pushpressslide.control.state import (
     TipMemory,
     begin,
     by_arm,
-    findings,
     pressed,
     ramp_time,
     smooth,
     smooth_change,
     smooth_rate,
 )
-from pushpressslide.control.supervisor import Moment, Supervisor
+from pushpressslide.control.supervisor import Moment, Settled, Supervisor
 from pushpressslide.control.timeline import Timeline
 from pushpressslide.control.tip_motion import TipMover, missing
 from pushpressslide.control.touch import TipTouch, WayBack, drawn_back, held_at
@@ -66,17 +64,35 @@ from pushpressslide.core.record import Ending
 from pushpressslide.core.task import Task
 from pushpressslide.core.wrench import Wrench
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
-from pushpressslide.modes.base import Measured
+from pushpressslide.modes.base import Tracker
 from pushpressslide.planning.side_contacts import room_before
 
 Commands = tuple[TipCommand | None, ...]
-Step = tuple[Commands, ControlLog, ControllerState]
-# of a phase: a command per contact, the next state, what the law of the motion came to
-PhaseStep = tuple[tuple[TipCommand, ...], ControllerState, Decision | None]
+
+
+class Step(NamedTuple):
+    """What a tick comes to."""
+
+    commands: Commands  # one per arm; None: it has no contact
+    log: ControlLog
+    state: ControllerState
+    event: Settled | Moment | None  # what the supervisor is to decide on
+
+
+class PhaseStep(NamedTuple):
+    """The same of a phase."""
+
+    commands: tuple[TipCommand, ...]  # one per contact
+    state: ControllerState
+    decision: Decision | None = None  # of the law of the motion
+    event: Settled | Moment | None = None
 
 
 class Controller:
-    """Closed-form control of one placement of a plan; hold one per run of it."""
+    """Closed-form control of one placement of a plan; hold one per run of it.
+
+    A run takes a class derived from this one as ``controller``.
+    """
 
     def __init__(
         self,
@@ -95,7 +111,8 @@ class Controller:
         may change the laws; ``estimator`` makes one of the task as it is believed.
         """
         self.back = min(margins.ARM.retreat, back)
-        self.placement = Placement(plan, number, execution)
+        self.execution = execution
+        self.placement = Placement(plan, number, self.tracking_law)
         self.segments = self.placement.segments
         self.planned = Timeline(self.segments)
         first = self.segments[0]
@@ -113,6 +130,12 @@ class Controller:
             for contact in first.contacts
         )
         self.supervisor = Supervisor(self.placement, self.law.servo, patience)
+
+    def tracking_law(self, task: Task, segment: Segment) -> Tracker:
+        """What leads the object along a ``segment``: its mode's law. A class of one's
+        own may return another one, with the guidance of ``core.guidance``.
+        """
+        return self.execution.tracker(task, segment)
 
     def init(self, measurement: Measurement, held: Commands = ()) -> ControllerState:
         """Return the state at the start of the touch.
@@ -136,7 +159,7 @@ class Controller:
         return ControllerState(
             PhaseState("touch", measurement.time, tips),
             Following(self.placement.bound(first), first, tuple(ahead), prediction),
-            Estimate(pose.time, pose.X_WG),
+            Estimate(measurement.time, pose.X_WG),
             self.estimator.start(pose),
         )
 
@@ -166,20 +189,19 @@ class Controller:
         return state._replace(phase=phase._replace(drawn=min(phase.drawn, share)))
 
     def step(self, state: ControllerState, measurement: Measurement) -> Step:
-        """Return one command per arm (None: it has no contact), what was decided, and
-        the next state.
-        """
+        """Commands, what was decided, the next state, and an event."""
         state, instant = self._estimated(state, measurement)
         name = state.phase.name
         if name == "touch":
-            commands, next_state, decision = self._touch(state, instant)
+            step = self._touch(state, instant)
         elif name == "move":
-            commands, next_state, decision = self._move(state, instant)
+            step = self._move(state, instant)
         else:
-            commands, next_state, decision = self._release(state, instant)
+            step = self._release(state, instant)
         contacts = state.following.binding.segment.contacts
-        log = self._log(state, instant.time, decision)
-        return by_arm(commands, contacts, len(self.robots)), log, next_state
+        commands = by_arm(step.commands, contacts, len(self.robots))
+        log = self._log(state, instant.time, step.decision)
+        return Step(commands, log, step.state, step.event)
 
     def _estimated(
         self, state: ControllerState, measurement: Measurement
@@ -291,9 +313,10 @@ class Controller:
         if problems:
             failure: Failure = ("contact_lost", problems[-1])
             next_state = begin(next_state, "release", instant, failure)
-        elif all(step.done for step in steps):
-            next_state = self._begin_move(next_state, instant)
-        return tuple(step.command for step in steps), next_state, None
+        commands = tuple(step.command for step in steps)
+        settled = not problems and all(step.done for step in steps)
+        event = Settled(next_state, instant) if settled else None
+        return PhaseStep(commands, next_state, event=event)
 
     def _touch_yaw(
         self, state: ControllerState, yaw: float, elapsed: float, aligned: float
@@ -308,41 +331,6 @@ class Controller:
         planned = X_WB.compose(self.X_BG)
         share = smooth(elapsed / aligned) if aligned > 0.0 else 1.0
         return planned.yaw + share * wrap_angle(yaw - planned.yaw)
-
-    def _begin_move(self, state: ControllerState, instant: Instant) -> ControllerState:
-        """Begin to move, replanned from where object and contacts turn out to be."""
-        time = instant.time
-        following = state.following
-        rest = rest_of(following.binding.segment, following.progress)
-        longest = margins.longest(
-            margins.TOUCH_DETOUR, rest.path.length, self.placement.object.radius
-        )
-        X_WB = instant.X_WB
-        touched = following.binding.touched(X_WB, instant.tips)
-        found = findings(state)
-        measured = Measured.touching(X_WB, rest.contacts, touched, longest, found)
-        fresh = self.placement.replanner.believing(following.rho).replan(
-            (rest, *following.ahead), measured
-        )
-        if fresh:
-            prediction = following.prediction._replace(
-                center=self.placement.center_identifier(fresh[0], found.center),
-                followed_center=found.center,
-            )
-            following = following._replace(
-                binding=self.placement.bound(fresh[0]),
-                ahead=fresh[1:],
-                prediction=prediction,
-                progress=0.0,
-                clock_start=time,
-            )
-        elif following.reference is None:
-            following = following._replace(clock_start=time)
-        else:
-            pause = time - (state.watches.lost or time)
-            following = following._replace(clock_start=following.clock_start + pause)
-        following = following.begun(time)
-        return begin(state._replace(following=following), "move", instant)
 
     def _move(self, state: ControllerState, instant: Instant) -> PhaseStep:
         following = state.following
@@ -373,10 +361,8 @@ class Controller:
             watches,
         )
         touched = binding.touched(instant.X_WB, instant.tips)
-        next_state = self.supervisor.step(
-            Moment(next_state, instant, touched, guidance)
-        )
-        return commands, next_state, decision
+        moment = Moment(next_state, instant, touched, guidance)
+        return PhaseStep(commands, next_state, decision, moment)
 
     def _tip_speeds(
         self,
@@ -407,8 +393,7 @@ class Controller:
         if failed and elapsed < margins.ARM.longest_stop:
             over = over and _at_rest(instant.tips, contacts)
         name: Phase = "done" if over else "release"
-        next_state = state._replace(phase=phase._replace(name=name))
-        return commands, next_state, None
+        return PhaseStep(commands, state._replace(phase=phase._replace(name=name)))
 
     def _drawn_back(
         self, state: ControllerState, instant: Instant

@@ -101,6 +101,13 @@ class Following(NamedTuple):
             following = self._replace(reference=reference, reference_start=time)
         return following if self.began is not None else following._replace(began=time)
 
+    def delayed(self, passed: float) -> Following:
+        """The same that goes on ``passed`` [s] later."""
+        return self._replace(
+            clock_start=self.clock_start + passed,
+            reference_start=self.reference_start + passed,
+        )
+
     def joint_progress(self, X_WB: Pose2) -> float:
         """Place on the PLANNED path [m] at which the joint reference is taken: as far
         from the end as the object is on its own path.

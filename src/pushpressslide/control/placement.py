@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from pushpressslide.control.correction import Replanner
 from pushpressslide.control.entry import entry
-from pushpressslide.control.execution import Execution
 from pushpressslide.control.following import Binding, bind
 from pushpressslide.core.plan import Plan, Segment, lasting_arms
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
@@ -14,6 +14,7 @@ from pushpressslide.core.task import Task
 from pushpressslide.identification.center import CenterIdentifier
 from pushpressslide.identification.online import AxleIdentifier
 from pushpressslide.modes import MODES
+from pushpressslide.modes.base import Tracker
 from pushpressslide.planning.workspace import poses_along
 
 
@@ -22,12 +23,14 @@ class Placement:
     laws.
     """
 
-    def __init__(self, plan: Plan, number: int, execution: Execution) -> None:
-        """Take the ``number``th placement of ``plan``; ``execution`` may change its
-        laws.
+    def __init__(
+        self, plan: Plan, number: int, tracker: Callable[[Task, Segment], Tracker]
+    ) -> None:
+        """Take the ``number``th placement of ``plan``; ``tracker`` makes the tracking
+        law of a segment.
         """
         placements = plan.placements
-        self.execution = execution
+        self._tracker = tracker
         self.segments = placements[number]
         self.planned_poses = [X for piece in self.segments for X in poses_along(piece)]
         told = plan.task.told
@@ -64,7 +67,7 @@ class Placement:
     def bound(self, segment: Segment) -> Binding:
         """The laws of a segment."""
         part = self.parts[segment.leg]
-        return bind(part, segment, self.execution.tracker(part, segment))
+        return bind(part, segment, self._tracker(part, segment))
 
 
 def share_of_tolerance(task: Task, pose: Pose2) -> float:

@@ -11,10 +11,12 @@ from __future__ import annotations
 import gc
 import math
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from time import perf_counter
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -35,8 +37,15 @@ from pushpressslide.control.plant import Plant, Situation, cell_of
 from pushpressslide.control.recording import Recorder, Tick
 from pushpressslide.control.recovery import RECOVERABLE, planned_anew, restart
 from pushpressslide.control.sensing import sensed
-from pushpressslide.control.state import ControllerState, findings, tip_position
+from pushpressslide.control.state import (
+    FREE_DAMPING,
+    FREE_STIFFNESS,
+    ControllerState,
+    findings,
+    tip_position,
+)
 from pushpressslide.control.stopping import JointWatch, Stop, StopLevel
+from pushpressslide.control.supervisor import Moment, Settled
 from pushpressslide.control.tracker import ObjectTracker, StampedPose
 from pushpressslide.control.watches import Watch
 from pushpressslide.core import margins
@@ -48,6 +57,7 @@ from pushpressslide.core.control import (
     Phase,
     TipCommand,
     TipCommands,
+    TipState,
 )
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan
@@ -58,6 +68,7 @@ from pushpressslide.identification.findings import NOTHING
 from pushpressslide.planning.side_contacts import before_contacts
 
 AT_BASE = 0.01  # [m] from its base at which a tip without an arm waits
+T = TypeVar("T")
 PROGRESS_TICKS = 25  # between two reports of the progress
 TOUCH_AND_RELEASE = 4.0  # [s] typical time of both, for the progress
 
@@ -76,10 +87,12 @@ class RunOptions:
     disturb: Callable[[float, Commands], Commands] | None = None
     # the laws, where an experiment changes them
     execution: Execution = USUAL
+    # of each placement
+    controller: type[Controller] = Controller
     # makes what estimates pose and figures of the object, from the task as believed
     estimator: Callable[[Task], Estimator] = ObjectEstimator
-    # sees the object in place of the cell's own
-    tracker: ObjectTracker | None = None
+    # given what sees the object, returns what sees it in its place
+    tracker: Callable[[ObjectTracker], ObjectTracker] | None = None
     # that the run goes on from; None: the task's start, with the arms before the object
     begin: Situation | None = None
 
@@ -134,7 +147,9 @@ class RunLoop:
             cell = sensed(cell, task.sensing, options.seed, period)
         self.plan = plan
         self.cell = cell
-        self.tracker = options.tracker or cell.tracker
+        self.tracker = cell.tracker
+        if options.tracker is not None:
+            self.tracker = options.tracker(cell.tracker)
         self.options = options
         self.time_limit = task.limits.time
         self.recoveries = task.motion.recoveries  # left
@@ -154,6 +169,9 @@ class RunLoop:
         self.placements = plan.by_placement
         self.number = 0  # of the present placement
         self.state: ControllerState | None = None  # None before the touch
+        self.event: Settled | Moment | None = None  # of this tick
+        self.holding: Commands | None = None  # what the arms obey while one plans
+        self.log: ControlLog  # of the last tick
         before = self.measure()[0] if goes_on else None
         self._begin((None,) * len(task.robots), cell.clock.time, before)
 
@@ -231,9 +249,14 @@ class RunLoop:
         return measurement
 
     def _own_laws(self) -> dict[str, str]:
-        """What a record says of laws that an experiment changed; else nothing."""
-        changed = self.options.execution.changed
-        return {} if changed is None else {"execution": changed}
+        """What a record says of laws that are not the usual ones; else nothing."""
+        options = self.options
+        own: dict[str, str] = {}
+        if options.execution.changed is not None:
+            own["execution"] = options.execution.changed
+        if options.controller is not Controller:
+            own["controller"] = options.controller.__name__
+        return own
 
     def _tick(self) -> tuple[Tick, Measurement]:
         """Pass one control period; return what came of it, and what was measured."""
@@ -255,9 +278,11 @@ class RunLoop:
             commands = sent
         decided = perf_counter()
         applied = self._send(sent)
+        execution = read - began + perf_counter() - decided
+        self.log = log
+        self._supervise(commands, measurement)
         ended = perf_counter()
         self.cell.clock.advance()
-        execution = read - began + ended - decided
         wall_times = (*log.wall_times, execution, ended - began)
         truth = self._truth(measurement)
         joints = tuple(zip(readings, applied, strict=False))
@@ -281,14 +306,53 @@ class RunLoop:
     def _decide(
         self, measurement: Measurement, readings: Sequence[ArmReading]
     ) -> tuple[Commands, ControlLog]:
+        if self.holding is not None:
+            return self.holding, self.log
         if measurement.time < self.approach.arrival:
             return self.approach.step(measurement.time)
         if self.state is None:
             self.state = self.controller.init(measurement, self.approach.held)
         if self.state.phase.name == "release" and self.guard.cramped(readings):
             self.state = self.controller.halted(self.state, measurement)
-        commands, log, self.state = self.controller.step(self.state, measurement)
-        return commands, log
+        step = self.controller.step(self.state, measurement)
+        self.state = step.state
+        self.event = step.event
+        return step.commands, step.log
+
+    def _supervise(self, commands: Commands, measurement: Measurement) -> None:
+        """Decide on the event of this tick, if there is one; ``commands`` are what the
+        arms obey.
+        """
+        event = self.event
+        if event is None:
+            return
+        self.event = None
+        supervisor = self.controller.supervisor
+        if self.cell.clock.simulated or not supervisor.plans(event):
+            self.state = supervisor.step(event)
+            return
+        held = still(commands, measurement.tips)
+        state = self._beside(partial(supervisor.step, event), held)
+        if self.stopping is None:  # or else the stop goes on
+            passed = self.cell.clock.time - event.instant.time
+            self.state = state.delayed(passed)
+
+    def _beside(self, plan: Callable[[], T], held: Commands) -> T:
+        """What a ``plan`` comes to. Where the clock runs the arms are commanded to stay
+        where they are meanwhile, tick by tick, by ``held``.
+        """
+        if self.cell.clock.simulated:
+            return plan()
+        self.holding = held
+        pool = ThreadPoolExecutor(1)
+        planned = pool.submit(plan)
+        pool.shutdown(wait=False)
+        while not planned.done():
+            tick, _ = self._tick()
+            self.recorder.add(tick)
+            self._report(tick.time)
+        self.holding = None
+        return planned.result()
 
     def _runaways(self, readings: Sequence[ArmReading]) -> list[str | None]:
         """What the joints of each arm do that nothing asked for."""
@@ -321,6 +385,8 @@ class RunLoop:
         else:
             failure = (breach.code, text)
             self.state = self.controller.stop(self.state, measurement, failure)
+            self.event = None
+            self.holding = None
 
     def _disturbed(self, time: float, commands: Commands, log: ControlLog) -> Commands:
         disturb = self.options.disturb
@@ -344,7 +410,7 @@ class RunLoop:
         else:
             travel = tip_paths(placement, held, measurement)
             self.approach = TipApproach(task.start, travel, held, time)
-        self.controller = Controller(
+        self.controller = self.options.controller(
             self.plan,
             self.number,
             gap,
@@ -398,7 +464,9 @@ class RunLoop:
             begin = self._restart(pose)
             held = self._hold(tick)
             prepare = self.cell.placements.prepare
-            plan = planned_anew(self.plan.task, begin, prepare)
+            plan = self._beside(
+                partial(planned_anew, self.plan.task, begin, prepare), held
+            )
             self._check_in_time(plan)
         except InfeasibleTaskError as error:
             self._note(time, why, str(error))
@@ -545,6 +613,31 @@ def _runaway(runaways: Sequence[str | None]) -> Ending | None:
         if text is not None:
             return Ending("runaway", f"arm {arm} runs away: {text}")
     return None
+
+
+def still(commands: Commands, tips: Sequence[TipState]) -> Commands:
+    """Commands by which ``tips`` [m] stay where they are, and press as they did."""
+    return tuple(
+        _still(command, tip) if isinstance(command, TipCommand) else command
+        for command, tip in zip(commands, tips, strict=True)
+    )
+
+
+def _still(command: TipCommand, tip: TipState) -> TipCommand:
+    x, y, _ = tip.position
+    along, across, _ = FREE_STIFFNESS
+    slow, slower, _ = FREE_DAMPING
+    return replace(
+        command,
+        force=(0.0, 0.0, command.force[2]),
+        position=(x, y, command.position[2]),
+        velocity=(0.0, 0.0, 0.0),
+        stiffness=(along, across, command.stiffness[2]),
+        damping=(slow, slower, command.damping[2]),
+        tool_yaw_rate=0.0,
+        acceleration=(0.0, 0.0, 0.0),
+        tool_yaw_acceleration=0.0,
+    )
 
 
 def tip_paths(

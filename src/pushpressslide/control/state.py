@@ -117,6 +117,24 @@ class ControllerState(NamedTuple):
     adaptation: Adaptation = Adaptation()
     watches: Watches = Watches()
 
+    def delayed(self, passed: float) -> ControllerState:
+        """The same that begins now, ``passed`` [s] after it was planned, with an object
+        that has not been led meanwhile.
+        """
+        phase = self.phase
+        watches = self.watches
+        still = watches.still
+        if still is not None:
+            still = Still(still.pose, still.since + passed)
+        lost = None if watches.lost is None else watches.lost + passed
+        return self._replace(
+            phase=phase._replace(since=phase.since + passed, led=NO_TWIST),
+            following=self.following.delayed(passed),
+            watches=watches._replace(
+                lost=lost, still=still, replanned=watches.replanned + passed
+            ),
+        )
+
 
 class Instant(NamedTuple):
     """What is known at a tick."""

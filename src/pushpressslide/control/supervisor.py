@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from pushpressslide.control.correction import (
     press_creep,
+    rest_of,
     side_slide,
     sides_of,
     touched_points,
@@ -60,8 +61,15 @@ class Moment(NamedTuple):
         return self.state.following.left
 
 
+class Settled(NamedTuple):
+    """The tick at which all tips have settled at their contacts."""
+
+    state: ControllerState
+    instant: Instant
+
+
 class Supervisor:
-    """Watches the motion of one placement."""
+    """Decides on the events of one placement; it plans, and may take its time."""
 
     def __init__(self, placement: Placement, servo: bool, patience: float) -> None:
         """Watch ``placement``; ``servo``: the tips are led, not pushed by a force alone;
@@ -71,17 +79,29 @@ class Supervisor:
         self.servo = servo
         self.patience = patience
 
-    def step(self, moment: Moment) -> ControllerState:
-        """State after a tick of the motion: what the first event that holds leads to."""
+    def step(self, event: Moment | Settled) -> ControllerState:
+        """State after an event: in the motion, what the first row that holds leads to."""
+        if isinstance(event, Settled):
+            return self._begin_motion(event.state, event.instant)
+        moment = self._watched(event)
+        return self._row(moment).act(self, moment)
+
+    def plans(self, event: Moment | Settled) -> bool:
+        """Whether what ``event`` leads to may take longer than a tick."""
+        return isinstance(event, Settled) or self._row(self._watched(event)).plans
+
+    def _row(self, moment: Moment) -> Transition:
+        """The first row whose event holds."""
+        return next(row for row in TRANSITIONS if row.holds(self, moment))
+
+    def _watched(self, moment: Moment) -> Moment:
+        """The same, with what is watched of an object that stands still."""
         still = self._still(moment.state, moment.instant)
         watches = moment.state.watches
         if still is not watches.still:
             state = moment.state._replace(watches=watches._replace(still=still))
             moment = moment._replace(state=state)
-        for transition in TRANSITIONS:
-            if transition.holds(self, moment):
-                return transition.act(self, moment)
-        return moment.state
+        return moment
 
     def astray(self, moment: Moment) -> bool:
         """The tracking point is too far off its path."""
@@ -292,6 +312,43 @@ class Supervisor:
         )
         return state._replace(following=following)
 
+    def _begin_motion(
+        self, state: ControllerState, instant: Instant
+    ) -> ControllerState:
+        """Begin to move, replanned from where object and contacts turn out to be."""
+        time = instant.time
+        following = state.following
+        rest = rest_of(following.binding.segment, following.progress)
+        longest = margins.longest(
+            margins.TOUCH_DETOUR, rest.path.length, self.placement.object.radius
+        )
+        X_WB = instant.X_WB
+        touched = following.binding.touched(X_WB, instant.tips)
+        found = findings(state)
+        measured = Measured.touching(X_WB, rest.contacts, touched, longest, found)
+        fresh = self.placement.replanner.believing(following.rho).replan(
+            (rest, *following.ahead), measured
+        )
+        if fresh:
+            prediction = following.prediction._replace(
+                center=self.placement.center_identifier(fresh[0], found.center),
+                followed_center=found.center,
+            )
+            following = following._replace(
+                binding=self.placement.bound(fresh[0]),
+                ahead=fresh[1:],
+                prediction=prediction,
+                progress=0.0,
+                clock_start=time,
+            )
+        elif following.reference is None:
+            following = following._replace(clock_start=time)
+        else:
+            pause = time - (state.watches.lost or time)
+            following = following._replace(clock_start=following.clock_start + pause)
+        following = following.begun(time)
+        return begin(state._replace(following=following), "move", instant)
+
     def _arrived(self, following: Following, instant: Instant) -> bool:
         """Whether a segment is over; in an opening, or held, when it rests."""
         left = following.left
@@ -440,6 +497,7 @@ class Transition(NamedTuple):
 
     holds: Callable[[Supervisor, Moment], bool]
     act: Callable[[Supervisor, Moment], ControllerState]
+    plans: bool = False  # for longer than a tick: the tips hold, where the clock runs
 
     @property
     def event(self) -> str:
@@ -459,8 +517,8 @@ class Transition(NamedTuple):
 TRANSITIONS: tuple[Transition, ...] = (
     Transition(Supervisor.astray, Supervisor.stop_astray),
     Transition(Supervisor.stalled, Supervisor.stop_stalled),
-    Transition(Supervisor.arrived_midway, Supervisor.go_on),
-    Transition(Supervisor.arrived, Supervisor.end),
+    Transition(Supervisor.arrived_midway, Supervisor.go_on, plans=True),
+    Transition(Supervisor.arrived, Supervisor.end, plans=True),
     Transition(Supervisor.lost_for_good, Supervisor.stop_lost),
     Transition(Supervisor.lost, Supervisor.touch_again),
     Transition(Supervisor.crept, Supervisor.touch_harder),

@@ -10,8 +10,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from pushpressslide.control.controller import Controller
+from pushpressslide.control.estimator import Estimator, ObjectEstimator
 from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.run_loop import RunOptions
+from pushpressslide.control.tracker import ObjectTracker
 from pushpressslide.core.bodies import goal_places
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Choice, Plan
@@ -52,7 +55,8 @@ def simulate(
     InfeasibleTaskError where nothing can do the task.
     """
     monitor = monitor or Monitor()
-    options = StageOptions(engine, seed, force, models, monitor, knock, execution)
+    loop = RunOptions(execution=execution)
+    options = StageOptions(engine, seed, force, models, monitor, knock, loop)
     runner = StageRunner(task, options)
     (run,) = runner.run()
     return run.plan, run.record, list(run.choices)
@@ -87,21 +91,29 @@ def run(
     seed: int = 0,
     progress: Callable[[float, float], None] | None = None,
     models: str = "generated",
+    controller: type[Controller] = Controller,
+    tracker: Callable[[ObjectTracker], ObjectTracker] | None = None,
+    estimator: Callable[[Task], Estimator] = ObjectEstimator,
 ) -> Record:
     """Run a plan, or select, plan and run a task, and return the record of what
     happened, measured: ``success`` and ``figures``.
 
+    ``controller`` may be a class derived from ``Controller``. ``tracker`` is given what
+    sees the object and returns what is to see it; ``estimator`` makes poses and figures
+    of the object of what is seen, for a task as it is believed.
+
     Raises TaskError for a task that a file could not say, and InfeasibleTaskError
     before anything moves where it cannot be done.
     """
+    loop = RunOptions(controller=controller, tracker=tracker, estimator=estimator)
     if isinstance(what, Plan):
-        options = RunOptions(seed, progress)
+        options = replace(loop, seed=seed, progress=progress)
         record = engine_named(engine).run(what, options, ArmOptions(models))
         return measured(record, what.task)
     task = checked(what)
     monitor = Monitor(progress)
     runner = StageRunner(
-        task, StageOptions(engine, seed, models=models, monitor=monitor)
+        task, StageOptions(engine, seed, models=models, monitor=monitor, loop=loop)
     )
     for _ in runner.run():
         pass
@@ -144,7 +156,8 @@ def run_task(
     """
     interrupt = Interrupt()
     monitor = replace(monitor or Monitor(), interrupt=interrupt)
-    options = StageOptions(engine, seed, force, models, monitor, execution=execution)
+    loop = RunOptions(execution=execution)
+    options = StageOptions(engine, seed, force, models, monitor, loop=loop)
     runner = StageRunner(task, options)
     if out is not None:
         clear(out.folder)

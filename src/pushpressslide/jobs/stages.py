@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.plant import Situation
 from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.core.arrays import Array
@@ -64,7 +63,8 @@ class StageOptions:
     models: str = "generated"  # of the robots
     monitor: Monitor = field(default_factory=Monitor)
     knock: Knock | None = None  # another body that pushes the object aside
-    execution: Execution = USUAL  # may change the laws
+    # what of the loop is another one; seed, progress and stop are those of each stage
+    loop: RunOptions = field(default_factory=RunOptions)
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,11 +220,11 @@ class StageRunner:
         with monitor.held():
             record = self.engine.run(
                 plan,
-                RunOptions(
-                    self.options.seed + number,
-                    self._progress(number),
-                    monitor.interrupt or bool,
-                    execution=self.options.execution,
+                replace(
+                    self.options.loop,
+                    seed=self.options.seed + number,
+                    progress=self._progress(number),
+                    stop=monitor.interrupt or bool,
                     begin=None if left is None else left.situation(planned.stage.body),
                 ),
                 ArmOptions(

@@ -36,5 +36,9 @@ class ModePolicy:
             loop = self._env.loop
             self._controller = loop.controller
             self._state = self._controller.init(measurement, loop.approach.held)
-        commands, _, self._state = self._controller.step(self._state, measurement)
-        return np.concatenate([self._env.scale.row(command) for command in commands])
+        step = self._controller.step(self._state, measurement)
+        self._state = step.state
+        if step.event is not None:
+            self._state = self._controller.supervisor.step(step.event)
+        rows = [self._env.scale.row(command) for command in step.commands]
+        return np.concatenate(rows)
