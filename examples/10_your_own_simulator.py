@@ -1,34 +1,31 @@
 """A simulator of your own under our controller: one box that a tip pushes on one face.
 
-The run loop asks a plant to be measured, commanded and advanced, nothing else. Here the
-box is quasi-static on an ellipsoid, and the tip has no mass: it moves as its command's
-force, spring and damper ask for, less what the box holds against it.
+A plan runs in a cell: arms that are read and obey commands, a tracker that sees the
+object, and a clock. Here the box is quasi-static on an ellipsoid, and the tip has no
+mass: it moves as its command's force, spring and damper ask for, less what the box holds
+against it.
 """
 
 import pushpressslide as pps
-from pushpressslide.control.plant import PlantRow
-from pushpressslide.core.control import Measurement, TipState
+from pushpressslide.control.cell import Applied, ArmState, Cell, TipAlone
+from pushpressslide.control.tracker import StampedPose
+from pushpressslide.core.control import TipState
 from pushpressslide.core.twist_path import moved
 from pushpressslide.mechanics.friction import push_outcome
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 from pushpressslide.mechanics.pressure import support_pressure
 from pushpressslide.mechanics.rho import rho_fit
 from pushpressslide.planning.side_contacts import before_contacts
-from pushpressslide.selection.preparation import PlansAlone
 
 GRAVITY = 9.81  # [m/s^2]
 PASSES = 12
 SOFTEST = 50.0  # [N s/m] of a command without damping
 
 
-class MyPlant:
-    """A box, and the tip at one of its faces."""
+class MyWorld:
+    """A box, and the tip at one of its faces: a clock, and what sees the object."""
 
-    name = "mine"
-    overhead = 6.0  # [s]
-    joint_paths = ()
-    arm_limits = ()
-    meta = {"time_step": 0.004}
+    simulated = True  # time rests while the controller thinks
 
     def __init__(self, plan: pps.Plan) -> None:
         task = plan.part(plan.segments[0])
@@ -42,18 +39,17 @@ class MyPlant:
         )
         self.place = (*self.X.apply(point), height)
         self.speed = self.force = self.twist = (0.0, 0.0, 0.0)
+        self.command = None
         body = task.object
         rho = rho_fit(support_pressure(body.shape, center_of_mass=body.center_of_mass))
         drag = task.support.friction * body.mass * GRAVITY
         self.surface = EllipsoidLimitSurface(drag, rho)
 
-    def measure(self) -> Measurement:
-        tip = TipState(self.place, self.speed, self.force)
-        pose = self.X.compose(self.task.object.X_GB.inverse())
-        return Measurement(self.time, pose, (tip,))
+    def read(self) -> StampedPose:
+        return StampedPose(self.time, self.X.compose(self.task.object.X_GB.inverse()))
 
-    def apply(self, commands) -> None:
-        (self.command,) = commands
+    def failure(self) -> None:
+        """Nothing goes wrong here."""
 
     def advance(self) -> None:
         dt = self.task.motion.control_period
@@ -113,25 +109,27 @@ class MyPlant:
             out.append((f + k * (d + v * dt) + b * v) / (max(b, SOFTEST) + k * dt))
         return frame.rotate(out)
 
-    def row(self) -> PlantRow:
-        return PlantRow((*self.X.rotate(self.twist[:2]), self.twist[2]), (self.force,))
 
-    def readings(self):
-        return ()
+class MyTip(TipAlone):
+    """The tip, as an arm: it is read, and obeys the last command."""
 
-    def diverged(self):
-        return None
+    def __init__(self, world: MyWorld) -> None:
+        self.world = world
 
-    def prepare(self):
-        return PlansAlone()
+    def read(self) -> ArmState:
+        world = self.world
+        return ArmState(world.time, TipState(world.place, world.speed, world.force))
 
-    def hand_over(self, placement, lasting):
-        raise NotImplementedError("this plant has one placement")
+    def send(self, command) -> Applied:
+        self.world.command = command
+        return Applied()
 
 
 task = pps.load_task("rear-push-left")
 plan = pps.plan(task)
-mine = pps.run_loop(MyPlant(plan), plan)
+world = MyWorld(plan)
+cell = Cell("mine", world, [MyTip(world)], world)
+mine = pps.run_loop(cell, plan)
 figures = pps.result(mine)
 print(mine, f"{1e3 * figures['final_position_error']:.2f} mm from the goal")
 assert figures["success"]

@@ -16,7 +16,7 @@ What a task consists of
 From a task to a result
     select, Choice, plan, Plan, run, Record, result
 The loop in your own program
-    run_loop, RunLoop, RunOptions, Plant, Controller
+    run_loop, RunLoop, RunOptions, Cell, Controller; Plant, as earlier versions had it
 Does a flat finger keep what it pushes
     push_sticks, FlatFinger
 Rooms: dir() lists their modules
@@ -36,6 +36,7 @@ from pushpressslide import moved
 
 if TYPE_CHECKING:
     from pushpressslide import allocation, batch, mechanics, modes, planar
+    from pushpressslide.control.cell import Cell
     from pushpressslide.control.controller import Controller
     from pushpressslide.control.plant import Plant
     from pushpressslide.control.run_loop import (
@@ -100,6 +101,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Box",
+    "Cell",
     "Choice",
     "Compound",
     "Controller",
@@ -160,6 +162,7 @@ _HOMES = {
     "Object": "core.scene.ObjectModel",
     "Obstacle": "core.scene.Obstacle",
     "Plan": "core.plan.Plan",
+    "Cell": "control.cell.Cell",
     "Plant": "control.plant.Plant",
     "Pose2": "core.pose.Pose2",
     "Prism": "geometry.shapes.Prism",
