@@ -35,6 +35,7 @@ from pushpressslide.core.control import (
     ControlLog,
     JointCommand,
     Measurement,
+    Thought,
     TipCommand,
     TipState,
 )
@@ -188,7 +189,7 @@ class Script:
 
     def step(self, state: Line, measurement: Measurement) -> Step:
         self.seen.append(measurement)
-        log = ControlLog("move", 0.0, Pose2())
+        log = ControlLog("move", 0.0, lambda: Thought(Pose2()))
         last = state.step + 1 == TICKS
         phase = state.phase._replace(
             name="done" if last else self.phase,

@@ -25,6 +25,7 @@ from pushpressslide.core.control import (
     Commands,
     ControlLog,
     JointCommand,
+    Thought,
     TipCommand,
     TipCommands,
     Vector3,
@@ -54,7 +55,7 @@ class Approach(ABC):
         """
         self._began = began
         self._halted: float | None = None  # [s]
-        self._log = ControlLog("approach", 0.0, start)
+        self._log = ControlLog("approach", 0.0, lambda: Thought(start))
         self.held = held
         self.arrival = began + duration  # [s] when the touch begins
 

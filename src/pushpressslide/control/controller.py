@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from time import perf_counter
 from typing import NamedTuple
 
@@ -55,6 +56,7 @@ from pushpressslide.core.control import (
     ControlLog,
     Measurement,
     Phase,
+    Thought,
     TipCommand,
     TipState,
 )
@@ -68,6 +70,7 @@ from pushpressslide.modes.base import Tracker
 from pushpressslide.planning.side_contacts import room_before
 
 Commands = tuple[TipCommand | None, ...]
+NO_TIMES = (0.0, 0.0)
 
 
 class Step(NamedTuple):
@@ -234,28 +237,31 @@ class Controller:
     ) -> ControlLog:
         """What was decided at a ``time`` [s], for the record."""
         following = state.following
-        began = following.began
+        thought = partial(self._thought, following.began, time, decision)
+        wall_times = NO_TIMES if decision is None else decision.wall_times
+        return ControlLog(state.phase.name, following.progress, thought, wall_times)
+
+    def _thought(
+        self, began: float | None, time: float, decision: Decision | None
+    ) -> Thought:
+        """What was thought at a ``time`` [s] of a motion that ``began`` [s]."""
         clock = 0.0 if began is None else time - began
         reference = self.planned.body_pose(clock).compose(self.X_BG)
         yaw = wrap_angle(reference.yaw)
         if yaw != reference.yaw:
             reference = replace(reference, yaw=yaw)
-        name = state.phase.name
         if decision is None:
-            return ControlLog(name, following.progress, reference)
+            return Thought(reference)
         guidance = decision.guidance
         wrench = guidance.wrench
         rx, ry, rt = decision.allocation.residual
         given = Wrench(wrench.fx - rx, wrench.fy - ry, wrench.tau - rt, wrench.about)
-        return ControlLog(
-            name,
-            following.progress,
+        return Thought(
             reference,
             guidance.error,
             wrench.moved_to((0.0, 0.0))[:3],
             given.moved_to((0.0, 0.0))[:3],
             guidance.steering,
-            decision.wall_times,
         )
 
     def normal_forces(

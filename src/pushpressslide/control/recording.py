@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import groupby
 from typing import Any, NamedTuple
 
@@ -33,8 +32,7 @@ FELT_FORCE = 0.3  # [N] from which a contact point can be told from the force
 NO_VECTOR = (np.nan, np.nan, np.nan)
 
 
-@dataclass(frozen=True, slots=True)
-class Tick:
+class Tick(NamedTuple):
     """One pass of the run loop: what was true, thought, commanded, and came of it."""
 
     time: float  # [s] at its start
@@ -67,7 +65,8 @@ class Recorder:
     def __init__(self, plan: Plan) -> None:
         """Start empty, with the first placement of ``plan``."""
         self._noted: list[_Noted] = []
-        self._X_BG = plan.task.X_GB.inverse()
+        self._X_GB = plan.task.X_GB
+        self._X_BG = self._X_GB.inverse()
         self._plan = plan
         self._number = 0  # of the placement that is done now, over the whole run
         self._earlier = 0  # placements that were done by other plans than this one
@@ -82,6 +81,7 @@ class Recorder:
         self._number += 1
         self._earlier = self._number - number
         self._plan = plan
+        self._X_GB = plan.task.X_GB
         self._before = len(self._followed)
 
     @property
@@ -101,7 +101,7 @@ class Recorder:
                 followed or self._plan.placements[self._placement][0],
                 self._number,
                 max(self._before, len(begun) - 1),
-                self._plan.task.X_GB,
+                self._X_GB,
             )
         )
 
@@ -193,17 +193,18 @@ def _place(noted: _Noted) -> tuple[int, Pose2]:
 
 def _log_columns(ticks: Sequence[Tick]) -> dict[str, Column]:
     logs = [tick.log for tick in ticks]
+    thoughts = [log.thought() for log in logs]
     return {
         "time": [tick.time for tick in ticks],
         "phase": [PHASES.index(log.phase) for log in logs],
         "object_pose": [_flat(tick.truth.X_WG) for tick in ticks],
         "object_twist": _twists(ticks),
-        "reference_pose": [_flat(log.reference) for log in logs],
-        "tracking_error": [log.tracking_error for log in logs],
+        "reference_pose": [_flat(one.reference) for one in thoughts],
+        "tracking_error": [one.tracking_error for one in thoughts],
         "progress": [log.progress for log in logs],
-        "steering": [log.steering for log in logs],
-        "wanted_wrench": [log.wanted_wrench for log in logs],
-        "allocated_wrench": [log.allocated_wrench for log in logs],
+        "steering": [one.steering for one in thoughts],
+        "wanted_wrench": [one.wanted_wrench for one in thoughts],
+        "allocated_wrench": [one.allocated_wrench for one in thoughts],
     }
 
 

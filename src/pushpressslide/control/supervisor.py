@@ -92,7 +92,10 @@ class Supervisor:
 
     def _row(self, moment: Moment) -> Transition:
         """The first row whose event holds."""
-        return next(row for row in TRANSITIONS if row.holds(self, moment))
+        for row in TRANSITIONS:
+            if row.holds(self, moment):
+                return row
+        raise AssertionError("the last row always holds")
 
     def _watched(self, moment: Moment) -> Moment:
         """The same, with what is watched of an object that stands still."""

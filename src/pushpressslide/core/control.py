@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from pushpressslide.core.pose import Pose2
 
@@ -90,12 +91,9 @@ TipCommands = tuple[TipCommand | None, ...]
 Commands = tuple[ArmCommand, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class ControlLog:
-    """What a controller thought at one tick, for the record."""
+class Thought(NamedTuple):
+    """What a controller thought at one tick."""
 
-    phase: Phase
-    progress: float  # [m]
     reference: Pose2  # X_WG at the same TIME
     # along [m], left [m], heading [rad]; reference minus actual
     tracking_error: Vector3 = (0.0, 0.0, 0.0)
@@ -103,4 +101,13 @@ class ControlLog:
     wanted_wrench: Vector3 = (0.0, 0.0, 0.0)
     allocated_wrench: Vector3 = (0.0, 0.0, 0.0)
     steering: float = 0.0  # [rad] force angle from the heading axis
+
+
+class ControlLog(NamedTuple):
+    """A tick of a controller, for the record."""
+
+    phase: Phase
+    progress: float  # [m]
+    # makes the rest; asked when the run is over: a tick has no time for it
+    thought: Callable[[], Thought]
     wall_times: tuple[float, float] = (0.0, 0.0)  # [s] to track, to allocate
