@@ -1,9 +1,9 @@
-"""States between motions, and the tasks that begin in them."""
+"""States between motions."""
 
 from dataclasses import replace
 
 from pushpressslide import load_task
-from pushpressslide.core.bodies import motion_task, start_state
+from pushpressslide.core.bodies import start_state
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.state import OBJECT, Held, State
@@ -42,16 +42,3 @@ def test_a_body_that_is_led_away_is_held_no_more() -> None:
     led = begin.led("b", AWAY)
     assert led == State({OBJECT: AWAY, "b": AWAY}, joints)
     assert begin.poses["b"] == Pose2()
-
-
-def test_the_task_of_a_motion_begins_in_its_state() -> None:
-    task = load_task("swap")
-    other = next(obstacle for obstacle in task.obstacles if obstacle.movable)
-    there = Pose2(0.4, -0.2, 0.1)
-    begin = start_state(task).led(other.name, AWAY).led(OBJECT, Pose2(0.5, 0.0, 0.0))
-    part = motion_task(task, begin, there)
-    assert (part.start, part.goal) == (Pose2(0.5, 0.0, 0.0), there)
-    moved = next(o for o in part.obstacles if o.name == other.name)
-    assert moved == replace(other, pose=AWAY)
-    alone = motion_task(task, State({OBJECT: AWAY}), there)
-    assert alone.obstacles == task.obstacles

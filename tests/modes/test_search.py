@@ -48,7 +48,7 @@ class Bench:
         """Search with these arms."""
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(base, "arms_refusal", self.arms)
-            return search(drafts, enough, Judge(TASK))
+            return search(drafts, enough, Judge(TASK.query))
 
 
 def test_drafts_are_made_in_the_order_of_their_least_times() -> None:
@@ -132,6 +132,6 @@ def test_patience_with_arms_that_do_not_reach_ends() -> None:
     drafts = [bench.draft(float(i), float(i)) for i in range(PATIENCE + 6)]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(base, "arms_refusal", far)
-        found = search(drafts, 1, Judge(TASK))
+        found = search(drafts, 1, Judge(TASK.query))
     assert asked == [False] * PATIENCE + [True] * 6
     assert [choice.label for choice in found if choice.feasible] == [LAST]

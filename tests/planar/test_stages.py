@@ -231,6 +231,6 @@ def test_a_body_that_is_believed_otherwise_reaches_its_goal() -> None:
     other = replace(SWAP.obstacles[0], believed_friction=0.2, believed_mass=0.6)
     _, runs = stages_of(replace(SWAP, obstacles=(other,)))
     own = next(run for run in runs if run.stage.body == "other-cube")
-    assert own.plan.task.told.support.friction == 0.2
+    assert own.plan.task.scene.support.friction == 0.2
     assert own.plan.task.support.friction == 0.3
     assert own.reached

@@ -55,8 +55,9 @@ from pushpressslide.core.control import (
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.record import Ending, Record
-from pushpressslide.core.task import Restart, Task
+from pushpressslide.core.task import Restart
 from pushpressslide.identification.findings import NOTHING
 from pushpressslide.planning.side_contacts import before_contacts
 
@@ -78,8 +79,8 @@ class RunOptions:
     disturb: Callable[[float, Commands], Commands] | None = None
     # the laws, where an experiment changes them
     execution: Execution = USUAL
-    # makes what estimates pose and figures of the object, from the task as believed
-    estimator: Callable[[Task], Estimator] = ObjectEstimator
+    # makes what estimates pose and figures of the object, from what was asked for
+    estimator: Callable[[MotionQuery], Estimator] = ObjectEstimator
     # sees the object in place of the plant's own sensor, which goes on to feel the tips
     tracker: ObjectTracker | None = None
     # that the run goes on from; None: the task's start, with the arms before the object
@@ -128,21 +129,21 @@ class RunLoop:
     ) -> None:
         """Put the first placement before ``plant``; nothing has moved yet."""
         options = options or RunOptions()
-        task = plan.part(plan.segments[0])
-        period = task.motion.control_period
+        query = plan.query
+        period = query.motion.control_period
         self.plan = plan
         self.plant = plant
         self.options = options
-        self.time_limit = task.limits.time
-        self.recoveries = task.motion.recoveries  # left
+        self.time_limit = query.limits.time
+        self.recoveries = query.motion.recoveries  # left
         self.events: list[dict[str, Any]] = []  # what was recovered from
         # plans that others took the place of, and how many placements were begun of each
         self.earlier: list[tuple[Plan, int]] = []
-        self.sensor = Sensor(task.sensing, options.seed, period)
-        self.tracked = StampedPose(plant.time, task.start)  # as last seen by a tracker
+        self.sensor = Sensor(query.sensing, options.seed, period)
+        self.tracked = StampedPose(plant.time, query.start)  # as last seen by a tracker
         goes_on = options.begin is not None
         self.guard = Guard(
-            task.limits.normal_force, period, plant.arm_limits, anew=goes_on
+            query.limits.normal_force, period, plant.arm_limits, anew=goes_on
         )
         self.joint_watches = [
             JointWatch(limits.velocity.tolist()) for limits in plant.arm_limits
@@ -157,7 +158,7 @@ class RunLoop:
         self.number = 0  # of the present placement
         self.state: ControllerState | None = None  # None before the touch
         before = plant.measure() if goes_on else None
-        self._begin((None,) * len(task.robots), plant.time, before)
+        self._begin((None,) * len(query.scene.robots), plant.time, before)
 
     def run(self) -> Record:
         """Step to the end and return the record."""
@@ -305,16 +306,16 @@ class RunLoop:
     ) -> None:
         """Begin the present placement at ``time`` [s], with the tips as measured."""
         placement = self.placements[self.number]
-        task = placement.task
+        query = placement.query
         paths = self.plant.joint_paths
-        gap = before_contacts(task, placement.contacts)
+        gap = before_contacts(query.scene, query.motion, placement.contacts)
         back = min((path.room for path in paths), default=math.inf)
         if paths:  # what the approach really leaves
-            self.approach: Approach = JointApproach(task.start, paths, held, time)
+            self.approach: Approach = JointApproach(query.start, paths, held, time)
             gap = min(gap, *(path.gap for path in paths))
         else:
             travel = tip_paths(placement, held, measurement)
-            self.approach = TipApproach(task.start, travel, held, time)
+            self.approach = TipApproach(query.start, travel, held, time)
         self.controller = Controller(
             self.plan,
             self.number,
@@ -358,7 +359,7 @@ class RunLoop:
         try:
             begin = self._restart(pose)
             held = self._hold(tick.truth)
-            plan = planned_anew(self.plan.task, begin, self.plant.prepare)
+            plan = planned_anew(self.plan, begin, self.plant.prepare)
             self._check_in_time(plan)
         except InfeasibleTaskError as error:
             self._note(time, why, str(error))
@@ -378,7 +379,7 @@ class RunLoop:
 
         Raises InfeasibleTaskError where the arms cannot let go of it.
         """
-        task = self.plan.task
+        scene = self.plan.task.scene
         segment = self.controller.segments[0]
         found = NOTHING
         if self.state is not None:
@@ -386,9 +387,9 @@ class RunLoop:
             found = findings(self.state)
         elif any(self.approach.held):
             raise InfeasibleTaskError("one arm still holds the object")
-        if not task.scene.carried(pose):
+        if not scene.carried(pose):
             raise InfeasibleTaskError("nothing but the arms carries the object")
-        return restart(task, segment, pose, found)
+        return restart(scene, segment, pose, found)
 
     def _hold(self, truth: Measurement) -> Commands:
         """Command all arms, or tips without arms, to stay where they are; return the
@@ -514,24 +515,23 @@ def tip_paths(
     contact, or to its robot's base, where a tip waits that has none. None for one that
     holds its contact, and at the start of a run.
     """
-    task = placement.task
-    paths: list[TipPath | None] = [None] * len(task.robots)
+    query = placement.query
+    scene = query.scene
+    paths: list[TipPath | None] = [None] * len(scene.robots)
     if measurement is None:
         return paths
-    X_WB = task.start.compose(task.X_GB)
-    gap = before_contacts(task, placement.contacts)
+    X_WB = query.start.compose(query.X_GB)
+    gap = before_contacts(query.scene, query.motion, placement.contacts)
     ends = {
         contact.arm: tip_position(
-            contact, X_WB, task.robots[contact.arm].tip_radius, gap
+            contact, X_WB, scene.robots[contact.arm].tip_radius, gap
         )
         for contact in placement.contacts
     }
-    for arm, (robot, base) in enumerate(
-        zip(task.robots, task.scene.bases, strict=True)
-    ):
+    for arm, (robot, base) in enumerate(zip(scene.robots, scene.bases, strict=True)):
         begin = measurement.tips[arm].position
         waits = arm not in ends and math.dist(begin, base) < AT_BASE
         if held[arm] is None and not waits:
-            above = task.object.shape.height + robot.tip_radius + gap
+            above = scene.body.shape.height + robot.tip_radius + gap
             paths[arm] = tip_path(begin, ends.get(arm, base), above)
     return paths

@@ -9,16 +9,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from pushpressslide.core.motion import ON_THE_WAY
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.state import OBJECT as OBJECT
 from pushpressslide.core.state import State
-from pushpressslide.core.task import (
-    ON_THE_WAY,
-    ObjectModel,
-    Obstacle,
-    Shape,
-    Task,
-)
+from pushpressslide.core.task import ObjectModel, Obstacle, Shape, Task
 
 SET_DOWN = "task-object"
 """Name of the task's object as an obstacle, while another body is the one to be moved:
@@ -39,14 +34,6 @@ def start_state(task: Task) -> State:
     """Return the state in which the task begins, with the object at its planned start."""
     others = {o.name: o.pose for o in task.obstacles if o.movable}
     return State({OBJECT: task.start, **others})
-
-
-def motion_task(task: Task, begin: State, goal: Pose2) -> Task:
-    """Return the ordinary task of one motion of the object from a state to ``goal``,
-    X_WG; what the arms hold there is not part of it.
-    """
-    obstacles = tuple(_at(obstacle, begin) for obstacle in task.obstacles)
-    return replace(task, start=begin.object, goal=goal, obstacles=obstacles)
 
 
 def body_shape(task: Task, body: str) -> Shape:

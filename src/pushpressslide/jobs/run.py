@@ -26,7 +26,6 @@ from pushpressslide.jobs.monitor import interrupted
 from pushpressslide.jobs.stages import Done, StageOptions, StageRunner
 from pushpressslide.report.files import OLDER_STAGES, save_run
 from pushpressslide.report.stages import StageRun
-from pushpressslide.selection.planner import plan_of
 from pushpressslide.selection.select import MANY, select
 from pushpressslide.selection.solve import joined
 
@@ -72,9 +71,9 @@ def run_choice(
     """
     chosen = engine_named(engine)
     preparation = chosen.preparation(True)
-    for placement in plan_of(task, [choice]).by_placement:
+    for placement in Plan(task).of_choices([choice]).by_placement:
         preparation.add(placement)
-    plan = joined(preparation, task)
+    plan = joined(preparation, Plan(task))
     options = ArmOptions(paths=preparation.paths)
     record = chosen.run(plan, RunOptions(seed), options)
     return record.plan, record

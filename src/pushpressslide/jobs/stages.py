@@ -26,11 +26,12 @@ from pushpressslide.core.bodies import (
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.knock import Knock
+from pushpressslide.core.motion import Sensing, Tolerance
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
 from pushpressslide.core.state import Joints, State
-from pushpressslide.core.task import Belief, Obstacle, Sensing, Task, Tolerance
+from pushpressslide.core.task import Belief, Obstacle, Task
 from pushpressslide.jobs.engines import ArmOptions, engine_named
 from pushpressslide.jobs.monitor import Monitor
 from pushpressslide.modes.base import ENOUGH

@@ -32,15 +32,16 @@ class PlanarPlant:
         """Put the object at its true start, and the tips before their contacts or where
         they are as the run begins.
         """
-        task = plan.part(plan.segments[0])
+        task = plan.task
+        query = plan.query
         self.time = 0.0  # [s]
         self.overhead = TOUCH_AND_RELEASE * len(plan.placements)
-        self._period = task.motion.control_period
+        self._period = query.motion.control_period
         self._task = task
         self._X_BG = task.object.X_GB.inverse()
         self._world = World(task, plan.contacts, self._period)
-        gap = before_contacts(task, plan.contacts)
-        self._now = self._world.start(task.true_start, task.start, gap)
+        gap = before_contacts(query.scene, query.motion, plan.contacts)
+        self._now = self._world.start(plan.true_start, query.start, gap)
         if begin is not None:
             self._now = self._now._replace(tips=tuple(map(resting, begin.tips)))
         self._before = self._now  # one tick ago

@@ -5,7 +5,7 @@ weighed, and plan.png.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields, is_dataclass, replace
+from dataclasses import asdict, fields, is_dataclass
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints
@@ -44,8 +44,8 @@ def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
     """
     restart = plan.restart
     out: dict[str, Any] = {
-        "searched": plan.task.searched,
-        "pushes": plan.task.pushes,
+        "searched": plan.searched,
+        "pushes": plan.may_push,
         "segments": [_segment_to_dict(segment) for segment in plan.segments],
         "restart": None if restart is None else asdict(restart),
         "later": [plan_to_dict(later) for later in plan.later],
@@ -60,21 +60,30 @@ def plan_from_dict(data: Mapping[str, Any], task: Task) -> Plan:
 
     Raises KeyError, TypeError or ValueError on other data.
     """
+    return _plan_from(data, Plan(task))
+
+
+def _plan_from(data: Mapping[str, Any], before: Plan) -> Plan:
+    """Return the plan of ``plan_to_dict`` that goes on with the task of another one."""
     if not data["segments"]:
         raise ValueError("a plan without segments")
+    task = before.task
+    searched = before.searched
     restart = None
     if data["restart"] is not None:
         restart = _of_type(Restart, data["restart"])
         task = task.resumed(restart)
-    found = {
-        name: data.get(name, getattr(task, name)) for name in ("searched", "pushes")
-    }
-    task = replace(task, **found)
-    segments = tuple(_segment_from_dict(entry) for entry in data["segments"])
-    plan = Plan(task, segments, restart)
+        searched = searched or restart.legs is not None
+    plan = Plan(
+        task,
+        tuple(_segment_from_dict(entry) for entry in data["segments"]),
+        restart,
+        data.get("searched", searched),
+        data.get("pushes", before.may_push),
+    )
+    later = plan
     for entry in data["later"]:
-        later = plan_from_dict(entry, task)
-        task = later.task
+        later = _plan_from(entry, later)
         plan = plan.followed(later)
     return plan
 

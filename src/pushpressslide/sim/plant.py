@@ -58,12 +58,13 @@ class DrakePlant:
         that takes over where the solver of ``station`` does not converge;
         ``joint_stiffness`` [N m/rad] is as of ``control.execution.Execution``.
         """
-        task = plan.part(plan.segments[0])
+        task = plan.task
+        query = plan.query
         plant = station.plant
-        self._ends = (task.start, plan.task.goal)
+        self._ends = (query.start, task.goal)
         self._edged = task.support.region is not None
         self._frame = task.support.frame
-        self._period = task.motion.control_period
+        self._period = query.motion.control_period
         self._station = station
         self._spare = spare
         self._paths = paths

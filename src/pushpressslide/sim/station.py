@@ -69,7 +69,7 @@ class Station:
         self.plant_context = self.plant.GetMyMutableContextFromRoot(self.context)
         task = plan.task
         X_WG = rigid_transform(
-            task.true_start, rest_height(task.object), task.support.frame
+            plan.true_start, rest_height(task.object), task.support.frame
         )
         self.plant.SetFreeBodyPose(self.plant_context, self.scene.object, X_WG)
         arms = range(len(self.scene.robots))
