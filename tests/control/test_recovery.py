@@ -8,12 +8,13 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.control import recovery as module
+from pushpressslide.core.bodies import start_state
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.task import Restart
 
 TASK = pps.load_task("press-slide")
-BEGIN = Restart(0, TASK.start, TASK.object.center_of_mass, 1.2, None)
+BEGIN = Restart(start_state(TASK), 0, TASK.object.center_of_mass, 1.2, None)
 
 
 def test_a_friction_that_leads_nowhere_is_given_up_for_the_believed_one(

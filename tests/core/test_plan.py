@@ -17,6 +17,7 @@ from pushpressslide.core.plan import (
 )
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import SKIPPED, Refusal
+from pushpressslide.core.state import OBJECT, WorldState
 from pushpressslide.core.task import Restart
 
 TASK = load_task("press-fit")  # four legs
@@ -54,7 +55,9 @@ PLAN = Plan(
         made(LEFT, RIGHT, leg=3),
     ),
 )
-RESTART = Restart(2, Pose2(0.3, 0.2, 0.1), (0.01, 0.0), 0.25, None)
+RESTART = Restart(
+    WorldState({OBJECT: Pose2(0.3, 0.2, 0.1)}), 2, (0.01, 0.0), 0.25, None
+)
 
 
 def test_contacts_are_the_same_places_whatever_their_loads() -> None:
@@ -113,7 +116,7 @@ def test_what_is_planned_anew_again_and_again_stands_in_one_row() -> None:
 def test_a_task_goes_on_from_where_it_was_left() -> None:
     rest = PLAN.task.resumed(RESTART)
     query = rest.queries()[RESTART.leg]
-    assert query.start == RESTART.pose
+    assert query.start == RESTART.state.object
     assert rest.goal == PLAN.task.goal
     assert query.goal == PLAN.queries[RESTART.leg].goal
 

@@ -6,7 +6,7 @@ from pushpressslide import load_task
 from pushpressslide.core.bodies import start_state
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.state import OBJECT, Held, State
+from pushpressslide.core.state import OBJECT, Held, WorldState
 
 CONTACT = Contact(0, "top", (0.01, 0.0), (0.0, 0.0), 0.1, load=7.0)
 AWAY = Pose2(0.6, 0.2, 0.3)
@@ -30,15 +30,17 @@ def test_what_is_held_is_the_same_however_hard_it_is_pressed() -> None:
 
 def test_states_that_are_the_same_are_found_again() -> None:
     held = Held.by("press_slide", (CONTACT,))
-    known = {State({OBJECT: AWAY}, ((0.1, 0.2),), held)}
-    assert State({OBJECT: Pose2(0.6, 0.2, 0.3)}, ((0.1, 0.2),), held) in known
-    assert State({OBJECT: AWAY}, ((0.1, 0.2),)) not in known
-    assert State({OBJECT: AWAY}, ((0.1, 0.3),), held) not in known
+    known = {WorldState({OBJECT: AWAY}, ((0.1, 0.2),), held)}
+    assert WorldState({OBJECT: Pose2(0.6, 0.2, 0.3)}, ((0.1, 0.2),), held) in known
+    assert WorldState({OBJECT: AWAY}, ((0.1, 0.2),)) not in known
+    assert WorldState({OBJECT: AWAY}, ((0.1, 0.3),), held) not in known
 
 
 def test_a_body_that_is_led_away_is_held_no_more() -> None:
     joints = ((0.1, 0.2),)
-    begin = State({OBJECT: AWAY, "b": Pose2()}, joints, Held("press_slide", (CONTACT,)))
+    begin = WorldState(
+        {OBJECT: AWAY, "b": Pose2()}, joints, Held("press_slide", (CONTACT,))
+    )
     led = begin.led("b", AWAY)
-    assert led == State({OBJECT: AWAY, "b": AWAY}, joints)
+    assert led == WorldState({OBJECT: AWAY, "b": AWAY}, joints)
     assert begin.poses["b"] == Pose2()

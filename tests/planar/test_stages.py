@@ -116,7 +116,7 @@ def test_the_record_of_a_stage_is_cut_out_of_that_of_the_run(
     _, runs = stages_of(SWAP)
     for cut, run in zip(load_run(folder).begun, runs, strict=True):
         assert cut.plan == run.plan
-        assert cut.state == run.state
+        assert cut.state.poses == run.state.poses
         assert cut.record.reason == run.record.reason
         assert set(cut.record.arrays) == set(run.record.arrays)
         for name, values in run.record.arrays.items():

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 import pushpressslide as pps
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.state import OBJECT, WorldState
 from pushpressslide.core.task import Leg, Motion, Restart, Task
 from pushpressslide.report.json_text import to_json
 from pushpressslide.report.plan_files import plan_from_dict, plan_to_dict
@@ -39,8 +40,8 @@ legs = st.lists(
 ).map(tuple)
 restarts = st.builds(
     Restart,
+    state=anywhere.map(lambda X: WorldState({OBJECT: X})),
     leg=st.just(0),
-    pose=anywhere,
     center_of_mass=points,
     support_friction=st.floats(1e-3, 5.0),
     rho=st.none() | st.floats(1e-3, 20.0),

@@ -12,6 +12,7 @@ from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.footprint import gaps
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.state import OBJECT, WorldState
 from pushpressslide.core.task import Box, Restart, Task
 from pushpressslide.planning.swept import swept
 from pushpressslide.report.plan_files import plan_from_dict, plan_to_dict
@@ -129,9 +130,9 @@ def test_after_a_recovery_the_rest_is_searched_for_anew(
 ) -> None:
     here = Pose2(0.50, 0.15, -0.5)
     scene = task.scene
-    begin = Restart(
-        0, here, scene.body.center_of_mass, scene.support.friction, None, legs=()
-    )
+    center = scene.body.center_of_mass
+    state = WorldState({OBJECT: here})
+    begin = Restart(state, 0, center, scene.support.friction, None, legs=())
     rest = found.task.resumed(begin)
     assert rest.legs == ()
     again = solved(PlansAlone(), Plan(rest, restart=begin, searched=True), 1).plan

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from pushpressslide.control.limits import ArmLimits, ArmReading
-from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Commands, Measurement, Vector3
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.selection.preparation import Preparation
@@ -31,23 +30,11 @@ class PlantRow:
     extras: Callable[[], Mapping[str, Any]] = dict
 
 
-@dataclass(frozen=True, slots=True)
-class Situation:
-    """Where a run begins that goes on from the end of another one."""
-
-    # (7,) quaternion (w, x, y, z) and position [m] in Drake's world of every body that
-    # can move, by its name in the task, "object" among them; empty without Drake
-    bodies: Mapping[str, Array]
-    joints: tuple[Array, ...]  # (n,) [rad] of each arm; empty where there are none
-    speeds: tuple[Array, ...]  # (n,) [rad/s] of them
-    tips: tuple[Vector3, ...]  # [m] centre of each tip
-
-
 class Plant(Protocol):
     """An object on its support with the arms at it.
 
     A plant starts at time 0 with the object at its true start and the arms where the
-    approach to the first placement begins, or all as a situation has it. Its period is ``motion.control_period``.
+    approach to the first placement begins, or all as a state has it. Its period is ``motion.control_period``.
     """
 
     name: str  # of the engine, as in a record

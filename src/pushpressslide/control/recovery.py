@@ -12,6 +12,7 @@ from pushpressslide.core.plan import Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import ReasonCode
 from pushpressslide.core.scene import Scene
+from pushpressslide.core.state import OBJECT, WorldState
 from pushpressslide.core.task import Restart, Task
 from pushpressslide.identification.findings import Findings, dragged_friction
 from pushpressslide.modes.base import ENOUGH
@@ -42,7 +43,8 @@ def restart(scene: Scene, segment: Segment, pose: Pose2, findings: Findings) -> 
     rho = scene.rho
     if rho is not None and findings.rho is not None:
         rho = findings.rho
-    return Restart(segment.leg, pose, (x + dx, y + dy), friction, rho)
+    state = WorldState({OBJECT: pose})
+    return Restart(state, segment.leg, (x + dx, y + dy), friction, rho)
 
 
 def planned_anew(

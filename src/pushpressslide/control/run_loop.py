@@ -34,7 +34,7 @@ from pushpressslide.control.estimator import (
 )
 from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.limits import ArmReading, Guard
-from pushpressslide.control.plant import Plant, Situation
+from pushpressslide.control.plant import Plant
 from pushpressslide.control.recording import Recorder, Tick
 from pushpressslide.control.recovery import RECOVERABLE, planned_anew, restart
 from pushpressslide.control.sensing import Sensor
@@ -57,6 +57,7 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.record import Ending, Record
+from pushpressslide.core.state import WorldState
 from pushpressslide.core.task import Restart
 from pushpressslide.identification.findings import NOTHING
 from pushpressslide.planning.side_contacts import before_contacts
@@ -84,7 +85,7 @@ class RunOptions:
     # sees the object in place of the plant's own sensor, which goes on to feel the tips
     tracker: ObjectTracker | None = None
     # that the run goes on from; None: the task's start, with the arms before the object
-    begin: Situation | None = None
+    begin: WorldState | None = None
 
 
 def run_loop(

@@ -32,6 +32,7 @@ from pushpressslide.core.scene import Robot as Robot
 from pushpressslide.core.scene import Scene as Scene
 from pushpressslide.core.scene import Support as Support
 from pushpressslide.core.scene import assumption as assumption
+from pushpressslide.core.state import WorldState
 from pushpressslide.geometry.shapes import Box as Box
 from pushpressslide.geometry.shapes import Compound as Compound
 from pushpressslide.geometry.shapes import Cylinder as Cylinder
@@ -76,8 +77,8 @@ class BodyGoal:
 class Restart:
     """Where a task goes on after a recovery, and what is believed by then."""
 
+    state: WorldState  # as seen
     leg: int  # of the task, that is not done
-    pose: Pose2  # X_WG as seen
     center_of_mass: Point  # [m] in G
     support_friction: float
     rho: float | None  # [m]; None: that of the base's pressure
@@ -287,11 +288,13 @@ class Task:
             task = replace(task, motion=self.motion.freed, legs=tuple(legs))
         if restart.legs is not None:
             found = restart.legs
-            return replace(task, start=restart.pose, legs=found)
+            return replace(task, start=restart.state.object, legs=found)
         if restart.leg == 0:
-            return replace(task, start=restart.pose)
+            return replace(task, start=restart.state.object)
         begun = list(task.legs)
-        begun[restart.leg - 1] = replace(begun[restart.leg - 1], goal=restart.pose)
+        begun[restart.leg - 1] = replace(
+            begun[restart.leg - 1], goal=restart.state.object
+        )
         return replace(task, legs=tuple(begun))
 
     @property

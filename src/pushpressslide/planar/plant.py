@@ -10,9 +10,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from pushpressslide.control.limits import ArmLimits, ArmReading
-from pushpressslide.control.plant import PlantRow, Situation
+from pushpressslide.control.plant import PlantRow
 from pushpressslide.core.control import Commands, Measurement, TipCommand
 from pushpressslide.core.plan import JointPath, Plan
+from pushpressslide.core.state import WorldState
 from pushpressslide.planar.world import World, resting
 from pushpressslide.planning.side_contacts import before_contacts
 from pushpressslide.selection.preparation import PlansAlone, Preparation
@@ -28,7 +29,7 @@ class PlanarPlant:
     joint_paths: tuple[JointPath, ...] = ()
     arm_limits: tuple[ArmLimits, ...] = ()
 
-    def __init__(self, plan: Plan, begin: Situation | None = None) -> None:
+    def __init__(self, plan: Plan, begin: WorldState | None = None) -> None:
         """Put the object at its true start, and the tips before their contacts or where
         they are as the run begins.
         """

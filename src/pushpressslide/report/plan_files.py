@@ -16,6 +16,7 @@ from pushpressslide.core.path import ArcPath, SpeedProfile
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal
+from pushpressslide.core.state import OBJECT, WorldState
 from pushpressslide.core.task import Restart, Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.whole_file import write_whole
@@ -47,7 +48,7 @@ def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
         "searched": plan.searched,
         "pushes": plan.may_push,
         "segments": [_segment_to_dict(segment) for segment in plan.segments],
-        "restart": None if restart is None else asdict(restart),
+        "restart": None if restart is None else _restart_to_dict(restart),
         "later": [plan_to_dict(later) for later in plan.later],
     }
     if choices:
@@ -71,7 +72,7 @@ def _plan_from(data: Mapping[str, Any], before: Plan) -> Plan:
     searched = before.searched
     restart = None
     if data["restart"] is not None:
-        restart = _of_type(Restart, data["restart"])
+        restart = _restart_from_dict(data["restart"])
         task = task.resumed(restart)
         searched = searched or restart.legs is not None
     plan = Plan(
@@ -86,6 +87,21 @@ def _plan_from(data: Mapping[str, Any], before: Plan) -> Plan:
         later = _plan_from(entry, later)
         plan = plan.followed(later)
     return plan
+
+
+def _restart_to_dict(restart: Restart) -> dict[str, Any]:
+    """Return a restart as plain data: of its state the object's pose."""
+    data = asdict(restart)
+    del data["state"]
+    return {"leg": data.pop("leg"), "pose": asdict(restart.state.object), **data}
+
+
+def _restart_from_dict(data: Mapping[str, Any]) -> Restart:
+    """Return the restart of ``_restart_to_dict``."""
+    hints = get_type_hints(Restart)
+    del hints["state"]
+    values = {name: _of_type(kind, data[name]) for name, kind in hints.items()}
+    return Restart(WorldState({OBJECT: _of_type(Pose2, data["pose"])}), **values)
 
 
 def stage_from_dict(data: Mapping[str, Any], task: Task) -> StagePlan:

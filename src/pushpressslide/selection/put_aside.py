@@ -19,7 +19,7 @@ from pushpressslide.core.motion import Limits
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.state import State
+from pushpressslide.core.state import WorldState
 from pushpressslide.core.task import Task
 from pushpressslide.selection.waypoints import free_space, reached
 
@@ -41,7 +41,7 @@ class Moment:
     """The state between two stages, and where the bodies have still to go."""
 
     task: Task
-    state: State
+    state: WorldState
     goals: Goals
 
     def outline(self, body: str) -> Polygon:

@@ -25,7 +25,7 @@ from pushpressslide.core.bodies import (
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.motion import Limits, Tolerance
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.state import State
+from pushpressslide.core.state import WorldState
 from pushpressslide.core.task import Task
 from pushpressslide.planning.free_way import moved
 from pushpressslide.selection.preparation import PlansAlone, Preparation
@@ -82,7 +82,7 @@ def plan_stages(
 def plan_stage(
     task: Task,
     stage: Stage,
-    begin: State,
+    begin: WorldState,
     preparation: Preparation,
     enough: int,
     *,
@@ -104,7 +104,7 @@ def goals_of(task: Task) -> dict[str, tuple[Pose2, ...]]:
     return out
 
 
-def after(state: State, stage: Stage) -> State:
+def after(state: WorldState, stage: Stage) -> WorldState:
     """Return the state after a stage that went as planned."""
     return state.led(stage.body, stage.goal)
 
@@ -256,7 +256,7 @@ class _OrderSearch:
     def _plan(
         self,
         key: tuple[Stage, ...],
-        begin: State,
+        begin: WorldState,
         preparation: Preparation,
         thorough: bool,
     ) -> None:

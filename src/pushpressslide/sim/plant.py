@@ -22,9 +22,10 @@ from pushpressslide.arms.paths.placements import PlacementPaths
 from pushpressslide.arms.torque_arm import ArmRow, TorqueArm
 from pushpressslide.control.approach import SETTLE
 from pushpressslide.control.limits import ArmLimits, ArmReading
-from pushpressslide.control.plant import PlantRow, Situation
+from pushpressslide.control.plant import PlantRow
 from pushpressslide.core.control import Commands, Measurement, TipState
 from pushpressslide.core.plan import JointPath, Plan
+from pushpressslide.core.state import WorldState
 from pushpressslide.core.task import Task
 from pushpressslide.sim.arm_library import DRAKE
 from pushpressslide.sim.arm_model import DrakeArmModel
@@ -47,7 +48,7 @@ class DrakePlant:
         station: Station,
         paths: Sequence[tuple[ArmPath, ...]],
         models: str,
-        begin: Situation | None = None,
+        begin: WorldState | None = None,
         spare: Callable[[], Station] | None = None,
         joint_stiffness: float = 0.0,
     ) -> None:
@@ -80,7 +81,7 @@ class DrakePlant:
         self._joints = [_joints_of(plant, instance) for instance in self._instances]
         self._follow(task, paths[0], begin)
         if begin is not None:
-            station.put(begin.bodies)
+            station.put(begin.spatial)
         moved = station.scene.object
         self._body = moved.floating_positions_start()
         velocity = moved.floating_velocities_start_in_v()
@@ -98,7 +99,7 @@ class DrakePlant:
         station.simulator.Initialize()
 
     def _follow(
-        self, task: Task, taken: tuple[ArmPath, ...], begin: Situation | None
+        self, task: Task, taken: tuple[ArmPath, ...], begin: WorldState | None
     ) -> None:
         """Put the arms where their joint paths begin; arms that are elsewhere are led
         there first.
@@ -106,7 +107,7 @@ class DrakePlant:
         paths = [path for path, _ in taken]
         if begin is not None:
             facts = [arm.model.facts for arm in self._arms]
-            paths = led_in(paths, facts, begin.joints)
+            paths = led_in(paths, facts, [np.array(q) for q in begin.joints])
         plant = self._station.plant
         context = self._station.plant_context
         for i, (path, (_, attitude)) in enumerate(zip(paths, taken, strict=True)):
@@ -114,7 +115,7 @@ class DrakePlant:
             plant.SetPositions(context, self._instances[i], path.approach[0])
         if begin is not None:
             for instance, speed in zip(self._instances, begin.speeds, strict=True):
-                plant.SetVelocities(context, instance, speed)
+                plant.SetVelocities(context, instance, np.array(speed))
 
     def _run_facts(self, models: str) -> dict[str, Any]:
         every = [path for placement in self._paths for path, _ in placement]

@@ -107,7 +107,7 @@ class Station:
             port = self.diagram.GetInputPort(NAME)
             knocker.step(port, self.context, x, pose, time)
 
-    def put(self, bodies: Mapping[str, Array]) -> None:
+    def put(self, bodies: Mapping[str, tuple[float, ...]]) -> None:
         """Put bodies, "object" or movable obstacles by name, where they are: quaternion
         (w, x, y, z) and position [m] (7,) each.
         """
