@@ -54,11 +54,7 @@ def bind(scene: Scene, segment: Segment, tracker: Tracker) -> Binding:
     )
     allocate = mode.allocator_of(segment, scene.contact_friction)
     return Binding(
-        segment,
-        tracker,
-        allocate,
-        tip_points,
-        sides_of(scene.body, contacts),
+        segment, tracker, allocate, tip_points, sides_of(scene.body, contacts)
     )
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from pushpressslide.core.motion import Limits, Motion, Sensing, Tolerance, ToolUse
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.scene import Obstacle, Scene
+from pushpressslide.core.scene import ObjectModel, Obstacle, Scene
 
 Ends = tuple[Pose2, Pose2]
 """Poses of an object at the start and at the goal of a way."""
@@ -32,6 +32,11 @@ class MotionQuery:
     # whether it is one of many, that are asked to find a sequence of motions
     searched: bool = False
     may_push: bool = False  # what may move
+
+    @property
+    def body(self) -> ObjectModel:
+        """The object that is to be moved."""
+        return self.scene.body
 
     @property
     def X_GB(self) -> Pose2:

@@ -15,12 +15,7 @@ import numpy as np
 
 from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.run_loop import RunOptions
-from pushpressslide.core.bodies import (
-    OBJECT,
-    SET_DOWN,
-    in_stage,
-    start_state,
-)
+from pushpressslide.core.bodies import OBJECT, SET_DOWN, in_stage, start_state
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.motion import Sensing, Tolerance

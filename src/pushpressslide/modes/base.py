@@ -26,7 +26,7 @@ from pushpressslide.core import margins
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.drive import Drive
 from pushpressslide.core.guidance import Guidance
-from pushpressslide.core.motion import Motion, Vehicle
+from pushpressslide.core.motion import Limits, Motion, Vehicle
 from pushpressslide.core.plan import ENOUGH as ENOUGH
 from pushpressslide.core.plan import (
     Choice,
@@ -38,6 +38,7 @@ from pushpressslide.core.plan import (
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import NOT_EVALUATED, Refusal
+from pushpressslide.core.scene import Scene
 from pushpressslide.identification.center import CenterIdentifier
 from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import AxleIdentifier
@@ -150,19 +151,13 @@ class Mode(ABC, Generic[D]):
         """
         return search(self.drafts(query), enough, judge or Judge(query))
 
-    def connect(
-        self,
-        query: MotionQuery,
-        X_from: Pose2,
-        X_to: Pose2,
-        contacts: Sequence[Contact],
-    ) -> Choice:
-        """Return the quickest motion of the object of ``query`` from one pose X_WG to
-        another with ``contacts`` as they are, or that choice with the reason against it.
+    def connect(self, query: MotionQuery, contacts: Sequence[Contact]) -> Choice:
+        """Return the quickest motion that ``query`` asks for with ``contacts`` as they
+        are, or that choice with the reason against it.
 
         The arms' reach, and what may be in the way, are left aside.
         """
-        part = replace(query.between(X_from, X_to), modes=(self.name,))
+        part = replace(query, modes=(self.name,))
         held = tuple(contacts)
         found = self.choices(part, 1, Judge(part, held=held, arms=False))
         if not found:
@@ -181,7 +176,7 @@ class Mode(ABC, Generic[D]):
         """
         ends = (query.start, query.goal)
         center = query.X_GB.position
-        return straight_time(*ends, center, query.scene.body.radius, query.motion)
+        return straight_time(*ends, center, query.body.radius, query.motion)
 
     def drafts(self, query: MotionQuery) -> Sequence[Draft | Choice]:
         """Return a draft for each placement of the contacts, or a choice with what
@@ -393,7 +388,7 @@ class Judge:
         if searched and not all(map(self.reach_ends, choice.contacts)):
             return UNKNOWN
         quick = searched or self.unreached >= PATIENCE
-        refusal = arms_refusal(self.query, choice, quick)
+        refusal = arms_refusal(self.query.scene, self.query.limits, choice, quick)
         self.unreached += refusal is not None and refusal.code == "reach"
         return refusal
 
@@ -409,11 +404,13 @@ class Judge:
         return self._at_ends[place]
 
 
-def arms_refusal(query: MotionQuery, choice: Choice, quick: bool) -> Refusal | None:
+def arms_refusal(
+    scene: Scene, limits: Limits, choice: Choice, quick: bool
+) -> Refusal | None:
     """Return what stands against the path of a choice: time, workspace, reach of the
     tips, ``quick`` by the tables alone; None if nothing.
     """
-    limit = query.limits.time
+    limit = limits.time
     if not choice.segments:
         return Refusal("no_path", "no path")
     if choice.time is not None and choice.time > limit:
@@ -423,13 +420,13 @@ def arms_refusal(query: MotionQuery, choice: Choice, quick: bool) -> Refusal | N
     for piece in choice.segments:
         along = poses_along(piece)
         poses += along
-        refusal = workspace_refusal(query.scene.body, query.limits, along)
+        refusal = workspace_refusal(scene.body, limits, along)
         if refusal is not None:
             return refusal
     contacts = choice.segments[0].contacts
     alone = [contact.kind for contact in contacts] == ["top"]
     for contact in contacts:
-        refusal = contact_refusal(query.scene, contact, poses, alone=alone, quick=quick)
+        refusal = contact_refusal(scene, contact, poses, alone=alone, quick=quick)
         if refusal is not None:
             return refusal
     return None

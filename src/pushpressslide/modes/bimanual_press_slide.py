@@ -134,7 +134,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
         left, right = (contact.load for contact in contacts)
         refusal = placed.refusal
         if refusal is None:
-            cause = f"drag at {query.scene.body.shape.height:.3f} m tips the object"
+            cause = f"drag at {query.body.shape.height:.3f} m tips the object"
             refusal = tipping_refusal(cause, drag.tipping_margin)
         allowed = scene.friction_uses[-1]
         if refusal is None and utilisation > allowed:
@@ -195,7 +195,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
     ) -> Course | None:
         """Return the course by one twist from the object's true pose and contacts."""
         planned = self.drive_of(segment)
-        ends = ends_onward(query.scene.body, segment, measured.X_WB, planned.X_BV)
+        ends = ends_onward(query.body, segment, measured.X_WB, planned.X_BV)
         path = path_onward(ends, planned.radius, measured.longest)
         if path is None:
             return None

@@ -119,7 +119,7 @@ class OrthogonalPush(TwistPushes):
         placements = within_reach(query, placements)
         if not placements:
             return [none.refused(UNKNOWN)]
-        cone_goal = ConeGoal.of_query(query)
+        cone_goal = ConeGoal.between(query.body_ends, query.body.radius)
         try:
             surface = push_surface(scene, height, Twist(*cone_goal.direct))
         except ValueError as error:

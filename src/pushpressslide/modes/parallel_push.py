@@ -173,7 +173,7 @@ class ParallelPush(TwistPushes):
 
     def _by_twists(self, query: MotionQuery, choice: Choice) -> Choice:
         """Return the choice to drive twists of the contacts' cone."""
-        cone_goal = ConeGoal.of_query(query)
+        cone_goal = ConeGoal.between(query.body_ends, query.body.radius)
         height = choice.contacts[0].height
         surface = push_surface(query.scene, height, Twist(*cone_goal.direct))
         cone = TwistCone(choice.contacts, query.scene.least_contact_friction, surface)
@@ -238,7 +238,7 @@ class ParallelPush(TwistPushes):
         drive = segment.drive
         if not isinstance(drive, CarDrive):
             return super().course(query, segment, measured)
-        ends = ends_onward(query.scene.body, segment, measured.X_WB, drive.X_BV)
+        ends = ends_onward(query.body, segment, measured.X_WB, drive.X_BV)
         straight = run_ins(query.motion)
         path = gentle_path(
             ends, drive.curvature, measured.longest, straight, segment.arcs.turning
@@ -255,7 +255,7 @@ def _least_time(query: MotionQuery, face: Face) -> float:
     """Return the least time [s] that a push on a face can take: about straight to the
     goal.
     """
-    by_twists, as_car = least_lengths(query.body_ends, query.scene.body.radius, face)
+    by_twists, as_car = least_lengths(query.body_ends, query.body.radius, face)
     lengths = {"mixed": by_twists, "differential": as_car, "synchronised": as_car}
     least = min(lengths[kind] for kind in _vehicles(query.motion))
     return path_time(query.motion, least)

@@ -79,7 +79,7 @@ class PressAndPush(Mode[PinnedDrive]):
         places = levers(query.scene, pin, math.copysign(1.0, turn), query.motion.face)
         if not places:
             text = "no face has a lever of {allowed:mm.0f} about the pressed point"
-            least = margins.LEAST_LEVER * query.scene.body.radius
+            least = margins.LEAST_LEVER * query.body.radius
             refusal = Refusal("lever", text, None, least, "m")
             return [Choice(self.name, refusal=refusal)]
         radius = max(math.dist(pin, place.point) for place in places)
@@ -99,7 +99,7 @@ class PressAndPush(Mode[PinnedDrive]):
         give the two contacts to the arms.
         """
         scene = query.scene
-        top = query.scene.body.shape.height
+        top = query.body.shape.height
         height = contact_height(scene, query.motion)
         press = Contact(0, "top", turn.pin, ORIGIN, top)
         push = Contact(1, "side", lever.point, lever.face.normal, height)
@@ -208,7 +208,7 @@ class PressAndPush(Mode[PinnedDrive]):
         radius = planned.radius
         contacts = measured.contacts
         pin = contacts[0].point
-        ends = ends_onward(query.scene.body, segment, measured.X_WB, Pose2(*pin))
+        ends = ends_onward(query.body, segment, measured.X_WB, Pose2(*pin))
         path = path_onward(ends, radius, measured.longest)
         if path is None:
             return None

@@ -309,7 +309,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         mine, _ = _of_first_leg(segments)
         if not isinstance(mine[-1].drive, TurnDrive):
             return False
-        radius = query.scene.body.radius
+        radius = query.body.radius
         return run_in_missed(mine, X_WB, radius) > margins.MISSED * radius
 
     def _spun(
@@ -322,7 +322,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         drive = first.drive
         assert isinstance(drive, SpinDrive)
         X_BV = _pivot(drive, measured.findings.axle)
-        start, goal = ends_onward(query.scene.body, first, measured.X_WB, X_BV)
+        start, goal = ends_onward(query.body, first, measured.X_WB, X_BV)
         if math.dist(start.position, goal.position) <= query.tolerance.position:
             return ()
         X_WB = measured.X_WB
@@ -348,16 +348,16 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         car = replace(drive.car, contact=contact.point, cop=cop)
         if isinstance(drive, SpinDrive):
             X_BV = _pivot(drive, measured.findings.axle)
-            ends = ends_onward(query.scene.body, segment, measured.X_WB, X_BV)
+            ends = ends_onward(query.body, segment, measured.X_WB, X_BV)
             radius = math.dist(contact.point, X_BV.position)
             spin = TwistPath.between(ends, radius)
             return Course((contact,), replace(drive, car=car, X_BV=X_BV), spin)
         if isinstance(drive, UnicycleDrive) and query.scene.rho is not None:
             car = replace(car, rho=query.scene.rho)
         steered = _steered_by(drive, car, measured.findings.axle)
-        ends = ends_onward(query.scene.body, segment, measured.X_WB, steered.X_BV)
+        ends = ends_onward(query.body, segment, measured.X_WB, steered.X_BV)
         path = steered_path(
-            query.scene.body, ends, steered, measured.longest, segment.arcs.turning
+            query.body, ends, steered, measured.longest, segment.arcs.turning
         )
         return Course((contact,), steered, path)
 

@@ -224,8 +224,8 @@ class RearPush(Mode[RearSteerDrive]):
         (contact,) = measured.contacts
         # a tip that rolls round a round side takes the normal along
         planned_at = segment.contacts[0].point
-        com = query.scene.body.center_of_mass
-        side = query.scene.body.shape.side(planned_at, contact.normal, com)
+        com = query.body.center_of_mass
+        side = query.body.shape.side(planned_at, contact.normal, com)
         contact = replace(contact, normal=side.normal_at(contact.point))
         old = planned.car
         try:
@@ -240,7 +240,7 @@ class RearPush(Mode[RearSteerDrive]):
         if not low < 0.0 < high:
             return None
         drive = replace(planned, car=car)
-        ends = ends_onward(query.scene.body, segment, measured.X_WB, drive.X_BV)
+        ends = ends_onward(query.body, segment, measured.X_WB, drive.X_BV)
         turning = segment.arcs.turning
         path = route_onward(ends, drive, measured.longest, turning)
         return None if path is None else Course((contact,), drive, path)

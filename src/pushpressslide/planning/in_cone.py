@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from pushpressslide.core import margins
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.query import MotionQuery
+from pushpressslide.core.query import Ends
 from pushpressslide.core.twist_path import TwistPath, TwistRate, reached, screw, screws
 from pushpressslide.planning.run_in import longest_way
 
@@ -81,10 +81,8 @@ class ConeGoal:
     longest: float  # [m] that the way may be
 
     @classmethod
-    def of_query(cls, query: MotionQuery) -> ConeGoal:
-        """Return that of a query, on a way without a loop."""
-        ends = query.body_ends
-        radius = query.scene.body.radius
+    def between(cls, ends: Ends, radius: float) -> ConeGoal:
+        """Return that of an object of ``radius`` [m] on a way without a loop."""
         longest = longest_way(radius, TwistPath.between(ends, radius).length)
         return cls(*ends, radius, longest)
 

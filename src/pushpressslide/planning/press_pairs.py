@@ -36,7 +36,7 @@ class PlacedPair:
 
 def placed_pairs(query: MotionQuery) -> list[PlacedPair]:
     """Return pairs of contacts, those with the shortest arms first."""
-    places = top_places(query.scene.body, query.scene.inset)
+    places = top_places(query.body, query.scene.inset)
     farthest = max((math.hypot(*place) for place in places), default=0.0)
     placed = [_placed(query, points, farthest) for points in _pairs(query)]
     return sorted(
@@ -47,7 +47,7 @@ def placed_pairs(query: MotionQuery) -> list[PlacedPair]:
 
 def _placed(query: MotionQuery, points: Pair, farthest: float) -> PlacedPair:
     """Return one pair; ``farthest`` [m] that a place is from the CoM."""
-    body = query.scene.body
+    body = query.body
     radius = max(farthest, *(math.hypot(*point) for point in points))
     path = TwistPath.between(query.body_ends, radius)
     poses = [path.pose(0.25 * i * path.length) for i in range(5)]
@@ -82,7 +82,7 @@ def _pairs(query: MotionQuery) -> list[Pair]:
     nearest to it there.
     """
     scene = query.scene
-    body = query.scene.body
+    body = query.body
     given = query.motion.contacts
     if given is not None and len(given) == 2:
         first, second = (body.X_GB.inverse().apply(place) for place in given)

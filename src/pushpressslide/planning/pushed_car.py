@@ -152,9 +152,7 @@ def car_path(query: MotionQuery, car: PushedCar, curvature: float) -> ArcPath:
     loop.
     """
     start, goal = (X_WB.compose(car.X_BV) for X_WB in query.body_ends)
-    longest = longest_way(
-        query.scene.body.radius, math.dist(start.position, goal.position)
-    )
+    longest = longest_way(query.body.radius, math.dist(start.position, goal.position))
     path = gentle_path((start, goal), curvature, longest, run_ins(query.motion))
     if path.length > longest:
         text = (

@@ -88,7 +88,7 @@ def route(
     than planned these turn.
     """
     routes = []
-    radius = query.scene.body.radius
+    radius = query.body.radius
     for gentle, comfort in product((True, False), COMFORT):
         routes.append(_routed(query, drives, comfort, gentle))
         if not _looped(radius, routes[-1].path):

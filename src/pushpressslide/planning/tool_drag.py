@@ -17,7 +17,7 @@ def tool_load(query: MotionQuery, heading: float) -> tuple[float, float]:
     All that the object may push counts, as if it pushed all at once.
     """
     drags = [body.friction * body.mass * GRAVITY for body in query.yielding]
-    shape = query.scene.body.shape
+    shape = query.body.shape
     tool = query.tool
     edge = None if tool is None else shape.edges[tool.face]
     if tool is None or edge is None:

@@ -51,7 +51,7 @@ def path_refusal(query: MotionQuery, segments: Sequence[Segment]) -> Refusal | N
     return (
         obstacle_refusal(query, poses)
         or (base_refusal(query, poses) if near else None)
-        or tips_refusal(query, segments, poses)
+        or tips_refusal(scene, query.yielding, segments, poses)
         or edge_refusal(scene, query.motion.clearance, segments)
         or opening_refusal(query, segments[0], poses)
         or tool_refusal(query, poses)
@@ -78,7 +78,7 @@ def base_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | None:
     discs = base_discs(query.scene)
     if not discs:
         return None
-    shape = query.scene.body.shape
+    shape = query.body.shape
     ends = (query.start, query.goal)
     at_ends = gaps(shape, ends, discs).min(0)
     discs = [disc for disc, gap in zip(discs, at_ends, strict=True) if gap > 0.0]
@@ -128,7 +128,7 @@ def obstacle_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | No
             others.append(obstacle)
     ends = (query.start, query.goal)
     clearance = query.motion.clearance
-    shape = query.scene.body.shape
+    shape = query.body.shape
     refusal = _too_near("the object", shape, poses, ends, others, clearance)
     refusal = refusal or _carried_refusal(query, poses)
     if refusal is not None or pushed is None or tool is None:
@@ -142,16 +142,18 @@ def obstacle_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | No
 
 
 def tips_refusal(
-    query: MotionQuery, segments: Sequence[Segment], poses: Sequence[Pose2]
+    scene: Scene,
+    yielding: Sequence[Obstacle],
+    segments: Sequence[Segment],
+    poses: Sequence[Pose2],
 ) -> Refusal | None:
     """Return where a tip on the object's way, along ``poses`` X_WG, would touch an
-    obstacle that stands as high as its contact, or None.
+    obstacle that stands as high as its contact, or None; ``yielding`` ones are pushed along.
     """
     import shapely
 
-    scene = query.scene
     contacts = {contact for segment in segments for contact in segment.contacts}
-    ways = carried_ways(scene.body.shape, query.yielding, poses)
+    ways = carried_ways(scene.body.shape, yielding, poses)
     for contact in contacts:
         radius = scene.robots[contact.arm].tip_radius
         place, height = contact.tip_place(radius)

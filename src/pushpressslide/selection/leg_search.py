@@ -127,7 +127,7 @@ class LegSearch:
 
     def __post_init__(self) -> None:
         """Ask the object how large it is."""
-        self._radius = self.query.scene.body.radius
+        self._radius = self.query.body.radius
 
     def know(self, choices: Sequence[Choice]) -> None:
         """Take over what was judged of the motion from start to goal; modes that cannot
@@ -315,13 +315,13 @@ class LegSearch:
         """
         if end == GOAL:
             return False
-        shape = self.query.scene.body.shape
+        shape = self.query.body.shape
         return moved(shape, self.poses[begin], self.poses[end]) < SHORTEST
 
     def _straight(self, begin: int, end: int) -> float:
         """Return a time [s] that no motion between two poses is below."""
         ends = (self.poses[begin], self.poses[end])
-        center = self.query.scene.body.center_of_mass
+        center = self.query.body.center_of_mass
         return straight_time(*ends, center, self._radius, self.query.motion)
 
     def _least(self, begin: int, end: int, mode: str) -> float:

@@ -25,7 +25,7 @@ def opening_refusal(
     (docs/walls.md). ``poses``: X_WG along the path that begins with ``segment``.
     """
     opening = query.scene.support.opening
-    shape = query.scene.body.shape
+    shape = query.body.shape
     if opening is None:
         return None
     width, height = opening.size

@@ -165,7 +165,7 @@ def tool_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | None:
     """
     tool = query.tool
     goal = query.goal
-    edge = None if tool is None else query.scene.body.shape.edges[tool.face]
+    edge = None if tool is None else query.body.shape.edges[tool.face]
     if tool is None or edge is None:
         return None
     (ax, ay), (bx, by) = edge

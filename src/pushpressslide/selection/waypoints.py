@@ -47,7 +47,7 @@ STRIDES = tuple(1.2207440846057596**-k for k in (1, 2, 3))
 def free_space(query: MotionQuery) -> FreeSpace:
     """Return where the object may be on its way."""
     others = tuple(obstacle.footprint for obstacle in query.scene.obstacles)
-    body = query.scene.body
+    body = query.body
     return FreeSpace(
         body.shape,
         (*others, *base_discs(query.scene)),
@@ -63,11 +63,11 @@ def bounds(query: MotionQuery) -> Bounds:
     ends = (query.start, query.goal)
     xs: Sequence[float] = [X.x for X in ends]
     ys: Sequence[float] = [X.y for X in ends]
-    room = ROOM + query.scene.body.shape.circumradius
+    room = ROOM + query.body.shape.circumradius
     region = (min(xs) - room, max(xs) + room, min(ys) - room, max(ys) + room)
     if query.scene.support.region is not None:
         xs, ys = zip(*query.scene.support.region, strict=True)
-        out = math.hypot(*query.scene.body.center_of_mass)
+        out = math.hypot(*query.body.center_of_mass)
         table = (min(xs) - out, max(xs) + out, min(ys) - out, max(ys) + out)
         region = _within(region, table)
     allowed = query.limits.workspace
@@ -112,7 +112,7 @@ def onward(query: MotionQuery, ways: WaysTo, X: Pose2) -> list[Pose2]:
     each face; free, and where some arm reaches the object.
     """
     goal = ways.goal
-    radius = ARC * query.scene.body.radius
+    radius = ARC * query.body.radius
     out = []
     bearing = math.atan2(goal.y - X.y, goal.x - X.x) - X.yaw
     for axis in _nearest(push_axes(query.scene), bearing):

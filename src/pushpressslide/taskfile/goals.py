@@ -19,11 +19,7 @@ from pushpressslide.core.bodies import (
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.footprint import overlap_area
 from pushpressslide.core.task import Obstacle, Task
-from pushpressslide.taskfile.checks import (
-    MAX_OVERLAP,
-    check_places,
-    pose_text,
-)
+from pushpressslide.taskfile.checks import MAX_OVERLAP, check_places, pose_text
 from pushpressslide.taskfile.place import Fault, nearest, refuse
 
 

@@ -197,7 +197,7 @@ class ArmProblem:
     def _carried(self) -> dict[str, list[Pose2]]:
         """The ways of the obstacles that the object pushes on its way, by name."""
         query = self.query
-        shape = query.scene.body.shape
+        shape = query.body.shape
         return carried_ways(shape, query.yielding, self.object_path.shapes)
 
     def approach_clearance(self, model: Clearance, postures: Array) -> Gap:

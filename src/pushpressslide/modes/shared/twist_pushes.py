@@ -58,7 +58,7 @@ class TwistPushes(Mode[CarDrive | TwistDrive]):
         assert isinstance(drive, TwistDrive)
         contacts = measured.contacts
         cone = TwistCone(contacts, query.scene.contact_friction, drive.surface)
-        start, goal = ends_onward(query.scene.body, segment, measured.X_WB, drive.X_BV)
+        start, goal = ends_onward(query.body, segment, measured.X_WB, drive.X_BV)
         path = path_onward(start, goal, cone, drive.radius, measured.longest)
         return None if path is None else Course(contacts, drive, path)
 

@@ -74,7 +74,7 @@ def driven_choice(query: MotionQuery, mode: str, press: Press) -> Choice:
         how = "turned on the spot"
     choice = Choice(mode, f"{how} at {describe_points([contact.point])}", (contact,))
     inset = margins.inset(query.scene.robots[contact.arm].tip_radius)
-    if not inside_top(query.scene.body, contact.point, inset):
+    if not inside_top(query.body, contact.point, inset):
         text = "the contact must be {allowed:mm.0f} inside the object's top"
         return choice.refused(Refusal("off_top", text, None, inset, "m"))
     try:
@@ -188,7 +188,7 @@ def _route(
     # where a loop is too long a manoeuvre is better, if one is allowed
     loop = 0.0
     if query.motion.vehicle or query.tool:
-        loop = margins.LONGEST_LOOP * query.scene.body.radius
+        loop = margins.LONGEST_LOOP * query.body.radius
     if route.too_long > loop:
         text = (
             f"only by a loop of {route.path.length:.2f} m, {{figure:m.2f}} too long, "

@@ -199,7 +199,7 @@ def _by_press(
     run_ins = _run_ins(query.scene, most_speed, goal, turns)
     if not run_ins:
         return []
-    straight = straightest(query.scene.body)
+    straight = straightest(query.body)
     turns = _both_ways(turns, straight)
     speeds = [_speed(most_speed, turn) for turn in turns]
     curvatures = [turn.curvature for turn in turns]
@@ -210,7 +210,7 @@ def _by_press(
     times = 1.0 / (np.abs(bent) * np.array(speeds))
     free = np.array([min(-turn.right, turn.left) for turn in turns])
     least = pause(query.motion)
-    careful = least + narrow(query.scene.body, most_speed)
+    careful = least + narrow(query.body, most_speed)
     pauses = np.where(free < margins.CORRECTING, careful, least)
     stagings = [_staging(X_WB, goal, run_in) for run_in in run_ins]
     every = words(centers, np.sign(bent), times, pauses, stagings, COUNT, swing)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from itertools import islice
 
+from pushpressslide.core.motion import Motion
 from pushpressslide.core.plan import ENOUGH, Choice, Contact
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
@@ -57,7 +58,7 @@ def manoeuvre_choices(
         if missing < enough and not skipped:
             tried = {_press(choice.contacts[0]) for choice in out}
             skipped = [
-                _skipped(query, mode, contact, time)
+                _skipped(query.motion, mode, contact, time)
                 for contact, time in ranked.items()
                 if _press(contact) not in tried
             ]
@@ -105,7 +106,7 @@ def _press(contact: Contact) -> tuple[Point, float]:
     return contact.point, contact.load
 
 
-def _skipped(query: MotionQuery, mode: str, contact: Contact, time: float) -> Choice:
+def _skipped(motion: Motion, mode: str, contact: Contact, time: float) -> Choice:
     """Return the choice of a contact for which no manoeuvre was planned; it takes about
     ``time`` [s].
     """
@@ -113,6 +114,6 @@ def _skipped(query: MotionQuery, mode: str, contact: Contact, time: float) -> Ch
         mode,
         f"manoeuvre at {describe_points([contact.point])}",
         (contact,),
-        time=time + overhead(query.motion, pressed=True),
+        time=time + overhead(motion, pressed=True),
         refusal=NOT_EVALUATED,
     )

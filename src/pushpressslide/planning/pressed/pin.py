@@ -71,7 +71,7 @@ def pin_of(query: MotionQuery) -> Point:
     """Return the point to press [m] in B. Raises RefusedError where the goal is not
     turned about one that can be.
     """
-    body = query.scene.body
+    body = query.body
     start, goal = query.body_ends
     vx, vy, w = screw(start, goal)
     if abs(w) < LEAST_TURN:

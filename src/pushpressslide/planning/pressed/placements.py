@@ -76,7 +76,7 @@ def press_placements(query: MotionQuery) -> PressPlacements:
         tool_load(query, 0.0)[0],
         scene.friction_uses,
     )
-    places: Sequence[Point] = top_places(query.scene.body, scene.inset)
+    places: Sequence[Point] = top_places(query.body, scene.inset)
     if motion.contacts:
         places = [query.X_GB.unapply(motion.contacts[0])]
     least = margins.SURE_LEVER * scene.center_error
@@ -92,7 +92,7 @@ def press_placements(query: MotionQuery) -> PressPlacements:
     if not places:
         text = "the top has no place {allowed:mm.0f} inside its edges"
         raise RefusedError(Refusal("off_top", text, None, scene.inset, "m"))
-    height = query.scene.body.shape.height
+    height = query.body.shape.height
     arm = scene.arms[0]
     contacts = tuple(Contact(arm, "top", place, ORIGIN, height) for place in places)
     return PressPlacements(contacts, tuple(loads))

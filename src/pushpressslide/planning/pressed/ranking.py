@@ -80,14 +80,14 @@ def manoeuvre_times(
     """
     speed = query.motion.speed
     table = turn_table(tuple(presses), speed, RESOLUTION)
-    paces = _paces(query.motion, query.scene.body, table)
+    paces = _paces(query.motion, query.body, table)
     axes = np.array([p.axis for p in presses]).view(np.complex128)
     cops = np.array([p.cop for p in presses]).view(np.complex128)
     headings = axes * np.exp(1j * table.heading)
-    straight = straightest(query.scene.body)
+    straight = straightest(query.body)
     axles = cops + table.ahead * axes
     turns = _planned_turns(table, paces, axles, headings, straight)
-    aside = margins.CORRECTED * query.scene.body.radius
+    aside = margins.CORRECTED * query.body.radius
     shortest = margins.ARM.look_ahead(0.0, speed)
     longest = margins.ARM.look_ahead(math.inf, speed)
     levers = np.array([p.lever for p in presses])

@@ -83,7 +83,7 @@ def pressed_vehicle(
     least = rooms[0][1]
     if least < margins.TIPPING_MARGIN:
         text = (
-            f"drag at {query.scene.body.shape.height:.3f} m tips it: the centre of pressure "
+            f"drag at {query.body.shape.height:.3f} m tips it: the centre of pressure "
             "comes within {figure:.2f} half widths of the base's edge, allowed "
             "{allowed:g}"
         )
@@ -174,11 +174,7 @@ def turns(car: Unicycle, tightest: float) -> list[float]:
 
 
 def backing_up(
-    X_GB: Pose2,
-    X_WB: Pose2,
-    vehicle: PressedVehicle,
-    then: Segment,
-    distance: float,
+    X_GB: Pose2, X_WB: Pose2, vehicle: PressedVehicle, then: Segment, distance: float
 ) -> Segment:
     """Return the segment to drive ``distance`` [m] straight the other way before
     ``then``, which a vehicle drives; from ``X_WB``.
