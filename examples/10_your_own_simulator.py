@@ -28,14 +28,15 @@ class MyWorld:
     simulated = True  # time rests while the controller thinks
 
     def __init__(self, plan: pps.Plan) -> None:
-        task = plan.part(plan.segments[0])
+        task = plan.task
+        query = plan.query
         self.time = 0.0
         self.task = task
         (self.contact,) = plan.contacts
         self.radius = task.robots[0].tip_radius
-        self.X = task.true_start.compose(task.object.X_GB)  # X_WB
+        self.X = plan.true_start.compose(task.object.X_GB)  # X_WB
         point, height = self.contact.tip_place(
-            self.radius, before_contacts(task, plan.contacts)
+            self.radius, before_contacts(query.scene, query.motion, plan.contacts)
         )
         self.place = (*self.X.apply(point), height)
         self.speed = self.force = self.twist = (0.0, 0.0, 0.0)

@@ -9,6 +9,7 @@ import math
 
 import pushpressslide as pps
 from pushpressslide.core.plan import Segment
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.modes.base import Tracker
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.tracking.rear_car import RearPushTracker
@@ -40,7 +41,7 @@ class Proportional:
 class MyController(pps.Controller):
     """Our controller with that law."""
 
-    def tracking_law(self, task: pps.Task, segment: Segment) -> Tracker:
+    def tracking_law(self, query: MotionQuery, segment: Segment) -> Tracker:
         drive = segment.drive
         law = Proportional(drive.car)
         return RearPushTracker(law, drive.car, drive.X_BV, drive.max_friction)

@@ -101,7 +101,7 @@ def _later(segment: Segment, radius: float) -> Pose2:
 def _forces(task: pps.Task, segment: Segment) -> list[tuple[float, float]]:
     """Return the forces in B that the mode's law and allocator ask for at the start."""
     mode = MODES[segment.mode]
-    tracker = mode.tracker(task, segment)
+    tracker = mode.tracker(task.query, segment)
     X_WB = segment.body_pose(0.0)
     wrench = tracker.step(segment.path, X_WB, 0.0, SPEED, 1.0).wrench
     allocate = mode.allocator_of(segment, task.scene.contact_friction)

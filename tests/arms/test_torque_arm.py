@@ -108,7 +108,7 @@ def arm(joints: Joints) -> TorqueArm:
     path = JointPath(
         np.zeros(1), home, np.zeros(1), home, 0.0, 0.1, 10.0, 0.1, gap=0.01
     )
-    made.follow(TASK, path, ToolAttitude())
+    made.follow(path, ToolAttitude(), PERIOD)
     made.read()
     return made
 

@@ -125,7 +125,7 @@ class World:
         self.time = 0.0
         self.task = task
         self.arm = arm
-        self.X = task.true_start.compose(task.object.X_GB)
+        self.X = plan.true_start.compose(task.object.X_GB)
         (self.contact,) = plan.contacts
         body = task.object
         rho = rho_fit(support_pressure(body.shape, center_of_mass=body.center_of_mass))
@@ -202,7 +202,7 @@ def cell_of(plan: pps.Plan) -> Cell:
     world = World(plan.task, plan, model)
     arm = TorqueArm(model, world)
     placements = ArmPlacements(DRAKE, [arm], joint_paths_of(plan))
-    placements.begin(plan.task)
+    placements.begin(plan.query)
     start = arm.path.approach[0]
     world.x = np.concatenate([start, np.zeros_like(start)])
     world.torque = model.state_at(world.x).bias

@@ -94,7 +94,7 @@ def turned_about_a_point(task: Task, rng: random.Random) -> Task:
 def judged(name: str, index: int, robot: str) -> tuple[Task, list[Choice]]:
     """Return a random task and the choices of a mode for it."""
     task = random_tasks(MODES[name], index + 1, robot)[index]
-    return task, MODES[name].choices(task)
+    return task, MODES[name].choices(task.query)
 
 
 def planned(mode: Mode, count: int) -> list[tuple[Choice, Plan]]:
@@ -121,7 +121,7 @@ def guided(mode: Mode, made: Plan, rng: random.Random) -> tuple[Guidance, Segmen
     X_WB = X_WV.compose(segment.X_BV.inverse())
     grip = rng.choice([1.0, 0.6])
     speed = rng.uniform(0.005, 0.1)
-    tracker = mode.tracker(made.part(segment), segment)
+    tracker = mode.tracker(made.queries[segment.leg], segment)
     return tracker.step(path, X_WB, s, speed, grip), segment
 
 
@@ -132,7 +132,7 @@ def guided_on_path(
     segment = rng.choice(made.segments)
     s = rng.uniform(0.0, segment.path.length)
     X_WB = segment.path.pose(s).compose(segment.X_BV.inverse())
-    tracker = mode.tracker(made.part(segment), segment)
+    tracker = mode.tracker(made.queries[segment.leg], segment)
     return tracker.step(segment.path, X_WB, s, SPEED, 1.0), segment
 
 
@@ -198,9 +198,9 @@ def test_what_one_arm_can_do_either_of_two_can(mode: Mode) -> None:
     arms = tuple(Robot("hand", (0.0, y, 0.0)) for y in (0.2, -0.2))
     able = 0
     for task in random_tasks(mode, 4):
-        both = [c for c in mode.choices(replace(task, robots=arms)) if c.feasible]
+        both = [c for c in mode.choices(replace(task, robots=arms).query) if c.feasible]
         for arm, robot in enumerate(arms):
-            alone = mode.choices(replace(task, robots=(robot,)))
+            alone = mode.choices(replace(task, robots=(robot,)).query)
             mine = [c for c in both if c.contacts[0].arm == arm]
             assert bool(mine) == alone[0].feasible
             if mine:
@@ -546,7 +546,7 @@ def mirrored(task: Task) -> Task:
 def test_the_mirrored_task_has_the_mirrored_choices(mode: Mode) -> None:
     for index in range(8):
         task, own = judged(mode.name, index, "hand")
-        other = mode.choices(mirrored(task))
+        other = mode.choices(mirrored(task).query)
         assert len(own) == len(other)
 
         def shape(choice: Choice, sign: float):
@@ -590,7 +590,7 @@ def test_a_new_plan_from_the_planned_start_and_contacts_is_no_longer_than_the_ol
         contacts = segments[0].contacts
         length = segments[0].path.length
         ample = Measured.touching(X_WB, contacts, touched, 1.01 * length)
-        fresh = mode.replan(made.task, segments, ample)
+        fresh = mode.replan(made.task.query, segments, ample)
         assert len(fresh) == len(segments)
         assert fresh[0].path.length <= 1.01 * length
         # a manoeuvre may choose new places between its turns
@@ -599,10 +599,10 @@ def test_a_new_plan_from_the_planned_start_and_contacts_is_no_longer_than_the_ol
             assert math.dist(reached.position, segment.goal.position) < 1e-7
         assert math.dist(fresh[-1].goal.position, made.goal.position) < 1e-7
         half = Measured.touching(X_WB, contacts, touched, 0.5 * length)
-        short = mode.replan(made.task, segments, half)
+        short = mode.replan(made.task.query, segments, half)
         assert not short or short[0].path.length <= 0.5 * length
         scant = Measured.touching(X_WB, contacts, touched, 0.05 * length)
-        assert mode.replan(made.task, segments, scant) == ()
+        assert mode.replan(made.task.query, segments, scant) == ()
 
 
 def test_a_wrench_of_one_contact_has_the_moment_of_its_force() -> None:

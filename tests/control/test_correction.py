@@ -26,7 +26,7 @@ OFF = SEGMENT.body_pose(0.0).compose(Pose2(0.002, 0.003, 0.02))
 
 def replanned(task: Task, plan: Plan = PLAN):
     longest = 1.3 * plan.segments[0].path.length
-    return Replanner(task).replan(
+    return Replanner(task.queries()).replan(
         plan.segments,
         Measured.touching(OFF, plan.segments[0].contacts, TOUCHED, longest),
     )
@@ -60,7 +60,7 @@ def test_a_replan_that_leaves_the_workspace_is_refused() -> None:
 
 def test_a_longer_path_than_allowed_is_refused() -> None:
     assert (
-        Replanner(TASK).replan(
+        Replanner(TASK.queries()).replan(
             PLAN.segments,
             Measured.touching(OFF, PLAN.segments[0].contacts, TOUCHED, 0.5 * LENGTH),
         )
@@ -74,7 +74,7 @@ def test_another_attempt_is_free_too_and_keeps_its_leg() -> None:
     segment = replace(made.segments[0], leg=0)
     touched = tuple(contact.point for contact in segment.contacts)
     X_WB = segment.body_pose(0.0)
-    (retried,) = Replanner(task).again(
+    (retried,) = Replanner(task.queries()).again(
         segment, Measured.touching(X_WB, segment.contacts, touched)
     )
     assert retried.leg == segment.leg
@@ -87,7 +87,7 @@ def test_another_attempt_is_free_too_and_keeps_its_leg() -> None:
     )
     blocked = replace(task, obstacles=(post,))
     assert (
-        Replanner(blocked).again(
+        Replanner(blocked.queries()).again(
             segment, Measured.touching(X_WB, segment.contacts, touched)
         )
         == ()
@@ -106,7 +106,7 @@ def guidance(progress: float, across: float) -> Guidance:
 
 
 def test_on_the_way_only_an_error_is_replanned_and_not_too_often() -> None:
-    replanner = Replanner(TASK)
+    replanner = Replanner(TASK.queries())
     off = guidance(0.0, 0.004)
     assert (
         replanner.onward(PLAN.segments, OFF, TOUCHED, guidance(0.0, 0.0), 9.0) is None
@@ -117,7 +117,7 @@ def test_on_the_way_only_an_error_is_replanned_and_not_too_often() -> None:
 
 
 def test_a_replan_on_the_way_begins_at_speed() -> None:
-    made = Replanner(TASK).onward(
+    made = Replanner(TASK.queries()).onward(
         PLAN.segments, OFF, TOUCHED, guidance(0.0, 0.004), 9.0
     )
     assert made is not None
@@ -147,7 +147,7 @@ def test_a_replan_that_would_tip_into_an_opening_is_refused() -> None:
     below = replace(task.support.opening, size=(0.3, 0.7), center=(-0.02, 0.25))
     for opening, free in ((task.support.opening, True), (below, False)):
         support = replace(task.support, opening=opening)
-        replanner = Replanner(replace(task, support=support))
+        replanner = Replanner(replace(task, support=support).queries())
         fresh = replanner.replan(
             to_opening, Measured.touching(X_WB, to_opening[0].contacts, touched, 1.0)
         )
@@ -170,7 +170,9 @@ def test_a_replan_keeps_a_tool_straight_that_is_not_askew_already(
     moved = shift.compose(goal.inverse()).compose(rest.path.start)
     fresh = rest.follows(replace(rest.path, start=moved))
     monkeypatch.setattr(MODES[segment.mode], "replan", lambda *_: (fresh,))
-    replanned = Replanner(task).replan((rest,), Measured(Pose2(), rest.contacts, 1.0))
+    replanned = Replanner(task.queries()).replan(
+        (rest,), Measured(Pose2(), rest.contacts, 1.0)
+    )
     assert bool(replanned) == free
 
 
@@ -187,6 +189,6 @@ def test_the_creep_of_one_press_is_measured_by_its_distance_from_the_centre() ->
 
 def test_an_identified_rho_takes_the_place_of_a_believed_one_only() -> None:
     told = replace(TASK, belief=Belief(rho=0.1))
-    assert Replanner(told).believing(0.2).task.belief.rho == 0.2
-    assert Replanner(TASK).believing(0.2).task.belief.rho is None
-    assert Replanner(told).believing(None).task.belief.rho == 0.1
+    for task, found, rho in ((told, 0.2, 0.2), (TASK, 0.2, None), (told, None, 0.1)):
+        (query,) = Replanner(task.queries()).believing(found).queries
+        assert query.scene.rho == rho

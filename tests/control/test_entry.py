@@ -26,7 +26,7 @@ def at(left: float, right: float, speed: float = 0.0) -> tuple[TipState, ...]:
 def test_the_depth_is_that_of_the_tip_below_where_it_touched() -> None:
     assert ENTRY.depths(at(0.0, 0.13)) == pytest.approx([0.13, 0.0])
     plan = pps.plan(pps.load_task("press-fit"))
-    made = entry(plan.part(plan.segments[-1]), plan.contacts)
+    made = entry(plan.task.scene, plan.goal, plan.contacts)
     assert made is not None
     assert (made.stop, made.tips) == (0.15, ((0, 0.27), (1, 0.27)))
 
@@ -65,10 +65,13 @@ def test_a_tip_braked_so_from_what_it_may_do_meets_the_back_at_the_landing_speed
 
 
 def test_only_a_goal_within_the_opening_is_entered() -> None:
-    assert pps.load_task("press-fit").enters
+    task = pps.load_task("press-fit")
+    scene = task.scene
+    assert scene.enters(task.goal)
     opening = pps.load_task("press-fit").support.opening
     assert opening is not None
     upright = pps.load_task("press-fit", ["goal.x=0.7", "goal.y=0", "goal.yaw_deg=0"])
-    assert not upright.enters
-    assert not any(part.enters for part in pps.load_task("press-fit").parts[:2])
-    assert pps.load_task("press-fit").parts[-1].enters
+    assert not scene.enters(upright.goal)
+    entered = [scene.enters(query.goal) for query in task.queries()]
+    assert entered[:2] == [False, False]
+    assert entered[-1]

@@ -58,7 +58,7 @@ def observed(
 
 def seen_at(task: Task, pose: Pose2) -> tuple[ObjectEstimator, EstimatorState]:
     """Our estimator after one tick at time 0."""
-    estimator = ObjectEstimator(task)
+    estimator = ObjectEstimator(task.query)
     state = estimator.start(StampedPose(0.0, pose))
     estimate, state = estimator.step(state, observed(0.0, pose))
     assert pose == estimate.X_WG
@@ -106,7 +106,8 @@ def test_a_new_prediction_of_the_axle_forgets_it_but_not_the_drag() -> None:
     plan = pps.plan(task)
     segment = plan.segments[0]
     first, second = (
-        Prediction(MODES[segment.mode].identifier(task, segment)) for _ in range(2)
+        Prediction(MODES[segment.mode].identifier(task.query, segment))
+        for _ in range(2)
     )
     estimator, state = seen_at(task, task.start)
     axle = AxleState(task.start, ww=1.0, drag=3.0)
@@ -126,9 +127,7 @@ def test_a_new_prediction_of_the_centre_keeps_what_was_found() -> None:
     found = CenterState((0.0, 0.01), windows, off=0.01)
     state = state._replace(center=found)
     (segment,) = PLAN.segments
-    center = MODES[segment.mode].center_identifier(
-        PLAN.part(segment), segment, found.center
-    )
+    center = MODES[segment.mode].center_identifier(PLAN.query, segment, found.center)
     other = before._replace(center=center, followed_center=found.center)
     estimate, anew = estimator.step(state, observed(DT, NOISY.start, prediction=other))
     assert anew.center == before.center.onward(found)

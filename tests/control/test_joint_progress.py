@@ -31,12 +31,12 @@ def test_a_turn_on_the_spot_that_goes_on_as_arcs_keeps_its_place_by_the_yaw(
     state = controller.init(measurement)
     here = planned.path.pose(share * planned.path.length)
     X_WB = here.compose(planned.X_BV.inverse())
-    arcs = pressed_manoeuvres(task, task.body_ends[0], planned.contacts)
+    arcs = pressed_manoeuvres(task.query, task.query.body_ends[0], planned.contacts)
     turn = arcs[0].choice(task, "press_slide").segments[0]
     assert isinstance(turn.path, ArcPath)
     # its lengths are those of another point
     assert not math.isclose(turn.path.length, planned.path.length, rel_tol=0.1)
-    binding = bind(task, turn, USUAL.tracker(task, turn))
+    binding = bind(task.scene, turn, USUAL.tracker(task.query, turn))
     led = state.following._replace(binding=binding)
     assert led.joint_progress(X_WB) == pytest.approx(
         share * planned.path.length, abs=1e-6 * planned.path.length

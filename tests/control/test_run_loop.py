@@ -365,10 +365,10 @@ def test_a_tip_without_an_arm_travels_to_its_next_contact(two, scripts) -> None:
     steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
     assert steps.max() < 1.01 * TRAVEL_SPEED * PERIOD
     contact = next(c for c in two.placements[1][0].contacts if c.arm == 1)
-    task = two.by_placement[1].task
-    X_WB = task.start.compose(task.object.X_GB)
-    gap = task.motion.approach_distance
-    radius = task.robots[1].tip_radius
+    query = two.by_placement[1].query
+    X_WB = query.start.compose(query.X_GB)
+    gap = query.motion.approach_distance
+    radius = query.scene.robots[1].tip_radius
     assert places[-1] == pytest.approx(tip_position(contact, X_WB, radius, gap))
 
 

@@ -50,10 +50,10 @@ def moment(name: str, X_WG: Pose2 | None = None) -> Moment:
     default where the plan begins.
     """
     made = controller(name)
-    task = made.placement.task
-    pose = X_WG or task.start
-    X_WB = pose.compose(task.object.X_GB)
-    radius = task.robots[0].tip_radius
+    query = made.placement.query
+    pose = X_WG or query.start
+    X_WB = pose.compose(query.X_GB)
+    radius = query.scene.robots[0].tip_radius
     (contact,) = made.segments[0].contacts
     tip = TipState(tip_position(contact, X_WB, radius), ZERO, ZERO)
     state = made.init(Measurement(BEGAN, pose, (tip,)))
@@ -260,7 +260,7 @@ def test_where_all_is_well_the_motion_goes_on() -> None:
 
 def test_a_better_plan_is_followed() -> None:
     """The object is beside its path, and nobody has looked for a while."""
-    start = controller(PUSH).placement.task.start
+    start = controller(PUSH).placement.query.start
     beside = moment(PUSH, Pose2(start.x, start.y + 0.01, start.yaw))
     event, state = after(PUSH, watching(beside, replanned=0.0))
     assert event == "otherwise"

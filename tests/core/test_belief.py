@@ -30,19 +30,20 @@ TASK = Task(
 WRONG = Belief(0.5, 0.7, 3.0, (0.0, 0.02), 0.11)
 
 
-def test_without_a_belief_the_truth_is_told_but_for_the_error_of_the_start() -> None:
-    assert TASK.told == replace(TASK, start_error=Pose2())
+def test_without_a_belief_the_truth_is_told() -> None:
+    scene = TASK.scene
+    assert (scene.body, scene.support) == (TASK.object, TASK.support)
+    assert scene.contact_friction == TASK.contact_friction
+    assert scene.obstacles == TASK.obstacles
 
 
 def test_what_is_believed_is_told_in_place_of_the_truth() -> None:
-    told = replace(TASK, belief=WRONG).told
-    assert told.support.friction == 0.5
-    assert told.contact_friction == 0.7
-    assert told.object.mass == 3.0
-    assert told.object.center_of_mass == (0.0, 0.02)
-    assert told.scene.rho == 0.11
-    assert told.start_error == Pose2()
-    assert told.told == told
+    scene = replace(TASK, belief=WRONG).scene
+    assert scene.support.friction == 0.5
+    assert scene.contact_friction == 0.7
+    assert scene.body.mass == 3.0
+    assert scene.body.center_of_mass == (0.0, 0.02)
+    assert scene.rho == 0.11
 
 
 def test_how_sure_a_belief_is_is_told_along_with_it() -> None:
@@ -58,16 +59,16 @@ def test_how_sure_a_belief_is_is_told_along_with_it() -> None:
 
 def test_a_changed_truth_is_believed_unless_a_belief_was_given() -> None:
     heavy = replace(TASK, object=replace(TASK.object, mass=5.0))
-    assert heavy.told.object.mass == 5.0
+    assert heavy.scene.body.mass == 5.0
     assert heavy.scene.weight_on == pytest.approx(5.0 * 9.81)
-    assert replace(heavy, belief=WRONG).told.object.mass == 3.0
+    assert replace(heavy, belief=WRONG).scene.body.mass == 3.0
 
 
 def test_masses_and_frictions_of_other_bodies_are_believed() -> None:
     (post,) = TASK.obstacles
     other = replace(post, believed_mass=0.8, believed_friction=0.6)
     task = replace(TASK, obstacles=(other,))
-    (told,) = task.told.obstacles
+    (told,) = task.scene.obstacles
     assert (told.mass, told.friction) == (0.8, 0.6)
     assert task.obstacles[0].mass == 0.5
 
@@ -76,6 +77,6 @@ def test_the_body_frame_has_its_origin_where_the_centre_of_mass_is_believed() ->
     task = replace(TASK, belief=WRONG)
     frame = task.X_GB
     assert frame == Pose2(0.0, 0.02, 0.0)
-    assert frame == task.told.object.X_GB
+    assert frame == task.scene.body.X_GB
     assert task.center_error == pytest.approx((-0.01, 0.02))
-    assert task.body_ends[0] == task.start.compose(task.X_GB)
+    assert task.query.body_ends[0] == task.start.compose(task.X_GB)

@@ -17,6 +17,7 @@ from pushpressslide.core.plan import (
 )
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import SKIPPED, Refusal
+from pushpressslide.core.state import OBJECT, WorldState
 from pushpressslide.core.task import Restart
 
 TASK = load_task("press-fit")  # four legs
@@ -54,7 +55,9 @@ PLAN = Plan(
         made(LEFT, RIGHT, leg=3),
     ),
 )
-RESTART = Restart(2, Pose2(0.3, 0.2, 0.1), (0.01, 0.0), 0.25, None)
+RESTART = Restart(
+    WorldState({OBJECT: Pose2(0.3, 0.2, 0.1)}), 2, (0.01, 0.0), 0.25, None
+)
 
 
 def test_contacts_are_the_same_places_whatever_their_loads() -> None:
@@ -78,7 +81,7 @@ def test_the_plans_of_the_placements_have_all_segments_in_order() -> None:
     assert sum((part.segments for part in parts), ()) == PLAN.segments
     for part, group in zip(parts, PLAN.placements, strict=True):
         assert part.placements == (group,)
-        assert part.task == TASK.parts[group[0].leg]
+        assert part.query == TASK.queries()[group[0].leg]
         assert part.duration == sum(s.profile.duration for s in group)
     assert PLAN.duration == pytest.approx(sum(part.duration for part in parts))
 
@@ -112,9 +115,10 @@ def test_what_is_planned_anew_again_and_again_stands_in_one_row() -> None:
 
 def test_a_task_goes_on_from_where_it_was_left() -> None:
     rest = PLAN.task.resumed(RESTART)
-    assert rest.parts[RESTART.leg].start == RESTART.pose
+    query = rest.queries()[RESTART.leg]
+    assert query.start == RESTART.state.object
     assert rest.goal == PLAN.task.goal
-    assert rest.parts[RESTART.leg].goal == PLAN.task.parts[RESTART.leg].goal
+    assert query.goal == PLAN.queries[RESTART.leg].goal
 
 
 def test_an_arm_lasts_where_it_goes_on_with_its_contact() -> None:

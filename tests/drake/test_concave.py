@@ -206,13 +206,14 @@ def test_a_touch_in_a_notch_begins_before_its_other_wall(tmp_path: Path) -> None
     from pushpressslide.planning.side_contacts import before_contacts
 
     plan = planned("notched", "rear_push", tmp_path)
-    assert before_contacts(plan.task, plan.contacts) == 0.05
-    x, y = plan.task.object.center_of_mass
+    scene = plan.task.scene
+    assert before_contacts(scene, plan.task.motion, plan.contacts) == 0.05
+    x, y = scene.body.center_of_mass
     narrow = Prism(
         tuple((0.4 * a if abs(a) < 0.1 else float(a), float(b)) for a, b in NOTCHED),
         0.06,
     )
-    body = replace(plan.task.object, shape=narrow)
+    body = replace(scene.body, shape=narrow)
     wall = replace(plan.contacts[0], point=(0.02 - x, 0.075 - y), normal=(1.0, 0.0))
-    room = before_contacts(replace(plan.task, object=body), (wall,))
+    room = before_contacts(replace(scene, body=body), plan.task.motion, (wall,))
     assert room == pytest.approx(0.01, abs=1e-4)

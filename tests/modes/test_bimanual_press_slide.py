@@ -60,7 +60,7 @@ def with_cop(task: Task, cop) -> Task:
 
 
 def best(task: Task, cop=None) -> Choice:
-    choice = MODE.choices(with_cop(task, cop))[0]
+    choice = MODE.choices(with_cop(task, cop).query)[0]
     assert choice.feasible, choice.reason
     return choice
 
@@ -183,7 +183,7 @@ def test_a_tall_object_is_led_as_well_since_the_drag_at_its_top_is_reckoned_with
 def test_the_arms_do_not_cross() -> None:
     for name in ("sideways", "turn on the spot", "anywhere"):
         task = slide(GOALS[name])
-        for choice in MODE.choices(task):
+        for choice in MODE.choices(task.query):
             if choice.feasible:
                 ends = [X.compose(task.object.X_GB) for X in (task.start, task.goal)]
                 left, right = (
@@ -194,7 +194,7 @@ def test_the_arms_do_not_cross() -> None:
 
 
 def refusal(task: Task, cop=None) -> str:
-    choices = MODE.choices(with_cop(task, cop))
+    choices = MODE.choices(with_cop(task, cop).query)
     assert not any(choice.feasible for choice in choices)
     return choices[0].reason
 
@@ -250,7 +250,7 @@ def test_the_press_at_which_a_motion_is_refused_is_the_one_at_which_the_tips_sli
     assert margins.FRICTION_USES[-1] < use < 1.0
     assert run(pps.plan(held, best(held)))["slip_distance"] < 1e-4
     lost = replace_press(task, 5.0)
-    choice = MODE.choices(lost)[0]
+    choice = MODE.choices(lost.query)[0]
     assert driven(choice).friction_utilisation > 1.0
     measured = run(pps.plan(lost, choice, force=True))
     assert measured["slip_distance"] > 0.01
@@ -270,7 +270,7 @@ def test_presses_are_harder_where_the_drags_lever_takes_more_of_their_friction()
     None
 ):
     task = random_task(pps.load_task("bimanual-slide"), 14, 2)
-    choice = MODE.choices(task, 1)[0]
+    choice = MODE.choices(task.query, 1)[0]
     assert choice.feasible
     assert driven(choice).friction_utilisation <= margins.FRICTION_USES[-1]
     level = 24.8  # [N] which would do without a lever
@@ -295,19 +295,19 @@ def test_a_plan_made_anew_leads_from_the_true_pose_and_contacts_to_the_goal() ->
     X_WB = Pose2(0.56, 0.01, 0.05)
     touched = ((0.003, 0.118), (-0.002, -0.123))
     off = Measured.touching(X_WB, contacts, touched, 1.0)
-    (fresh,) = MODE.replan(task, made.segments, off)
+    (fresh,) = MODE.replan(task.query, made.segments, off)
     assert tuple(c.point for c in fresh.contacts) == touched
     assert made.object_pose(fresh, 0.0) == X_WB
     length = fresh.path.length
     goal = made.object_pose(fresh, length)
     assert math.dist(goal.position, task.goal.position) < 1e-9
     scant = Measured.touching(X_WB, contacts, touched, 0.5 * length)
-    assert MODE.replan(task, made.segments, scant) == ()
+    assert MODE.replan(task.query, made.segments, scant) == ()
     at_goal = Measured.touching(task.goal, contacts, touched, 1.0)
-    assert MODE.replan(task, made.segments, at_goal) == ()
+    assert MODE.replan(task.query, made.segments, at_goal) == ()
     X_WB = task.goal.compose(Pose2(0.004, 0.0, 0.0))
     beyond = Measured.touching(X_WB, contacts, touched)
-    assert len(MODE.again(task, made.segments[0], beyond)) == 1
+    assert len(MODE.again(task.query, made.segments[0], beyond)) == 1
 
 
 @cache

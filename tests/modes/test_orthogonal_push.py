@@ -71,13 +71,13 @@ def test_the_shipped_task_is_done_by_one_twist_with_the_left_arm_on_the_left_fac
     "goal", [(0.4, -0.25, 20.0), (0.3, -0.3, -25.0), (0.35, -0.1, -10.0)]
 )
 def test_every_wrench_of_a_plan_is_given_with_both_contacts_pushing(goal) -> None:
-    feasible = [c for c in MODE.choices(to(*goal)) if c.feasible]
+    feasible = [c for c in MODE.choices(to(*goal).query) if c.feasible]
     assert feasible
     for choice in feasible:
         (segment,) = plan(to(*goal), choice).segments
         drive = segment.drive
         allocate = MODE.allocator(choice.contacts, MU, drive.rho, drive.center)
-        tracker = MODE.tracker(to(*goal), segment)
+        tracker = MODE.tracker(to(*goal).query, segment)
         path = segment.path
         for i in range(20):
             s = path.length * i / 19
@@ -90,7 +90,7 @@ def test_every_wrench_of_a_plan_is_given_with_both_contacts_pushing(goal) -> Non
 
 
 def test_back_it_is_refused_with_the_wrench_and_the_angle_that_decide() -> None:
-    refusals = on_rear_and_left(MODE.choices(to(-0.3, 0.3, 0.0)))
+    refusals = on_rear_and_left(MODE.choices(to(-0.3, 0.3, 0.0).query))
     assert refusals
     for choice in refusals:
         assert not choice.feasible
@@ -107,7 +107,7 @@ def test_back_it_is_refused_with_the_wrench_and_the_angle_that_decide() -> None:
 
 def test_what_is_refused_no_placement_on_those_faces_can_give() -> None:
     for goal in ((-0.3, 0.3, 0.0), (0.0, 0.0, 30.0), (-0.2, -0.1, 0.0)):
-        (choice,) = on_rear_and_left(MODE.choices(to(*goal)))[:1]
+        (choice,) = on_rear_and_left(MODE.choices(to(*goal).query))[:1]
         assert not choice.feasible
         found = re.search(r"takes \((.*), (.*)\) N and (.*) N m", choice.reason)
         assert found is not None
@@ -124,7 +124,7 @@ def test_a_goal_beside_the_cone_takes_several_twists() -> None:
     """0.3 m ahead and 0.15 m to the left, of which the two faces push away."""
     paths = [
         c.segments[0].path
-        for c in on_rear_and_left(MODE.choices(to(0.3, 0.15, 0.0)))
+        for c in on_rear_and_left(MODE.choices(to(0.3, 0.15, 0.0).query))
         if c.segments
     ]
     assert paths
@@ -133,15 +133,15 @@ def test_a_goal_beside_the_cone_takes_several_twists() -> None:
 
 def test_a_friction_above_one_does_not_make_it_push_backwards() -> None:
     task = to(-0.3, 0.3, 0.0, belief=replace(SHIPPED.believed, contact_friction=1.5))
-    assert not any(c.feasible for c in on_rear_and_left(MODE.choices(task)))
+    assert not any(c.feasible for c in on_rear_and_left(MODE.choices(task.query)))
 
 
 def test_what_stands_against_it_is_told_with_the_number() -> None:
     cylinder = ObjectModel(Cylinder(0.2, 0.2), 2.0, (0.0, 0.0))
-    refusal = MODE.choices(to(0.3, -0.3, 0.0, object=cylinder))[0]
+    refusal = MODE.choices(to(0.3, -0.3, 0.0, object=cylinder).query)[0]
     assert "no flat faces" in refusal.reason
     weak = replace(SHIPPED.limits, normal_force=4.0)
-    refusal = MODE.choices(to(0.3, -0.3, 0.0, limits=weak))[0]
+    refusal = MODE.choices(to(0.3, -0.3, 0.0, limits=weak).query)[0]
     assert "needs 5.9 N, allowed 3.6 N, 0.9 of limits.normal_force" in refusal.reason
 
 
@@ -166,7 +166,7 @@ def test_outside_the_cone_the_three_projections_keep_what_they_say() -> None:
 )
 def test_the_planar_engine_ends_where_the_plan_does(goal) -> None:
     task = to(*goal)
-    made = plan(task, next(c for c in MODE.choices(task) if c.feasible))
+    made = plan(task, next(c for c in MODE.choices(task.query) if c.feasible))
     figures = result(task, made, run(made), {})
     assert figures["final_position_error"] < 1e-3
     assert figures["final_yaw_error"] < math.radians(0.3)
@@ -176,7 +176,7 @@ def test_the_planar_engine_ends_where_the_plan_does(goal) -> None:
 
 def test_a_start_that_is_off_is_made_up_for() -> None:
     task = to(0.4, -0.25, 10.0, start_error=Pose2(0.01, -0.008, math.radians(4.0)))
-    made = plan(task, next(c for c in MODE.choices(task) if c.feasible))
+    made = plan(task, next(c for c in MODE.choices(task.query) if c.feasible))
     figures = result(task, made, run(made), {})
     assert figures["final_position_error"] < 2e-3
     assert figures["final_yaw_error"] < math.radians(0.5)
@@ -184,17 +184,17 @@ def test_a_start_that_is_off_is_made_up_for() -> None:
 
 def test_a_plan_made_anew_starts_where_the_object_is_and_ends_at_the_goal() -> None:
     task = to(0.4, -0.25, 10.0)
-    made = plan(task, MODE.choices(task)[0])
+    made = plan(task, MODE.choices(task.query)[0])
     contacts = made.segments[0].contacts
     X_WB = task.start.compose(Pose2(0.004, -0.005, 0.03))
     touched = tuple(c.point for c in made.contacts)
     length = made.segments[0].path.length
     off = Measured.touching(X_WB, contacts, touched, 1.2 * length)
-    (fresh,) = MODE.replan(task, made.segments, off)
+    (fresh,) = MODE.replan(task.query, made.segments, off)
     for s, wanted in ((0.0, X_WB), (fresh.path.length, task.goal)):
         pose = made.object_pose(fresh, s)
         assert math.dist(pose.position, wanted.position) < 1e-9
         turn = math.remainder(pose.yaw - wanted.yaw, 2.0 * math.pi)
         assert turn == pytest.approx(0.0, abs=1e-9)
     scant = Measured.touching(X_WB, contacts, touched, 0.5 * length)
-    assert MODE.replan(task, made.segments, scant) == ()
+    assert MODE.replan(task.query, made.segments, scant) == ()

@@ -49,7 +49,7 @@ def to(x: float, y: float, yaw_deg: float, drive: str | None = None, **more) -> 
 
 
 def best(task: Task) -> Choice:
-    choice = MODE.choices(task)[0]
+    choice = MODE.choices(task.query)[0]
     assert choice.feasible, choice.reason
     return choice
 
@@ -59,7 +59,7 @@ def allocations(made: Plan, count: int = 40):
     it.
     """
     (segment,) = made.segments
-    tracker = MODE.tracker(made.task, segment)
+    tracker = MODE.tracker(made.task.query, segment)
     drive = segment.drive
     friction = made.task.scene.contact_friction
     allocate = MODE.allocator(segment.contacts, friction, drive.rho, drive.center)
@@ -97,7 +97,7 @@ def test_the_synchronised_car_is_pushed_with_equal_forces() -> None:
 
 def test_a_goal_aside_is_a_loop_for_the_car_and_one_twist_for_both_mixed() -> None:
     aside = (0.25, 0.08, 0.0)
-    car = MODE.choices(to(*aside, "differential"))[0]
+    car = MODE.choices(to(*aside, "differential").query)[0]
     assert not car.feasible
     assert "a loop of" in car.reason
     choice = best(to(*aside))
@@ -113,7 +113,7 @@ def test_a_goal_aside_is_a_loop_for_the_car_and_one_twist_for_both_mixed() -> No
 
 @pytest.mark.parametrize("goal", [(-0.3, 0.0, 0.0), (0.0, 0.0, 40.0), (0.0, 0.3, 0.0)])
 def test_back_on_the_spot_and_sideways_are_refused_with_the_numbers(goal) -> None:
-    choices = MODE.choices(to(*goal, object=WIDE))
+    choices = MODE.choices(to(*goal, object=WIDE).query)
     assert not any(c.feasible for c in choices)
     for choice in choices:
         assert "a loop of" in choice.reason
@@ -123,7 +123,7 @@ def test_back_on_the_spot_and_sideways_are_refused_with_the_numbers(goal) -> Non
 def test_the_differential_car_may_turn_with_w_over_rho_squared() -> None:
     told = replace(SHIPPED.believed, rho=0.13)
     task = to(0.46, 0.05, 10.0, "differential", belief=told, object=WIDE)
-    choices = MODE.choices(task)
+    choices = MODE.choices(task.query)
     assert choices
     for choice in choices:
         half_width = 0.5 * math.dist(*(c.point for c in choice.contacts))
@@ -135,14 +135,17 @@ def test_the_differential_car_may_turn_with_w_over_rho_squared() -> None:
 
 def test_what_stands_against_it_is_told_with_the_number() -> None:
     cylinder = ObjectModel(Cylinder(0.2, 0.2), 2.0, (0.0, 0.0))
-    assert "no flat face" in MODE.choices(to(0.3, 0.0, 0.0, object=cylinder))[0].reason
+    assert (
+        "no flat face"
+        in MODE.choices(to(0.3, 0.0, 0.0, object=cylinder).query)[0].reason
+    )
     narrow = ObjectModel(Box((0.4, 0.1, 0.2)), 2.0, (0.0, 0.0))
-    refusal = MODE.choices(to(0.3, 0.0, 0.0, object=narrow))[0]
+    refusal = MODE.choices(to(0.3, 0.0, 0.0, object=narrow).query)[0]
     assert "contacts 76 mm apart, two tools need 100 mm" in refusal.reason
     weak = replace(SHIPPED.limits, normal_force=4.0)
-    assert "needs 5.9 N" in MODE.choices(to(0.3, 0.0, 0.0, limits=weak))[0].reason
+    assert "needs 5.9 N" in MODE.choices(to(0.3, 0.0, 0.0, limits=weak).query)[0].reason
     beside = ObjectModel(Box((0.4, 0.4, 0.2)), 2.0, (0.0, 0.19))
-    refusal = MODE.choices(to(0.3, 0.0, 0.0, object=beside))[0]
+    refusal = MODE.choices(to(0.3, 0.0, 0.0, object=beside).query)[0]
     assert "contacts 24 mm apart" in refusal.reason
 
 
@@ -169,7 +172,7 @@ def test_a_plan_made_anew_starts_where_the_object_is_and_ends_at_the_goal(
     touched = tuple((c.point[0], c.point[1] + 0.004) for c in made.contacts)
     length = made.segments[0].path.length
     off = Measured.touching(X_WB, contacts, touched, 1.2 * length)
-    (fresh,) = MODE.replan(task, made.segments, off)
+    (fresh,) = MODE.replan(task.query, made.segments, off)
     assert [c.point for c in fresh.contacts] == list(touched)
     for s, wanted in ((0.0, X_WB), (fresh.path.length, task.goal)):
         pose = made.object_pose(fresh, s)
@@ -177,4 +180,4 @@ def test_a_plan_made_anew_starts_where_the_object_is_and_ends_at_the_goal(
         turn = math.remainder(pose.yaw - wanted.yaw, 2.0 * math.pi)
         assert turn == pytest.approx(0.0, abs=1e-9)
     scant = Measured.touching(X_WB, contacts, touched, 0.5 * length)
-    assert MODE.replan(task, made.segments, scant) == ()
+    assert MODE.replan(task.query, made.segments, scant) == ()

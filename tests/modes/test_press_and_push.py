@@ -91,7 +91,7 @@ def big_box(mass: float, press: float | None, support: float, contact: float) ->
 
 
 def best(task: Task) -> Choice:
-    choice = MODE.choices(task)[0]
+    choice = MODE.choices(task.query)[0]
     assert choice.feasible, choice.reason
     return choice
 
@@ -114,7 +114,7 @@ def side_force(made: Plan) -> float:
 
 
 def refusal(task: Task) -> str:
-    choices = MODE.choices(task)
+    choices = MODE.choices(task.query)
     assert not any(choice.feasible for choice in choices)
     return choices[0].reason
 
@@ -146,7 +146,7 @@ def test_the_object_turns_about_the_pressed_point(point: Point, degrees: float) 
 def test_every_push_has_a_lever_to_the_right_side_the_longest_first(
     degrees: float,
 ) -> None:
-    choices = MODE.choices(pivot(degrees=degrees, robots=HANDS))
+    choices = MODE.choices(pivot(degrees=degrees, robots=HANDS).query)
     levers = []
     for choice in choices:
         press, push = choice.contacts
@@ -239,14 +239,14 @@ def test_a_plan_made_anew_keeps_to_where_the_tips_truly_are() -> None:
     X_WB = Pose2(0.503, 0.004, 0.1)
     contacts = made.segments[0].contacts
     off = Measured.touching(X_WB, contacts, touched, 1.0)
-    (fresh,) = MODE.replan(task, made.segments, off)
+    (fresh,) = MODE.replan(task.query, made.segments, off)
     assert tuple(contact.point for contact in fresh.contacts) == touched
     assert fresh.X_BV.position == touched[0]
     length = fresh.path.length
     goal = made.object_pose(fresh, length)
     assert math.dist(goal.position, task.goal.position) < 1e-9
     scant = Measured.touching(X_WB, contacts, touched, 0.5 * length)
-    assert MODE.replan(task, made.segments, scant) == ()
+    assert MODE.replan(task.query, made.segments, scant) == ()
 
 
 def test_a_push_cannot_turn_the_object_back() -> None:
@@ -256,10 +256,10 @@ def test_a_push_cannot_turn_the_object_back() -> None:
     (segment,) = made.segments
     X_WB = turned(task.start, CORNER, 50.0)
     beyond = Measured.touching(X_WB, segment.contacts, touched)
-    assert MODE.again(task, segment, beyond) == ()
+    assert MODE.again(task.query, segment, beyond) == ()
     X_WB = turned(task.start, CORNER, 43.0)
     short = Measured.touching(X_WB, segment.contacts, touched)
-    assert len(MODE.again(task, segment, short)) == 1
+    assert len(MODE.again(task.query, segment, short)) == 1
 
 
 @pytest.mark.long

@@ -9,9 +9,10 @@ import pytest
 from pushpressslide import load_task
 from pushpressslide.core import margins
 from pushpressslide.core.constants import GRAVITY
+from pushpressslide.core.motion import PLANNED_SHARE
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import PLANNED_SHARE, Box, Cylinder, ObjectModel, Task
+from pushpressslide.core.task import Box, Cylinder, ObjectModel, Task
 from pushpressslide.jobs.sampling import random_task
 from pushpressslide.mechanics.pressing import least_load, lever_refusal
 from pushpressslide.modes.press_slide import MODE, dragged
@@ -21,6 +22,7 @@ from pushpressslide.planning.pressed.vehicle import press_of
 from pushpressslide.rom.drives import TurnDrive, UnicycleDrive
 
 BASE = load_task("press-slide")
+QUERY = BASE.query
 
 
 MASS = 1.0  # [kg] of the bar: enough for friction to decide, not the least press
@@ -44,7 +46,7 @@ def test_the_hardest_press_allowed_may_take_all_of_the_friction_that_is_allowed(
 ):
     load = least_load(MASS * GRAVITY, 0.3, 0.9, margins.FRICTION_USES[-1])
     assert load > margins.ARM.least_press
-    choices = MODE.choices(bar(1.0001 * load))
+    choices = MODE.choices(bar(1.0001 * load).query)
     assert choices[0].feasible
     assert not any("pushed body" in choice.reason for choice in choices)
 
@@ -60,7 +62,7 @@ def test_a_press_that_does_not_steer_like_a_unicycle_is_tried_last() -> None:
     high = Box((length, width, 1.3 * height))
     limits = replace(task.limits, time=60.0)
     task = replace(task, object=replace(task.object, shape=high), limits=limits)
-    best = MODE.choices(task)[0]
+    best = MODE.choices(task.query)[0]
     assert best.feasible
     assert "manoeuvre" not in best.reason
     drive = best.segments[-1].drive
@@ -74,7 +76,7 @@ def test_a_body_that_turns_with_the_tool_is_refused_with_its_lever(
     mass: float,
 ) -> None:
     task = replace(BASE, object=replace(BASE.object, mass=mass))
-    choices = MODE.choices(task)
+    choices = MODE.choices(task.query)
     assert not any(choice.feasible for choice in choices)
     held = [c.refusal for c in choices if c.refusal and c.refusal.code == "held"]
     assert held
@@ -109,7 +111,7 @@ def light_task(index: int) -> Task:
 @pytest.mark.parametrize("index", range(12))
 def test_no_light_body_is_steered_where_the_tip_holds_its_turn(index: int) -> None:
     task = light_task(index)
-    for choice in MODE.choices(task):
+    for choice in MODE.choices(task.query):
         if choice.feasible:
             (contact,) = choice.contacts
             turns = isinstance(choice.segments[0].drive, TurnDrive)
@@ -123,7 +125,7 @@ def test_a_top_too_small_for_a_tip_is_refused_by_name() -> None:
     coin = ObjectModel(Cylinder(0.011, 0.02), 0.1, (0.0, 0.0))
     motion = replace(BASE.motion, contacts=None)
     task = replace(BASE, object=coin, motion=motion)
-    (choice,) = MODE.choices(task)
+    (choice,) = MODE.choices(task.query)
     assert choice.refusal is not None
     assert choice.refusal.code == "off_top"
     assert "12 mm inside its edges" in choice.reason
@@ -133,9 +135,9 @@ def test_a_press_that_may_be_wrong_by_a_fifth_is_harder_and_farther_from_the_com
     None
 ):
     free = replace(BASE, motion=replace(BASE.motion, contacts=None, press_force=None))
-    sure = MODE.choices(free)[0]
+    sure = MODE.choices(free.query)[0]
     told = replace(free.believed, friction_error=0.2, center_error=0.02)
-    unsure = MODE.choices(replace(free, belief=told))
+    unsure = MODE.choices(replace(free, belief=told).query)
     assert unsure[0].feasible
     for choice in unsure:
         (contact,) = choice.contacts
@@ -145,7 +147,7 @@ def test_a_press_that_may_be_wrong_by_a_fifth_is_harder_and_farther_from_the_com
 
 def test_where_the_com_is_known_too_badly_for_any_press_it_is_said() -> None:
     told = replace(BASE.believed, center_error=0.1)
-    (choice,) = MODE.choices(replace(BASE, belief=told))
+    (choice,) = MODE.choices(replace(BASE, belief=told).query)
     assert choice.refusal is not None
     assert choice.refusal.code == "lever"
     assert "known to 100 mm" in choice.reason
@@ -155,14 +157,14 @@ def test_the_force_that_slides_the_object_tells_the_friction_of_its_support() ->
     contact = Contact(
         0, "top", (-0.05, 0.0), (0.0, 0.0), BASE.object.shape.height, 20.0
     )
-    believed = BASE.told.scene.max_friction(20.0)
+    believed = BASE.scene.max_friction(20.0)
 
     def friction(ratio: float) -> float:
         """Return the friction believed after a drag of ``ratio`` times the believed."""
-        return dragged(BASE, contact, ratio * believed).support.friction
+        return dragged(QUERY, contact, ratio * believed).scene.support.friction
 
-    mu = BASE.told.support.friction
-    assert dragged(BASE, contact, None) is BASE
+    mu = BASE.scene.support.friction
+    assert dragged(QUERY, contact, None) is QUERY
     assert friction(1.2) == pytest.approx(1.2 * mu)
     assert friction(0.8) == pytest.approx(0.8 * mu)
     # what a mean force may be off by, and what no friction explains

@@ -133,8 +133,10 @@ def based_on(name: str) -> Task:
 
 def tasks(name: str) -> Iterator[Task]:
     if name == PINNED:
-        part = based_on(name).parts[0]
-        assert part.modes == ("press_and_push",)
+        first = based_on(name).queries()[0]
+        assert first.modes == ("press_and_push",)
+        alone = replace(based_on(name), legs=(), modes=first.modes, goal=first.goal)
+        part = replace(alone, motion=first.motion)
         for mass in (2.0, 4.0, 5.0):
             box = replace(part.object, mass=mass)
             yield replace(part, object=box, obstacles=(), belief=Belief())

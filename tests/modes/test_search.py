@@ -6,9 +6,10 @@ from collections.abc import Sequence
 import pytest
 
 from pushpressslide import load_task
+from pushpressslide.core.motion import Limits
 from pushpressslide.core.plan import Choice
 from pushpressslide.core.refusal import Refusal
-from pushpressslide.core.task import Task
+from pushpressslide.core.scene import Scene
 from pushpressslide.modes import base
 from pushpressslide.modes.base import PATIENCE, Draft, Judge, search
 
@@ -39,7 +40,9 @@ class Bench:
 
         return Draft(least, make, ordered)
 
-    def arms(self, task: Task, choice: Choice, quick: bool) -> Refusal | None:
+    def arms(
+        self, scene: Scene, limits: Limits, choice: Choice, quick: bool
+    ) -> Refusal | None:
         """Stand in for ``arms_refusal``."""
         self.asked.append(choice.label)
         return OUT_OF_REACH if choice.label in self.refused else None
@@ -48,7 +51,7 @@ class Bench:
         """Search with these arms."""
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(base, "arms_refusal", self.arms)
-            return search(drafts, enough, Judge(TASK))
+            return search(drafts, enough, Judge(TASK.query))
 
 
 def test_drafts_are_made_in_the_order_of_their_least_times() -> None:
@@ -124,7 +127,9 @@ def test_patience_with_arms_that_do_not_reach_ends() -> None:
     """After so many the tables alone are asked; what they know is still found."""
     asked: list[bool] = []
 
-    def far(task: Task, choice: Choice, quick: bool) -> Refusal | None:
+    def far(
+        scene: Scene, limits: Limits, choice: Choice, quick: bool
+    ) -> Refusal | None:
         asked.append(quick)
         return None if choice.label == LAST else OUT_OF_REACH
 
@@ -132,6 +137,6 @@ def test_patience_with_arms_that_do_not_reach_ends() -> None:
     drafts = [bench.draft(float(i), float(i)) for i in range(PATIENCE + 6)]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(base, "arms_refusal", far)
-        found = search(drafts, 1, Judge(TASK))
+        found = search(drafts, 1, Judge(TASK.query))
     assert asked == [False] * PATIENCE + [True] * 6
     assert [choice.label for choice in found if choice.feasible] == [LAST]

@@ -26,15 +26,17 @@ from pushpressslide.selection.solve import plan
 def turn(*overrides: str, contacts=None) -> Task:
     """One motion of the shipped task, the turn above the opening."""
     task = pps.load_task("press-fit", list(overrides))
-    part = task.parts[2]
-    return replace(part, motion=replace(part.motion, contacts=contacts))
+    query = task.queries()[2]
+    motion = replace(query.motion, contacts=contacts)
+    alone = replace(task, legs=(), modes=query.modes, motion=motion)
+    return replace(alone, start=query.start, goal=query.goal)
 
 
 def test_contacts_are_moved_to_the_side_that_is_down_in_the_end_and_pressed_alike() -> (
     None
 ):
     task = turn()
-    choice = next(c for c in MODE.choices(task) if c.feasible)
+    choice = next(c for c in MODE.choices(task.query) if c.feasible)
     first, second = choice.contacts
     assert first.load == second.load == pytest.approx(65.4, abs=0.1)
     middle = [0.5 * (a + b) for a, b in zip(first.point, second.point, strict=True)]
@@ -47,9 +49,9 @@ def test_at_the_goal_the_load_is_in_the_middle_while_the_arms_carry_the_weight()
     None
 ):
     task = turn()
-    choice = next(c for c in MODE.choices(task) if c.feasible)
+    choice = next(c for c in MODE.choices(task.query) if c.feasible)
     (segment,) = plan(task, choice).segments
-    tracker = MODE.tracker(task, segment)
+    tracker = MODE.tracker(task.query, segment)
     allocate = MODE.allocator(choice.contacts, 0.8, None, segment.drive.center)
     path = segment.path
     wrench = tracker.step(path, task.goal, path.length, 1e-9, 1.0).wrench
@@ -155,7 +157,7 @@ def test_the_same_motion_in_a_mirror_needs_the_same_press() -> None:
         robots=task.robots[::-1],
     )
     here, there = (
-        next(c for c in MODE.choices(t) if c.feasible) for t in (task, mirrored)
+        next(c for c in MODE.choices(t.query) if c.feasible) for t in (task, mirrored)
     )
     assert here.contacts[0].load == pytest.approx(there.contacts[0].load)
     used = []

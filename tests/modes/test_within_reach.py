@@ -9,7 +9,7 @@ import pytest
 
 from pushpressslide import load_task
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Task
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.mechanics.push_surface import push_surface
 from pushpressslide.modes import MODES, orthogonal_push
 from pushpressslide.modes.base import Judge
@@ -18,13 +18,13 @@ from pushpressslide.planning.face_placements import on_two_faces, side_by_side
 from pushpressslide.planning.side_contacts import contact_height, pushable
 
 SHIPPED = load_task("orthogonal-push")
-SEARCHED = replace(SHIPPED, searched=True)
+SEARCHED = replace(SHIPPED.query, searched=True)
 FAR = Pose2(1.6, 0.0, 0.0)
 
 
-def beyond(task: Task) -> Task:
-    """Return a task with start and goal out of reach."""
-    return replace(task, start=FAR, goal=FAR.compose(Pose2(0.1, 0.02, 0.1)))
+def beyond(query: MotionQuery) -> MotionQuery:
+    """Return a query with start and goal out of reach."""
+    return query.between(FAR, FAR.compose(Pose2(0.1, 0.02, 0.1)))
 
 
 @pytest.mark.parametrize("mode", ["orthogonal_push", "parallel_push"])
@@ -36,7 +36,7 @@ def test_out_of_reach_nothing_is_worked_out(
     assert {c.refusal.code for c in choices if c.refusal} <= {"reach", "offset_contact"}
     assert not any(choice.feasible for choice in choices)
     monkeypatch.setattr(orthogonal_push, "push_surface", push_surface)
-    alone = MODES[mode].choices(beyond(SHIPPED), 2)
+    alone = MODES[mode].choices(beyond(SHIPPED.query), 2)
     assert any(choice.segments for choice in alone)
 
 
@@ -58,4 +58,4 @@ def test_what_is_left_is_what_two_arms_reach_one_each() -> None:
             for i in (0, 1)
         )
         assert ((a, b) in left) == either
-    assert within_reach(SHIPPED, placements) == placements
+    assert within_reach(SHIPPED.query, placements) == placements

@@ -157,10 +157,10 @@ def test_what_identifies_a_push_finds_the_rho_that_turns_it() -> None:
     rho = 0.06
     task = replace(handled("rear-push-rear"), belief=Belief(rho=0.5 * rho))
     (segment,) = pps.plan(task).segments
-    identifier = MODES["rear_push"].identifier(task, segment)
+    identifier = MODES["rear_push"].identifier(task.query, segment)
     assert identifier is not None
     known = replace(task, belief=Belief())
-    assert MODES["rear_push"].identifier(known, segment) is None
+    assert MODES["rear_push"].identifier(known.query, segment) is None
     car = replace(segment.drive.car, rho=rho)
     X = Pose2()
     state = AxleState()

@@ -152,7 +152,7 @@ def test_a_restart_believes_what_was_identified() -> None:
     drag = 1.2 * task.scene.max_friction(load)
     pose = Pose2(0.4, 0.1, 0.2)
     found = NOTHING._replace(rho=0.06, drag=drag, center=(0.01, -0.02))
-    begin = restart(task, segment, pose, found)
+    begin = restart(task.scene, segment, pose, found)
     x, y = task.object.center_of_mass
     assert begin.center_of_mass == pytest.approx((x + 0.01, y - 0.02))
     assert begin.support_friction == pytest.approx(1.2 * task.support.friction)
@@ -161,16 +161,16 @@ def test_a_restart_believes_what_was_identified() -> None:
     assert rest.start == pose
     assert rest.goal == task.goal
     assert rest.object == task.object  # the truth is as it was
-    assert rest.told.support.friction == begin.support_friction
+    assert rest.scene.support.friction == begin.support_friction
     assert rest.X_GB.position == begin.center_of_mass
-    assert restart(task, segment, pose, NOTHING).support_friction == (
+    assert restart(task.scene, segment, pose, NOTHING).support_friction == (
         task.support.friction
     )
 
 
 def test_contacts_that_a_task_names_are_free_after_the_first_attempt() -> None:
     task = pps.load_task("press-slide-pivot")
-    pinned = restart(task, pps.plan(task).segments[0], task.start, NOTHING)
+    pinned = restart(task.scene, pps.plan(task).segments[0], task.start, NOTHING)
     free = task.resumed(replace(pinned, free=True))
     assert task.resumed(pinned).motion == task.motion
     assert task.motion.vehicle == "pivot"

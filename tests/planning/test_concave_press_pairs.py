@@ -29,7 +29,7 @@ def test_where_nothing_is_opposite_a_place_the_nearest_one_there_is_pressed() ->
     places = top_places(task.object, inset)
     opposite = [p for p in places if inside_top(task.object, (-p[0], -p[1]), inset)]
     assert len(opposite) < 0.2 * len(places)
-    pairs = [pair for pair in placed_pairs(task) if pair.refusal is None]
+    pairs = [pair for pair in placed_pairs(task.query) if pair.refusal is None]
     assert len(pairs) > len(opposite)
     for pair in pairs:
         points = [contact.point for contact in pair.contacts]

@@ -85,7 +85,7 @@ def test_two_tools_that_have_no_room_on_a_face_are_refused_with_the_distance() -
     widest = 0.08 - 2.0 * scene.inset
     placed = side_by_side(scene, face, HEIGHT)
     for share, contacts in zip(margins.WIDTHS, placed, strict=True):
-        refusal = side_by_side_refusal(task, face, contacts)
+        refusal = side_by_side_refusal(task.query, face, contacts)
         assert refusal is not None
         assert refusal.code == "too_close"
         assert refusal.figure == pytest.approx(share * widest)

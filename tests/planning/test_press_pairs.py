@@ -15,7 +15,7 @@ TASK = load_task("bimanual-slide")
 def test_chosen_pairs_lie_opposite_each_other_about_the_com_and_far_enough_apart() -> (
     None
 ):
-    pairs = placed_pairs(TASK)
+    pairs = placed_pairs(TASK.query)
     assert pairs
     for pair in pairs:
         a, b = (contact.point for contact in pair.contacts)
@@ -25,18 +25,18 @@ def test_chosen_pairs_lie_opposite_each_other_about_the_com_and_far_enough_apart
 
 
 def test_given_places_keep_their_arms_and_one_off_the_top_is_refused() -> None:
-    a, b = (contact.point for contact in placed_pairs(TASK)[0].contacts)
+    a, b = (contact.point for contact in placed_pairs(TASK.query)[0].contacts)
     x, y = TASK.object.center_of_mass
     places = ((a[0] + x, a[1] + y), (b[0] + x, b[1] + y))
     task = replace(TASK, motion=replace(TASK.motion, contacts=places))
-    (pair,) = placed_pairs(task)
+    (pair,) = placed_pairs(task.query)
     assert [contact.point for contact in pair.contacts] == [
         pytest.approx(a),
         pytest.approx(b),
     ]
     outside = ((9.0, 0.0), places[1])
     (beside,) = placed_pairs(
-        replace(TASK, motion=replace(TASK.motion, contacts=outside))
+        replace(TASK, motion=replace(TASK.motion, contacts=outside)).query
     )
     assert beside.refusal is not None
     assert beside.refusal.code == "off_top"

@@ -194,12 +194,12 @@ def test_a_way_with_a_loop_ends_on_the_longest_run_in_that_is_no_great_detour() 
     for harder in HARDER:
         car, shift = fitted_to(task.scene, face, harder)
         drives[harder] = RearSteerDrive(car, 3.0, shift)
-    best, looped = route(task, drives)
+    best, looped = route(task.query, drives)
     assert looped
     assert best.path.pieces[-1] == (0.0, best.run_in)
     _, high = best.drive.car.curvature_limits
     turn = best.curvature_share * high
-    ends = axle_ends(task, best.drive)
+    ends = axle_ends(task.query.body_ends, best.drive)
     most = margins.LOOP_FOR_RUN_IN * with_run_in(ends, turn, turn, 0.0).length
     longer = [c.run_in for c in COMFORT if c.run_in * task.motion.run_in > best.run_in]
     assert best.path.length <= most

@@ -100,13 +100,13 @@ def test_the_ends_of_a_face_is_told_from_the_com() -> None:
 
 
 def test_what_stands_against_a_push_is_told_with_the_number() -> None:
-    assert drag_refusal(TASK, (REAR,), 1, 0.09) is None
-    assert "200 mm high" in str(drag_refusal(TASK, (REAR,), 1, 0.21))
+    assert drag_refusal(TASK.query, (REAR,), 1, 0.09) is None
+    assert "200 mm high" in str(drag_refusal(TASK.query, (REAR,), 1, 0.21))
     heavy = replace(TASK, belief=replace(TASK.believed, mass=20.0))
-    assert "needs 58.9 N" in str(drag_refusal(heavy, (REAR,), 1, 0.09))
+    assert "needs 58.9 N" in str(drag_refusal(heavy.query, (REAR,), 1, 0.09))
     tall = replace(TASK, object=replace(TASK.object, shape=Box((0.1, 0.4, 0.9))))
     rear = next(face for face in faces(tall.object, 0.01) if face.index == 3)
-    assert "allowed up to 158.3 mm" in str(drag_refusal(tall, (rear,), 1, 0.4))
+    assert "allowed up to 158.3 mm" in str(drag_refusal(tall.query, (rear,), 1, 0.4))
 
 
 def test_a_tip_may_be_a_little_over_the_edge_and_less_where_it_is_smooth() -> None:
@@ -115,7 +115,7 @@ def test_a_tip_may_be_a_little_over_the_edge_and_less_where_it_is_smooth() -> No
 
     def refused(over: float, friction: float) -> bool:
         task = replace(TASK, contact_friction=friction)
-        refusal = drag_refusal(task, (REAR,), 1, top + over * radius)
+        refusal = drag_refusal(task.query, (REAR,), 1, top + over * radius)
         return refusal is not None and refusal.code == "above_object"
 
     assert not refused(0.99 * margins.OVER_EDGE, 0.8)
@@ -128,16 +128,16 @@ def test_a_tip_may_be_a_little_over_the_edge_and_less_where_it_is_smooth() -> No
 def test_a_push_that_is_not_felt_before_the_object_slides_is_refused() -> None:
     """A box of 15 g slides at 0.045 N; a contact is felt from 0.05 N on."""
     light = replace(TASK, belief=replace(TASK.believed, mass=0.015))
-    refusal = drag_refusal(light, (REAR,), 1, 0.09)
+    refusal = drag_refusal(light.query, (REAR,), 1, 0.09)
     assert refusal is not None
     assert refusal.code == "light"
     assert refusal.allowed == margins.ARM.felt_force
-    refusal = drag_refusal(light, (REAR,), 2, 0.09)
+    refusal = drag_refusal(light.query, (REAR,), 2, 0.09)
     assert refusal is not None
     assert refusal.allowed == margins.ARM.least_friction
     noisy = replace(TASK, sensing=Sensing(force_noise=1.0))
     assert noisy.sensing.felt_force == pytest.approx(4.0)
-    refusal = drag_refusal(noisy, (REAR,), 2, 0.09)
+    refusal = drag_refusal(noisy.query, (REAR,), 2, 0.09)
     assert refusal is not None
     assert refusal.allowed == pytest.approx(8.0)
 

@@ -18,7 +18,7 @@ TIGHT = Limits(workspace=(0.0, 1.0, -0.5, 0.5))
 
 def test_the_poses_of_a_segment_lead_from_start_to_goal_in_steps() -> None:
     poses = poses_along(PIECE)
-    start, goal = TASK.body_ends
+    start, goal = TASK.query.body_ends
     for pose, wanted in ((poses[0], start), (poses[-1], goal)):
         assert (pose.x, pose.y) == pytest.approx((wanted.x, wanted.y), abs=1e-7)
     assert len(poses) >= PIECE.path.length / STEP

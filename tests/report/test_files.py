@@ -13,6 +13,7 @@ from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import SKIPPED, Refusal
+from pushpressslide.core.state import OBJECT, WorldState
 from pushpressslide.core.task import Restart
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.whole_file import write_whole
@@ -209,7 +210,9 @@ def test_a_run_of_another_schema_is_refused_with_its_file_named_once(run, tmp_pa
 
 def test_plans_of_the_version_before_that_stand_in_each_other_are_read(run, tmp_path):
     folder = save(run, tmp_path / "run")
-    restart = Restart(0, Pose2(0.45, 0.0, 0.1), (0.0, 0.0), 0.3, None)
+    restart = Restart(
+        WorldState({OBJECT: Pose2(0.45, 0.0, 0.1)}), 0, (0.0, 0.0), 0.3, None
+    )
     task = run.plan.task
     plan = run.plan
     for _ in range(2):

@@ -102,7 +102,9 @@ def test_a_way_that_leads_over_the_edge_is_refused_with_the_figure() -> None:
     assert "edge" in codes
     for choice in select(part):
         if choice.feasible:
-            assert edge_refusal(part, choice.segments) is None
+            assert (
+                edge_refusal(part.scene, part.motion.clearance, choice.segments) is None
+            )
         if choice.refusal is not None and choice.refusal.code == "edge":
             assert choice.refusal.figure is not None
             assert choice.refusal.allowed is not None
@@ -112,7 +114,7 @@ def test_a_way_that_leads_over_the_edge_is_refused_with_the_figure() -> None:
 
 def test_without_a_region_no_way_is_refused_for_an_edge() -> None:
     part = task(support={"friction": 0.3})
-    assert edge_refusal(part, plan(part).segments) is None
+    assert edge_refusal(part.scene, part.motion.clearance, plan(part).segments) is None
 
 
 def test_what_stands_over_the_edge_is_brought_away_from_it() -> None:
@@ -144,8 +146,11 @@ def test_a_drag_moves_the_load_ahead_by_friction_times_height() -> None:
     ]
     cut = ((0.2, -0.4), (x + 0.03, -0.4), (x + 0.03, 0.4), (0.2, 0.4))
     short = replace(part, support=replace(part.support, region=cut))
-    assert edge_refusal(short, made.segments) is None or y != -0.2
-    refused = edge_refusal(short, ahead)
+    assert (
+        edge_refusal(short.scene, short.motion.clearance, made.segments) is None
+        or y != -0.2
+    )
+    refused = edge_refusal(short.scene, short.motion.clearance, ahead)
     assert refused is not None
     assert refused.code == "edge"
 
@@ -161,11 +166,11 @@ def test_a_plan_made_on_the_way_stays_on_the_table() -> None:
     touched = tuple(contact.point for contact in segment.contacts)
     X_WB = segment.body_pose(0.0)
     cut = ((0.2, -0.4), (0.6, -0.4), (0.6, 0.4), (0.2, 0.4))
-    assert Replanner(part).replan(
+    assert Replanner(part.queries()).replan(
         made.segments, Measured.touching(X_WB, made.segments[0].contacts, touched, 1.0)
     )
     short = replace(part, support=replace(part.support, region=cut))
-    assert not Replanner(short).replan(
+    assert not Replanner(short.queries()).replan(
         made.segments, Measured.touching(X_WB, made.segments[0].contacts, touched, 1.0)
     )
 

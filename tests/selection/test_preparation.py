@@ -37,7 +37,7 @@ class Arms:
 def test_the_first_choice_with_a_joint_path_is_run_and_the_others_say_why() -> None:
     assert len(CHOICES) > 2
     arms = Arms(CHOICES[1:])
-    judged = module.prepared(arms, TASK, list(CHOICES), force=False)
+    judged = module.prepared(arms, Plan(TASK), list(CHOICES), force=False)
     assert [plan.segments for plan in arms.plans] == [CHOICES[1].segments]
     assert judged[0].refusal is not None
     assert judged[0].refusal.code == "joint_path"
@@ -47,7 +47,7 @@ def test_the_first_choice_with_a_joint_path_is_run_and_the_others_say_why() -> N
 
 def test_without_a_joint_path_the_task_is_refused() -> None:
     with pytest.raises(InfeasibleTaskError, match="no joint path"):
-        module.prepared(Arms(()), TASK, list(CHOICES), force=False)
+        module.prepared(Arms(()), Plan(TASK), list(CHOICES), force=False)
 
 
 def test_further_choices_are_not_taken_where_they_change_the_placements(
@@ -63,5 +63,5 @@ def test_further_choices_are_not_taken_where_they_change_the_placements(
 
     monkeypatch.setattr(module, "placements", fewer)
     with pytest.raises(InfeasibleTaskError, match="no joint path"):
-        module.prepared(Arms(()), TASK, choices, force=False)
+        module.prepared(Arms(()), Plan(TASK), choices, force=False)
     assert asked == [module.MANY]

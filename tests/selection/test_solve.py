@@ -12,12 +12,13 @@ from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.footprint import gaps
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.state import OBJECT, WorldState
 from pushpressslide.core.task import Box, Restart, Task
 from pushpressslide.planning.swept import swept
 from pushpressslide.report.plan_files import plan_from_dict, plan_to_dict
 from pushpressslide.selection.clearance import obstacle_refusal
 from pushpressslide.selection.preparation import PlansAlone
-from pushpressslide.selection.solve import Solution, plan, searchable, solve
+from pushpressslide.selection.solve import Solution, plan, searchable, solve, solved
 from pushpressslide.taskfile.load import task_from_data
 
 # too heavy for one press of 40 N: it can only be pushed, and a post is in the way
@@ -56,7 +57,7 @@ def found(solution: Solution) -> Plan:
 
 def test_a_push_round_a_post_is_found_as_several_motions(found: Plan) -> None:
     assert len(found.task.legs) > 1
-    assert found.task.searched
+    assert found.searched
     assert [segment.leg for segment in found.segments] == sorted(
         segment.leg for segment in found.segments
     )
@@ -128,13 +129,13 @@ def test_after_a_recovery_the_rest_is_searched_for_anew(
     task: Task, found: Plan
 ) -> None:
     here = Pose2(0.50, 0.15, -0.5)
-    told = task.told
-    begin = Restart(
-        0, here, told.object.center_of_mass, told.support.friction, None, legs=()
-    )
+    scene = task.scene
+    center = scene.body.center_of_mass
+    state = WorldState({OBJECT: here})
+    begin = Restart(state, 0, center, scene.support.friction, None, legs=())
     rest = found.task.resumed(begin)
     assert rest.legs == ()
-    again = solve(PlansAlone(), rest, 1, begin=begin).plan
+    again = solved(PlansAlone(), Plan(rest, restart=begin, searched=True), 1).plan
     assert again.restart is not None
     assert again.restart.legs == again.task.legs
     assert found.task.resumed(again.restart) == again.task
@@ -146,7 +147,7 @@ def test_gaps_grow_from_what_the_start_has(task: Task) -> None:
     there = replace(task, start=near, obstacles=(post,))
     along = [Pose2(near.x + 0.01 * i, near.y, 0.0) for i in range(4)]
     away = [Pose2(near.x, near.y - 0.01 * i, 0.0) for i in range(8)]
-    assert obstacle_refusal(there, away) is None
-    refusal = obstacle_refusal(there, along)
+    assert obstacle_refusal(there.query, away) is None
+    refusal = obstacle_refusal(there.query, along)
     assert refusal is not None
     assert refusal.code == "obstacle"

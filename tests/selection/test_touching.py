@@ -30,7 +30,7 @@ def cell(start: dict[str, float], goal: dict[str, float]) -> Task:
             {"model": "iiwa7", "base": {"x": 0.0, "y": -0.75}},
         ],
     }
-    return task_from_data(data, "cell.yaml").told
+    return task_from_data(data, "cell.yaml")
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def across() -> Task:
 
 
 def test_no_arm_leads_an_object_from_one_side_to_the_other(across: Task) -> None:
-    asked = Touching(across)
+    asked = Touching(across.query)
     poses = [across.start, across.goal, Pose2(0.45, -0.4), Pose2(0.45, 0.4)]
     for mode in ("rear_push", "press_slide"):
         assert not asked.able(mode, poses, 0, 1)
@@ -51,9 +51,9 @@ def test_no_arm_leads_an_object_from_one_side_to_the_other(across: Task) -> None
 
 def test_what_can_be_chosen_is_known_to_be_reached() -> None:
     for name in ("rear-push-rear", "press-slide"):
-        task = pps.load_task(name).told
+        task = pps.load_task(name)
         (best,) = [choice for choice in pps.select(task) if choice.feasible][:1]
-        assert Touching(task).able(best.mode, [task.start, task.goal], 0, 1)
+        assert Touching(task.query).able(best.mode, [task.start, task.goal], 0, 1)
 
 
 def test_what_was_found_is_written_and_read_again(
@@ -67,8 +67,10 @@ def test_what_was_found_is_written_and_read_again(
 
 
 def test_an_object_is_handed_over_where_both_arms_press_it(across: Task) -> None:
-    ways = free_space(across).ways(across.goal)
-    reached = touching(across, "press_slide", waypoints(across, ways)).any(axis=2)
+    ways = free_space(across.query).ways(across.goal)
+    reached = touching(across.query, "press_slide", waypoints(across.query, ways)).any(
+        axis=2
+    )
     assert reached.all(axis=1).sum() >= 2
     modes = pps.plan(across).segments
     arms = [contact.arm for segment in modes for contact in segment.contacts]

@@ -15,8 +15,6 @@ from pushpressslide.taskfile.place import Place
 
 DERIVED = {
     "Robot.base_yaw",  # within base
-    "Task.pushes",
-    "Task.searched",
     "Task.source",
     "ToolUse.body",  # within goal
     "ToolUse.goal",

@@ -10,8 +10,8 @@ from collections.abc import Callable, Sequence
 from pushpressslide.allocation.contact_line import ContactLine
 from pushpressslide.allocation.press_loads import TwoPresses
 from pushpressslide.core import margins
+from pushpressslide.core.motion import Cop
 from pushpressslide.core.pose import Point
-from pushpressslide.core.task import Cop
 from pushpressslide.core.wrench import Twist
 
 FRACTIONS = [0.01 * i for i in range(1, 100)]

@@ -15,11 +15,11 @@ from pushpressslide.allocation.cop_strategy import (
 from pushpressslide.allocation.press_loads import TwoPresses
 from pushpressslide.allocation.wall_presses import wall_loads
 from pushpressslide.core import margins
+from pushpressslide.core.motion import FORCE_ALLOWED, Cop, Motion
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.task import FORCE_ALLOWED, Cop, Motion
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.osculating import pressures, touching_ellipsoid

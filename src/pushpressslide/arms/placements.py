@@ -11,7 +11,7 @@ from pushpressslide.arms.paths.placements import PlacementPaths
 from pushpressslide.arms.torque_arm import TorqueArm
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
-from pushpressslide.core.task import Task
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.planning.free_way import Bounds
 
 
@@ -34,8 +34,10 @@ class ArmPlacements:
         self._prepared = PlacementPaths(library)  # of what is ahead
         self._prepared.paths = list(paths)
 
-    def begin(self, task: Task, postures: Sequence[Array] | None = None) -> None:
-        """Give the arms the joint paths of the next placement of ``task``; arms that are
+    def begin(
+        self, query: MotionQuery, postures: Sequence[Array] | None = None
+    ) -> None:
+        """Give the arms the joint paths of the next placement of ``query``; arms that are
         at ``postures`` (n,) [rad] are led to its beginning first.
         """
         taken = self._prepared.paths.pop(0)
@@ -43,8 +45,10 @@ class ArmPlacements:
         if postures is not None:
             facts = [arm.model.facts for arm in self._arms]
             paths = led_in(paths, facts, postures)
+        period = query.motion.control_period
+        frame = query.scene.support.frame
         for arm, path, (_, attitude) in zip(self._arms, paths, taken, strict=True):
-            arm.follow(task, path, attitude)
+            arm.follow(path, attitude, period, frame)
 
     def prepare(self) -> PlacementPaths:
         """A preparation of joint paths from where the arms were read last."""
@@ -55,7 +59,7 @@ class ArmPlacements:
 
     def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None:
         """Take the next joint paths, from where the arms were read last."""
-        self.begin(placement.task, self._postures())
+        self.begin(placement.query, self._postures())
 
     def _postures(self) -> tuple[Array, ...]:
         return tuple(arm.state.q for arm in self._arms)

@@ -18,8 +18,7 @@ from pushpressslide.core.control import (
     TipState,
 )
 from pushpressslide.core.plan import JointPath
-from pushpressslide.core.support_frame import TABLE
-from pushpressslide.core.task import Task
+from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.execution.arm import ArmDynamics, ArmExecutor
 from pushpressslide.execution.torque import LimitedTorque
 from pushpressslide.robots.facts import RobotFacts
@@ -53,11 +52,19 @@ class TorqueArm(Driverless):
         self._reference = np.zeros(0)  # (n,) [rad]
         self._rate = np.zeros(0)  # (n,) [rad/s] of the reference, smoothed
 
-    def follow(self, task: Task, path: JointPath, attitude: ToolAttitude) -> None:
-        """Take ``path`` as the joint reference, with the tool held as in ``attitude``."""
+    def follow(
+        self,
+        path: JointPath,
+        attitude: ToolAttitude,
+        period: float,
+        frame: SupportFrame = TABLE,
+    ) -> None:
+        """Take ``path`` as the joint reference, with the tool held as in ``attitude``,
+        in control periods of ``period`` [s]; ``frame`` is the support's.
+        """
         facts = self.model.facts
         self.path = path
-        self._frame = task.support.frame
+        self._frame = frame
         self._executor = ArmExecutor(
             facts.lower,
             facts.upper,
@@ -66,8 +73,8 @@ class TorqueArm(Driverless):
             attitude.rotation_at,
             path.tool_yaw_offset,
             self._stiffness,
-            task.motion.control_period,
-            self._frame,
+            period,
+            frame,
         )
 
     def read(self) -> ArmState:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pushpressslide.core.plan import ENOUGH, Choice
+from pushpressslide.core.plan import ENOUGH, Choice, Plan
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.engines import DEFAULT, engine_named
 from pushpressslide.selection.preparation import with_joint_paths
@@ -16,4 +16,4 @@ def ranked(task: Task, joints: bool) -> list[Choice]:
     if not joints:
         return select(task)
     preparation = engine_named(DEFAULT).preparation(False)
-    return with_joint_paths(preparation, task, select(task, ENOUGH))
+    return with_joint_paths(preparation, Plan(task), select(task, ENOUGH))

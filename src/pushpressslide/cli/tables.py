@@ -149,8 +149,9 @@ def print_legs(plan: Plan) -> None:
     """Print the motions of a plan that were found one after the other, and what it may
     push.
     """
-    if plan.task.yielding:
-        names = ", ".join(obstacle.name for obstacle in plan.task.yielding)
+    yielding = plan.query.yielding
+    if yielding:
+        names = ", ".join(obstacle.name for obstacle in yielding)
         modes = ", ".join(dict.fromkeys(piece.mode for piece in plan.segments))
         print_text(f"{modes}, with leave to push what may move: {names}", 4)
     if not plan.task.legs:

@@ -62,8 +62,8 @@ from pushpressslide.core.control import (
 )
 from pushpressslide.core.plan import Contact, Plan, Segment
 from pushpressslide.core.pose import Pose2, wrap_angle
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.record import Ending
-from pushpressslide.core.task import Task
 from pushpressslide.core.wrench import Wrench
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 from pushpressslide.modes.base import Tracker
@@ -104,14 +104,14 @@ class Controller:
         gap: float | None = None,
         back: float = math.inf,
         execution: Execution = USUAL,
-        estimator: Callable[[Task], Estimator] = ObjectEstimator,
+        estimator: Callable[[MotionQuery], Estimator] = ObjectEstimator,
     ) -> None:
         """Prepare everything that does not change from tick to tick.
 
         ``number`` is the placement's index in the plan; ``gap`` [m] is the free path
         that the approach leaves before the touch (default: as the task asks for);
         ``back`` [m] is how far the tips can be drawn back from the end; ``execution``
-        may change the laws; ``estimator`` makes one of the task as it is believed.
+        may change the laws; ``estimator`` makes one of what was asked for.
         """
         self.back = min(margins.ARM.retreat, back)
         self.execution = execution
@@ -119,26 +119,26 @@ class Controller:
         self.segments = self.placement.segments
         self.planned = Timeline(self.segments)
         first = self.segments[0]
-        task = self.placement.task
-        self.X_GB = task.object.X_GB
+        query = self.placement.query
+        self.X_GB = query.X_GB
         self.X_BG = self.X_GB.inverse()
-        self.robots = task.robots
-        self.estimator = estimator(task)
+        self.robots = query.scene.robots
+        self.estimator = estimator(query)
         self.lasting = self.placement.lasting
-        self.touches = _touches(task, first, gap, self.placement.entry)
-        self.law = _law(task, execution, self.placement)
+        self.touches = _touches(query, first, gap, self.placement.entry)
+        self.law = _law(query, execution, self.placement)
         patience = min(
             margins.ARM.loss_time(contact.kind)
-            + task.motion.control_period * self.law.mover.samples(contact)
+            + query.motion.control_period * self.law.mover.samples(contact)
             for contact in first.contacts
         )
         self.supervisor = Supervisor(self.placement, self.law.servo, patience)
 
-    def tracking_law(self, task: Task, segment: Segment) -> Tracker:
+    def tracking_law(self, query: MotionQuery, segment: Segment) -> Tracker:
         """What leads the object along a ``segment``: its mode's law. A class of one's
         own may return another one, with the guidance of ``core.guidance``.
         """
-        return self.execution.tracker(task, segment)
+        return self.execution.tracker(query, segment)
 
     def init(self, measurement: Measurement, held: Commands = ()) -> ControllerState:
         """Return the state at the start of the touch.
@@ -287,11 +287,12 @@ class Controller:
         """Return by how much an object left at ``pose``, X_WG, misses the goal of this
         placement; None if it does not.
         """
-        task = self.placement.last
-        if share_of_tolerance(task, pose) < margins.RETRY_ABOVE:
+        goal = self.placement.last.goal
+        tolerance = self.placement.last.tolerance
+        if share_of_tolerance(pose, goal, tolerance) < margins.RETRY_ABOVE:
             return None
-        off = math.dist(pose.position, task.goal.position)
-        turned = math.degrees(abs(wrap_angle(pose.yaw - task.goal.yaw)))
+        off = math.dist(pose.position, goal.position)
+        turned = math.degrees(abs(wrap_angle(pose.yaw - goal.yaw)))
         return Ending("goal_missed", f"{off * 1e3:.1f} mm and {turned:.1f} deg off")
 
     def _touch(self, state: ControllerState, instant: Instant) -> PhaseStep:
@@ -410,7 +411,7 @@ class Controller:
         holds = failed and not self.placement.scene.carried(instant.X_WG)
         share = _way_back(phase, instant.time)
         segment = state.following.binding.segment
-        part = self.placement.parts[segment.leg]
+        clearance = self.placement.queries[segment.leg].motion.clearance
         yaw = instant.X_WG.yaw
         progress = state.following.joint_progress(instant.X_WB)
         commands = []
@@ -422,7 +423,7 @@ class Controller:
                 command = held_at(context, memory.start, push=touch.force_of(contact))
             else:
                 wanted = margins.ARM.retreat if failed else self.back
-                room = room_before(part, contact, wanted)
+                room = room_before(self.placement.scene, contact, wanted, clearance)
                 way = WayBack(*(room * one for one in share))
                 if not failed:
                     ahead = progress + way.distance
@@ -433,38 +434,38 @@ class Controller:
 
 
 def _touches(
-    task: Task, first: Segment, gap: float | None, into: Entry | None
+    query: MotionQuery, first: Segment, gap: float | None, into: Entry | None
 ) -> tuple[TipTouch, ...]:
     """Touch of each contact of the ``first`` segment."""
     return tuple(
         TipTouch(
-            task.robots[contact.arm].tip_radius,
-            task.motion.approach_distance if gap is None else gap,
+            query.scene.robots[contact.arm].tip_radius,
+            query.motion.approach_distance if gap is None else gap,
             _touch_push(first),
-            task.sensing.felt_force,
-            task.sensing.seen_motion,
-            NormalForceRegulator(f_max=task.limits.normal_force),
+            query.sensing.felt_force,
+            query.sensing.seen_motion,
+            NormalForceRegulator(f_max=query.limits.normal_force),
             _sunk(into),
         )
         for contact in first.contacts
     )
 
 
-def _law(task: Task, execution: Execution, placement: Placement) -> Law:
-    """Algorithm 1 with the figures of a task."""
+def _law(query: MotionQuery, execution: Execution, placement: Placement) -> Law:
+    """Algorithm 1 with the figures of a query."""
     into = placement.entry
     mover = TipMover(
-        task.motion.servo_damping if execution.servo else 0.0,
-        task.contact_friction,
-        task.sensing.felt_force,
-        task.sensing.force_noise,
-        NormalForceRegulator(f_max=task.limits.normal_force),
-        tuple(robot.tip_radius for robot in task.robots),
+        query.motion.servo_damping if execution.servo else 0.0,
+        query.scene.contact_friction,
+        query.sensing.felt_force,
+        query.sensing.force_noise,
+        NormalForceRegulator(f_max=query.limits.normal_force),
+        tuple(robot.tip_radius for robot in query.scene.robots),
         _sunk(into),
     )
     # the servo and what adds to it; an experiment without them gives the force alone
     servo = execution.servo and execution.force_gain is None
-    floor_speed = margins.FLOOR_SPEED * task.motion.speed
+    floor_speed = margins.FLOOR_SPEED * query.motion.speed
     tracks_joints = execution.joint_stiffness > 0.0
     return Law(
         mover,

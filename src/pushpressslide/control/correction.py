@@ -14,7 +14,8 @@ from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import ObjectModel, Task
+from pushpressslide.core.query import MotionQuery
+from pushpressslide.core.scene import ObjectModel
 from pushpressslide.geometry.sides import Side
 from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import Identified
@@ -38,22 +39,21 @@ class Replan:
 
 
 class Replanner:
-    """Replans segments of one task; its plans are free as those of a selection are."""
+    """Replans segments of one plan; its plans are free as those of a selection are."""
 
-    def __init__(self, task: Task) -> None:
-        """Hold the legs of ``task``."""
-        self.task = task.told
-        self._parts = self.task.parts
+    def __init__(self, queries: Sequence[MotionQuery]) -> None:
+        """Hold what was asked for, by leg."""
+        self.queries = queries
 
     def believing(self, rho: float | None) -> Replanner:
         """Return a replanner that believes ``rho`` [m] where another one was told;
         None: itself.
         """
-        belief = self._parts[0].belief
-        if rho is None or belief.rho is None:
+        if rho is None or self.queries[0].scene.rho is None:
             return self
-        task = replace(self.task, belief=replace(belief, rho=rho))
-        return Replanner(task)
+        scenes = (replace(query.scene, rho=rho) for query in self.queries)
+        pairs = zip(self.queries, scenes, strict=True)
+        return Replanner([replace(query, scene=scene) for query, scene in pairs])
 
     def replan(
         self, segments: Sequence[Segment], measured: Measured
@@ -64,19 +64,19 @@ class Replanner:
         is not free.
         """
         first = segments[0]
-        part = self._parts[first.leg]
-        fresh = MODES[first.mode].replan(part, segments, measured)
-        return fresh if _free(part, fresh) else ()
+        query = self.queries[first.leg]
+        fresh = MODES[first.mode].replan(query, segments, measured)
+        return fresh if _free(query, fresh) else ()
 
     def again(self, segment: Segment, measured: Measured) -> tuple[Segment, ...]:
         """Return the segments of another attempt at a segment's goal; empty if there is
         none.
         """
-        part = self._parts[segment.leg]
+        query = self.queries[segment.leg]
         mode = MODES[segment.mode]
-        made = mode.again(part, segment, measured)
+        made = mode.again(query, segment, measured)
         fresh = tuple(replace(piece, leg=segment.leg) for piece in made)
-        return fresh if _free(part, fresh) else ()
+        return fresh if _free(query, fresh) else ()
 
     def onward(
         self,
@@ -105,7 +105,9 @@ class Replanner:
             return None
         if left < arm.least_left or since_last < arm.replan_pause:
             return None
-        longest = margins.longest(margins.DETOUR, left, self.task.object.radius)
+        longest = margins.longest(
+            margins.DETOUR, left, self.queries[0].scene.body.radius
+        )
         if moved > arm.off_axle:  # the path of another point has another length
             longest += 2.0 * moved
         rest = (rest_of(followed, guidance.progress), *segments[1:])
@@ -118,35 +120,36 @@ class Replanner:
         return _at_speed(fresh, followed.profile)
 
 
-def _free(part: Task, segments: Sequence[Segment]) -> bool:
-    """Whether segments, the first of the leg ``part``, stay in the workspace, keep
+def _free(query: MotionQuery, segments: Sequence[Segment]) -> bool:
+    """Whether segments, the first of the leg of ``query``, stay in the workspace, keep
     clear of obstacles, do not tip into an opening or over an edge, and push straight
     with a tool.
     """
     if not segments:
         return True
+    scene = query.scene
     for piece in segments:
         poses = poses_along(piece)
-        if workspace_refusal(part.object, part.limits, poses) is not None:
+        if workspace_refusal(scene.body, query.limits, poses) is not None:
             return False
-    clearance = part.motion.clearance
-    path = swept(part.object, segments, clearance)
-    if part.obstacles and obstacle_refusal(part, path) is not None:
+    clearance = query.motion.clearance
+    path = swept(scene.body, segments, clearance)
+    if scene.obstacles and obstacle_refusal(query, path) is not None:
         return False
-    if edge_refusal(part, segments) is not None:
+    if edge_refusal(scene, clearance, segments) is not None:
         return False
-    if part.support.opening is None and part.tool is None:
+    if scene.support.opening is None and query.tool is None:
         return True
     first = segments[0]
     same_leg = [piece for piece in segments if piece.leg == first.leg]
-    poses = swept(part.object, same_leg, clearance)
+    poses = swept(scene.body, same_leg, clearance)
     # what is so where the object stands already is no reason to go on as before
     here = poses[:1]
-    tips = opening_refusal(part, first, poses)
-    if tips is not None and opening_refusal(part, first, here) is None:
+    tips = opening_refusal(query, first, poses)
+    if tips is not None and opening_refusal(query, first, here) is None:
         return False
-    skew = tool_refusal(part, poses)
-    return skew is None or tool_refusal(part, here) is not None
+    skew = tool_refusal(query, poses)
+    return skew is None or tool_refusal(query, here) is not None
 
 
 def _axle_error(segment: Segment, identified: Identified | None) -> float:

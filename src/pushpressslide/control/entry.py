@@ -14,7 +14,8 @@ from dataclasses import dataclass
 
 from pushpressslide.core.control import TipState, Vector3
 from pushpressslide.core.plan import Contact
-from pushpressslide.core.task import Task
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.scene import Scene
 
 # [m] of any tip beyond where it pressed at first at which the object counts as going in
 ENTERED = 0.002
@@ -71,13 +72,13 @@ def braking(speed: float, allowed: float) -> float:
     return BRAKE * min(1.0, (speed / allowed) ** 2) if speed > 0.0 else 0.0
 
 
-def entry(task: Task, contacts: Sequence[Contact]) -> Entry | None:
-    """Return how to enter the opening that the goal of ``task`` lies in, or None."""
-    opening = task.support.opening
-    if opening is None or not task.enters:
+def entry(scene: Scene, goal: Pose2, contacts: Sequence[Contact]) -> Entry | None:
+    """Return how to enter the opening that ``goal``, X_WG, lies in, or None."""
+    opening = scene.support.opening
+    if opening is None or not scene.enters(goal):
         return None
     tips = tuple(
-        (contact.arm, contact.tip_place(task.robots[contact.arm].tip_radius)[1])
+        (contact.arm, contact.tip_place(scene.robots[contact.arm].tip_radius)[1])
         for contact in contacts
     )
     return Entry(opening.depth, tips)

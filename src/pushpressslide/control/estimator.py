@@ -14,8 +14,9 @@ from pushpressslide.control.correction import touched_point
 from pushpressslide.control.following import Binding, Prediction
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import Measurement, TipState
+from pushpressslide.core.motion import Sensing
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Sensing, Task
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.twist_path import moved
 from pushpressslide.core.wrench import Twist
 from pushpressslide.identification.center import CenterState
@@ -82,11 +83,11 @@ class ObjectEstimator:
     drag and CoM while the object is driven.
     """
 
-    def __init__(self, task: Task) -> None:
-        """Bind to the object and the sensors of ``task``, as they are believed."""
-        self._X_GB = task.object.X_GB
+    def __init__(self, query: MotionQuery) -> None:
+        """Bind to the object and the sensors of ``query``, as they are believed."""
+        self._X_GB = query.X_GB
         self._X_BG = self._X_GB.inverse()
-        self._gain = pose_gain(task.sensing)
+        self._gain = pose_gain(query.sensing)
 
     def start(self, pose: StampedPose) -> EstimatorState:
         """State in which nothing is identified."""

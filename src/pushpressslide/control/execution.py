@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pushpressslide.core.plan import Segment
-from pushpressslide.core.task import Task
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Tracker
 
@@ -23,9 +23,9 @@ class Execution:
     # (paper, sec. IV-A); 0: none
     joint_stiffness: float = 0.0
 
-    def tracker(self, task: Task, segment: Segment) -> Tracker:
-        """The tracking law of a segment of ``task``: its mode's own."""
-        return MODES[segment.mode].tracker(task, segment)
+    def tracker(self, query: MotionQuery, segment: Segment) -> Tracker:
+        """The tracking law of a segment of ``query``: its mode's own."""
+        return MODES[segment.mode].tracker(query, segment)
 
     @property
     def gain(self) -> float:

@@ -13,7 +13,7 @@ from pushpressslide.core.control import TipState
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Task
+from pushpressslide.core.scene import Scene
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.geometry.sides import Side
 from pushpressslide.identification.center import CenterIdentifier
@@ -44,23 +44,17 @@ class Binding:
         return touched_points(self.segment.contacts, self.sides, X_WB, tips)
 
 
-def bind(task: Task, segment: Segment, tracker: Tracker) -> Binding:
-    """Return the laws of a segment's mode for its contacts, led by ``tracker``; ``task``
-    is its leg's.
-    """
+def bind(scene: Scene, segment: Segment, tracker: Tracker) -> Binding:
+    """Return the laws of a segment's mode for its contacts, led by ``tracker``."""
     mode = MODES[segment.mode]
     contacts = segment.contacts
     tip_points = tuple(
-        contact.tip_place(task.robots[contact.arm].tip_radius)[0]
+        contact.tip_place(scene.robots[contact.arm].tip_radius)[0]
         for contact in contacts
     )
-    allocate = mode.allocator_of(segment, task.contact_friction)
+    allocate = mode.allocator_of(segment, scene.contact_friction)
     return Binding(
-        segment,
-        tracker,
-        allocate,
-        tip_points,
-        sides_of(task.object, contacts),
+        segment, tracker, allocate, tip_points, sides_of(scene.body, contacts)
     )
 
 

@@ -19,7 +19,6 @@ from pushpressslide.control.cell import (
 )
 from pushpressslide.control.limits import ArmLimits, ArmReading
 from pushpressslide.control.tracker import StampedPose
-from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import ArmCommand, Commands, Measurement, Vector3
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.selection.preparation import Preparation
@@ -37,18 +36,6 @@ class PlantRow:
     execution_time: float = 0.0  # no longer asked for
     # makes this tick's rows of the arrays of core.record.Record that not every plant has
     extras: Callable[[], Mapping[str, Any]] = dict
-
-
-@dataclass(frozen=True, slots=True)
-class Situation:
-    """Where a run begins that goes on from the end of another one."""
-
-    # (7,) quaternion (w, x, y, z) and position [m] in Drake's world of every body that
-    # can move, by its name in the task, "object" among them; empty without Drake
-    bodies: Mapping[str, Array]
-    joints: tuple[Array, ...]  # (n,) [rad] of each arm; empty where there are none
-    speeds: tuple[Array, ...]  # (n,) [rad/s] of them
-    tips: tuple[Vector3, ...]  # [m] centre of each tip
 
 
 class Plant(Protocol):

@@ -11,11 +11,13 @@ from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import ReasonCode
+from pushpressslide.core.scene import Scene
+from pushpressslide.core.state import OBJECT, WorldState
 from pushpressslide.core.task import Restart, Task
 from pushpressslide.identification.findings import Findings, dragged_friction
 from pushpressslide.modes.base import ENOUGH
 from pushpressslide.selection.preparation import Preparation
-from pushpressslide.selection.solve import solve
+from pushpressslide.selection.solve import solved
 
 RECOVERABLE: frozenset[ReasonCode] = frozenset(
     {
@@ -30,33 +32,34 @@ RECOVERABLE: frozenset[ReasonCode] = frozenset(
 """Endings after which arms that have drawn back can begin anew."""
 
 
-def restart(task: Task, segment: Segment, pose: Pose2, findings: Findings) -> Restart:
-    """Return where ``task`` goes on that was left in ``segment`` with the object at
+def restart(scene: Scene, segment: Segment, pose: Pose2, findings: Findings) -> Restart:
+    """Return where a task in ``scene`` goes on that was left in ``segment`` with the object at
     ``pose``, X_WG.
     """
-    told = task.told
-    x, y = told.object.center_of_mass
+    x, y = scene.body.center_of_mass
     dx, dy = findings.center
     load = sum(contact.load for contact in segment.contacts)
-    friction = dragged_friction(told.scene, load, findings.drag)
-    rho = told.belief.rho
+    friction = dragged_friction(scene, load, findings.drag)
+    rho = scene.rho
     if rho is not None and findings.rho is not None:
         rho = findings.rho
-    return Restart(segment.leg, pose, (x + dx, y + dy), friction, rho)
+    state = WorldState({OBJECT: pose})
+    return Restart(state, segment.leg, (x + dx, y + dy), friction, rho)
 
 
 def planned_anew(
-    task: Task, begin: Restart, prepare: Callable[[], Preparation]
+    plan: Plan, begin: Restart, prepare: Callable[[], Preparation]
 ) -> Plan:
-    """Return the plan of what is left of ``task``, in a preparation that ``prepare``
+    """Return the plan of what is left of the task of ``plan``, in a preparation that ``prepare``
     returns empty.
 
     Where that cannot be done as the task names it, with free contacts. Where what was
     identified leads nowhere, by the friction that was believed: an object that jams
     drags too. Raises InfeasibleTaskError where there is none.
     """
+    task = plan.task
     free = replace(begin, free=True)
-    believed = replace(free, support_friction=task.told.support.friction)
+    believed = replace(free, support_friction=task.scene.support.friction)
     tried: list[Task] = []
     refused: InfeasibleTaskError | None = None
     for one in (begin, free, believed):
@@ -65,15 +68,16 @@ def planned_anew(
             continue
         tried.append(rest)
         try:
-            return _planned(task, one, prepare())
+            return _planned(plan, one, prepare())
         except InfeasibleTaskError as error:
             refused = refused or error
     assert refused is not None
     raise refused
 
 
-def _planned(task: Task, begin: Restart, preparation: Preparation) -> Plan:
-    if task.searched:  # other motions than those found before may lead on
+def _planned(plan: Plan, begin: Restart, preparation: Preparation) -> Plan:
+    if plan.searched:  # other motions than those found before may lead on
         begin = replace(begin, leg=0, legs=())
-    rest = task.resumed(begin)
-    return solve(preparation, rest, ENOUGH, begin=begin).plan
+    rest = plan.task.resumed(begin)
+    empty = Plan(rest, (), begin, plan.searched, plan.may_push)
+    return solved(preparation, empty, ENOUGH).plan

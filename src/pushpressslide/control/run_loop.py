@@ -33,7 +33,7 @@ from pushpressslide.control.controller import Controller
 from pushpressslide.control.estimator import Estimator, ObjectEstimator
 from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.limits import ArmReading, Guard
-from pushpressslide.control.plant import Plant, Situation, cell_of
+from pushpressslide.control.plant import Plant, cell_of
 from pushpressslide.control.recording import Recorder, Tick
 from pushpressslide.control.recovery import RECOVERABLE, planned_anew, restart
 from pushpressslide.control.sensing import sensed
@@ -62,8 +62,10 @@ from pushpressslide.core.control import (
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.record import Ending, Record
-from pushpressslide.core.task import Restart, Task
+from pushpressslide.core.state import WorldState
+from pushpressslide.core.task import Restart
 from pushpressslide.identification.findings import NOTHING
 from pushpressslide.planning.side_contacts import before_contacts
 
@@ -89,12 +91,12 @@ class RunOptions:
     execution: Execution = USUAL
     # of each placement
     controller: type[Controller] = Controller
-    # makes what estimates pose and figures of the object, from the task as believed
-    estimator: Callable[[Task], Estimator] = ObjectEstimator
+    # makes what estimates pose and figures of the object, from what was asked for
+    estimator: Callable[[MotionQuery], Estimator] = ObjectEstimator
     # given what sees the object, returns what sees it in its place
     tracker: Callable[[ObjectTracker], ObjectTracker] | None = None
     # that the run goes on from; None: the task's start, with the arms before the object
-    begin: Situation | None = None
+    begin: WorldState | None = None
 
 
 def run_loop(
@@ -139,27 +141,28 @@ class RunLoop:
     ) -> None:
         """Put the first placement before ``cell``; nothing has moved yet."""
         options = options or RunOptions()
-        task = plan.part(plan.segments[0])
-        period = task.motion.control_period
+        query = plan.query
+        period = query.motion.control_period
+        arms = len(query.scene.robots)
         if not isinstance(cell, Cell):
-            cell = cell_of(cell, len(task.robots))
+            cell = cell_of(cell, arms)
         if cell.clock.simulated:
-            cell = sensed(cell, task.sensing, options.seed, period)
+            cell = sensed(cell, query.sensing, options.seed, period)
         self.plan = plan
         self.cell = cell
         self.tracker = cell.tracker
         if options.tracker is not None:
             self.tracker = options.tracker(cell.tracker)
         self.options = options
-        self.time_limit = task.limits.time
-        self.recoveries = task.motion.recoveries  # left
+        self.time_limit = query.limits.time
+        self.recoveries = query.motion.recoveries  # left
         self.events: list[dict[str, Any]] = []  # what was recovered from
         # plans that others took the place of, and how many placements were begun of each
         self.earlier: list[tuple[Plan, int]] = []
-        self.tracked = StampedPose(cell.clock.time, task.start)  # as last seen
+        self.tracked = StampedPose(cell.clock.time, query.start)  # as last seen
         goes_on = options.begin is not None
         limits = cell.arm_limits
-        self.guard = Guard(task.limits.normal_force, period, limits, anew=goes_on)
+        self.guard = Guard(query.limits.normal_force, period, limits, anew=goes_on)
         self.joint_watches = [JointWatch(each.velocity.tolist()) for each in limits]
         self.breach: Ending | None = None  # the limit that was broken
         self.stopping: Stop | None = None  # since then
@@ -173,7 +176,7 @@ class RunLoop:
         self.holding: Commands | None = None  # what the arms obey while one plans
         self.log: ControlLog  # of the last tick
         before = self.measure()[0] if goes_on else None
-        self._begin((None,) * len(task.robots), cell.clock.time, before)
+        self._begin((None,) * arms, cell.clock.time, before)
 
     def run(self) -> Record:
         """Step to the end and return the record."""
@@ -400,16 +403,16 @@ class RunLoop:
     ) -> None:
         """Begin the present placement at ``time`` [s], with the tips as measured."""
         placement = self.placements[self.number]
-        task = placement.task
+        query = placement.query
         paths = self.cell.joint_paths
-        gap = before_contacts(task, placement.contacts)
+        gap = before_contacts(query.scene, query.motion, placement.contacts)
         back = min((path.room for path in paths), default=math.inf)
         if paths:  # what the approach really leaves
-            self.approach: Approach = JointApproach(task.start, paths, held, time)
+            self.approach: Approach = JointApproach(query.start, paths, held, time)
             gap = min(gap, *(path.gap for path in paths))
         else:
             travel = tip_paths(placement, held, measurement)
-            self.approach = TipApproach(task.start, travel, held, time)
+            self.approach = TipApproach(query.start, travel, held, time)
         self.controller = self.options.controller(
             self.plan,
             self.number,
@@ -464,9 +467,7 @@ class RunLoop:
             begin = self._restart(pose)
             held = self._hold(tick)
             prepare = self.cell.placements.prepare
-            plan = self._beside(
-                partial(planned_anew, self.plan.task, begin, prepare), held
-            )
+            plan = self._beside(partial(planned_anew, self.plan, begin, prepare), held)
             self._check_in_time(plan)
         except InfeasibleTaskError as error:
             self._note(time, why, str(error))
@@ -486,7 +487,7 @@ class RunLoop:
 
         Raises InfeasibleTaskError where the arms cannot let go of it.
         """
-        task = self.plan.task
+        scene = self.plan.task.scene
         segment = self.controller.segments[0]
         found = NOTHING
         if self.state is not None:
@@ -494,9 +495,9 @@ class RunLoop:
             found = findings(self.state)
         elif any(self.approach.held):
             raise InfeasibleTaskError("one arm still holds the object")
-        if not task.scene.carried(pose):
+        if not scene.carried(pose):
             raise InfeasibleTaskError("nothing but the arms carries the object")
-        return restart(task, segment, pose, found)
+        return restart(scene, segment, pose, found)
 
     def _hold(self, tick: Tick) -> Commands:
         """Command all arms, or tips without arms, to stay where they are; return the
@@ -647,24 +648,23 @@ def tip_paths(
     contact, or to its robot's base, where a tip waits that has none. None for one that
     holds its contact, and at the start of a run.
     """
-    task = placement.task
-    paths: list[TipPath | None] = [None] * len(task.robots)
+    query = placement.query
+    scene = query.scene
+    paths: list[TipPath | None] = [None] * len(scene.robots)
     if measurement is None:
         return paths
-    X_WB = task.start.compose(task.X_GB)
-    gap = before_contacts(task, placement.contacts)
+    X_WB = query.start.compose(query.X_GB)
+    gap = before_contacts(query.scene, query.motion, placement.contacts)
     ends = {
         contact.arm: tip_position(
-            contact, X_WB, task.robots[contact.arm].tip_radius, gap
+            contact, X_WB, scene.robots[contact.arm].tip_radius, gap
         )
         for contact in placement.contacts
     }
-    for arm, (robot, base) in enumerate(
-        zip(task.robots, task.scene.bases, strict=True)
-    ):
+    for arm, (robot, base) in enumerate(zip(scene.robots, scene.bases, strict=True)):
         begin = measurement.tips[arm].position
         waits = arm not in ends and math.dist(begin, base) < AT_BASE
         if held[arm] is None and not waits:
-            above = task.object.shape.height + robot.tip_radius + gap
+            above = scene.body.shape.height + robot.tip_radius + gap
             paths[arm] = tip_path(begin, ends.get(arm, base), above)
     return paths

@@ -260,7 +260,7 @@ class Supervisor:
             for contact, at in zip(followed.contacts, planned, strict=True)
         )
         if crept:
-            most = self.placement.parts[followed.leg].limits.planned_force
+            most = self.placement.queries[followed.leg].limits.planned_force
             contacts = tuple(
                 replace(
                     contact,
@@ -370,8 +370,8 @@ class Supervisor:
         not there.
         """
         following = state.following
-        task = self.placement.parts[following.segment.leg]
-        off = share_of_tolerance(task, instant.X_WG)
+        query = self.placement.queries[following.segment.leg]
+        off = share_of_tolerance(instant.X_WG, query.goal, query.tolerance)
         above = margins.RETRY_ABOVE
         if self.placement.entry is not None:
             above = margins.RETRY_ABOVE_SEATED
@@ -411,7 +411,7 @@ class Supervisor:
     def _in_time(self, segments: Sequence[Segment], time: float) -> bool:
         """Whether ``segments`` begun at ``time`` [s] end before the run has to."""
         ends = time + math.fsum(segment.profile.duration for segment in segments)
-        part = self.placement.parts[self.placement.segments[0].leg]
+        part = self.placement.queries[self.placement.segments[0].leg]
         return ends < part.limits.time - ramp_time(margins.ARM.retreat)
 
     def _next_segment(
@@ -431,7 +431,7 @@ class Supervisor:
             planned = before.segment
         first = fresh[0]
         axle = MODES[ahead[0].mode].identifier(
-            self.placement.parts[ahead[0].leg], first
+            self.placement.queries[ahead[0].leg], first
         )
         following = Following(
             self.placement.bound(first),
@@ -461,7 +461,7 @@ class Supervisor:
         X_WB = instant.X_WB
         following = state.following
         planned = ahead[0]
-        part = self.placement.parts[planned.leg]
+        part = self.placement.queries[planned.leg]
         mode = MODES[planned.mode]
         sides = sides_of(self.placement.object, planned.contacts)
         touched = touched_points(planned.contacts, sides, X_WB, instant.tips)

@@ -9,16 +9,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from pushpressslide.core.motion import ON_THE_WAY
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.state import OBJECT as OBJECT
-from pushpressslide.core.state import State
-from pushpressslide.core.task import (
-    ON_THE_WAY,
-    ObjectModel,
-    Obstacle,
-    Shape,
-    Task,
-)
+from pushpressslide.core.state import WorldState
+from pushpressslide.core.task import ObjectModel, Obstacle, Shape, Task
 
 SET_DOWN = "task-object"
 """Name of the task's object as an obstacle, while another body is the one to be moved:
@@ -35,18 +30,10 @@ class Stage:
     aside: bool = False  # out of the way of another, not to a goal of its own
 
 
-def start_state(task: Task) -> State:
+def start_state(task: Task) -> WorldState:
     """Return the state in which the task begins, with the object at its planned start."""
     others = {o.name: o.pose for o in task.obstacles if o.movable}
-    return State({OBJECT: task.start, **others})
-
-
-def motion_task(task: Task, begin: State, goal: Pose2) -> Task:
-    """Return the ordinary task of one motion of the object from a state to ``goal``,
-    X_WG; what the arms hold there is not part of it.
-    """
-    obstacles = tuple(_at(obstacle, begin) for obstacle in task.obstacles)
-    return replace(task, start=begin.object, goal=goal, obstacles=obstacles)
+    return WorldState({OBJECT: task.start, **others})
 
 
 def body_shape(task: Task, body: str) -> Shape:
@@ -63,6 +50,15 @@ def obstacle_name(body: str, moved: str) -> str:
     return SET_DOWN if body == OBJECT else body
 
 
+def in_stage(state: WorldState, moved: str) -> WorldState:
+    """Return a state with the bodies called as in the stage in which ``moved`` is the
+    object.
+    """
+    poses = {obstacle_name(body, moved): X for body, X in state.poses.items()}
+    spatial = {obstacle_name(body, moved): q for body, q in state.spatial.items()}
+    return replace(state, poses=poses, spatial=spatial)
+
+
 def goal_places(task: Task) -> tuple[tuple[str, Shape, Pose2], ...]:
     """Return every goal of a task: the body's name, its shape, and X_WG there."""
     if task.goals:
@@ -75,7 +71,7 @@ def goal_places(task: Task) -> tuple[tuple[str, Shape, Pose2], ...]:
     return own, (tool.body, body_shape(task, tool.body), tool.goal)
 
 
-def stage_task(task: Task, stage: Stage, begin: State) -> Task:
+def stage_task(task: Task, stage: Stage, begin: WorldState) -> Task:
     """Return the ordinary task of a stage that begins in a state.
 
     The body is as the task has it: its own mass and shape, and its own friction with
@@ -115,7 +111,7 @@ def _obstacle(task: Task, name: str) -> Obstacle:
     return next(o for o in task.obstacles if o.name == name)
 
 
-def _at(obstacle: Obstacle, state: State) -> Obstacle:
+def _at(obstacle: Obstacle, state: WorldState) -> Obstacle:
     pose = state.poses.get(obstacle.name)
     return obstacle if pose is None else replace(obstacle, pose=pose)
 

@@ -13,6 +13,7 @@ from pushpressslide.core.drive import Drive
 from pushpressslide.core.notebook import html_of
 from pushpressslide.core.path import ArcPath, SpeedProfile
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import SKIPPED, Refusal
 from pushpressslide.core.task import Restart, Task
 from pushpressslide.core.twist_path import TwistPath
@@ -185,10 +186,32 @@ class Plan:
     """
 
     task: Task
-    segments: tuple[Segment, ...]
+    segments: tuple[Segment, ...] = ()  # none: nothing is planned yet
     restart: Restart | None = None  # that the task goes on from; None: its start
+    searched: bool = False  # whether the task's legs were found, not prescribed
+    may_push: bool = False  # whether the object pushes on its way what may move
     # that took the place of the rest after recoveries, one after the other
     later: tuple[Plan, ...] = ()
+
+    @property
+    def queries(self) -> tuple[MotionQuery, ...]:
+        """What was asked for, one motion for each leg."""
+        return self.task.queries(searched=self.searched, may_push=self.may_push)
+
+    @property
+    def query(self) -> MotionQuery:
+        """What was asked for in the first leg."""
+        return self.queries[self.segments[0].leg]
+
+    @property
+    def first(self) -> int:
+        """The first leg that is not done where the task goes on."""
+        return 0 if self.restart is None else self.restart.leg
+
+    def of_choices(self, chosen: Sequence[Choice]) -> Plan:
+        """Return the plan with the segments of one choice for each placement, in order."""
+        segments = tuple(piece for choice in chosen for piece in choice.segments)
+        return replace(self, segments=segments)
 
     @property
     def placements(self) -> tuple[tuple[Segment, ...], ...]:
@@ -203,10 +226,11 @@ class Plan:
 
     @property
     def by_placement(self) -> tuple[Plan, ...]:
-        """One plan for each placement, with the task of its first leg; those that were
-        planned anew included.
-        """
-        own = tuple(Plan(self.part(group[0]), group) for group in self.placements)
+        """One plan for each placement; those that were planned anew included."""
+        own = tuple(
+            replace(self, segments=group, restart=None, later=())
+            for group in self.placements
+        )
         return sum((plan.by_placement for plan in self.later), own)
 
     def begun(self, count: int, rest: Plan) -> Plan:
@@ -229,10 +253,11 @@ class Plan:
         """X_WG at its end."""
         return self.segments[-1].goal
 
-    def part(self, segment: Segment) -> Task:
-        """Return the task of a segment's leg."""
-        parts = self.task.parts
-        return parts[segment.leg] if self.task.legs else parts[0]
+    @property
+    def true_start(self) -> Pose2:
+        """X_WG at which the object really stands as it begins."""
+        later = self.segments[0].leg > 0
+        return self.query.start if later else self.task.true_start
 
     def object_pose(self, segment: Segment, s: float) -> Pose2:
         """Return the planned X_WG at arc length ``s`` [m] of a segment."""

@@ -398,8 +398,10 @@ class Scene:
         """Return whether an object that is let go at a pose stays: by the support's
         friction, on a ledge or in the opening.
         """
-        if self.rests or self.on_ledge(X_WG):
-            return True
+        return self.rests or self.on_ledge(X_WG) or self.enters(X_WG)
+
+    def enters(self, X_WG: Pose2) -> bool:
+        """Return whether the object at a pose lies in an opening of the support."""
         opening = self.support.opening
         return opening is not None and opening.holds(X_WG, self.body.shape)
 

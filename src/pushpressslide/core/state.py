@@ -1,16 +1,17 @@
 """Where everything is between two motions: what a motion begins from and leaves.
 
-A task says where all begins. From there planners go from state to state: a search over
-motions, the stages of several bodies, what goes on after a recovery. The ordinary task
-of one motion is made from a state by ``core.bodies``.
+A task says where all begins. From there planners and engines go from state to state:
+the stages of several bodies, a plant that goes on from another one, what is left after
+a recovery.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from pushpressslide.core.control import Vector3
 from pushpressslide.core.pose import Pose2
 
 if TYPE_CHECKING:
@@ -36,23 +37,27 @@ class Held:
 
 
 @dataclass(frozen=True)
-class State:
+class WorldState:
     """Where the bodies that can be moved are, how the arms stand, what they hold."""
 
-    poses: Mapping[
-        str, Pose2
-    ]  # X_WG of bodies by name; any other is as the task has it
+    # X_WG of bodies by name; any other is as the task has it
+    poses: Mapping[str, Pose2]
     joints: tuple[Joints, ...] = ()  # of each arm; empty: as they come, or no arms
     held: Held | None = None  # None: the arms have let go
+    speeds: tuple[Joints, ...] = ()  # [rad/s] of the joints; empty: at rest
+    tips: tuple[Vector3, ...] = ()  # [m] centre of each; empty: as they come
+    # quaternion (w, x, y, z) and position [m] in Drake's world, (7,), of the same
+    # bodies; empty without Drake
+    spatial: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
     @property
     def object(self) -> Pose2:
         """X_WG of the task's own object."""
         return self.poses[OBJECT]
 
-    def led(self, body: str, X_WG: Pose2) -> State:
+    def led(self, body: str, X_WG: Pose2) -> WorldState:
         """Return the state with one body at ``X_WG`` and nothing held."""
-        return replace(self, poses={**self.poses, body: X_WG}, held=None)
+        return replace(self, poses={**self.poses, body: X_WG}, held=None, spatial={})
 
     def __hash__(self) -> int:
         """Return the hash of what is compared."""

@@ -12,8 +12,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from pushpressslide.core.motion import Sensing
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Sensing
 from pushpressslide.core.twist_path import screw
 
 # [s] over which a twist is taken at least: short against a turn

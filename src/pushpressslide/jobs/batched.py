@@ -25,9 +25,10 @@ from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.motion import Sensing
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Plan
-from pushpressslide.core.task import Sensing, Task
+from pushpressslide.core.task import Task
 from pushpressslide.geometry.sides import FlatSide
 from pushpressslide.jobs.engines import EngineName, engine_named
 from pushpressslide.jobs.rows import Row
@@ -161,8 +162,8 @@ def _pushed_car(plan: Plan) -> tuple[RearSteerDrive, ArcPath]:
         raise _refused(f"a task of {len(task.legs)} legs", "tasks without legs")
     (piece,) = plan.segments
     (contact,) = piece.contacts
-    told = task.told.object
-    side = told.shape.side(contact.point, contact.normal, told.center_of_mass)
+    body = task.scene.body
+    side = body.shape.side(contact.point, contact.normal, body.center_of_mass)
     if not isinstance(side, FlatSide):
         raise _refused("a push on a round side", "pushes on flat faces")
     if not task.scene.carried(task.goal) or any(task.scene.weight_along):
@@ -203,9 +204,9 @@ def _lead(task: Task, drive: RearSteerDrive, noise: Array) -> Lead:
 
 def _touch(plan: Plan) -> Touch:
     task = plan.task
-    told = task.told
+    told = task.scene
     (contact,) = plan.contacts
-    body = told.object
+    body = told.body
     side = body.shape.side(contact.point, contact.normal, body.center_of_mass)
     assert isinstance(side, FlatSide)
     radius = task.robots[contact.arm].tip_radius
@@ -233,10 +234,9 @@ def _base(plan: Plan) -> tuple[float, float, float, float]:
     An ellipsoid about the centre of pressure with this rho has the curvature that the
     exact surface has at each angle.
     """
-    told = plan.task.told
     (contact,) = plan.contacts
-    scene = told.scene
-    motion = told.motion
+    scene = plan.query.scene
+    motion = plan.query.motion
     face = min(
         pushable(scene, motion.face),
         key=lambda f: math.dist(
@@ -265,7 +265,7 @@ def _bodies(plan: Plan, truths: Truths) -> tuple[Array, Array, float]:
     nx, ny = contact.normal
     px, py = contact.point
     load = truths.mass * GRAVITY
-    X_GB = task.told.X_GB
+    X_GB = task.X_GB
     x, y = (truths.centers - X_GB.position).T
     columns = (
         truths.support_friction * load,
@@ -294,7 +294,7 @@ def _moved(poses: Array, offset: tuple[float, float]) -> Array:
 
 def _outcomes(plan: Plan, states: Array, place: float) -> Outcomes:
     task = plan.task
-    dx, dy = task.told.X_GB.position
+    dx, dy = task.X_GB.position
     poses = _moved(states[:, :3], (-dx, -dy))
     (contact,) = plan.contacts
     nx, ny = contact.normal

@@ -12,12 +12,12 @@ import numpy as np
 
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.footprint import gaps, middle_room
+from pushpressslide.core.motion import Motion
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import (
     Belief,
     Box,
     Cylinder,
-    Motion,
     ObjectModel,
     Obstacle,
     Prism,

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from pushpressslide.core.plan import Plan
     from pushpressslide.core.pose import Pose2
     from pushpressslide.core.record import Record
-    from pushpressslide.core.state import State
+    from pushpressslide.core.state import WorldState
     from pushpressslide.core.task import Shape
     from pushpressslide.report.stages import StageRun
     from pushpressslide.selection.preparation import Preparation
@@ -60,7 +60,7 @@ class Engine(Protocol):
     # a plan needs joint paths; a run can be watched live and filmed
     has_arms: bool
 
-    def preparation(self, force: bool, begin: State | None = None) -> Preparation:
+    def preparation(self, force: bool, begin: WorldState | None = None) -> Preparation:
         """Return an empty preparation; with ``force`` it takes the best there is.
 
         The arms are as in ``begin``, where that has their joints, else in their ready
@@ -81,7 +81,7 @@ class Engine(Protocol):
 class _Drake:
     has_arms = True
 
-    def preparation(self, force: bool, begin: State | None = None) -> Preparation:
+    def preparation(self, force: bool, begin: WorldState | None = None) -> Preparation:
         """Return the search for joint paths."""
         import numpy as np
 
@@ -133,7 +133,7 @@ class _Drake:
 class _Planar:
     has_arms = False
 
-    def preparation(self, force: bool, begin: State | None = None) -> Preparation:
+    def preparation(self, force: bool, begin: WorldState | None = None) -> Preparation:
         """Return the plans alone."""
         from pushpressslide.selection.preparation import PlansAlone
 

@@ -18,6 +18,7 @@ from pushpressslide.control.tracker import ObjectTracker
 from pushpressslide.core.bodies import goal_places
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Choice, Plan
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.record import Figures, Record
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.ask import checked
@@ -29,7 +30,6 @@ from pushpressslide.jobs.monitor import interrupted
 from pushpressslide.jobs.stages import Done, StageOptions, StageRunner
 from pushpressslide.report.files import OLDER_STAGES, save_run
 from pushpressslide.report.stages import StageRun
-from pushpressslide.selection.planner import plan_of
 from pushpressslide.selection.select import MANY, select
 from pushpressslide.selection.solve import joined
 
@@ -76,9 +76,9 @@ def run_choice(
     """
     chosen = engine_named(engine)
     preparation = chosen.preparation(True)
-    for placement in plan_of(task, [choice]).by_placement:
+    for placement in Plan(task).of_choices([choice]).by_placement:
         preparation.add(placement)
-    plan = joined(preparation, task)
+    plan = joined(preparation, Plan(task))
     options = ArmOptions(paths=preparation.paths)
     record = chosen.run(plan, RunOptions(seed), options)
     return record.plan, record
@@ -93,14 +93,14 @@ def run(
     models: str = "generated",
     controller: type[Controller] = Controller,
     tracker: Callable[[ObjectTracker], ObjectTracker] | None = None,
-    estimator: Callable[[Task], Estimator] = ObjectEstimator,
+    estimator: Callable[[MotionQuery], Estimator] = ObjectEstimator,
 ) -> Record:
     """Run a plan, or select, plan and run a task, and return the record of what
     happened, measured: ``success`` and ``figures``.
 
     ``controller`` may be a class derived from ``Controller``. ``tracker`` is given what
     sees the object and returns what is to see it; ``estimator`` makes poses and figures
-    of the object of what is seen, for a task as it is believed.
+    of the object of what is seen, for the motion as it was asked for.
 
     Raises TaskError for a task that a file could not say, and InfeasibleTaskError
     before anything moves where it cannot be done.

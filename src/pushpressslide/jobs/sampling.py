@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from pushpressslide.core.errors import PushPressSlideError, TaskError
+from pushpressslide.core.motion import Sensing
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import (
     Belief,
@@ -18,7 +19,6 @@ from pushpressslide.core.task import (
     ObjectModel,
     Prism,
     Robot,
-    Sensing,
     Shape,
     Task,
 )

@@ -7,29 +7,22 @@ is seen.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from pushpressslide.control.plant import Situation
 from pushpressslide.control.run_loop import RunOptions
-from pushpressslide.core.arrays import Array
-from pushpressslide.core.bodies import (
-    OBJECT,
-    SET_DOWN,
-    obstacle_name,
-    start_state,
-)
-from pushpressslide.core.control import Vector3
+from pushpressslide.core.bodies import OBJECT, SET_DOWN, in_stage, start_state
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.knock import Knock
+from pushpressslide.core.motion import Sensing, Tolerance
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
-from pushpressslide.core.state import Joints, State
-from pushpressslide.core.task import Belief, Obstacle, Sensing, Task, Tolerance
+from pushpressslide.core.state import Joints, WorldState
+from pushpressslide.core.task import Belief, Obstacle, Task
 from pushpressslide.jobs.engines import ArmOptions, engine_named
 from pushpressslide.jobs.monitor import Monitor
 from pushpressslide.modes.base import ENOUGH
@@ -68,21 +61,6 @@ class StageOptions:
 
 
 @dataclass(frozen=True, slots=True)
-class _Left:
-    """What a stage leaves to the next one, as an engine has it."""
-
-    positions: Mapping[str, Array]  # (7,) of each body in Drake; empty without Drake
-    joints: tuple[Array, ...]  # (n,) [rad] of each arm
-    speeds: tuple[Array, ...]  # (n,) [rad/s]
-    tips: tuple[Vector3, ...]
-
-    def situation(self, moved: str) -> Situation:
-        """Return it for the plant of the stage in which ``moved`` is the object."""
-        bodies = {obstacle_name(b, moved): q for b, q in self.positions.items()}
-        return Situation(bodies, self.joints, self.speeds, self.tips)
-
-
-@dataclass(frozen=True, slots=True)
 class Done:
     """What came of a run."""
 
@@ -117,7 +95,6 @@ class StageRunner:
         self._expected = start_state(task)  # by the plans
         self._within: dict[str, Tolerance] = {}  # of these, where not the task's
         self._state = start_state(task).led(OBJECT, task.true_start)  # as it is
-        self._left: _Left | None = None
         self._learnt: dict[str, Belief] = {}
 
     def run(self) -> Iterator[StageRun]:
@@ -203,7 +180,7 @@ class StageRunner:
         within = self._within.get(body, self.task.tolerance)
         return is_there(seen, self._expected.poses[body], within)
 
-    def _seen(self) -> State:
+    def _seen(self) -> WorldState:
         """Return the state with the bodies where they are seen at rest: noise averages
         out, a bias stays.
         """
@@ -214,7 +191,7 @@ class StageRunner:
     def _record(self, planned: PlannedStage, number: int) -> Record:
         """Run a planned stage from where everything is."""
         monitor = self.options.monitor
-        left = self._left
+        goes_on = number > 0
         preparation: Preparation = planned.preparation
         plan = self._as_it_is(planned)
         with monitor.held():
@@ -225,7 +202,9 @@ class StageRunner:
                     seed=self.options.seed + number,
                     progress=self._progress(number),
                     stop=monitor.interrupt or bool,
-                    begin=None if left is None else left.situation(planned.stage.body),
+                    begin=in_stage(self._state, planned.stage.body)
+                    if goes_on
+                    else None,
                 ),
                 ArmOptions(
                     self.options.models,
@@ -244,7 +223,7 @@ class StageRunner:
         if not self.task.goals:
             return plan
         task = plan.task
-        others = self._state if self._left is None else self._seen()
+        others = self._seen() if self.runs else self._state
         true = self._state.poses[planned.stage.body]
         turn = np.arctan2(
             np.sin(true.yaw - task.start.yaw), np.cos(true.yaw - task.start.yaw)
@@ -274,14 +253,14 @@ class StageRunner:
         task = done.plan.task
         period = task.motion.control_period
         self._time += float(arrays["time"][-1] - arrays["time"][0]) + period
-        joints = _of_arms(done.record, "joint_position")
-        speeds = _of_arms(done.record, "joint_velocity")
-        positions = {b: values[-1] for b, values in body_positions(done).items()}
-        tips = tuple(
-            (float(x), float(y), float(z)) for x, y, z in arrays["tip_position"][-1]
+        positions = {b: q[-1].tolist() for b, q in body_positions(done).items()}
+        self._state = WorldState(
+            final_poses(done),
+            _of_arms(done.record, "joint_position"),
+            speeds=_of_arms(done.record, "joint_velocity"),
+            tips=tuple((x, y, z) for x, y, z in arrays["tip_position"][-1].tolist()),
+            spatial={body: tuple(q) for body, q in positions.items()},
         )
-        self._left = _Left(positions, joints, speeds, tips)
-        self._state = State(final_poses(done), tuple(map(_angles, joints)))
         self._expected = after(self._expected, done.stage)
         self._within[body] = task.tolerance
         learnt = _learnt(done.plan)
@@ -295,18 +274,15 @@ def planned_part(planned: PlannedStage) -> StagePlan:
     return StagePlan(planned.stage, solution.plan, tuple(solution.choices))
 
 
-def _of_arms(record: Record, name: str) -> tuple[Array, ...]:
+def _of_arms(record: Record, name: str) -> tuple[Joints, ...]:
     """Return the last sample of each arm; empty where there are no arms."""
     arms = range(len(record.plan.task.robots))
     keys = (f"{name}_{arm}" for arm in arms)
-    return tuple(record.arrays[key][-1] for key in keys if key in record.arrays)
+    arrays = record.arrays
+    return tuple(tuple(arrays[key][-1].tolist()) for key in keys if key in arrays)
 
 
-def _angles(joints: Array) -> Joints:
-    return tuple(map(float, joints))
-
-
-def _at(obstacle: Obstacle, state: State) -> Obstacle:
+def _at(obstacle: Obstacle, state: WorldState) -> Obstacle:
     body = OBJECT if obstacle.name == SET_DOWN else obstacle.name
     return replace(obstacle, pose=state.poses.get(body, obstacle.pose))
 

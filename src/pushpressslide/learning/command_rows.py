@@ -10,8 +10,8 @@ import numpy as np
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Measurement, TipCommand, TipState
+from pushpressslide.core.motion import Limits, Motion
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Limits, Motion
 
 YAW = 4.0 * math.pi  # [rad], whole turns included
 LEAST_DAMPING = 500.0  # [N s/m] of which twice can always be asked

@@ -39,9 +39,9 @@ class RearPushPolicy:
         x, y, yaw, _, _, _, tip_x, tip_y = np.asarray(observation).tolist()
         X_WG = Pose2(x, y, yaw)
         if self._segment is None:
-            seen = replace(self._push.task.told, start=X_WG)
-            (self._segment,) = choice(seen, self._push.face).segments
-            self._tracker = MODE.tracker(self._push.task.told, self._segment)
+            query = replace(self._push.task.query, start=X_WG)
+            (self._segment,) = choice(query, self._push.face).segments
+            self._tracker = MODE.tracker(query, self._segment)
             self._progress = 0.0
         assert self._tracker is not None
         path = self._segment.path

@@ -11,6 +11,7 @@ from pathlib import Path
 from pushpressslide.core.errors import Shown, TaskError
 from pushpressslide.core.plan import Choice, Contact
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.task import Belief, Task
 from pushpressslide.modes.rear_push import MODE
 from pushpressslide.planning.rear_car_fit import FittedFace, fitted_faces
@@ -66,58 +67,61 @@ def push_task(task: Task | str | Path) -> PushTask:
     """
     loaded = task if isinstance(task, Task) else load_task(task)
     _check(loaded)
-    planned = choice(loaded)
+    planned = choice(loaded.query)
     (segment,) = planned.segments
     (contact,) = segment.contacts
     truth = replace(loaded, belief=Belief(), start_error=Pose2())
-    fitted = _face_at(truth, contact.point, contact.normal)
+    fitted = _face_at(truth.query, contact.point, contact.normal)
     steps = math.ceil(LONGER * segment.profile.duration / PERIOD)
     return _figures(truth, loaded, fitted, steps)
 
 
-def choice(task: Task, face: int | None = None) -> Choice:
-    """Return the quickest push of a task, on ``face`` if that is given, whether the arm
+def choice(query: MotionQuery, face: int | None = None) -> Choice:
+    """Return the quickest push for a query, on ``face`` if that is given, whether the arm
     reaches it or not.
 
     Raises TaskError where no face can be pushed.
     """
-    index = task.motion.face if face is None else face
-    asked = replace(task, motion=replace(task.motion, face=index))
+    index = query.motion.face if face is None else face
+    asked = replace(query, motion=replace(query.motion, face=index))
     choices = [one for draft in MODE.drafts(asked) for one in draft.make(True)]
     able = [one for one in choices if one.segments]
     if not able:
         reason = "; ".join(str(one.refusal) for one in choices) or "it has no face"
-        raise _refused(task, "object", "this", f"no face can be pushed: {reason}")
+        raise _refused(
+            query.source, "object", "this", f"no face can be pushed: {reason}"
+        )
     return min(able, key=lambda one: (not one.feasible, one.time))
 
 
 def _check(task: Task) -> None:
     """Refuse a task that is not one push of one body on a table."""
+    source = task.source or task.name
     kind = task.support.kind
     if kind != "table":
-        raise _refused(task, "support.kind", kind, "allowed to learn: table")
+        raise _refused(source, "support.kind", kind, "allowed to learn: table")
     if task.modes is not None and MODE.name not in task.modes:
         modes = ", ".join(task.modes)
-        raise _refused(task, "modes", modes, f"allowed to learn: {MODE.name}")
+        raise _refused(source, "modes", modes, f"allowed to learn: {MODE.name}")
     for field in ("obstacles", "goals", "legs"):
         count = len(getattr(task, field))
         if count:
-            raise _refused(task, field, f"{count} of them", "allowed to learn: none")
+            raise _refused(source, field, f"{count} of them", "allowed to learn: none")
     if task.support.region is not None:
-        raise _refused(task, "support.region", "an edge", "allowed to learn: null")
+        raise _refused(source, "support.region", "an edge", "allowed to learn: null")
 
 
-def _refused(task: Task, field: str, value: str, allowed: str) -> TaskError:
-    return TaskError(task.source or task.name, field, Shown(value), allowed)
+def _refused(source: str, field: str, value: str, allowed: str) -> TaskError:
+    return TaskError(source, field, Shown(value), allowed)
 
 
-def _face_at(task: Task, foot: Point, normal: Point) -> FittedFace:
+def _face_at(query: MotionQuery, foot: Point, normal: Point) -> FittedFace:
     """Return the pushed face of the true object.
 
     Raises TaskError for one that is round, and where the push tips the object.
     """
     fitted = min(
-        fitted_faces(task.scene, task.motion),
+        fitted_faces(query.scene, query.motion),
         key=lambda one: (
             math.dist(one.face.normal, normal),
             math.dist(one.face.foot, foot),
@@ -125,10 +129,10 @@ def _face_at(task: Task, foot: Point, normal: Point) -> FittedFace:
     )
     if not fitted.face.flat:
         raise _refused(
-            task, "object", "a round face", "allowed to learn: a straight one"
+            query.source, "object", "a round face", "allowed to learn: a straight one"
         )
     if not fitted.cars:
-        raise _refused(task, "object", "its push", f"{fitted.refusal}")
+        raise _refused(query.source, "object", "its push", f"{fitted.refusal}")
     return fitted
 
 

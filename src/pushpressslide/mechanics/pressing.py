@@ -9,11 +9,11 @@ import math
 from collections.abc import Sequence
 
 from pushpressslide.core import margins
+from pushpressslide.core.motion import FORCE_ALLOWED
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.task import FORCE_ALLOWED
 from pushpressslide.mechanics.pressure import center_of_pressure
 
 

@@ -26,6 +26,7 @@ from pushpressslide.core import margins
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.drive import Drive
 from pushpressslide.core.guidance import Guidance
+from pushpressslide.core.motion import Limits, Motion, Vehicle
 from pushpressslide.core.plan import ENOUGH as ENOUGH
 from pushpressslide.core.plan import (
     Choice,
@@ -35,8 +36,9 @@ from pushpressslide.core.plan import (
     same_places,
 )
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import NOT_EVALUATED, Refusal
-from pushpressslide.core.task import Motion, Task, Vehicle
+from pushpressslide.core.scene import Scene
 from pushpressslide.identification.center import CenterIdentifier
 from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import AxleIdentifier
@@ -141,44 +143,42 @@ class Mode(ABC, Generic[D]):
     vehicles: ClassVar[tuple[Vehicle, ...]] = ()  # that ``motion.vehicle`` may name
 
     def choices(
-        self, task: Task, enough: int = ENOUGH, judge: Judge | None = None
+        self, query: MotionQuery, enough: int = ENOUGH, judge: Judge | None = None
     ) -> list[Choice]:
         """Return every placement of the contacts that was considered, best first, each
         judged feasible or not; evaluated until ``enough`` are feasible. ``judge``: of
         the paths, by default by the arms' reach alone.
         """
-        return search(self.drafts(task), enough, judge or Judge(task))
+        return search(self.drafts(query), enough, judge or Judge(query))
 
-    def connect(
-        self, task: Task, X_from: Pose2, X_to: Pose2, contacts: Sequence[Contact]
-    ) -> Choice:
-        """Return the quickest motion of the object of ``task`` from one pose X_WG to
-        another with ``contacts`` as they are, or that choice with the reason against it.
+    def connect(self, query: MotionQuery, contacts: Sequence[Contact]) -> Choice:
+        """Return the quickest motion that ``query`` asks for with ``contacts`` as they
+        are, or that choice with the reason against it.
 
         The arms' reach, and what may be in the way, are left aside.
         """
-        part = replace(task, start=X_from, goal=X_to, modes=(self.name,))
+        part = replace(query, modes=(self.name,))
         held = tuple(contacts)
         found = self.choices(part, 1, Judge(part, held=held, arms=False))
         if not found:
             return Choice(self.name, contacts=held, refusal=NO_PLACEMENT)
         return found[0]
 
-    def touches(self, task: Task) -> Sequence[Contact]:
+    def touches(self, query: MotionQuery) -> Sequence[Contact]:
         """Return all contacts by which one arm may move the object; none where the mode
         does not say so, as with two arms.
         """
         return ()
 
-    def least_time(self, task: Task) -> float:
+    def least_time(self, query: MotionQuery) -> float:
         """Return a time [s] that no choice of the mode is below, contacts held at the
         start; quickly.
         """
-        ends = (task.start, task.goal)
-        center = task.X_GB.position
-        return straight_time(*ends, center, task.object.radius, task.motion)
+        ends = (query.start, query.goal)
+        center = query.X_GB.position
+        return straight_time(*ends, center, query.body.radius, query.motion)
 
-    def drafts(self, task: Task) -> Sequence[Draft | Choice]:
+    def drafts(self, query: MotionQuery) -> Sequence[Draft | Choice]:
         """Return a draft for each placement of the contacts, or a choice with what
         stands against all of them; nothing where the mode makes ``choices`` itself.
         """
@@ -197,8 +197,8 @@ class Mode(ABC, Generic[D]):
         return cast("D", drive)
 
     @abstractmethod
-    def tracker(self, task: Task, segment: Segment) -> Tracker:
-        """Return the tracking law for a segment of ``task``."""
+    def tracker(self, query: MotionQuery, segment: Segment) -> Tracker:
+        """Return the tracking law for a segment of ``query``."""
 
     @abstractmethod
     def allocator(
@@ -219,46 +219,50 @@ class Mode(ABC, Generic[D]):
         return self.allocator(segment.contacts, friction, drive.rho, drive.center)
 
     @abstractmethod
-    def course(self, task: Task, segment: Segment, measured: Measured) -> Course | None:
+    def course(
+        self, query: MotionQuery, segment: Segment, measured: Measured
+    ) -> Course | None:
         """Return how a segment is led to its goal from where object and contacts were
         ``measured``; None if that takes too long a way.
         """
 
     def replan(
-        self, task: Task, segments: Sequence[Segment], measured: Measured
+        self, query: MotionQuery, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
         """Return ``segments`` with the first one on its course from what was
         ``measured``; none where there is no course, or only a longer one.
         """
         first, *others = segments
-        course = self.course(task, first, measured)
+        course = self.course(query, first, measured)
         if course is None or course.path.length > measured.longest:
             return ()
         led = replace(first, contacts=course.contacts, drive=course.drive)
         return (led.follows(course.path), *others)
 
     def again(
-        self, task: Task, segment: Segment, measured: Measured
+        self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
         """The segments of another attempt at the goal, with the same contacts, from near
         it; none where the mode cannot go back.
         """
-        return self.replan(task, (segment,), measured)
+        return self.replan(query, (segment,), measured)
 
-    def misses(self, task: Task, segments: Sequence[Segment], X_WB: Pose2) -> bool:
+    def misses(
+        self, query: MotionQuery, segments: Sequence[Segment], X_WB: Pose2
+    ) -> bool:
         """Whether ``segments``, led on from ``X_WB``, do not lead to the goal, so that
         another attempt is better begun at once.
         """
         return False
 
-    def identifier(self, task: Task, segment: Segment) -> AxleIdentifier | None:
+    def identifier(self, query: MotionQuery, segment: Segment) -> AxleIdentifier | None:
         """Return what identifies the mode's virtual axle on the way; None where nothing
         is identified.
         """
         return None
 
     def center_identifier(
-        self, task: Task, segment: Segment, center: Point = (0.0, 0.0)
+        self, query: MotionQuery, segment: Segment, center: Point = (0.0, 0.0)
     ) -> CenterIdentifier | None:
         """Return what identifies the centre of mass on the way, in a segment that was
         planned with it at ``center`` [m] in B; None where it is of no use.
@@ -360,7 +364,7 @@ class Judge:
     In a search over sequences the tables do for all.
     """
 
-    task: Task
+    query: MotionQuery
     blocks: Callable[[Choice], Refusal | None] | None = None  # what is in the way
     held: tuple[Contact, ...] | None = None  # the only contacts that are asked for
     arms: bool = True  # whether the arms are asked at all
@@ -380,11 +384,11 @@ class Judge:
 
     def _arms_refusal(self, choice: Choice) -> Refusal | None:
         """Return why the arms cannot follow a choice; None if they can."""
-        searched = self.task.searched
+        searched = self.query.searched
         if searched and not all(map(self.reach_ends, choice.contacts)):
             return UNKNOWN
         quick = searched or self.unreached >= PATIENCE
-        refusal = arms_refusal(self.task, choice, quick)
+        refusal = arms_refusal(self.query.scene, self.query.limits, choice, quick)
         self.unreached += refusal is not None and refusal.code == "reach"
         return refusal
 
@@ -394,17 +398,19 @@ class Judge:
         """
         place = replace(contact, load=0.0)
         if place not in self._at_ends:
-            task = self.task
-            refusal = contact_refusal(task.scene, place, task.body_ends, quick=True)
+            query = self.query
+            refusal = contact_refusal(query.scene, place, query.body_ends, quick=True)
             self._at_ends[place] = refusal is None
         return self._at_ends[place]
 
 
-def arms_refusal(task: Task, choice: Choice, quick: bool) -> Refusal | None:
+def arms_refusal(
+    scene: Scene, limits: Limits, choice: Choice, quick: bool
+) -> Refusal | None:
     """Return what stands against the path of a choice: time, workspace, reach of the
     tips, ``quick`` by the tables alone; None if nothing.
     """
-    limit = task.limits.time
+    limit = limits.time
     if not choice.segments:
         return Refusal("no_path", "no path")
     if choice.time is not None and choice.time > limit:
@@ -414,13 +420,13 @@ def arms_refusal(task: Task, choice: Choice, quick: bool) -> Refusal | None:
     for piece in choice.segments:
         along = poses_along(piece)
         poses += along
-        refusal = workspace_refusal(task.object, task.limits, along)
+        refusal = workspace_refusal(scene.body, limits, along)
         if refusal is not None:
             return refusal
     contacts = choice.segments[0].contacts
     alone = [contact.kind for contact in contacts] == ["top"]
     for contact in contacts:
-        refusal = contact_refusal(task.scene, contact, poses, alone=alone, quick=quick)
+        refusal = contact_refusal(scene, contact, poses, alone=alone, quick=quick)
         if refusal is not None:
             return refusal
     return None

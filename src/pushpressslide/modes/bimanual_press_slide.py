@@ -21,11 +21,12 @@ from pushpressslide.allocation.slide_loads import (
     slip_refusal,
 )
 from pushpressslide.core import margins
+from pushpressslide.core.motion import Motion
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import Refusal, refusal_of
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.friction import utilisation_margin
@@ -63,16 +64,16 @@ class BimanualPressSlide(Mode[HeldDrive]):
     pushed_faces = 0
     drives = (HeldDrive,)
 
-    def drafts(self, task: Task) -> list[Draft | Choice]:
+    def drafts(self, query: MotionQuery) -> list[Draft | Choice]:
         """Return one draft per pair of contacts, those with the shortest arms first."""
-        placed = placed_pairs(task)
+        placed = placed_pairs(query)
         if not placed:
             text = "the top has no two places {allowed:mm.0f} apart"
             refusal = Refusal("too_close", text, None, margins.ARM.hand_room, "m")
             return [Choice(self.name, refusal=refusal)]
-        return [self._draft(task, pair) for pair in placed]
+        return [self._draft(query, pair) for pair in placed]
 
-    def _draft(self, task: Task, pair: PlacedPair) -> Draft:
+    def _draft(self, query: MotionQuery, pair: PlacedPair) -> Draft:
         """Return the draft of one pair of contacts."""
         refusal = pair.refusal
         if refusal is None and pair.crossing:
@@ -81,22 +82,22 @@ class BimanualPressSlide(Mode[HeldDrive]):
             refusal = Refusal("at_goal", "the goal is the start")
         points = (contact.point for contact in pair.contacts)
         label = f"pressed at {describe_points(points)}"
-        time = _time(task, pair.path)
+        time = _time(query.motion, pair.path)
         choice = Choice(self.name, label, pair.contacts, time=time, refusal=refusal)
-        make = partial(self._pressed, task, choice, pair.path)
+        make = partial(self._pressed, query, choice, pair.path)
         return Draft(time or inf, make, contacts=pair.contacts)
 
     def _pressed(
-        self, task: Task, placed: Choice, path: TwistPath, evaluated: bool
+        self, query: MotionQuery, placed: Choice, path: TwistPath, evaluated: bool
     ) -> list[Choice]:
         """Judge one pair of contacts but for the arms' reach."""
         if not (evaluated and placed.feasible):
             return [placed]
-        scene = task.scene
+        scene = query.scene
         points = (placed.contacts[0].point, placed.contacts[1].point)
-        cap = task.limits.planned_force
+        cap = query.limits.planned_force
         try:
-            refusal, loads = slide_loads(scene, task.motion, cap, points, path)
+            refusal, loads = slide_loads(scene, query.motion, cap, points, path)
         except ValueError as error:
             return [placed.refused(refusal_of(error, "press"))]
         for normals in loads:
@@ -116,19 +117,24 @@ class BimanualPressSlide(Mode[HeldDrive]):
             if drag.friction_utilisation <= scene.friction_uses[-1]:
                 break
         placed = replace(placed, contacts=contacts, refusal=refusal)
-        return [self._driven(task, placed, tracked, point, drag)]
+        return [self._driven(query, placed, tracked, point, drag)]
 
     def _driven(
-        self, task: Task, placed: Choice, path: TwistPath, point: Point, drag: HeldDrag
+        self,
+        query: MotionQuery,
+        placed: Choice,
+        path: TwistPath,
+        point: Point,
+        drag: HeldDrag,
     ) -> Choice:
         """Return the choice of contacts with loads, and the path that it tracks."""
-        scene = task.scene
+        scene = query.scene
         contacts = placed.contacts
         utilisation = drag.friction_utilisation
         left, right = (contact.load for contact in contacts)
         refusal = placed.refusal
         if refusal is None:
-            cause = f"drag at {task.object.shape.height:.3f} m tips the object"
+            cause = f"drag at {query.body.shape.height:.3f} m tips the object"
             refusal = tipping_refusal(cause, drag.tipping_margin)
         allowed = scene.friction_uses[-1]
         if refusal is None and utilisation > allowed:
@@ -138,7 +144,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
             drag.surface, path.radius, point, lever(scene, load), utilisation
         )
         margin = utilisation_margin(scene.contact_friction, utilisation)
-        piece = segment(task, self.name, contacts, drive, path, cone_margin=margin)
+        piece = segment(query, self.name, contacts, drive, path, cone_margin=margin)
         merits = (
             f"{left:.1f} and {right:.1f} N, path {path.distance:.3f} m, centre of "
             f"pressure {cop_fraction(scene, contacts):.2f} of the way from left to "
@@ -147,7 +153,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
         return replace(
             placed,
             segments=(piece,),
-            time=_time(task, path),
+            time=_time(query.motion, path),
             merits=merits,
             refusal=refusal,
         )
@@ -162,14 +168,14 @@ class BimanualPressSlide(Mode[HeldDrive]):
         allocator = partial(self.allocator, contacts, mu, None)
         return held_drag(scene, contacts, path, point, allocator)
 
-    def tracker(self, task: Task, segment: Segment) -> EasedTracker:
+    def tracker(self, query: MotionQuery, segment: Segment) -> EasedTracker:
         """Return the holonomic law for a segment, within what the contacts hold."""
         drive = self.drive_of(segment)
         decay = margins.ARM.quick * segment.profile.speed
         law = CarriedTracker(
-            drive.X_BV, drive.surface, task.scene.weight_along, drive.lever, decay
+            drive.X_BV, drive.surface, query.scene.weight_along, drive.lever, decay
         )
-        friction = task.scene.contact_friction
+        friction = query.scene.contact_friction
         return EasedTracker(law, self.allocator_of(segment, friction))
 
     def allocator(
@@ -184,16 +190,18 @@ class BimanualPressSlide(Mode[HeldDrive]):
         allocate = two_press_allocator((left.point, right.point), friction)
         return partial(allocate, normals=(left.load, right.load), cop=cop)
 
-    def course(self, task: Task, segment: Segment, measured: Measured) -> Course | None:
+    def course(
+        self, query: MotionQuery, segment: Segment, measured: Measured
+    ) -> Course | None:
         """Return the course by one twist from the object's true pose and contacts."""
         planned = self.drive_of(segment)
-        ends = ends_onward(task.object, segment, measured.X_WB, planned.X_BV)
+        ends = ends_onward(query.body, segment, measured.X_WB, planned.X_BV)
         path = path_onward(ends, planned.radius, measured.longest)
         if path is None:
             return None
         contacts = measured.contacts
         try:
-            drag = self._drag(task.scene, contacts, path, planned.point)
+            drag = self._drag(query.scene, contacts, path, planned.point)
         except ValueError:
             return None
         utilisation = drag.friction_utilisation
@@ -201,9 +209,9 @@ class BimanualPressSlide(Mode[HeldDrive]):
         return Course(contacts, drive, path)
 
 
-def _time(task: Task, path: TwistPath) -> float:
+def _time(motion: Motion, path: TwistPath) -> float:
     """How long the whole run takes [s]."""
-    return round(path_time(task.motion, path.length, pressed=True), 3)
+    return round(path_time(motion, path.length, pressed=True), 3)
 
 
 def _tracking_point(scene: Scene, contacts: Sequence[Contact], twist: Twist) -> Point:

@@ -20,8 +20,9 @@ from pushpressslide.allocation.twist_cone import TwistCone
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Choice, Contact
 from pushpressslide.core.pose import Point
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import Refusal, refusal_of
-from pushpressslide.core.task import Task
+from pushpressslide.core.scene import Scene
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.faces import Face
@@ -73,60 +74,66 @@ class OrthogonalPush(TwistPushes):
     pushed_faces = 2
     drives = (TwistDrive,)
 
-    def drafts(self, task: Task) -> list[Draft | Choice]:
+    def drafts(self, query: MotionQuery) -> list[Draft | Choice]:
         """Return the best placements on every two faces: the quickest first; of equally
         quick ones that with the least force, if it is well inside its cone.
         """
-        flat = [face for face in pushable(task.scene) if face.flat]
+        flat = [face for face in pushable(query.scene) if face.flat]
         if not flat:
             text = "there are no flat faces for two pushes"
             return [Choice(self.name, refusal=Refusal("no_faces", text))]
         placed = []
         for pair in combinations(flat, 2):
             if ANGLES[0] <= angle_between(*pair) <= ANGLES[1]:
-                placed += self._placed(task, pair)
+                placed += self._placed(query, pair)
         if not placed:
             text = "no two faces with 40 to 140 deg between their normals"
             return [Choice(self.name, refusal=Refusal("no_faces", text))]
         placed.sort(key=_rank)
         return [
-            Draft(float(i), partial(_in_arms, task, choice), True, choice.contacts)
+            Draft(
+                float(i), partial(_in_arms, query.scene, choice), True, choice.contacts
+            )
             for i, choice in enumerate(placed)
         ]
 
-    def _placed(self, task: Task, pair: tuple[Face, Face]) -> list[Choice]:
+    def _placed(self, query: MotionQuery, pair: tuple[Face, Face]) -> list[Choice]:
         """Return the best placements on two faces, but for the arms' reach; or one, and
-        why it cannot do the task.
+        why it cannot do the motion.
         """
-        scene = task.scene
-        height = contact_height(scene, task.motion)
+        scene = query.scene
+        height = contact_height(scene, query.motion)
         middles = tuple(
             Contact(i, "side", face.foot, face.normal, height)
             for i, face in enumerate(pair)
         )
         names = f"faces {pair[0].index} and {pair[1].index}"
         none = Choice(self.name, names, middles)
-        refusal = drag_refusal(task, pair, 2, height)
+        refusal = drag_refusal(query, pair, 2, height)
         placements = on_two_faces(scene, pair, height)
         if refusal is None and not placements:
             text = "no two contacts {allowed:mm.0f} apart, as two tools need"
             refusal = Refusal("too_close", text, None, least_distance(scene), "m")
         if refusal is not None:
             return [none.refused(refusal)]
-        placements = within_reach(task, placements)
+        placements = within_reach(query, placements)
         if not placements:
             return [none.refused(UNKNOWN)]
-        cone_goal = ConeGoal.from_task(task)
+        cone_goal = ConeGoal.between(query.body_ends, query.body.radius)
         try:
             surface = push_surface(scene, height, Twist(*cone_goal.direct))
         except ValueError as error:
             return [none.refused(refusal_of(error, "tipping"))]
         mu = scene.least_contact_friction
         cones = [TwistCone(contacts, mu, surface) for contacts in placements]
-        return self._by_twists(task, names, cone_goal, cones)
+        return self._by_twists(query, names, cone_goal, cones)
 
     def _by_twists(
-        self, task: Task, names: str, cone_goal: ConeGoal, cones: list[TwistCone]
+        self,
+        query: MotionQuery,
+        names: str,
+        cone_goal: ConeGoal,
+        cones: list[TwistCone],
     ) -> list[Choice]:
         """Return the best choices of contacts with ``cones``; or the one nearest to
         having a path, refused.
@@ -136,12 +143,12 @@ class OrthogonalPush(TwistPushes):
         cones = sorted(cones, key=lambda cone: (-inside[cone], spread(cone.contacts)))
         usable = sum(margin >= margins.CONE_MARGIN for margin in inside.values())
         driven = []
-        piecewise = PIECEWISE_SEARCHED if task.searched else PIECEWISE
+        piecewise = PIECEWISE_SEARCHED if query.searched else PIECEWISE
         tried = max(piecewise, usable)
         for cone in cones[:tried]:
-            path = cone_goal.path(cone, exact_margin(task, cone.contacts))
+            path = cone_goal.path(cone, exact_margin(query.scene, cone.contacts))
             if path is not None:
-                driven.append(self._driven(task, names, path, cone))
+                driven.append(self._driven(query, names, path, cone))
         if driven:
             driven.sort(key=lambda choice: (not choice.feasible, *_rank(choice)))
             return driven[:OFFERED]
@@ -156,18 +163,18 @@ class OrthogonalPush(TwistPushes):
         return [Choice(self.name, names, cones[0].contacts, refusal=refusal)]
 
     def _driven(
-        self, task: Task, names: str, path: TwistPath, cone: TwistCone
+        self, query: MotionQuery, names: str, path: TwistPath, cone: TwistCone
     ) -> Choice:
         """Return the choice of a path in a cone, its contacts not yet given to arms."""
         places = describe_points(contact.point for contact in cone.contacts)
         placed = Choice(self.name, f"{names} at {places}", cone.contacts)
-        friction = task.scene.contact_friction
+        friction = query.scene.contact_friction
         allocate = self.allocator(cone.contacts, friction, cone.surface.rho)
         wrenches = [cone.wrench(*rate) for rate, _ in path.pieces]
         push = max(max(allocate(w.fx, w.fy, w.tau).normals) for w in wrenches)  # [N]
-        driven = driven_by_twists(task, placed, path, cone, push)
+        driven = driven_by_twists(query, placed, path, cone, push)
         merits = f"{driven.merits}, pushed with up to {push:.1f} N"
-        refusal = push_refusal(push, task.limits, cone.surface.max_force)
+        refusal = push_refusal(push, query.limits, cone.surface.max_force)
         return replace(driven, merits=merits, refusal=refusal)
 
     def allocator(
@@ -191,11 +198,11 @@ class OrthogonalPush(TwistPushes):
         return reserving_allocator(points, normals, friction, rho, projection)
 
 
-def _in_arms(task: Task, choice: Choice, evaluated: bool) -> list[Choice]:
+def _in_arms(scene: Scene, choice: Choice, evaluated: bool) -> list[Choice]:
     """Return a choice for each way to give its contacts to arms."""
     if not (choice.feasible and evaluated):
         return [choice]
-    return in_free_arms(task, choice)
+    return in_free_arms(scene, choice)
 
 
 def _rank(choice: Choice) -> tuple[float, float, float, float]:

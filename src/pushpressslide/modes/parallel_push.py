@@ -18,10 +18,11 @@ from math import atan
 from pushpressslide.allocation.parallel import parallel_push_allocator
 from pushpressslide.allocation.twist_cone import TwistCone
 from pushpressslide.core import margins
+from pushpressslide.core.motion import Motion, Vehicle
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import Refusal, literal, refusal_of
-from pushpressslide.core.task import Motion, Task, Vehicle
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.mechanics.push_surface import push_surface
@@ -84,10 +85,10 @@ class ParallelPush(TwistPushes):
     drives = (CarDrive, TwistDrive)
     vehicles = VEHICLES
 
-    def drafts(self, task: Task) -> list[Draft | Choice]:
+    def drafts(self, query: MotionQuery) -> list[Draft | Choice]:
         """Return one draft for each pair of contacts on each face."""
-        scene = task.scene
-        motion = task.motion
+        scene = query.scene
+        motion = query.motion
         flat = [face for face in pushable(scene, motion.face) if face.flat]
         if not flat:
             text = "there is no flat face for two tips side by side"
@@ -96,7 +97,7 @@ class ParallelPush(TwistPushes):
         placed = [
             (face, contacts)
             for face in flat
-            for contacts in within_reach(task, side_by_side(scene, face, height))
+            for contacts in within_reach(query, side_by_side(scene, face, height))
         ]
         if not placed:
             return [Choice(self.name, refusal=UNKNOWN)]
@@ -111,15 +112,20 @@ class ParallelPush(TwistPushes):
 
         return [
             Draft(
-                _least_time(task, face),
-                partial(self._push, task, face, contacts, cars),
+                _least_time(query, face),
+                partial(self._push, query, face, contacts, cars),
                 contacts=contacts,
             )
             for face, contacts in placed
         ]
 
     def _push(
-        self, task: Task, face: Face, contacts: Contacts, cars: Cars, evaluated: bool
+        self,
+        query: MotionQuery,
+        face: Face,
+        contacts: Contacts,
+        cars: Cars,
+        evaluated: bool,
     ) -> list[Choice]:
         """Judge contacts on a face but for the arms' reach: one choice for each way to
         give them to arms.
@@ -127,53 +133,53 @@ class ParallelPush(TwistPushes):
         places = describe_points(contact.point for contact in contacts)
         choice = Choice(self.name, f"face {face.index} at {places}", contacts)
         if not evaluated:
-            return [replace(choice, time=_least_time(task, face))]
-        refusal = side_by_side_refusal(task, face, contacts)
+            return [replace(choice, time=_least_time(query, face))]
+        refusal = side_by_side_refusal(query, face, contacts)
         if refusal is not None:
             return [choice.refused(refusal)]
         why = []
-        for kind in _vehicles(task.motion):
+        for kind in _vehicles(query.motion):
             try:
                 if kind == "mixed":
-                    driven = self._by_twists(task, choice)
+                    driven = self._by_twists(query, choice)
                 else:
                     car = cars(face, kind == "synchronised")[contacts]
-                    driven = self._as_car(task, choice, car)
+                    driven = self._as_car(query, choice, car)
             except ValueError as error:
                 driven = choice.refused(refusal_of(error, "tipping"))
             if driven.segments:
                 label = f"{choice.label}, {kind}"
-                return in_free_arms(task, replace(driven, label=label))
+                return in_free_arms(query.scene, replace(driven, label=label))
             why.append(f"{kind}: {driven.refusal}")
         return [choice.refused(Refusal("no_path", literal("; ".join(why))))]
 
-    def _as_car(self, task: Task, choice: Choice, car: PushedCar) -> Choice:
+    def _as_car(self, query: MotionQuery, choice: Choice, car: PushedCar) -> Choice:
         """Return the choice to push as a car. Raises ValueError where there is none."""
-        curvature = task.motion.curvature_margin * car.tightest
-        path = car_path(task, car, curvature)
+        curvature = query.motion.curvature_margin * car.tightest
+        path = car_path(query, car, curvature)
         tightest = max((abs(k) for k, _ in path.pieces), default=0.0)
-        mu = task.scene.contact_friction
+        mu = query.scene.contact_friction
         margin = atan(mu) - atan(car.effective_wheelbase * tightest)
-        drive = CarDrive(car, task.scene.max_friction(), curvature)
+        drive = CarDrive(car, query.scene.max_friction(), curvature)
         piece = segment(
-            task, self.name, choice.contacts, drive, path, cone_margin=margin
+            query, self.name, choice.contacts, drive, path, cone_margin=margin
         )
         merits = (
             f"path {path.length:.3f} m, {tightest / car.tightest:.2f} of the tightest "
             "curve used"
         )
-        time = run_time(task.motion, (piece,))
+        time = run_time(query.motion, (piece,))
         return replace(choice, segments=(piece,), time=time, merits=merits)
 
-    def _by_twists(self, task: Task, choice: Choice) -> Choice:
+    def _by_twists(self, query: MotionQuery, choice: Choice) -> Choice:
         """Return the choice to drive twists of the contacts' cone."""
-        cone_goal = ConeGoal.from_task(task)
+        cone_goal = ConeGoal.between(query.body_ends, query.body.radius)
         height = choice.contacts[0].height
-        surface = push_surface(task.scene, height, Twist(*cone_goal.direct))
-        cone = TwistCone(choice.contacts, task.scene.least_contact_friction, surface)
-        path = cone_goal.path(cone, exact_margin(task, choice.contacts))
+        surface = push_surface(query.scene, height, Twist(*cone_goal.direct))
+        cone = TwistCone(choice.contacts, query.scene.least_contact_friction, surface)
+        path = cone_goal.path(cone, exact_margin(query.scene, choice.contacts))
         if path is not None:
-            return driven_by_twists(task, choice, path, cone)
+            return driven_by_twists(query, choice, path, cone)
         margin = cone.angle(*cone_goal.direct)
         text = (
             f"the direct way is {describe_cone_margin(margin)}; "
@@ -183,14 +189,14 @@ class ParallelPush(TwistPushes):
             Refusal("outside_cone", text, margin, margins.CONE_MARGIN, "rad")
         )
 
-    def tracker(self, task: Task, segment: Segment) -> Tracker:
+    def tracker(self, query: MotionQuery, segment: Segment) -> Tracker:
         """Return the law for a segment: look-ahead alignment of a car; else that of
         twists.
         """
         drive = segment.drive
         if not isinstance(drive, CarDrive):
-            return super().tracker(task, segment)
-        look_ahead = task.motion.look_ahead
+            return super().tracker(query, segment)
+        look_ahead = query.motion.look_ahead
         if look_ahead is None:
             shortest = margins.ARM.shortest(segment.profile.speed)
             look_ahead = margins.CAR_LOOK_AHEAD * shortest
@@ -214,24 +220,26 @@ class ParallelPush(TwistPushes):
         return parallel_push_allocator(points, contacts[0].normal, friction, rho)
 
     def again(
-        self, task: Task, segment: Segment, measured: Measured
+        self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
         """Return the segment for what is left; none where that is not within the cone,
         or for a car, which does not go back.
         """
         if isinstance(segment.drive, CarDrive):
             return ()
-        return super().again(task, segment, measured)
+        return super().again(query, segment, measured)
 
-    def course(self, task: Task, segment: Segment, measured: Measured) -> Course | None:
+    def course(
+        self, query: MotionQuery, segment: Segment, measured: Measured
+    ) -> Course | None:
         """Return the course by the true contacts; how the object moves is believed as
         before.
         """
         drive = segment.drive
         if not isinstance(drive, CarDrive):
-            return super().course(task, segment, measured)
-        ends = ends_onward(task.object, segment, measured.X_WB, drive.X_BV)
-        straight = run_ins(task.motion)
+            return super().course(query, segment, measured)
+        ends = ends_onward(query.body, segment, measured.X_WB, drive.X_BV)
+        straight = run_ins(query.motion)
         path = gentle_path(
             ends, drive.curvature, measured.longest, straight, segment.arcs.turning
         )
@@ -243,14 +251,14 @@ def _vehicles(motion: Motion) -> tuple[Vehicle, ...]:
     return EITHER if motion.vehicle is None else (motion.vehicle,)
 
 
-def _least_time(task: Task, face: Face) -> float:
+def _least_time(query: MotionQuery, face: Face) -> float:
     """Return the least time [s] that a push on a face can take: about straight to the
     goal.
     """
-    by_twists, as_car = least_lengths(task, face)
+    by_twists, as_car = least_lengths(query.body_ends, query.body.radius, face)
     lengths = {"mixed": by_twists, "differential": as_car, "synchronised": as_car}
-    least = min(lengths[kind] for kind in _vehicles(task.motion))
-    return path_time(task.motion, least)
+    least = min(lengths[kind] for kind in _vehicles(query.motion))
+    return path_time(query.motion, least)
 
 
 MODE = ParallelPush()

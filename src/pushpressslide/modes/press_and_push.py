@@ -18,9 +18,9 @@ from pushpressslide.allocation.press_and_push import press_and_push_allocator
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import Refusal, RefusedError, refusal_of
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.friction import utilisation_margin
@@ -69,37 +69,38 @@ class PressAndPush(Mode[PinnedDrive]):
     pushed_faces = None
     drives = (PinnedDrive,)
 
-    def drafts(self, task: Task) -> list[Draft | Choice]:
+    def drafts(self, query: MotionQuery) -> list[Draft | Choice]:
         """Return one draft per place to push, those with the longest lever first."""
         try:
-            pin = pin_of(task)
+            pin = pin_of(query)
         except RefusedError as error:
             return [Choice(self.name, refusal=error.refusal)]
-        turn = math.remainder(task.goal.yaw - task.start.yaw, 2.0 * math.pi)
-        places = levers(task.scene, pin, math.copysign(1.0, turn), task.motion.face)
+        turn = math.remainder(query.goal.yaw - query.start.yaw, 2.0 * math.pi)
+        places = levers(query.scene, pin, math.copysign(1.0, turn), query.motion.face)
         if not places:
             text = "no face has a lever of {allowed:mm.0f} about the pressed point"
-            least = margins.LEAST_LEVER * task.object.radius
+            least = margins.LEAST_LEVER * query.body.radius
             refusal = Refusal("lever", text, None, least, "m")
             return [Choice(self.name, refusal=refusal)]
         radius = max(math.dist(pin, place.point) for place in places)
-        start, goal = (X_WB.compose(Pose2(*pin)) for X_WB in task.body_ends)
+        start, goal = (X_WB.compose(Pose2(*pin)) for X_WB in query.body_ends)
         path = TwistPath.between((start, goal), radius)
-        time = path_time(task.motion, path.length, pressed=True)
+        time = path_time(query.motion, path.length, pressed=True)
         turning = _Turn(pin, path, time)
         return [
-            Draft(time, partial(self._pushed, task, turning, place)) for place in places
+            Draft(time, partial(self._pushed, query, turning, place))
+            for place in places
         ]
 
     def _pushed(
-        self, task: Task, turn: _Turn, lever: Lever, evaluated: bool
+        self, query: MotionQuery, turn: _Turn, lever: Lever, evaluated: bool
     ) -> list[Choice]:
         """Judge one place to push but for the arms' reach: one choice for each way to
         give the two contacts to the arms.
         """
-        scene = task.scene
-        top = task.object.shape.height
-        height = contact_height(scene, task.motion)
+        scene = query.scene
+        top = query.body.shape.height
+        height = contact_height(scene, query.motion)
         press = Contact(0, "top", turn.pin, ORIGIN, top)
         push = Contact(1, "side", lever.point, lever.face.normal, height)
         label = (
@@ -119,28 +120,30 @@ class PressAndPush(Mode[PinnedDrive]):
         if not assigned:
             return [choice.refused(BOTH_CROSSING)]
         try:
-            driven = self._driven(task, choice, turn, lever)
+            driven = self._driven(query, choice, turn, lever)
         except ValueError as error:
             tips = f"the object would tip: {refusal_of(error, 'tipping')}"
             return [choice.refused(Refusal("tipping", tips))]
         return in_arms(driven, assigned)
 
-    def _driven(self, task: Task, choice: Choice, turn: _Turn, lever: Lever) -> Choice:
+    def _driven(
+        self, query: MotionQuery, choice: Choice, turn: _Turn, lever: Lever
+    ) -> Choice:
         """Return the choice with its press, the least that is safe unless it is given.
         Raises ValueError where the object tips.
         """
-        scene = task.scene
+        scene = query.scene
         press, push = choice.contacts
         path = turn.path
         twist = path.initial_twist(turn.pin)
-        cap = task.limits.planned_force
+        cap = query.limits.planned_force
 
         @cache
         def dragged(load: float) -> PinnedDrag:
             """Return what dragging with a press of ``load`` [N] is like."""
             return self._drag(scene, (replace(press, load=load), push), twist)
 
-        load = task.motion.press_force
+        load = query.motion.press_force
         if load is None:
             load = least_pin_load(dragged, cap, scene.pin_uses)
         drag = dragged(load)
@@ -148,7 +151,7 @@ class PressAndPush(Mode[PinnedDrive]):
         utilisation = drag.friction_utilisation
         margin = utilisation_margin(scene.contact_friction, utilisation)
         drive = _drive(drag, path.radius, contacts)
-        piece = segment(task, self.name, contacts, drive, path, cone_margin=margin)
+        piece = segment(query, self.name, contacts, drive, path, cone_margin=margin)
         merits = (
             f"{load:.1f} and {drag.forces.normals[1]:.1f} N, lever "
             f"{lever.length * 1e3:.0f} mm, path {path.distance:.3f} m, "
@@ -172,12 +175,12 @@ class PressAndPush(Mode[PinnedDrive]):
         allocator = partial(self.allocator, contacts, mu, None)
         return pinned_drag(scene, contacts, twist, allocator)
 
-    def tracker(self, task: Task, segment: Segment) -> EasedTracker:
+    def tracker(self, query: MotionQuery, segment: Segment) -> EasedTracker:
         """Return the holonomic law for a segment, within what the contacts hold."""
         drive = self.drive_of(segment)
         decay = margins.ARM.quick * segment.profile.speed
         law = HolonomicTracker(drive.X_BV, drive.surface, decay)
-        friction = task.scene.contact_friction
+        friction = query.scene.contact_friction
         return EasedTracker(law, self.allocator_of(segment, friction))
 
     def allocator(
@@ -195,7 +198,9 @@ class PressAndPush(Mode[PinnedDrive]):
             press.point, press.load, push.point, push.normal, friction, cop
         )
 
-    def course(self, task: Task, segment: Segment, measured: Measured) -> Course | None:
+    def course(
+        self, query: MotionQuery, segment: Segment, measured: Measured
+    ) -> Course | None:
         """Return the course by one twist about the pin as it is; None where the push
         would have to pull.
         """
@@ -203,12 +208,12 @@ class PressAndPush(Mode[PinnedDrive]):
         radius = planned.radius
         contacts = measured.contacts
         pin = contacts[0].point
-        ends = ends_onward(task.object, segment, measured.X_WB, Pose2(*pin))
+        ends = ends_onward(query.body, segment, measured.X_WB, Pose2(*pin))
         path = path_onward(ends, radius, measured.longest)
         if path is None:
             return None
         try:
-            drag = self._drag(task.scene, contacts, path.initial_twist(pin))
+            drag = self._drag(query.scene, contacts, path.initial_twist(pin))
         except ValueError:
             return None
         if drag.forces.status != "ok":

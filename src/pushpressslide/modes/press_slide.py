@@ -20,8 +20,8 @@ from pushpressslide.allocation.one_press import one_press_allocator
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import RefusedError
-from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.identification.center import CenterIdentifier, doubt
 from pushpressslide.identification.findings import dragged_friction
@@ -99,35 +99,35 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     drives = (UnicycleDrive, TurnDrive, SpinDrive)
     vehicles = tuple(DIRECTIONS)
 
-    def touches(self, task: Task) -> Sequence[Contact]:
+    def touches(self, query: MotionQuery) -> Sequence[Contact]:
         """Return all places where a press may be."""
         try:
-            return press_placements(task).contacts
+            return press_placements(query).contacts
         except RefusedError:
             return ()
 
     def choices(
-        self, task: Task, enough: int = ENOUGH, judge: Judge | None = None
+        self, query: MotionQuery, enough: int = ENOUGH, judge: Judge | None = None
     ) -> list[Choice]:
         """Return choices, feasible and quick ones first.
 
         Alternatives are evaluated in order until one has a feasible choice.
         """
         try:
-            placements = press_placements(task)
+            placements = press_placements(query)
         except RefusedError as error:
             return [Choice(self.name, refusal=error.refusal)]
-        judge = judge or Judge(task)
+        judge = judge or Judge(query)
         contacts = _those_held(placements.contacts, judge.held)
         if not contacts:
             return [Choice(self.name, refusal=NO_PLACEMENT)]
         if judge.arms:
-            near = _reached if task.searched else _in_span
+            near = _reached if query.searched else _in_span
             contacts = tuple(c for c in contacts if near(judge, c))
         if not contacts:
-            (arm, *_) = nearest_arms(task, ORIGIN)
+            (arm, *_) = nearest_arms(query.scene, query.body_ends, ORIGIN)
             nearest = replace(placements.contacts[0], arm=arm)
-            beyond = span_refusal(task.scene, nearest, task.body_ends)
+            beyond = span_refusal(query.scene, nearest, query.body_ends)
             return [Choice(self.name, refusal=beyond or UNKNOWN)]
         placements = replace(placements, contacts=contacts)
         found: dict[str, list[Choice]] = {}
@@ -136,7 +136,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
             if any(choice.feasible for choice in choices):
                 break
         else:
-            found = {k: _told(task, choices) for k, choices in found.items()}
+            found = {k: _told(query.scene.rho, choices) for k, choices in found.items()}
         manoeuvres = found.get("manoeuvre", [])
         if "vehicle" not in found:
             return manoeuvres
@@ -149,28 +149,32 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         that is well steered; last a path of a vehicle however steered.
         """
 
-        task = judge.task
+        query = judge.query
 
         def manoeuvres() -> list[Choice]:
             """Return the choices of manoeuvres."""
-            return manoeuvre_choices(task, self.name, placements, enough, judge.refusal)
+            return manoeuvre_choices(
+                query, self.name, placements, enough, judge.refusal
+            )
 
         def vehicles(least: float) -> list[Choice]:
             """Return those of a vehicle that is steered by ``least`` [rad] or more."""
-            return search(_steered(task, straight, least), enough, judge)
+            return search(_steered(query, straight, least), enough, judge)
 
-        free = task.motion.vehicle is None and task.tool is None
-        given = bool(task.motion.contacts)
+        free = query.motion.vehicle is None and query.tool is None
+        given = bool(query.motion.contacts)
         if free and not given:
             yield "manoeuvre", manoeuvres()
-        straight = vehicle_choices(task, self.name, placements)
+        straight = vehicle_choices(query, self.name, placements)
         straight.sort(key=promptness)
         yield "vehicle", vehicles(margins.CORRECTING)
         if free and given:
             yield "manoeuvre", manoeuvres()
         yield "vehicle", vehicles(0.0)
 
-    def tracker(self, task: Task, segment: Segment) -> UnicycleTracker | PivotTracker:
+    def tracker(
+        self, query: MotionQuery, segment: Segment
+    ) -> UnicycleTracker | PivotTracker:
         """Return the look-ahead law for a segment, or that of a turn on the spot."""
         drive = self.drive_of(segment)
         if isinstance(drive, SpinDrive):
@@ -192,7 +196,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
             rho = 0.5 * math.hypot(*contact.point) or 1.0
         return one_press_allocator(contact.point, contact.load, friction, rho, cop)
 
-    def identifier(self, task: Task, segment: Segment) -> AxleIdentifier:
+    def identifier(self, query: MotionQuery, segment: Segment) -> AxleIdentifier:
         """Return what identifies the virtual axle on the way."""
         drive = self.drive_of(segment)
         car = drive.car
@@ -202,7 +206,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         stiffness = None if isinstance(drive, SpinDrive) else drive.stiffness
         ex, ey = car.axis
         cop = car.cop[0] * ex + car.cop[1] * ey
-        off = OFF if task.scene.rho is None else OFF_RHO
+        off = OFF if query.scene.rho is None else OFF_RHO
         return AxleIdentifier(
             car.X_BV.yaw,
             predicted,
@@ -210,11 +214,11 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
             stiffness,
             cop,
             off,
-            window_of(task.sensing, segment.profile.speed, abs(car.lever)),
+            window_of(query.sensing, segment.profile.speed, abs(car.lever)),
         )
 
     def center_identifier(
-        self, task: Task, segment: Segment, center: Point = ORIGIN
+        self, query: MotionQuery, segment: Segment, center: Point = ORIGIN
     ) -> CenterIdentifier | None:
         """Return what identifies the CoM across the line to the contact on the way.
 
@@ -225,9 +229,9 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         (contact,) = segment.contacts
         if isinstance(drive, SpinDrive) or contact.point == ORIGIN:
             return None
-        if task.scene.rho is not None:
+        if query.scene.rho is not None:
             return None
-        scene = task.scene
+        scene = query.scene
         car = drive.car
         reach = math.dist(drive.X_BV.position, car.cop)
         height = scene.body.shape.height
@@ -236,32 +240,32 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
             contact.point,
             center,
             doubt(scene, contact.point, abs(car.lever), reach, height),
-            window_of(task.sensing, segment.profile.speed, math.hypot(*contact.point)),
+            window_of(query.sensing, segment.profile.speed, math.hypot(*contact.point)),
         )
 
     def again(
-        self, task: Task, segment: Segment, measured: Measured
+        self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
         """Return segments that go back and then to the goal; none for a turn on the
         spot, or where the object would tip.
         """
         (contact,) = measured.contacts
         center = measured.findings.center
-        task = dragged(task, contact, measured.findings.drag)
+        query = dragged(query, contact, measured.findings.drag)
         if center != ORIGIN:
-            there = _seen_from(task, (segment,), measured)
-            made = self._again(there.task, there.segments[0], there.measured)
+            there = _seen_from(query, (segment,), measured)
+            made = self._again(there.query, there.segments[0], there.measured)
             return _shifted(made, center)
-        return self._again(task, segment, measured)
+        return self._again(query, segment, measured)
 
     def _again(
-        self, task: Task, segment: Segment, measured: Measured
+        self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
         drive = self.drive_of(segment)
         if isinstance(drive, SpinDrive):
             return ()
         X_WB = measured.X_WB
-        here = replace(task, start=X_WB.compose(task.X_GB.inverse()))
+        here = replace(query, start=X_WB.compose(query.X_GB.inverse()))
         (contact,) = measured.contacts
         if isinstance(drive, UnicycleDrive):
             choice = driven_again(here, self.name, contact, drive)
@@ -274,38 +278,42 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         return ()
 
     def replan(
-        self, task: Task, segments: Sequence[Segment], measured: Measured
+        self, query: MotionQuery, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
         """Return ``segments`` led on: the first one, or all turns of a manoeuvre."""
         center = measured.findings.center
         if center != ORIGIN:
-            there = _seen_from(task, segments, measured)
+            there = _seen_from(query, segments, measured)
             return _shifted(self.replan(*there), center)
         (contact,) = measured.contacts
         if contact.point == ORIGIN:
             return ()
-        task = dragged(task, contact, measured.findings.drag)
+        query = dragged(query, contact, measured.findings.drag)
         drive = segments[0].drive
         if isinstance(drive, SpinDrive) and measured.findings.axle is not None:
-            spun = self._spun(task, segments, measured)
+            spun = self._spun(query, segments, measured)
             if spun:
                 return spun
         if isinstance(drive, TurnDrive) and not drive.last:
             mine, others = _of_first_leg(segments)
-            turns = turns_onward(task, mine, measured.X_WB, contact)
+            turns = turns_onward(
+                query.scene, query.motion.speed, mine, measured.X_WB, contact
+            )
             return (*turns, *others) if turns[0].path.length <= measured.longest else ()
-        return super().replan(task, segments, measured)
+        return super().replan(query, segments, measured)
 
-    def misses(self, task: Task, segments: Sequence[Segment], X_WB: Pose2) -> bool:
+    def misses(
+        self, query: MotionQuery, segments: Sequence[Segment], X_WB: Pose2
+    ) -> bool:
         """Whether the turns of a manoeuvre end too far from its run-in."""
         mine, _ = _of_first_leg(segments)
         if not isinstance(mine[-1].drive, TurnDrive):
             return False
-        radius = task.object.radius
+        radius = query.body.radius
         return run_in_missed(mine, X_WB, radius) > margins.MISSED * radius
 
     def _spun(
-        self, task: Task, segments: Sequence[Segment], measured: Measured
+        self, query: MotionQuery, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
         """Return a manoeuvre to the goal of a turn on the spot, whose pivot turns out to
         be elsewhere: none where the turn still leads there.
@@ -314,38 +322,42 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         drive = first.drive
         assert isinstance(drive, SpinDrive)
         X_BV = _pivot(drive, measured.findings.axle)
-        start, goal = ends_onward(task.object, first, measured.X_WB, X_BV)
-        if math.dist(start.position, goal.position) <= task.tolerance.position:
+        start, goal = ends_onward(query.body, first, measured.X_WB, X_BV)
+        if math.dist(start.position, goal.position) <= query.tolerance.position:
             return ()
         X_WB = measured.X_WB
-        there = replace(task, goal=first.goal)
+        there = replace(query, goal=first.goal)
         manoeuvres = pressed_manoeuvres(there, X_WB, measured.contacts)
         if not manoeuvres:
             return ()
         pieces = manoeuvres[0].choice(there, self.name).segments
         return (*(replace(piece, leg=first.leg) for piece in pieces), *others)
 
-    def course(self, task: Task, segment: Segment, measured: Measured) -> Course | None:
+    def course(
+        self, query: MotionQuery, segment: Segment, measured: Measured
+    ) -> Course | None:
         """Return the course by the true contact, with the axle as it was seen to be."""
         (contact,) = measured.contacts
         drive = self.drive_of(segment)
         if isinstance(drive, TurnDrive):
-            (segment,) = pressed_at(task, (segment,), contact)
+            (segment,) = pressed_at(
+                query.scene, query.motion.speed, (segment,), contact
+            )
             drive = self.drive_of(segment)
-        cop = pressed_cop(contact.point, contact.load, task.scene.weight_on)
+        cop = pressed_cop(contact.point, contact.load, query.scene.weight_on)
         car = replace(drive.car, contact=contact.point, cop=cop)
         if isinstance(drive, SpinDrive):
             X_BV = _pivot(drive, measured.findings.axle)
-            ends = ends_onward(task.object, segment, measured.X_WB, X_BV)
+            ends = ends_onward(query.body, segment, measured.X_WB, X_BV)
             radius = math.dist(contact.point, X_BV.position)
             spin = TwistPath.between(ends, radius)
             return Course((contact,), replace(drive, car=car, X_BV=X_BV), spin)
-        if isinstance(drive, UnicycleDrive) and task.scene.rho is not None:
-            car = replace(car, rho=task.scene.rho)
+        if isinstance(drive, UnicycleDrive) and query.scene.rho is not None:
+            car = replace(car, rho=query.scene.rho)
         steered = _steered_by(drive, car, measured.findings.axle)
-        ends = ends_onward(task.object, segment, measured.X_WB, steered.X_BV)
+        ends = ends_onward(query.body, segment, measured.X_WB, steered.X_BV)
         path = steered_path(
-            task.object, ends, steered, measured.longest, segment.arcs.turning
+            query.body, ends, steered, measured.longest, segment.arcs.turning
         )
         return Course((contact,), steered, path)
 
@@ -359,9 +371,8 @@ def _of_first_leg(
     return mine, tuple(segments[len(mine) :])
 
 
-def _told(task: Task, choices: Sequence[Choice]) -> list[Choice]:
+def _told(rho: float | None, choices: Sequence[Choice]) -> list[Choice]:
     """Return refused choices that say with which believed rho they are refused."""
-    rho = task.scene.rho
     if rho is None:
         return list(choices)
     return [
@@ -374,7 +385,7 @@ def _told(task: Task, choices: Sequence[Choice]) -> list[Choice]:
 
 
 def _steered(
-    task: Task, straight: Sequence[Choice], least: float
+    query: MotionQuery, straight: Sequence[Choice], least: float
 ) -> list[Draft | Choice]:
     """Return choices to be planned with the axle of their turns, in order; refused
     those that are steered like a unicycle by less than ``least`` [rad].
@@ -382,8 +393,8 @@ def _steered(
 
     def make(choice: Choice, evaluated: bool) -> list[Choice]:
         """Return a choice as it is steered, by either arm."""
-        steered = with_turns(task, choice, least) if evaluated else choice
-        return either_arm(task, steered)
+        steered = with_turns(query, choice, least) if evaluated else choice
+        return either_arm(query.scene, query.body_ends, steered)
 
     return [
         Draft(float(i), partial(make, choice), ordered=True)
@@ -393,37 +404,40 @@ def _steered(
     ]
 
 
-def dragged(task: Task, contact: Contact, drag: float | None) -> Task:
-    """Return a task with the support's friction as the force says that slides the
+def dragged(query: MotionQuery, contact: Contact, drag: float | None) -> MotionQuery:
+    """Return a query with the support's friction as the force says that slides the
     object, ``drag`` [N], where that contradicts what is believed.
 
     The drag is at another height than the contact and moves the pressure: friction moves
     the axle of a turn.
     """
     if drag is None:
-        return task
-    told = task.told
-    friction = dragged_friction(told.scene, contact.load, drag)
-    if friction == told.support.friction:
-        return task
-    return replace(told, support=replace(told.support, friction=friction))
+        return query
+    scene = query.scene
+    friction = dragged_friction(scene, contact.load, drag)
+    if friction == scene.support.friction:
+        return query
+    support = replace(scene.support, friction=friction)
+    return replace(query, scene=replace(scene, support=support))
 
 
 class _Seen(NamedTuple):
-    """A task, segments and what was measured, about the CoM where it was identified."""
+    """A query, segments and what was measured, about the CoM where it was identified."""
 
-    task: Task
+    query: MotionQuery
     segments: tuple[Segment, ...]
     measured: Measured
 
 
-def _seen_from(task: Task, segments: Sequence[Segment], measured: Measured) -> _Seen:
+def _seen_from(
+    query: MotionQuery, segments: Sequence[Segment], measured: Measured
+) -> _Seen:
     """Return all of it with B at the identified CoM."""
     x, y = measured.findings.center
     back = (-x, -y)
-    told = task.told
-    gx, gy = told.object.center_of_mass
-    body = replace(told.object, center_of_mass=(gx + x, gy + y))
+    scene = query.scene
+    gx, gy = scene.body.center_of_mass
+    body = replace(scene.body, center_of_mass=(gx + x, gy + y))
     axle = measured.findings.axle
     if axle is not None:
         drive = segments[0].drive
@@ -432,7 +446,7 @@ def _seen_from(task: Task, segments: Sequence[Segment], measured: Measured) -> _
         axle = axle._replace(axle=axle.axle - x * ex - y * ey)
     findings = measured.findings._replace(axle=axle, center=ORIGIN)
     return _Seen(
-        replace(told, object=body),
+        replace(query, scene=replace(scene, body=body)),
         _shifted(segments, back),
         replace(
             measured,
@@ -496,12 +510,12 @@ def _those_held(
 
 def _reached(judge: Judge, contact: Contact) -> bool:
     """Return whether some arm reaches a contact at start and goal, as the tables know."""
-    each = (replace(contact, arm=arm) for arm in judge.task.scene.arms)
+    each = (replace(contact, arm=arm) for arm in judge.query.scene.arms)
     return any(map(judge.reach_ends, each))
 
 
 def _in_span(judge: Judge, contact: Contact) -> bool:
     """Return whether some arm is long enough for a contact at start and goal."""
-    task = judge.task
-    each = (replace(contact, arm=arm) for arm in task.scene.arms)
-    return any(span_refusal(task.scene, one, task.body_ends) is None for one in each)
+    query = judge.query
+    each = (replace(contact, arm=arm) for arm in query.scene.arms)
+    return any(span_refusal(query.scene, one, query.body_ends) is None for one in each)

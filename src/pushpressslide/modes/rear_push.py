@@ -14,8 +14,8 @@ from pushpressslide.allocation.one_contact import one_contact_allocator
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.task import Task
 from pushpressslide.identification.center import CenterIdentifier, doubt
 from pushpressslide.identification.online import (
     OFF_RHO,
@@ -58,63 +58,69 @@ class RearPush(Mode[RearSteerDrive]):
     pushed_faces = 1
     drives = (RearSteerDrive,)
 
-    def touches(self, task: Task) -> list[Contact]:
+    def touches(self, query: MotionQuery) -> list[Contact]:
         """Return the middles of the faces that can be pushed."""
-        scene = task.scene
-        height = lone_contact_height(scene, task.motion)
+        scene = query.scene
+        height = lone_contact_height(scene, query.motion)
         arm = scene.arms[0]
         return [
             Contact(arm, "side", face.foot, face.normal, height)
-            for face in pushable(scene, task.motion.face)
+            for face in pushable(scene, query.motion.face)
         ]
 
-    def least_time(self, task: Task) -> float:
+    def least_time(self, query: MotionQuery) -> float:
         """Return the time [s] of the shortest path of any face's car, at full speed."""
         lengths = [
-            shortest_length(task, drive)
-            for fitted in fitted_faces(task.scene, task.motion)
-            for drive in _drives(task.scene, fitted).values()
+            shortest_length(query.body_ends, drive)
+            for fitted in fitted_faces(query.scene, query.motion)
+            for drive in _drives(query.scene, fitted).values()
         ]
-        return min(lengths, default=math.inf) / task.motion.speed
+        return min(lengths, default=math.inf) / query.motion.speed
 
-    def drafts(self, task: Task) -> list[Draft]:
+    def drafts(self, query: MotionQuery) -> list[Draft]:
         """Return one draft per face."""
         return [
-            Draft(0.0, partial(self._push, task, fitted), contacts=(contact,))
+            Draft(0.0, partial(self._push, query, fitted), contacts=(contact,))
             for fitted, contact in zip(
-                fitted_faces(task.scene, task.motion), self.touches(task), strict=True
+                fitted_faces(query.scene, query.motion),
+                self.touches(query),
+                strict=True,
             )
         ]
 
-    def _push(self, task: Task, fitted: FittedFace, evaluated: bool) -> list[Choice]:
+    def _push(
+        self, query: MotionQuery, fitted: FittedFace, evaluated: bool
+    ) -> list[Choice]:
         """Judge a push on a face but for the arms' reach."""
-        scene = task.scene
+        scene = query.scene
         face = fitted.face
-        height = lone_contact_height(scene, task.motion)
+        height = lone_contact_height(scene, query.motion)
         contact = Contact(scene.arms[0], "side", face.foot, face.normal, height)
         label = f"face {face.index}"
         if scene.body.shape.edges and not face.flat:  # an arc, in one direction
             label += f" at {describe_points([face.foot])}"
         choice = Choice(self.name, label, (contact,))
-        refusal = contact_refusal(task, face, height)
+        refusal = contact_refusal(query, face, height)
         refusal = refusal or fitted.refusal
         if not fitted.cars:
             return [choice.refused(refusal)]
-        driven = self._driven(task, choice, _drives(scene, fitted))
-        return either_arm(task, driven.refused(refusal or driven.refusal))
+        driven = self._driven(query, choice, _drives(scene, fitted))
+        return either_arm(
+            scene, query.body_ends, driven.refused(refusal or driven.refusal)
+        )
 
     def _driven(
-        self, task: Task, choice: Choice, drives: Mapping[float, RearSteerDrive]
+        self, query: MotionQuery, choice: Choice, drives: Mapping[float, RearSteerDrive]
     ) -> Choice:
         """Return the choice with the path of a car; refused if that winds too much."""
-        best, looped = route(task, drives)
+        best, looped = route(query, drives)
         car = best.drive.car
         low, high = car.curvature_limits
         path = best.path
         share = best.curvature_share
         margin = cone_margin(car, path)
         piece = segment(
-            task,
+            query,
             self.name,
             choice.contacts,
             replace(best.drive, curvature_share=share, run_in=best.run_in),
@@ -132,26 +138,26 @@ class RearPush(Mode[RearSteerDrive]):
         return replace(
             choice,
             segments=(piece,),
-            time=run_time(task.motion, (piece,)),
+            time=run_time(query.motion, (piece,)),
             merits=merits,
             refusal=turning_refusal(path),
         )
 
-    def tracker(self, task: Task, segment: Segment) -> RearPushTracker:
+    def tracker(self, query: MotionQuery, segment: Segment) -> RearPushTracker:
         """Return the rear Stanley law for a segment."""
         drive = self.drive_of(segment)
         car = drive.car
         low, high = car.steering_limits
         reserve = margins.STEERING_RESERVE * 0.5 * (high - low)
         bounds = (low + reserve, high - reserve)
-        law = rear_stanley(car.effective_wheelbase, bounds, task.motion.tracking_gain)
+        law = rear_stanley(car.effective_wheelbase, bounds, query.motion.tracking_gain)
         return RearPushTracker(law, car, drive.X_BV, drive.max_friction)
 
-    def identifier(self, task: Task, segment: Segment) -> AxleIdentifier | None:
+    def identifier(self, query: MotionQuery, segment: Segment) -> AxleIdentifier | None:
         """Return what identifies the virtual axle on the way, where rho was told: the
         shape's own is good enough.
         """
-        if task.scene.rho is None:
+        if query.scene.rho is None:
             return None
         drive = self.drive_of(segment)
         car = drive.car
@@ -164,11 +170,11 @@ class RearPush(Mode[RearSteerDrive]):
             -car.lever,
             cop=cop,
             off=OFF_RHO,
-            window=window_of(task.sensing, segment.profile.speed, car.lever),
+            window=window_of(query.sensing, segment.profile.speed, car.lever),
         )
 
     def center_identifier(
-        self, task: Task, segment: Segment, center: Point = (0.0, 0.0)
+        self, query: MotionQuery, segment: Segment, center: Point = (0.0, 0.0)
     ) -> CenterIdentifier:
         """Return what identifies the CoM across the heading axis on the way: along it,
         it changes the effective wheelbase alone.
@@ -181,8 +187,8 @@ class RearPush(Mode[RearSteerDrive]):
             drive.X_BV,
             contact.point,
             center,
-            doubt(task.scene, contact.point, car.lever, reach, contact.height),
-            window_of(task.sensing, segment.profile.speed, math.hypot(*contact.point)),
+            doubt(query.scene, contact.point, car.lever, reach, contact.height),
+            window_of(query.sensing, segment.profile.speed, math.hypot(*contact.point)),
         )
 
     def allocator(
@@ -202,12 +208,14 @@ class RearPush(Mode[RearSteerDrive]):
         return one_contact_allocator(point, contact.normal, friction, rho)
 
     def again(
-        self, task: Task, segment: Segment, measured: Measured
+        self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
         """Return nothing: a push does not go back."""
         return ()
 
-    def course(self, task: Task, segment: Segment, measured: Measured) -> Course | None:
+    def course(
+        self, query: MotionQuery, segment: Segment, measured: Measured
+    ) -> Course | None:
         """Return the course by the true contact; the car keeps its own rho, unless one
         was told, and its heading axis goes from the true contact through the CoM as
         identified.
@@ -216,13 +224,13 @@ class RearPush(Mode[RearSteerDrive]):
         (contact,) = measured.contacts
         # a tip that rolls round a round side takes the normal along
         planned_at = segment.contacts[0].point
-        com = task.object.center_of_mass
-        side = task.object.shape.side(planned_at, contact.normal, com)
+        com = query.body.center_of_mass
+        side = query.body.shape.side(planned_at, contact.normal, com)
         contact = replace(contact, normal=side.normal_at(contact.point))
         old = planned.car
         try:
             center = measured.findings.center
-            rho = task.scene.rho or old.rho
+            rho = query.scene.rho or old.rho
             car = replace(
                 old, contact=contact.point, normal=contact.normal, cop=center, rho=rho
             )
@@ -232,7 +240,7 @@ class RearPush(Mode[RearSteerDrive]):
         if not low < 0.0 < high:
             return None
         drive = replace(planned, car=car)
-        ends = ends_onward(task.object, segment, measured.X_WB, drive.X_BV)
+        ends = ends_onward(query.body, segment, measured.X_WB, drive.X_BV)
         turning = segment.arcs.turning
         path = route_onward(ends, drive, measured.longest, turning)
         return None if path is None else Course((contact,), drive, path)

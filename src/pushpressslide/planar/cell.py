@@ -10,10 +10,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from pushpressslide.control.cell import Applied, ArmState, Cell, TipAlone, Truth
-from pushpressslide.control.plant import Situation
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import ArmCommand, TipCommand
 from pushpressslide.core.plan import Plan
+from pushpressslide.core.state import WorldState
 from pushpressslide.planar.world import World, resting
 from pushpressslide.planning.side_contacts import before_contacts
 from pushpressslide.selection.preparation import PlansAlone, Preparation
@@ -21,7 +21,7 @@ from pushpressslide.selection.preparation import PlansAlone, Preparation
 TIPPING_TIME = 0.1  # [s] of load off the base that ends a run
 
 
-def planar_cell(plan: Plan, begin: Situation | None = None) -> Cell:
+def planar_cell(plan: Plan, begin: WorldState | None = None) -> Cell:
     """Cell with the object of ``plan`` at its true start, and the tips before their
     contacts or where they are as the run begins.
     """
@@ -35,19 +35,20 @@ class PlanarPhysics:
 
     simulated = True
 
-    def __init__(self, plan: Plan, begin: Situation | None = None) -> None:
+    def __init__(self, plan: Plan, begin: WorldState | None = None) -> None:
         """Put object and tips where a run begins."""
-        task = plan.part(plan.segments[0])
+        task = plan.task
+        query = plan.query
         self.time = 0.0  # [s]
-        self.facts: Mapping[str, Any] = {"time_step": task.motion.control_period}
+        self.facts: Mapping[str, Any] = {"time_step": query.motion.control_period}
         # for each tip, until another one takes its place
         self.commands: list[TipCommand | None] = [None] * len(task.robots)
-        self._period = task.motion.control_period
+        self._period = query.motion.control_period
         self._task = task
         self._X_BG = task.object.X_GB.inverse()
         self._world = World(task, plan.contacts, self._period)
-        gap = before_contacts(task, plan.contacts)
-        self.now = self._world.start(task.true_start, task.start, gap)
+        gap = before_contacts(query.scene, query.motion, plan.contacts)
+        self.now = self._world.start(plan.true_start, query.start, gap)
         if begin is not None:
             self.now = self.now._replace(tips=tuple(map(resting, begin.tips)))
         self._before = self.now  # one tick ago

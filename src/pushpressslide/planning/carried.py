@@ -7,31 +7,33 @@ from itertools import pairwise
 
 from pushpressslide.core.footprint import gaps, overlap_area
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Obstacle, Task
+from pushpressslide.core.scene import Obstacle
+from pushpressslide.geometry.shapes import Shape
 
 MET = 1e-8  # [m^2] of overlap from which an obstacle counts as met
 
 
-def carried_ways(task: Task, poses: Sequence[Pose2]) -> dict[str, list[Pose2]]:
-    """Return the poses (n each) of the obstacles that the object meets on its way over n
-    ``poses`` X_WG, by name; of those that it may push.
+def carried_ways(
+    shape: Shape, yielding: Sequence[Obstacle], poses: Sequence[Pose2]
+) -> dict[str, list[Pose2]]:
+    """Return the poses (n each) of the obstacles that an object meets on its way over n
+    ``poses`` X_WG, by name; of the ``yielding`` ones, that it may push.
 
     An obstacle that is met goes on with the object, as if it stuck to it, until the
     object leaves it behind. In truth it may slide off earlier.
     """
     out = {}
-    shape = task.object.shape
-    for obstacle in task.yielding:
+    for obstacle in yielding:
         if gaps(shape, poses, [obstacle.footprint]).min() == 0.0:
-            out[obstacle.name] = _carried(task, obstacle, poses)
+            out[obstacle.name] = _carried(shape, obstacle, poses)
     return out
 
 
-def _carried(task: Task, obstacle: Obstacle, poses: Sequence[Pose2]) -> list[Pose2]:
+def _carried(shape: Shape, obstacle: Obstacle, poses: Sequence[Pose2]) -> list[Pose2]:
     X = obstacle.pose
     out = [X]
     for before, now in pairwise(poses):
-        if overlap_area(task.object.shape, now, obstacle.shape, X) > MET:
+        if overlap_area(shape, now, obstacle.shape, X) > MET:
             X = now.compose(before.inverse()).compose(X)
         out.append(X)
     return out

@@ -7,28 +7,28 @@ from dataclasses import replace
 
 from pushpressslide.core.plan import Choice
 from pushpressslide.core.pose import Point
-from pushpressslide.core.scene import arm_title
-from pushpressslide.core.task import Task
+from pushpressslide.core.query import Ends
+from pushpressslide.core.scene import Scene, arm_title
 
 
-def either_arm(task: Task, choice: Choice) -> list[Choice]:
+def either_arm(scene: Scene, ends: Ends, choice: Choice) -> list[Choice]:
     """Return a choice of one contact for each arm that may touch the object, the arm
     nearer to the contact first.
 
     The arms share its path and its time: these are the object's. Of two arms each is
     named in its label. A choice that the object itself refuses is returned as it is.
     """
-    if len(task.robots) == 1 or choice.refusal is not None:
+    if len(scene.robots) == 1 or choice.refusal is not None:
         return [choice]
-    return [_by(choice, arm) for arm in nearest_arms(task, choice.contacts[0].point)]
+    nearest = nearest_arms(scene, ends, choice.contacts[0].point)
+    return [_by(choice, arm) for arm in nearest]
 
 
-def nearest_arms(task: Task, point: Point) -> list[int]:
+def nearest_arms(scene: Scene, ends: Ends, point: Point) -> list[int]:
     """Return the arms that may touch the object, the one nearest to a ``point`` [m] in B
-    first, at start and goal together.
+    first, at both ``ends`` X_WB of its way together.
     """
-    scene = task.scene
-    places = [X_WB.apply(point) for X_WB in task.body_ends]
+    places = [X_WB.apply(point) for X_WB in ends]
 
     def distance(arm: int) -> float:
         """Return how far [m] the point is from an arm's base, at start and goal."""

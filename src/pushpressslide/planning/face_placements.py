@@ -9,9 +9,9 @@ from itertools import product
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import cross
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.task import Task
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.planning.side_contacts import (
     drag_refusal,
@@ -37,18 +37,20 @@ def side_by_side(scene: Scene, face: Face, height: float) -> list[Contacts]:
     ]
 
 
-def side_by_side_refusal(task: Task, face: Face, contacts: Contacts) -> Refusal | None:
+def side_by_side_refusal(
+    query: MotionQuery, face: Face, contacts: Contacts
+) -> Refusal | None:
     """Return what stands against two contacts on a face; None if nothing."""
     left, right = contacts
     apart = math.dist(left.point, right.point)
-    needed = least_distance(task.scene)
+    needed = least_distance(query.scene)
     if apart < needed:
         text = "contacts {figure:mm.0f} apart, two tools need {allowed:mm.0f}"
         return Refusal("too_close", text, apart, needed, "m")
     if abs(face.offset) > 1e-9:
         text = "no contact on the other side of the line through the CoM"
         return Refusal("offset_contact", text)
-    return drag_refusal(task, (face,), 2, left.height)
+    return drag_refusal(query, (face,), 2, left.height)
 
 
 def on_two_faces(scene: Scene, pair: Sequence[Face], height: float) -> list[Contacts]:

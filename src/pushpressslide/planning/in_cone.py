@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from pushpressslide.core import margins
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Task
+from pushpressslide.core.query import Ends
 from pushpressslide.core.twist_path import TwistPath, TwistRate, reached, screw, screws
 from pushpressslide.planning.run_in import longest_way
 
@@ -81,11 +81,9 @@ class ConeGoal:
     longest: float  # [m] that the way may be
 
     @classmethod
-    def from_task(cls, task: Task) -> ConeGoal:
-        """Return that of a task, on a way without a loop."""
-        ends = task.body_ends
-        radius = task.object.radius
-        longest = longest_way(task, TwistPath.between(ends, radius).length)
+    def between(cls, ends: Ends, radius: float) -> ConeGoal:
+        """Return that of an object of ``radius`` [m] on a way without a loop."""
+        longest = longest_way(radius, TwistPath.between(ends, radius).length)
         return cls(*ends, radius, longest)
 
     @property

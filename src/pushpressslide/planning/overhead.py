@@ -5,8 +5,8 @@ their motions are compared.
 from __future__ import annotations
 
 from pushpressslide.core import margins
+from pushpressslide.core.motion import Motion
 from pushpressslide.core.path import SpeedProfile
-from pushpressslide.core.task import Motion
 
 
 def overhead(motion: Motion, pressed: bool = False) -> float:

@@ -10,9 +10,9 @@ from functools import partial
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
+from pushpressslide.core.query import Ends, MotionQuery
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.mechanics.top import inside_top, top_places
 from pushpressslide.mechanics.wall import lean, lean_press
@@ -34,23 +34,26 @@ class PlacedPair:
     refusal: Refusal | None  # what stands against the places
 
 
-def placed_pairs(task: Task) -> list[PlacedPair]:
+def placed_pairs(query: MotionQuery) -> list[PlacedPair]:
     """Return pairs of contacts, those with the shortest arms first."""
-    places = top_places(task.object, task.scene.inset)
+    places = top_places(query.body, query.scene.inset)
     farthest = max((math.hypot(*place) for place in places), default=0.0)
-    placed = [_placed(task, points, farthest) for points in _pairs(task)]
-    return sorted(placed, key=lambda pair: _arm_length(task, pair.contacts))
+    placed = [_placed(query, points, farthest) for points in _pairs(query)]
+    return sorted(
+        placed,
+        key=lambda pair: _arm_length(query.scene, query.body_ends, pair.contacts),
+    )
 
 
-def _placed(task: Task, points: Pair, farthest: float) -> PlacedPair:
+def _placed(query: MotionQuery, points: Pair, farthest: float) -> PlacedPair:
     """Return one pair; ``farthest`` [m] that a place is from the CoM."""
-    body = task.object
+    body = query.body
     radius = max(farthest, *(math.hypot(*point) for point in points))
-    path = TwistPath.between(task.body_ends, radius)
+    path = TwistPath.between(query.body_ends, radius)
     poses = [path.pose(0.25 * i * path.length) for i in range(5)]
-    assigned = assignments(task.scene.bases, points, poses)
+    assigned = assignments(query.scene.bases, points, poses)
     arms = next(iter(assigned), None)
-    if task.motion.contacts is not None and (0, 1) in assigned:
+    if query.motion.contacts is not None and (0, 1) in assigned:
         arms = (0, 1)
     if arms == (1, 0):
         points = (points[1], points[0])
@@ -58,33 +61,33 @@ def _placed(task: Task, points: Pair, farthest: float) -> PlacedPair:
         Contact(arm, "top", point, ORIGIN, body.shape.height)
         for arm, point in enumerate(points)
     )
-    return PlacedPair(contacts, path, arms is None, _refusal(task.scene, points))
+    return PlacedPair(contacts, path, arms is None, _refusal(query.scene, points))
 
 
-def _arm_length(task: Task, contacts: Sequence[Contact]) -> float:
-    """Return how far the contacts are from their arms' bases, at start and goal
+def _arm_length(scene: Scene, ends: Ends, contacts: Sequence[Contact]) -> float:
+    """Return how far the contacts are from their arms' bases, at both ``ends`` X_WB
     together [m].
     """
-    bases = task.scene.bases
+    bases = scene.bases
     return sum(
         math.dist(X_WB.apply(contact.point), bases[contact.arm][:2])
-        for X_WB in task.body_ends
+        for X_WB in ends
         for contact in contacts
     )
 
 
-def _pairs(task: Task) -> list[Pair]:
+def _pairs(query: MotionQuery) -> list[Pair]:
     """Return pairs of places to press, in B [m]: opposite each other about the CoM, or
     given. On a concave top, where there is nothing opposite a place, the one that is
     nearest to it there.
     """
-    scene = task.scene
-    body = task.object
-    given = task.motion.contacts
+    scene = query.scene
+    body = query.body
+    given = query.motion.contacts
     if given is not None and len(given) == 2:
         first, second = (body.X_GB.inverse().apply(place) for place in given)
         return [(first, second)]
-    dx, dy = lean(scene, task.goal, task.motion.press_force or lean_press(scene))
+    dx, dy = lean(scene, query.goal, query.motion.press_force or lean_press(scene))
     pairs: list[Pair] = []
     places = top_places(body, scene.inset)
     for p in places:

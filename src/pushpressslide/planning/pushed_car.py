@@ -9,11 +9,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pushpressslide.core import margins
+from pushpressslide.core.motion import Motion
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.query import Ends, MotionQuery
 from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.task import Motion, Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.mechanics.face_push import Push, on_face, turnings
 from pushpressslide.mechanics.faces import Face
@@ -128,12 +129,12 @@ def _car(
     return PushedCar(heading, fit.shift + wheelbase, wheelbase, rho, left, right)
 
 
-def least_lengths(task: Task, face: Face) -> tuple[float, float]:
-    """Return the least ways [m] to the goal by pushes on a face: by twists of the
-    object, and of a car's axle, which is somewhere ahead of the CoM.
+def least_lengths(ends: Ends, radius: float, face: Face) -> tuple[float, float]:
+    """Return the least ways [m] between the ``ends`` X_WB of an object of ``radius`` [m]
+    by pushes on a face: by twists of the object, and of a car's axle, which is somewhere ahead of the CoM.
     """
-    start, goal = task.body_ends
-    direct = TwistPath.between((start, goal), task.object.radius).length
+    start, goal = ends
+    direct = TwistPath.between(ends, radius).length
     ax, ay = start.rotate(face.normal)
     bx, by = goal.rotate(face.normal)
     x = goal.x - start.x
@@ -145,14 +146,14 @@ def least_lengths(task: Task, face: Face) -> tuple[float, float]:
     return direct, math.hypot(x + ahead * dx, y + ahead * dy)
 
 
-def car_path(task: Task, car: PushedCar, curvature: float) -> ArcPath:
-    """Return the gentle path of a car's axle between the ends of ``task``, with
+def car_path(query: MotionQuery, car: PushedCar, curvature: float) -> ArcPath:
+    """Return the gentle path of a car's axle between the ends of ``query``, with
     curvatures up to ``curvature`` [1/m]. Raises RefusedError where it has to turn a
     loop.
     """
-    start, goal = (X_WB.compose(car.X_BV) for X_WB in task.body_ends)
-    longest = longest_way(task, math.dist(start.position, goal.position))
-    path = gentle_path((start, goal), curvature, longest, run_ins(task.motion))
+    start, goal = (X_WB.compose(car.X_BV) for X_WB in query.body_ends)
+    longest = longest_way(query.body.radius, math.dist(start.position, goal.position))
+    path = gentle_path((start, goal), curvature, longest, run_ins(query.motion))
     if path.length > longest:
         text = (
             "a loop of {figure:m.2f} with radii of "

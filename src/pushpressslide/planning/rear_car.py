@@ -8,10 +8,11 @@ from itertools import product
 from typing import NamedTuple
 
 from pushpressslide.core import margins
+from pushpressslide.core.motion import Motion
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.query import Ends, MotionQuery
 from pushpressslide.core.refusal import Refusal
-from pushpressslide.core.task import Motion, Task
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.planning.dubins import shortest_path
 from pushpressslide.planning.run_in import longest_way, with_run_in
@@ -54,14 +55,14 @@ class Route(NamedTuple):
     speed: float  # [m/s]
 
 
-def contact_refusal(task: Task, face: Face, height: float) -> Refusal | None:
+def contact_refusal(query: MotionQuery, face: Face, height: float) -> Refusal | None:
     """Return what stands against one push on a face at ``height`` [m]: the contact's
     place, tipping, the force; None if nothing.
     """
     if face.depth <= 0.0:
         text = "the centre of mass is not before the face but beside or behind it"
         return Refusal("offset_contact", text)
-    allowed = task.scene.contact_friction * face.depth
+    allowed = query.scene.contact_friction * face.depth
     offset = abs(face.offset)
     if offset >= allowed:
         text = (
@@ -69,56 +70,66 @@ def contact_refusal(task: Task, face: Face, height: float) -> Refusal | None:
             "through the CoM, it is {figure:mm.0f} off"
         )
         return Refusal("offset_contact", text, offset, allowed, "m")
-    return drag_refusal(task, (face,), 1, height)
+    return drag_refusal(query, (face,), 1, height)
 
 
-def shortest_length(task: Task, drive: RearSteerDrive) -> float:
+def shortest_length(ends: Ends, drive: RearSteerDrive) -> float:
     """Return the length [m] of the shortest path of a car."""
     low, high = drive.car.curvature_limits
-    return shortest_path(*axle_ends(task, drive), high, -low).length
+    return shortest_path(*axle_ends(ends, drive), high, -low).length
 
 
-def route(task: Task, drives: Mapping[float, RearSteerDrive]) -> tuple[Route, bool]:
+def route(
+    query: MotionQuery, drives: Mapping[float, RearSteerDrive]
+) -> tuple[Route, bool]:
     """Return the most comfortable path without a loop, and False. Where each has a loop,
     return the one with the longest run-in, if it is not much longer than the shortest,
     and True. ``drives`` are those of the cars fitted to the paths, by how much harder
     than planned these turn.
     """
     routes = []
+    radius = query.body.radius
     for gentle, comfort in product((True, False), COMFORT):
-        routes.append(_routed(task, drives, comfort, gentle))
-        if not _looped(task, routes[-1].path):
+        routes.append(_routed(query, drives, comfort, gentle))
+        if not _looped(radius, routes[-1].path):
             break
     best = routes[-1]
-    if _looped(task, best.path):
+    if _looped(radius, best.path):
         *_, hardest = COMFORT
         for run_in, *_ in COMFORT:
-            routes.append(_routed(task, drives, hardest._replace(run_in=run_in), False))
+            routes.append(
+                _routed(query, drives, hardest._replace(run_in=run_in), False)
+            )
         most = margins.LOOP_FOR_RUN_IN * min(one.path.length for one in routes)
         loops = [one for one in routes if one.path.length <= most]
         best = max(loops, key=lambda one: (one.run_in, -one.path.length))
     turns = [abs(k) for k, _ in best.path.pieces if k]
     if turns:
         best = best._replace(speed=min(best.speed, margins.ARM.turn_rate / max(turns)))
-    return best, _looped(task, best.path)
+    return best, _looped(radius, best.path)
 
 
 def _routed(
-    task: Task, drives: Mapping[float, RearSteerDrive], comfort: Comfort, gentle: bool
+    query: MotionQuery,
+    drives: Mapping[float, RearSteerDrive],
+    comfort: Comfort,
+    gentle: bool,
 ) -> Route:
     """Return the shortest path of one comfort; a ``gentle`` one has no turn so tight that
     it slows the whole way down.
     """
-    motion = task.motion
+    motion = query.motion
     drive = drives[comfort.harder]
     low, high = drive.car.curvature_limits
     share = planned_share(motion, comfort.harder)
     speed = comfort.speed * motion.speed
     if gentle:
         share = min(share, margins.ARM.turn_rate / (speed * max(high, -low)))
-    least = margins.CAR_RUN_IN_UNSURE if task.told.belief.center_error else 0.0
+    least = margins.CAR_RUN_IN_UNSURE if query.scene.center_error else 0.0
     run_in = max(least, comfort.run_in) * motion.run_in
-    path = with_run_in(axle_ends(task, drive), high * share, -low * share, run_in)
+    path = with_run_in(
+        axle_ends(query.body_ends, drive), high * share, -low * share, run_in
+    )
     return Route(drive, path, run_in, share, speed)
 
 
@@ -129,16 +140,17 @@ def planned_share(motion: Motion, harder: float) -> float:
     return min(1.0, harder * motion.curvature_margin)
 
 
-def axle_ends(task: Task, drive: RearSteerDrive) -> tuple[Pose2, Pose2]:
-    """Return the poses of a car's axle at the start and at the goal."""
-    start, goal = (X_WB.compose(drive.X_BV) for X_WB in task.body_ends)
+def axle_ends(ends: Ends, drive: RearSteerDrive) -> Ends:
+    """Return the poses of a car's axle at the ``ends`` X_WB of a way."""
+    start, goal = (X_WB.compose(drive.X_BV) for X_WB in ends)
     return start, goal
 
 
-def _looped(task: Task, path: ArcPath) -> bool:
+def _looped(radius: float, path: ArcPath) -> bool:
     """Whether a path is longer than one without a loop."""
     end = path.pose(path.length)
-    return path.length > longest_way(task, math.dist(path.start.position, end.position))
+    direct = math.dist(path.start.position, end.position)
+    return path.length > longest_way(radius, direct)
 
 
 def route_onward(

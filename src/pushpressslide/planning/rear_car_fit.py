@@ -11,10 +11,10 @@ import numpy as np
 
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.motion import Motion
 from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal, RefusedError, refusal_of
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.task import Motion
 from pushpressslide.mechanics.dragging import DraggedBase
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.mechanics.top import rooms_inside

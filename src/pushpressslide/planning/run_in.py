@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from pushpressslide.core import margins
 from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Task
 from pushpressslide.planning.dubins import candidates, shortest_path
 
 
@@ -37,9 +36,11 @@ def with_run_in(
     )
 
 
-def longest_way(task: Task, direct: float) -> float:
-    """Return the longest way [m] that is not a loop, of one that is ``direct`` [m]."""
-    return margins.LOOP_RATIO * direct + margins.LOOP_SLACK * task.object.radius
+def longest_way(radius: float, direct: float) -> float:
+    """Longest way [m] that is not a loop, of an object of ``radius`` [m] that has
+    ``direct`` [m] to go.
+    """
+    return margins.LOOP_RATIO * direct + margins.LOOP_SLACK * radius
 
 
 def room(start: Pose2, goal: Pose2, curvature: float) -> float:

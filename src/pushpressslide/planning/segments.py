@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from pushpressslide.core.drive import Drive
+from pushpressslide.core.motion import Motion
 from pushpressslide.core.path import SpeedProfile
 from pushpressslide.core.plan import Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Motion, ObjectModel, Task
+from pushpressslide.core.query import MotionQuery
+from pushpressslide.core.scene import ObjectModel
 from pushpressslide.planning.overhead import overhead
 
 
 def segment(
-    task: Task,
+    query: MotionQuery,
     mode: str,
     contacts: Sequence[Contact],
     drive: Drive,
@@ -22,10 +24,10 @@ def segment(
     speed: float | None = None,
     cone_margin: float | None = None,
 ) -> Segment:
-    """Return a segment that leads to the goal of ``task``, at its speed [m/s]."""
-    motion = task.motion
+    """Return a segment that leads to the goal of ``query``, at its speed [m/s]."""
+    motion = query.motion
     profile = SpeedProfile(path.length, speed or motion.speed, motion.acceleration)
-    return Segment(mode, tuple(contacts), drive, path, profile, task.goal, cone_margin)
+    return Segment(mode, tuple(contacts), drive, path, profile, query.goal, cone_margin)
 
 
 def describe_points(points: Iterable[Point]) -> str:

@@ -10,11 +10,12 @@ from dataclasses import replace
 
 from pushpressslide.core import margins
 from pushpressslide.core.control import Vector3
+from pushpressslide.core.motion import FORCE_ALLOWED, Limits, Motion
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, Pose2, cross
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.task import FORCE_ALLOWED, Limits, Motion, Task
 from pushpressslide.mechanics.face_push import on_face
 from pushpressslide.mechanics.faces import Face, faces, room_ahead
 
@@ -77,34 +78,37 @@ def pushable(scene: Scene, index: int | None = None) -> list[Face]:
     return [face for face in found if index in (None, face.index)]
 
 
-def before_contacts(task: Task, contacts: Sequence[Contact]) -> float:
-    """Return how far [m] before their contacts tips begin to touch: as far as the task
+def before_contacts(scene: Scene, motion: Motion, contacts: Sequence[Contact]) -> float:
+    """Return how far [m] before their contacts tips begin to touch: as far as the motion
     says, or as the narrowest notch leaves room for.
     """
-    wanted = task.motion.approach_distance
-    return min((room_before(task, c, wanted) for c in contacts), default=wanted)
+    wanted = motion.approach_distance
+    rooms = (room_before(scene, c, wanted, motion.clearance) for c in contacts)
+    return min(rooms, default=wanted)
 
 
-def room_before(task: Task, contact: Contact, wanted: float) -> float:
+def room_before(
+    scene: Scene, contact: Contact, wanted: float, clearance: float
+) -> float:
     """Return how far [m] a tip can be drawn back from its contact: as far as
-    ``wanted`` or, in a notch, with a clearance to its other wall.
+    ``wanted`` or, in a notch, with a ``clearance`` to its other wall.
     """
     if contact.kind == "top":
         return wanted
-    radius = task.robots[contact.arm].tip_radius
-    origin = task.X_GB.position
-    way = task.object.shape.free_way(contact.point, contact.normal, radius, origin)
-    return min(wanted, max(way - task.motion.clearance, 0.5 * way))
+    radius = scene.robots[contact.arm].tip_radius
+    origin = scene.body.X_GB.position
+    way = scene.body.shape.free_way(contact.point, contact.normal, radius, origin)
+    return min(wanted, max(way - clearance, 0.5 * way))
 
 
 def drag_refusal(
-    task: Task, pushed: Sequence[Face], contacts: int, height: float
+    query: MotionQuery, pushed: Sequence[Face], contacts: int, height: float
 ) -> Refusal | None:
     """Return what stands against pushing faces with some ``contacts`` at ``height`` [m]:
     the object's height, tipping, a force that is too large, or too small to be felt;
     None if nothing.
     """
-    scene = task.scene
+    scene = query.scene
     top = scene.body.shape.height
     radius = max(robot.tip_radius for robot in scene.tips)
     smooth = margins.OVER_EDGE_FRICTION * scene.contact_friction
@@ -122,7 +126,7 @@ def drag_refusal(
         )
         return Refusal("tipping", text, height, highest, "m")
     max_friction = scene.max_friction()
-    felt = contacts * task.sensing.felt_force
+    felt = contacts * query.sensing.felt_force
     if contacts > 1:
         felt = max(felt, margins.ARM.least_friction)
     if max_friction < felt:
@@ -131,7 +135,7 @@ def drag_refusal(
             "from {allowed:N.2f}"
         )
         return Refusal("light", text, max_friction, felt, "N")
-    limit = task.limits.planned_force
+    limit = query.limits.planned_force
     if max_friction > limit:
         text = f"needs {{figure:N.1f}}, {FORCE_ALLOWED}"
         return Refusal("normal_force", text, max_friction, limit, "N")

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import ObjectModel
+from pushpressslide.core.scene import ObjectModel
 
 SWEEP_STEP = 0.5
 """Clearances of path between the places where the gap is looked at."""

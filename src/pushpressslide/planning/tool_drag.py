@@ -5,25 +5,27 @@ from __future__ import annotations
 import math
 
 from pushpressslide.core.constants import GRAVITY
-from pushpressslide.core.task import Task
+from pushpressslide.core.query import MotionQuery
 
 TURN = 2.0 * math.pi
 
 
-def tool_load(task: Task, heading: float) -> tuple[float, float]:
+def tool_load(query: MotionQuery, heading: float) -> tuple[float, float]:
     """Return what bodies pushed by the object add to the drag [N], and how far
     ``heading`` [rad] in B is off the normal of a tool's pushing face [rad].
 
     All that the object may push counts, as if it pushed all at once.
     """
-    drags = [body.friction * body.mass * GRAVITY for body in task.yielding]
-    shape = task.object.shape
-    tool = task.tool
+    drags = [body.friction * body.mass * GRAVITY for body in query.yielding]
+    shape = query.body.shape
+    tool = query.tool
     edge = None if tool is None else shape.edges[tool.face]
     if tool is None or edge is None:
         return sum(drags), 0.0
     (ax, ay), (bx, by) = edge
-    body = next(obstacle for obstacle in task.obstacles if obstacle.name == tool.body)
+    body = next(
+        obstacle for obstacle in query.scene.obstacles if obstacle.name == tool.body
+    )
     outward = math.atan2(ax - bx, by - ay)
     skew = abs(math.remainder(heading - outward, TURN))
     drags.append(body.friction * body.mass * GRAVITY)

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from pushpressslide.core.motion import Limits
 from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal
-from pushpressslide.core.task import Limits, ObjectModel
+from pushpressslide.core.scene import ObjectModel
 
 STEP = 0.03  # [m] of path between the places that are checked
 

@@ -21,7 +21,7 @@ from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
-from pushpressslide.core.state import State
+from pushpressslide.core.state import WorldState
 from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report.json_text import plain, to_json
@@ -204,7 +204,7 @@ def _run(
     entry: Mapping[str, Any], stage: Stage, record: Record, choices: tuple[Choice, ...]
 ) -> StageRun:
     """Return a stage that was begun, of what plan.json has of it."""
-    state = State({body: Pose2(**X) for body, X in entry["poses"].items()})
+    state = WorldState({body: Pose2(**X) for body, X in entry["poses"].items()})
     anew = entry["planned_anew"]
     return StageRun(stage, record.plan, choices, record, entry["began"], state, anew)
 

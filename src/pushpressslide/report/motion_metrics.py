@@ -38,7 +38,7 @@ def motion_figures(
 
     ``placements`` are the plan and the record of each placement that was begun.
     """
-    body = placements[0][0].task.told.object
+    body = placements[0][0].task.scene.body
     time = record.arrays["time"]
     pose = record.arrays["object_pose"]
     tips = [

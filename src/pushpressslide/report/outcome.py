@@ -9,9 +9,10 @@ from typing import Any
 
 from pushpressslide.control.limits import MEAN_TIME
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.motion import Tolerance
 from pushpressslide.core.pose import wrap_angle
 from pushpressslide.core.record import Ending, Record
-from pushpressslide.core.task import Task, Tolerance
+from pushpressslide.core.task import Task
 from pushpressslide.report import series
 from pushpressslide.report.support import seat_error
 

@@ -5,7 +5,7 @@ weighed, and plan.png.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields, is_dataclass, replace
+from dataclasses import asdict, fields, is_dataclass
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints
@@ -16,6 +16,7 @@ from pushpressslide.core.path import ArcPath, SpeedProfile
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal
+from pushpressslide.core.state import OBJECT, WorldState
 from pushpressslide.core.task import Restart, Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.whole_file import write_whole
@@ -44,10 +45,10 @@ def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
     """
     restart = plan.restart
     out: dict[str, Any] = {
-        "searched": plan.task.searched,
-        "pushes": plan.task.pushes,
+        "searched": plan.searched,
+        "pushes": plan.may_push,
         "segments": [_segment_to_dict(segment) for segment in plan.segments],
-        "restart": None if restart is None else asdict(restart),
+        "restart": None if restart is None else _restart_to_dict(restart),
         "later": [plan_to_dict(later) for later in plan.later],
     }
     if choices:
@@ -60,23 +61,47 @@ def plan_from_dict(data: Mapping[str, Any], task: Task) -> Plan:
 
     Raises KeyError, TypeError or ValueError on other data.
     """
+    return _plan_from(data, Plan(task))
+
+
+def _plan_from(data: Mapping[str, Any], before: Plan) -> Plan:
+    """Return the plan of ``plan_to_dict`` that goes on with the task of another one."""
     if not data["segments"]:
         raise ValueError("a plan without segments")
+    task = before.task
+    searched = before.searched
     restart = None
     if data["restart"] is not None:
-        restart = _of_type(Restart, data["restart"])
+        restart = _restart_from_dict(data["restart"])
         task = task.resumed(restart)
-    found = {
-        name: data.get(name, getattr(task, name)) for name in ("searched", "pushes")
-    }
-    task = replace(task, **found)
-    segments = tuple(_segment_from_dict(entry) for entry in data["segments"])
-    plan = Plan(task, segments, restart)
+        searched = searched or restart.legs is not None
+    plan = Plan(
+        task,
+        tuple(_segment_from_dict(entry) for entry in data["segments"]),
+        restart,
+        data.get("searched", searched),
+        data.get("pushes", before.may_push),
+    )
+    later = plan
     for entry in data["later"]:
-        later = plan_from_dict(entry, task)
-        task = later.task
+        later = _plan_from(entry, later)
         plan = plan.followed(later)
     return plan
+
+
+def _restart_to_dict(restart: Restart) -> dict[str, Any]:
+    """Return a restart as plain data: of its state the object's pose."""
+    data = asdict(restart)
+    del data["state"]
+    return {"leg": data.pop("leg"), "pose": asdict(restart.state.object), **data}
+
+
+def _restart_from_dict(data: Mapping[str, Any]) -> Restart:
+    """Return the restart of ``_restart_to_dict``."""
+    hints = get_type_hints(Restart)
+    del hints["state"]
+    values = {name: _of_type(kind, data[name]) for name, kind in hints.items()}
+    return Restart(WorldState({OBJECT: _of_type(Pose2, data["pose"])}), **values)
 
 
 def stage_from_dict(data: Mapping[str, Any], task: Task) -> StagePlan:

@@ -73,7 +73,7 @@ def plan_figure(plan: Plan) -> Figure:
     others += contacts(
         ax,
         [
-            (placement, placement.task.start.compose(placement.task.X_GB))
+            (placement, placement.query.start.compose(placement.task.X_GB))
             for placement in plan.by_placement
         ],
     )
@@ -127,7 +127,7 @@ def path_figure(plan: Plan, record: Record) -> Figure:
     footprint(ax, shape, poses[0], style.BLACK, "start", dashed=True)
     footprint(ax, shape, last, style.ORANGE, "end")
     others = _other_bodies(ax, task.scene, record) + other_goals(ax, task)
-    tracked = series.tracked_poses(task.told.object, record)[:, :2]
+    tracked = series.tracked_poses(task.scene.body, record)[:, :2]
     _tracked_paths(ax, record, tracked, ticks)
     largest = _forces(ax, plan, record, picks[1:-1])
     placements = [

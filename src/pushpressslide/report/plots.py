@@ -246,7 +246,7 @@ def speeds_figure(plan: Plan, record: Record) -> Figure:
     """Return the speed of the tracking point, and the object's yaw rate if it turns."""
     time = record.arrays["time"]
     vx, vy, w = record.arrays["object_twist"].T
-    tracked = series.tracked_poses(plan.task.told.object, record)[:, :2]
+    tracked = series.tracked_poses(plan.task.scene.body, record)[:, :2]
     x, y = (tracked - record.arrays["object_pose"][:, :2]).T
     speed = np.hypot(vx - w * y, vy + w * x)
     planned = _by_segment(plan, record, _cruise)

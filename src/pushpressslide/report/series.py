@@ -288,7 +288,7 @@ def slip(plan: Plan, record: Record, index: int) -> Array:
     """
     normals, _ = contact_forces(plan, record)
     touching = in_phase(record, "move") & (normals[:, index] >= CONTACT_FORCE)
-    points = surface_coordinates(plan.task.told.object, record, plan.contacts[index])
+    points = surface_coordinates(plan.task.scene.body, record, plan.contacts[index])
     out = np.zeros(ticks(record))
     before = 0.0
     edges = np.flatnonzero(

@@ -10,9 +10,10 @@ from itertools import groupby
 from typing import Any
 
 from pushpressslide.core.bodies import OBJECT, Stage, start_state
+from pushpressslide.core.motion import Tolerance
 from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.core.record import Ending
-from pushpressslide.core.task import Task, Tolerance
+from pushpressslide.core.task import Task
 from pushpressslide.report.json_text import plain
 from pushpressslide.report.outcome import goal_error, tolerance_figures
 from pushpressslide.report.stages import StageRun, final_poses

@@ -18,7 +18,7 @@ from pushpressslide.core.bodies import OBJECT, Stage, obstacle_name, start_state
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
-from pushpressslide.core.state import State
+from pushpressslide.core.state import WorldState
 from pushpressslide.report import series
 from pushpressslide.report.outcome import is_within
 from pushpressslide.view.course import GOAL_ERROR, goal_errors
@@ -39,7 +39,7 @@ class StageRun(StagePlan):
 
     record: Record
     began: float  # [s] since the first stage began
-    state: State  # in which it began, with the bodies where they were
+    state: WorldState  # in which it began, with the bodies where they were
     anew: bool = False  # whether it was planned again for where the bodies were seen
 
     @classmethod

@@ -43,7 +43,7 @@ def support_figures(task: Task, record: Record) -> dict[str, float | None]:
     out["max_tilt_deg"] = math.degrees(float(np.nanmax(_tilt(task.support, positions))))
     if before.size:
         out["support_gap_max"] = max(0.0, float(before.max()))
-    if not task.enters:
+    if not task.scene.enters(task.goal):
         return out
     out["seated_depth"] = -float(gap[-1])
     if until + 1 < len(gap):
@@ -61,7 +61,7 @@ def seat_error(task: Task, record: Record) -> float:
     """
     positions = record.arrays.get("object_pose_3d")
     opening = task.support.opening
-    if positions is None or opening is None or not task.enters:
+    if positions is None or opening is None or not task.scene.enters(task.goal):
         return 0.0
     return abs(opening.depth + float(_gap(task.scene, positions)[-1]))
 

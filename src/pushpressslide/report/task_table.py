@@ -46,11 +46,11 @@ def task_table(task: Task, result: Mapping[str, Any]) -> str:
 
 
 def _mass(task: Task) -> str:
-    return _with_belief(task.object.mass, task.told.object.mass, " kg")
+    return _with_belief(task.object.mass, task.scene.body.mass, " kg")
 
 
 def _frictions(task: Task) -> str:
-    told = task.told
+    told = task.scene
     support = _with_belief(task.support.friction, told.support.friction)
     tip = _with_belief(task.contact_friction, told.contact_friction)
     return f"{task.support.kind} {support}, end effector {tip}"

@@ -15,8 +15,10 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.footprint import all_placed, edge_depths, gaps, overlaps
 from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import Refusal, literal
-from pushpressslide.core.task import Obstacle, Shape, Task
+from pushpressslide.core.scene import Obstacle, Scene
+from pushpressslide.geometry.shapes import Shape
 from pushpressslide.planning.carried import carried_ways
 from pushpressslide.planning.free_way import lengths_from
 from pushpressslide.planning.swept import SWEEP_STEP, swept
@@ -33,53 +35,56 @@ ENTERED = 0.1
 ROUND_OFF = 1e-6  # [m]
 
 
-def path_refusal(task: Task, segments: Sequence[Segment]) -> Refusal | None:
+def path_refusal(query: MotionQuery, segments: Sequence[Segment]) -> Refusal | None:
     """Return where the object's path comes too near to an obstacle or to an arm's base,
     where it tips into an opening or over an edge, or where as a tool it does not push
     straight; None if nowhere.
     """
-    support = task.support
-    near = _near_bases(task, segments)
-    if not (task.obstacles or support.opening or support.region or task.tool or near):
+    scene = query.scene
+    support = scene.support
+    near = _near_bases(scene, query.motion.clearance, segments)
+    if not (
+        query.scene.obstacles or support.opening or support.region or query.tool or near
+    ):
         return None
-    poses = swept(task.object, segments, task.motion.clearance)
+    poses = swept(scene.body, segments, query.motion.clearance)
     return (
-        obstacle_refusal(task, poses)
-        or (base_refusal(task, poses) if near else None)
-        or tips_refusal(task, segments, poses)
-        or edge_refusal(task, segments)
-        or opening_refusal(task, segments[0], poses)
-        or tool_refusal(task, poses)
+        obstacle_refusal(query, poses)
+        or (base_refusal(query, poses) if near else None)
+        or tips_refusal(scene, query.yielding, segments, poses)
+        or edge_refusal(scene, query.motion.clearance, segments)
+        or opening_refusal(query, segments[0], poses)
+        or tool_refusal(query, poses)
     )
 
 
-def base_discs(task: Task) -> list[Polygon]:
+def base_discs(scene: Scene) -> list[Polygon]:
     """Return the discs that the lowest links of the arms fill, as high as the object."""
     from shapely import Point
 
     radius = margins.ARM.base
     return [
         Point(x, y).buffer(radius)
-        for robot, (x, y, height) in zip(task.robots, task.scene.bases, strict=True)
-        if robot.model != "hand" and height < task.object.shape.height + radius
+        for robot, (x, y, height) in zip(scene.robots, scene.bases, strict=True)
+        if robot.model != "hand" and height < scene.body.shape.height + radius
     ]
 
 
-def base_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
+def base_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | None:
     """Return where the object would come too near to an arm's base, or None; ``poses``:
-    X_WG along a path. A base within whose disc the task itself has start or goal is not
+    X_WG along a path. A base within whose disc the motion itself begins or ends is not
     asked.
     """
-    discs = base_discs(task)
+    discs = base_discs(query.scene)
     if not discs:
         return None
-    shape = task.object.shape
-    ends = (task.start, task.goal)
+    shape = query.body.shape
+    ends = (query.start, query.goal)
     at_ends = gaps(shape, ends, discs).min(0)
     discs = [disc for disc, gap in zip(discs, at_ends, strict=True) if gap > 0.0]
     if not discs:
         return None
-    clearance = task.motion.clearance
+    clearance = query.motion.clearance
     apart = gaps(shape, poses, discs)
     allowed = allowed_gaps(shape, poses, ends, discs, clearance)
     worst, i = divmod(int((allowed - apart).argmax()), len(discs))
@@ -93,19 +98,19 @@ def base_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
     return Refusal("obstacle", text, least, float(allowed[worst, i]), "m")
 
 
-def _near_bases(task: Task, segments: Sequence[Segment]) -> bool:
+def _near_bases(scene: Scene, clearance: float, segments: Sequence[Segment]) -> bool:
     """Return whether the object may come near to an arm's base on its path."""
-    room = task.object.radius + task.motion.clearance + margins.ARM.base
+    room = scene.body.radius + clearance + margins.ARM.base
     for segment in segments:
         length = segment.path.length
         X_WV = segment.path.pose(0.5 * length)
         far = room + math.hypot(*segment.X_BV.position) + 0.5 * length
-        if any(math.dist(X_WV.position, base[:2]) < far for base in task.scene.bases):
+        if any(math.dist(X_WV.position, base[:2]) < far for base in scene.bases):
             return True
     return False
 
 
-def obstacle_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
+def obstacle_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | None:
     """Return where the object would come too near to an obstacle, or None; ``poses``:
     X_WG along a path.
 
@@ -113,19 +118,19 @@ def obstacle_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
     the object is to push as a tool, and what it may push on its way, may be touched by
     it, and keep clear of the others.
     """
-    tool = task.tool
+    tool = query.tool
     pushed = None
     others = []
-    for obstacle in task.obstacles:
+    for obstacle in query.scene.obstacles:
         if tool is not None and obstacle.name == tool.body:
             pushed = obstacle
-        elif obstacle not in task.yielding:
+        elif obstacle not in query.yielding:
             others.append(obstacle)
-    ends = (task.start, task.goal)
-    clearance = task.motion.clearance
-    shape = task.object.shape
+    ends = (query.start, query.goal)
+    clearance = query.motion.clearance
+    shape = query.body.shape
     refusal = _too_near("the object", shape, poses, ends, others, clearance)
-    refusal = refusal or _carried_refusal(task, poses)
+    refusal = refusal or _carried_refusal(query, poses)
     if refusal is not None or pushed is None or tool is None:
         return refusal
     ends = (pushed.pose, tool.goal)
@@ -137,21 +142,23 @@ def obstacle_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
 
 
 def tips_refusal(
-    task: Task, segments: Sequence[Segment], poses: Sequence[Pose2]
+    scene: Scene,
+    yielding: Sequence[Obstacle],
+    segments: Sequence[Segment],
+    poses: Sequence[Pose2],
 ) -> Refusal | None:
     """Return where a tip on the object's way, along ``poses`` X_WG, would touch an
-    obstacle that stands as high as its contact, or None.
+    obstacle that stands as high as its contact, or None; ``yielding`` ones are pushed along.
     """
     import shapely
 
-    scene = task.scene
     contacts = {contact for segment in segments for contact in segment.contacts}
-    ways = carried_ways(task, poses)
+    ways = carried_ways(scene.body.shape, yielding, poses)
     for contact in contacts:
         radius = scene.robots[contact.arm].tip_radius
         place, height = contact.tip_place(radius)
-        x, y = task.X_GB.apply(place)
-        tall = [o for o in task.obstacles if o.shape.height > height - radius]
+        x, y = scene.body.X_GB.apply(place)
+        tall = [o for o in scene.obstacles if o.shape.height > height - radius]
         if not tall:
             continue
         tips = shapely.points([X.apply((x, y)) for X in poses])
@@ -168,20 +175,22 @@ def tips_refusal(
     return None
 
 
-def _carried_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
+def _carried_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | None:
     """Return where an obstacle that the object pushes on its way runs into another one,
     or is pushed over the edge of the table, or None.
     """
     from shapely import Polygon
 
-    for name, way in carried_ways(task, poses).items():
-        body = next(o for o in task.obstacles if o.name == name)
-        others = [o for o in task.obstacles if o is not body]
+    scene = query.scene
+    ways = carried_ways(scene.body.shape, query.yielding, poses)
+    for name, way in ways.items():
+        body = next(o for o in scene.obstacles if o.name == name)
+        others = [o for o in scene.obstacles if o is not body]
         ends = (body.pose, body.pose)
         what = f"{name!r}, pushed along,"
-        clearance = task.motion.clearance
+        clearance = query.motion.clearance
         refusal = _too_near(what, body.shape, way, ends, others, clearance)
-        region = task.support.region
+        region = scene.support.region
         if refusal is None and region is not None:
             places = np.array([X.apply(body.shape.centroid) for X in way])
             depths = edge_depths(body.shape, way, places, Polygon(region))

@@ -16,7 +16,7 @@ from pushpressslide.core.footprint import edge_depths
 from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal
-from pushpressslide.core.task import Task
+from pushpressslide.core.scene import Scene
 from pushpressslide.mechanics.pressing import resting_cop
 from pushpressslide.planning.free_way import lengths_from
 from pushpressslide.planning.swept import swept
@@ -27,7 +27,9 @@ if TYPE_CHECKING:
 ROUND_OFF = 1e-6  # [m]
 
 
-def edge_refusal(task: Task, segments: Sequence[Segment]) -> Refusal | None:
+def edge_refusal(
+    scene: Scene, clearance: float, segments: Sequence[Segment]
+) -> Refusal | None:
     """Return where the object would tip over the edge of ``support.region`` on planned
     segments, or None.
 
@@ -39,35 +41,35 @@ def edge_refusal(task: Task, segments: Sequence[Segment]) -> Refusal | None:
     """
     from shapely import Polygon
 
-    if task.support.region is None:
+    if scene.support.region is None:
         return None
-    region = Polygon(task.support.region)
+    region = Polygon(scene.support.region)
     first = None
     for segment in segments:
-        poses = swept(task.object, [segment], task.motion.clearance)
+        poses = swept(scene.body, [segment], clearance)
         first = first or poses[0]
-        refusal = _segment_refusal(task, segment, poses, first, region)
+        refusal = _segment_refusal(scene, segment, poses, first, region)
         if refusal is not None:
             return refusal
     return None
 
 
 def _segment_refusal(
-    task: Task,
+    scene: Scene,
     segment: Segment,
     poses: Sequence[Pose2],
     first: Pose2,
     region: Polygon,
 ) -> Refusal | None:
     """Return where one of the segments that begin at ``first`` tips the object."""
-    shape = task.object.shape
+    shape = scene.body.shape
     margin = margins.EDGE_MARGIN * shape.half_width
-    begin = np.array([first.apply(task.object.center_of_mass)])
+    begin = np.array([first.apply(scene.body.center_of_mass)])
     there = min(float(edge_depths(shape, [first], begin, region)[0]), margin)
     far = lengths_from(shape, first, poses)
     share = np.minimum(far / margins.ARM.leaving, 1.0)
     allowed = there + (margin - there) * share - ROUND_OFF
-    for points in _loads(task, segment, poses):
+    for points in _loads(scene, segment, poses):
         depths = edge_depths(shape, poses, points, region)
         worst = int((depths - allowed).argmin())
         depth = float(depths[worst])
@@ -85,7 +87,7 @@ def _segment_refusal(
 
 
 def _loads(
-    task: Task, segment: Segment, poses: Sequence[Pose2]
+    scene: Scene, segment: Segment, poses: Sequence[Pose2]
 ) -> tuple[Array, Array, Array]:
     """Return where the load is at poses X_WG, (n, 2) [m] each: without a press, pressed
     at rest, and dragged.
@@ -93,17 +95,17 @@ def _loads(
     A drag mu_s N at a height h moves the load ahead by mu_s h; while the object turns,
     less of the friction is a force.
     """
-    X_GB = task.object.X_GB
+    X_GB = scene.body.X_GB
     bodies = [X.compose(X_GB) for X in poses]
     presses = [contact for contact in segment.contacts if contact.kind == "top"]
-    cop = resting_cop(task.scene, presses)
+    cop = resting_cop(scene, presses)
     alone = np.array([X.position for X in bodies])
     pressed = np.array([X.apply(cop) for X in bodies])
     steps = np.diff(pressed, axis=0, append=2.0 * pressed[-1:] - pressed[-2:-1])
     turns = np.diff(np.unwrap([X.yaw for X in bodies]))
-    rho = segment.drive.rho or task.object.shape.inner_radius
+    rho = segment.drive.rho or scene.body.shape.inner_radius
     turned = rho * np.append(turns, turns[-1:])
     whole = np.maximum(np.sqrt((steps**2).sum(1) + turned**2), 1e-12)
     height = max(contact.height for contact in segment.contacts)
-    ahead = task.scene.support.friction * height * steps / whole[:, None]
+    ahead = scene.support.friction * height * steps / whole[:, None]
     return alone, pressed, pressed + ahead

@@ -13,12 +13,11 @@ from dataclasses import dataclass, field, replace
 from heapq import heappop, heappush
 from itertools import count
 
-from pushpressslide.core.bodies import motion_task
 from pushpressslide.core.plan import Choice
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import SKIPPED
-from pushpressslide.core.state import OBJECT, Held, State
-from pushpressslide.core.task import Task
+from pushpressslide.core.state import Held
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import straight_time
 from pushpressslide.planning.free_way import WaysTo, alike, moved
@@ -56,9 +55,9 @@ ALWAYS = frozenset(
 # of those, that stand against it with whatever contacts
 HOPELESS = frozenset({"smooth_tip"})
 
-# of a motion by a mode, from a state to a pose X_WG: with the contacts that are held
-# in the state, with whatever contacts where none are
-JudgeMotion = Callable[[Task, str, State, Pose2], list[Choice]]
+# of a motion by a mode: with the contacts that are held, with whatever contacts where
+# none are
+JudgeMotion = Callable[[MotionQuery, str, Held | None], list[Choice]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,9 +100,9 @@ class Motion:
 
 @dataclass
 class LegSearch:
-    """The search for one task; it keeps what it has judged."""
+    """The search for one motion; it keeps what it has judged."""
 
-    task: Task
+    query: MotionQuery
     ways: WaysTo  # to the goal
     poses: list[Pose2]  # X_WG: start, goal, and those on the way; more as it goes on
     touching: Touching
@@ -128,7 +127,7 @@ class LegSearch:
 
     def __post_init__(self) -> None:
         """Ask the object how large it is."""
-        self._radius = self.task.object.radius
+        self._radius = self.query.body.radius
 
     def know(self, choices: Sequence[Choice]) -> None:
         """Take over what was judged of the motion from start to goal; modes that cannot
@@ -194,7 +193,7 @@ class LegSearch:
                 continue
             for after in self._after(item):
                 due = after.time + self._ahead(after.node.pose)
-                if after.node in done or due > self.task.limits.time:
+                if after.node in done or due > self.query.limits.time:
                     continue
                 heappush(heap, (due, next(order), after))
                 # whether it is one motion from the goal is asked before all else
@@ -207,7 +206,7 @@ class LegSearch:
         pose = here.node.pose
         if self.onward is None or pose in self._led_on:
             return
-        if len(here.steps) + 2 > self.task.limits.legs:
+        if len(here.steps) + 2 > self.query.limits.legs:
             return
         self._led_on.add(pose)
         known = len(self.poses)
@@ -221,7 +220,7 @@ class LegSearch:
         """Return the motions from a node to some poses, with a time [s] that their
         sequences are not below.
         """
-        left = self.task.limits.legs - len(here.steps)
+        left = self.query.limits.legs - len(here.steps)
         if left == 0 or here.node.pose == GOAL:
             return []
         if left == 1:
@@ -289,8 +288,8 @@ class LegSearch:
         if key not in self._found:
             self.judged += 1
             self.spent += 1 if motion.held else MODES[mode].work
-            state = State({OBJECT: self.poses[begin]}, held=held)
-            judged = self.judge(self.task, mode, state, self.poses[end])
+            asked = self.query.between(self.poses[begin], self.poses[end])
+            judged = self.judge(asked, mode, held)
             self._found[key] = _best(judged)
             if not self._found[key]:
                 self._note(mode, judged)
@@ -316,14 +315,14 @@ class LegSearch:
         """
         if end == GOAL:
             return False
-        shape = self.task.object.shape
+        shape = self.query.body.shape
         return moved(shape, self.poses[begin], self.poses[end]) < SHORTEST
 
     def _straight(self, begin: int, end: int) -> float:
         """Return a time [s] that no motion between two poses is below."""
         ends = (self.poses[begin], self.poses[end])
-        center = self.task.object.center_of_mass
-        return straight_time(*ends, center, self._radius, self.task.motion)
+        center = self.query.body.center_of_mass
+        return straight_time(*ends, center, self._radius, self.query.motion)
 
     def _least(self, begin: int, end: int, mode: str) -> float:
         """Return about the least time [s] of a motion between two poses, contacts held;
@@ -331,10 +330,9 @@ class LegSearch:
         """
         key = (begin, end, mode)
         if key not in self._least_times:
-            state = State({OBJECT: self.poses[begin]})
-            part = motion_task(self.task, state, self.poses[end])
-            least = MODES[mode].least_time(part)
-            if not self.ways.space.straight(part.start, part.goal):
+            ends = (self.poses[begin], self.poses[end])
+            least = MODES[mode].least_time(self.query.between(*ends))
+            if not self.ways.space.straight(*ends):
                 least = BLOCKED * least + self._regrasp
             self._least_times[key] = least
         return self._least_times[key]
@@ -346,12 +344,12 @@ class LegSearch:
         while len(self._lengths) < len(self.poses):
             some = self.poses[len(self._lengths) :]
             self._lengths += self.ways.lengths(some).tolist()
-        return EAGER * self._lengths[pose] / self.task.motion.speed
+        return EAGER * self._lengths[pose] / self.query.motion.speed
 
     @property
     def _regrasp(self) -> float:
         """The price [s] of other contacts: the release, the way there, the touch."""
-        return overhead(self.task.motion)
+        return overhead(self.query.motion)
 
 
 def _hopeless(judged: Sequence[Choice]) -> bool:

@@ -10,13 +10,13 @@ from dataclasses import replace
 from pushpressslide.core.footprint import depth_beside
 from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import Refusal
-from pushpressslide.core.task import Task
 from pushpressslide.rom.drives import HeldDrive
 
 
 def opening_refusal(
-    task: Task, segment: Segment, poses: Sequence[Pose2]
+    query: MotionQuery, segment: Segment, poses: Sequence[Pose2]
 ) -> Refusal | None:
     """Return where the object would tip into the opening on its way, or None.
 
@@ -24,21 +24,22 @@ def opening_refusal(
     pressure of the drag, the weight included, lies within its convex hull
     (docs/walls.md). ``poses``: X_WG along the path that begins with ``segment``.
     """
-    opening = task.support.opening
-    shape = task.object.shape
+    opening = query.scene.support.opening
+    shape = query.body.shape
     if opening is None:
         return None
     width, height = opening.size
-    room = 2.0 * task.motion.clearance  # within which an outline counts as going in
+    room = 2.0 * query.motion.clearance  # within which an outline counts as going in
     wide = replace(opening, size=(width + room, height + room))
+    enters = query.scene.enters(query.goal)
     drive = segment.drive
     cop = drive.center
     lever = drive.lever if isinstance(drive, HeldDrive) else 0.0
     for X_WG in poses:
-        if task.enters and wide.holds(X_WG, shape):
+        if enters and wide.holds(X_WG, shape):
             return None
-        X_WB = X_WG.compose(task.X_GB)
-        wx, wy = X_WB.unrotate(task.scene.weight_along)
+        X_WB = X_WG.compose(query.X_GB)
+        wx, wy = X_WB.unrotate(query.scene.weight_along)
         depth = depth_beside(
             shape, X_WG, opening, X_WB.apply((cop[0] - lever * wx, cop[1] - lever * wy))
         )

@@ -6,55 +6,54 @@ from collections.abc import Sequence
 
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Choice, Plan
-from pushpressslide.core.task import Task
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.modes import MODES
 
 
-def plan_of(task: Task, chosen: Sequence[Choice]) -> Plan:
-    """Return the plan of one choice for each placement, in order."""
-    return Plan(task, tuple(piece for choice in chosen for piece in choice.segments))
-
-
 def usable(
-    task: Task, choices: Sequence[Choice], *, force: bool = False
+    empty: Plan, choices: Sequence[Choice], *, force: bool = False
 ) -> list[Choice]:
-    """Return the choices that can do their part of the task.
+    """Return the choices that can do their part of a plan that is ``empty`` so
+    far.
 
     With ``force`` they just have a path for it. Raises InfeasibleTaskError where there
     is none.
     """
     able = [c for c in choices if c.segments and (c.feasible or force)]
     if not able:
-        raise infeasible(task, choices)
+        raise infeasible(empty, choices)
     return able
 
 
 def infeasible(
-    task: Task, choices: Sequence[Choice], searched: str = "", lacking: str = ""
+    empty: Plan, choices: Sequence[Choice], searched: str = "", lacking: str = ""
 ) -> InfeasibleTaskError:
     """Return the error that says why no choice can do the task.
 
     ``searched`` says that several motions cannot, where they were searched for, and
     ``lacking`` what the last of them lack.
     """
-    part, refused = _refused(task, choices)
-    brief = f"{part.name}: no mode can do this task{searched}"
+    _, refused = _refused(empty.queries, choices)
+    brief = f"{empty.task.name}: no mode can do this task{searched}"
     if refused:
         brief += f"; {refused[0].mode}: {refused[0].refusal}"
-    message = refusal(task, choices) + searched + lacking
+    message = refusal(empty.queries, choices) + searched + lacking
     return InfeasibleTaskError(message, brief, refused)
 
 
-def refusal(task: Task, choices: Sequence[Choice]) -> str:
-    """Return one line that says why no choice can do the task, all reasons in it."""
-    part, refused = _refused(task, choices)
+def refusal(queries: Sequence[MotionQuery], choices: Sequence[Choice]) -> str:
+    """Return one line that says why no choice can do the task of some ``queries``,
+    all reasons in it."""
+    part, refused = _refused(queries, choices)
     reasons = "; ".join(
         f"{choice.mode}: {reason}" for choice, reason in gathered(refused)
     )
-    return f"{part.source or part.name}: no mode can do this task: {reasons}"
+    return f"{part.source}: no mode can do this task: {reasons}"
 
 
-def _refused(task: Task, choices: Sequence[Choice]) -> tuple[Task, list[Choice]]:
+def _refused(
+    queries: Sequence[MotionQuery], choices: Sequence[Choice]
+) -> tuple[MotionQuery, list[Choice]]:
     """Return the leg that no choice does, and what stands against those that have as
     many arms as they need.
     """
@@ -66,7 +65,7 @@ def _refused(task: Task, choices: Sequence[Choice]) -> tuple[Task, list[Choice]]
         if not any(choice.feasible for choice in group):
             refused = group
             break
-    part = task.parts[refused[0].leg]
+    part = queries[refused[0].leg]
     arms = len(part.scene.arms)
     fitting = [c for c in refused if MODES[c.mode].arms <= arms] or refused
     return part, [choice for choice in fitting if not choice.feasible]

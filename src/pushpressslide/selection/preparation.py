@@ -11,8 +11,7 @@ from typing import Any, Protocol
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.refusal import Refusal, literal
-from pushpressslide.core.task import Task
-from pushpressslide.selection.planner import infeasible, plan_of, usable
+from pushpressslide.selection.planner import infeasible, usable
 from pushpressslide.selection.select import MANY, placements
 
 Problems = dict[tuple[str, tuple[Contact, ...], str, str], InfeasibleTaskError]
@@ -64,7 +63,7 @@ class PlansAlone:
 
 def prepared(
     preparation: Preparation,
-    task: Task,
+    empty: Plan,
     choices: Sequence[Choice],
     force: bool = False,
     first: int = 0,
@@ -72,33 +71,33 @@ def prepared(
     """Add to ``preparation`` the best choice of every placement, and return the judged
     choices, with what those lack that had to be passed over.
 
-    ``choices`` are those of ``task`` from the leg ``first`` on. With ``force``
+    ``choices`` are those of a plan that is ``empty`` so far, from the leg ``first`` on. With ``force``
     infeasible ones are taken too, as far as they have a path. Raises InfeasibleTaskError
     where a placement has none.
     """
     groups = [list(group) for _, group in groupby(choices, lambda c: c.leg)]
     for group in groups:
-        usable(task, group, force=force)
+        usable(empty, group, force=force)
     for number, group in enumerate(groups):
         problems: Problems = {}
-        added = add_first(preparation, task, group, force, problems)
+        added = add_first(preparation, empty, group, force, problems)
         if not added and not all(choice.evaluated for choice in group):
-            more = placements(task, MANY, first)
+            more = placements(empty.queries, MANY, first)
             # with more choices a leg may go on with the contacts of the one before it
             if [other[0].leg for other in more] == [other[0].leg for other in groups]:
                 groups[number] = group = more[number]
-                added = add_first(preparation, task, group, force, problems)
+                added = add_first(preparation, empty, group, force, problems)
         if added:
             continue
         if len(problems) == 1:
             raise next(iter(problems.values()))
-        raise infeasible(task, list(chain.from_iterable(groups)))
+        raise infeasible(empty, list(chain.from_iterable(groups)))
     return list(chain.from_iterable(groups))
 
 
 def add_first(
     preparation: Preparation,
-    task: Task,
+    empty: Plan,
     choices: list[Choice],
     force: bool,
     problems: Problems,
@@ -118,7 +117,7 @@ def add_first(
         key = (choice.mode, choice.contacts, choice.label, choice.merits)
         try:
             if key not in problems:
-                preparation.add(plan_of(task, [choice]).by_placement[0])
+                preparation.add(empty.of_choices([choice]).by_placement[0])
                 return True
         except InfeasibleTaskError as error:
             problems[key] = error
@@ -128,7 +127,7 @@ def add_first(
 
 
 def with_joint_paths(
-    preparation: Preparation, task: Task, choices: Sequence[Choice]
+    preparation: Preparation, empty: Plan, choices: Sequence[Choice]
 ) -> list[Choice]:
     """Return the choices of a task without legs, the possible ones first; those refused
     for which the arms have no joint path. ``preparation`` is an empty one, and is empty
@@ -138,7 +137,7 @@ def with_joint_paths(
     for choice in choices:
         if choice.feasible:
             try:
-                preparation.add(plan_of(task, [choice]).by_placement[0])
+                preparation.add(empty.of_choices([choice]).by_placement[0])
             except InfeasibleTaskError as error:
                 why = str(error).split(": ", 1)[-1]
                 choice = choice.refused(Refusal("joint_path", literal(why)))

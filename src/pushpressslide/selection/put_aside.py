@@ -15,8 +15,11 @@ from pushpressslide.core.bodies import (
     body_shape,
     stage_task,
 )
+from pushpressslide.core.motion import Limits
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.state import State
+from pushpressslide.core.query import MotionQuery
+from pushpressslide.core.scene import Scene
+from pushpressslide.core.state import WorldState
 from pushpressslide.core.task import Task
 from pushpressslide.selection.waypoints import free_space, reached
 
@@ -38,7 +41,7 @@ class Moment:
     """The state between two stages, and where the bodies have still to go."""
 
     task: Task
-    state: State
+    state: WorldState
     goals: Goals
 
     def outline(self, body: str) -> Polygon:
@@ -88,8 +91,8 @@ def spots(moment: Moment, body: str) -> list[Pose2]:
     others' straight ways come first, then those that are nearer.
     """
     here = moment.state.poses[body]
-    stage = stage_task(moment.task, Stage(body, here), moment.state)
-    shape = stage.object.shape
+    stage = stage_task(moment.task, Stage(body, here), moment.state).query
+    shape = stage.scene.body.shape
     others = [other for other in moment.goals if other != body]
     ways = [moment.way(other) for other in others if moment.goals[other]]
     kept = []
@@ -104,7 +107,9 @@ def spots(moment: Moment, body: str) -> list[Pose2]:
     return [entry[-1] for entry in sorted(kept, key=lambda entry: entry[:-1])]
 
 
-def _free(stage: Task, moment: Moment, body: str, distance: float) -> list[Pose2]:
+def _free(
+    stage: MotionQuery, moment: Moment, body: str, distance: float
+) -> list[Pose2]:
     """Return the poses on a ring about the body of a ``stage`` that are free and
     reached.
     """
@@ -116,7 +121,7 @@ def _free(stage: Task, moment: Moment, body: str, distance: float) -> list[Pose2
         )
         for a in angles
     ]
-    ring = [X for X in ring if _within(stage, X)]
+    ring = [X for X in ring if _within(stage.scene, stage.limits, X)]
     if not ring:
         return []
     space = free_space(stage)
@@ -127,18 +132,18 @@ def _free(stage: Task, moment: Moment, body: str, distance: float) -> list[Pose2
         for outline in moment.goal_outlines(other)
     ]
     space = replace(space, others=(*space.others, *goals))
-    able = np.asarray(space.free(ring)) & reached(stage, ring)
+    able = np.asarray(space.free(ring)) & reached(stage.scene, ring)
     return [X for X, fit in zip(ring, able, strict=True) if fit]
 
 
-def _within(task: Task, X: Pose2) -> bool:
+def _within(scene: Scene, limits: Limits, X: Pose2) -> bool:
     """Return whether a pose is in the workspace and clear of the robots' bases."""
-    shape = task.object.shape
-    for x, y, height in task.scene.bases:
+    shape = scene.body.shape
+    for x, y, height in scene.bases:
         gap = shape.distance(X.unapply((x, y)))
         if height < shape.height and gap < BASE_ROOM:
             return False
-    if task.limits.workspace is None:
+    if limits.workspace is None:
         return True
-    x_min, x_max, y_min, y_max = task.limits.workspace
+    x_min, x_max, y_min, y_max = limits.workspace
     return x_min <= X.x <= x_max and y_min <= X.y <= y_max

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import Any
 
-from pushpressslide.core.bodies import motion_task
-from pushpressslide.core.errors import TaskError
 from pushpressslide.core.plan import Choice, Contact, MotionPath, same_places
-from pushpressslide.core.pose import Pose2
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import ARM_NAMES
-from pushpressslide.core.state import State
+from pushpressslide.core.state import Held
 from pushpressslide.core.task import Task
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import ENOUGH, Judge, Mode, promptness
@@ -33,7 +31,7 @@ FALLS = Refusal(
 ENDS = Refusal("no_continuation", "no way on with its contacts")
 
 
-def select(task: Task, enough: int = 1, first: int = 0) -> list[Choice]:
+def select(task: Task, enough: int = 1) -> list[Choice]:
     """Return all choices for ``task``, the quickest feasible one first; never empty.
 
     Joint paths are not looked at: ``jobs.run.run`` looks for them.
@@ -41,24 +39,21 @@ def select(task: Task, enough: int = 1, first: int = 0) -> list[Choice]:
     A choice that cannot do the task has a refusal with the number that decides; or it
     was skipped because ``enough`` choices of its mode are feasible and at least as
     fast. With legs, choices are grouped by placement, in order; ``leg`` says which leg
-    they begin with. Legs before the ``first`` are done.
+    they begin with. Raises TaskError for a task of several goals.
     """
-    return [choice for group in placements(task, enough, first) for choice in group]
+    return list(chain.from_iterable(placements(task.queries(), enough)))
 
 
-def placements(task: Task, enough: int = 1, first: int = 0) -> list[list[Choice]]:
-    """Return the choices for each placement of the arms, best first.
+def placements(
+    queries: Sequence[MotionQuery], enough: int = 1, first: int = 0
+) -> list[list[Choice]]:
+    """Return the choices for each placement of the arms, best first; ``queries`` are
+    those of all legs.
 
-    They are made by what is believed. A leg for which the arms can keep their contacts
-    is one more segment of the leg before it. Legs before the ``first`` are done. Raises
-    TaskError for a task of several goals, which is done in stages.
+    A leg for which the arms can keep their contacts is one more segment of the leg
+    before it. Legs before the ``first`` are done.
     """
-    if task.goals:
-        reason = "allowed: null; selection.stages makes stages of a task with goals"
-        bodies = [goal.body for goal in task.goals]
-        raise TaskError(task.source or task.name, "goals", bodies, reason)
-    task = task.told
-    parts = task.parts[first:]
+    parts = queries[first:]
     allowed = [set(part.modes or MODES) for part in parts]
     if any(before & after for before, after in pairwise(allowed)):
         # the next leg may need contacts other than the quickest ones
@@ -70,24 +65,23 @@ def placements(task: Task, enough: int = 1, first: int = 0) -> list[list[Choice]
         if any(choice.feasible for choice in lengthened):
             groups[-1] = _ranked(lengthened)
             continue
-        if not task.scene.carried(part.start):
+        if not part.scene.carried(part.start):
             ahead = [choice.refused(choice.refusal or FALLS) for choice in ahead]
         groups.append(ahead)
     return groups
 
 
-def _select_leg(part: Task, leg: int, enough: int) -> list[Choice]:
+def _select_leg(part: MotionQuery, leg: int, enough: int) -> list[Choice]:
     """Return all choices for one leg of a task, best first."""
     return [of_leg(choice, leg) for choice in _select(part, enough)]
 
 
-def judged_motion(task: Task, mode: str, begin: State, goal: Pose2) -> list[Choice]:
-    """Return the choices of a mode for one motion of a told task's object from a state
-    to ``goal``, X_WG, best first; few are judged. Where the state holds contacts, no
-    others are asked for.
+def judged_motion(query: MotionQuery, mode: str, held: Held | None) -> list[Choice]:
+    """Return the choices of a mode for one motion, best first; few are judged. Where
+    contacts are ``held``, no others are asked for.
     """
-    part = replace(motion_task(task, begin, goal), modes=(mode,), searched=True)
-    return _select(part, 2, None if begin.held is None else begin.held.contacts)
+    part = replace(query, modes=(mode,), searched=True)
+    return _select(part, 2, None if held is None else held.contacts)
 
 
 def of_leg(choice: Choice, leg: int) -> Choice:
@@ -139,47 +133,48 @@ def contact_squeeze(choice: Choice) -> float:
 
 
 def _select(
-    task: Task, enough: int, held: tuple[Contact, ...] | None = None
+    query: MotionQuery, enough: int, held: tuple[Contact, ...] | None = None
 ) -> list[Choice]:
-    """Return all choices for a task without legs, best first."""
+    """Return all choices for one motion, best first."""
     out: list[Choice] = []
-    arms = len(task.scene.arms)
-    for name in MODES if task.modes is None else task.modes:
+    scene = query.scene
+    arms = len(scene.arms)
+    for name in MODES if query.modes is None else query.modes:
         mode = MODES[name]
         if mode.arms > arms:
             text = f"needs {mode.arms} arm(s), the task has {arms}"
-            if arms < len(task.robots):
+            if arms < len(scene.robots):
                 text = f"needs {mode.arms} arm(s), motion.arm leaves {arms}"
             out.append(Choice(name, refusal=Refusal("arms", text, arms, mode.arms)))
-        elif any(task.scene.weight_along) and not mode.carries_weight:
+        elif any(scene.weight_along) and not mode.carries_weight:
             text = (
-                f"cannot hold an object on {task.support.name}; support.kind must be "
+                f"cannot hold an object on {scene.support.name}; support.kind must be "
                 "table"
             )
             out.append(Choice(name, refusal=Refusal("support", text)))
         else:
-            for part in _by_tip(task, mode):
+            for part in _by_tip(query, mode):
                 out += mode.choices(part, enough, Judge(part, _blocks(part), held))
     return _ranked(out)
 
 
-def _by_tip(task: Task, mode: Mode[Any]) -> list[Task]:
-    """Return the task for each kind of tip that ``mode`` may touch the object with, that
+def _by_tip(query: MotionQuery, mode: Mode[Any]) -> list[MotionQuery]:
+    """Return the query for each kind of tip that ``mode`` may touch the object with, that
     of the nearer arm first.
 
     Arms with alike tips share what depends on the object alone.
     """
-    tips = {(robot.tip_radius, robot.tip_length) for robot in task.scene.tips}
+    tips = {(robot.tip_radius, robot.tip_length) for robot in query.scene.tips}
     if mode.arms > 1 or len(tips) == 1:
-        return [task]
+        return [query]
     return [
-        replace(task, motion=replace(task.motion, arm=ARM_NAMES[arm]))
-        for arm in nearest_arms(task, (0.0, 0.0))
+        query.moved_by(replace(query.motion, arm=ARM_NAMES[arm]))
+        for arm in nearest_arms(query.scene, query.body_ends, (0.0, 0.0))
     ]
 
 
-def _blocks(task: Task) -> Callable[[Choice], Refusal | None]:
-    """Return what says what is in the way of a choice of ``task``; either arm's choices
+def _blocks(query: MotionQuery) -> Callable[[Choice], Refusal | None]:
+    """Return what says what is in the way of a choice for ``query``; either arm's choices
     of one contact share their path.
     """
     refusals: dict[Way, Refusal | None] = {}
@@ -189,7 +184,7 @@ def _blocks(task: Task) -> Callable[[Choice], Refusal | None]:
         touched = tuple(replace(contact, arm=0) for contact in choice.contacts)
         way = (touched, tuple(piece.path for piece in choice.segments))
         if way not in refusals:
-            refusals[way] = path_refusal(task, choice.segments)
+            refusals[way] = path_refusal(query, choice.segments)
         return refusals[way]
 
     return blocks

@@ -13,9 +13,9 @@ from typing import Any
 
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Choice, Plan, Segment
-from pushpressslide.core.task import Leg, Restart, Task
+from pushpressslide.core.task import Leg, Task
 from pushpressslide.selection.leg_search import LegSearch, Step
-from pushpressslide.selection.planner import infeasible, plan_of, usable
+from pushpressslide.selection.planner import infeasible, usable
 from pushpressslide.selection.preparation import (
     PlansAlone,
     Preparation,
@@ -28,7 +28,6 @@ from pushpressslide.selection.select import (
     judged_motion,
     of_leg,
     placements,
-    select,
 )
 from pushpressslide.selection.touching import Touching
 from pushpressslide.selection.waypoints import free_space, onward, waypoints
@@ -59,74 +58,74 @@ class Solution:
 
 
 def solve(
-    preparation: Preparation,
-    task: Task,
-    enough: int,
-    *,
-    force: bool = False,
-    begin: Restart | None = None,
+    preparation: Preparation, task: Task, enough: int, *, force: bool = False
 ) -> Solution:
     """Return how ``task`` is done, and leave the plans of its placements, with what
     their arms need, in ``preparation``.
 
     ``enough`` choices of each mode are judged at first. ``force`` takes infeasible ones
-    too. ``begin`` says from where a task goes on that was begun before. Obstacles that
-    may move are pushed only where nothing leads past them. Raises InfeasibleTaskError
-    where nothing leads to the goal.
+    too. Obstacles that may move are pushed only where nothing leads past them. Raises
+    InfeasibleTaskError where nothing leads to the goal.
+    """
+    return solved(preparation, Plan(task), enough, force=force)
+
+
+def solved(
+    preparation: Preparation, empty: Plan, enough: int, *, force: bool = False
+) -> Solution:
+    """Return as ``solve`` how the task of a plan is done that is ``empty`` so far; its
+    ``restart`` says from where a task goes on that was begun before.
     """
     clock = _Clock()
     try:
-        return _solved(preparation, task, enough, force, begin, clock)
+        return _solved(preparation, empty, enough, force, clock)
     except InfeasibleTaskError:
+        task = empty.task
         may = any(obstacle.may_move for obstacle in task.obstacles)
-        if task.pushes or task.legs or not may:
+        if empty.may_push or task.legs or not may:
             raise
         preparation.keep(0)
-        choices = _pushing(preparation, task, enough, begin)
+        pushing = replace(empty, may_push=True)
+        choices = _pushing(preparation, pushing, enough)
         if not choices:
             raise
     clock.lap("pushing")
-    pushing = replace(task, pushes=True)
-    return Solution(joined(preparation, pushing, begin), choices, clock.laps)
+    return Solution(joined(preparation, pushing), choices, clock.laps)
 
 
-def _pushing(
-    preparation: Preparation, task: Task, enough: int, begin: Restart | None
-) -> list[Choice]:
+def _pushing(preparation: Preparation, pushing: Plan, enough: int) -> list[Choice]:
     """Add one motion that pushes what may move to ``preparation``, and return the
     choices that were judged; none where there is no such motion.
     """
-    pushing = replace(task, pushes=True)
-    choices = select(pushing, enough, 0 if begin is None else begin.leg)
+    choices = _selected(pushing, enough)
     problems: Problems = {}
     if add_first(preparation, pushing, choices, False, problems, TRIES):
         return choices
     return []
 
 
+def _selected(empty: Plan, enough: int) -> list[Choice]:
+    """Return the choices for the legs that are not done."""
+    return list(chain.from_iterable(placements(empty.queries, enough, empty.first)))
+
+
 def _solved(
-    preparation: Preparation,
-    task: Task,
-    enough: int,
-    force: bool,
-    begin: Restart | None,
-    clock: _Clock,
+    preparation: Preparation, empty: Plan, enough: int, force: bool, clock: _Clock
 ) -> Solution:
-    """Return how a task is done; ``clock`` takes the time of each stage."""
-    first = 0 if begin is None else begin.leg
-    choices = select(task, enough, first)
+    """Return how the task of a plan is done that is ``empty`` so far; ``clock`` takes the time of each stage."""
+    choices = _selected(empty, enough)
     clock.lap("selection")
-    if force or not searchable(task):
-        choices = prepared(preparation, task, choices, force, first)
+    if force or not searchable(empty.task):
+        choices = prepared(preparation, empty, choices, force, empty.first)
         clock.lap("joint_paths")
-        return Solution(joined(preparation, task, begin), choices, clock.laps)
+        return Solution(joined(preparation, empty), choices, clock.laps)
     problems: Problems = {}
-    tries = TRIES if begin is None else TRIES_ANEW
-    added = add_first(preparation, task, choices, False, problems, tries)
+    tries = TRIES if empty.restart is None else TRIES_ANEW
+    added = add_first(preparation, empty, choices, False, problems, tries)
     clock.lap("joint_paths")
     if added:
-        return Solution(joined(preparation, task, begin), choices, clock.laps)
-    plan, searched = _searched(preparation, task, choices, begin)
+        return Solution(joined(preparation, empty), choices, clock.laps)
+    plan, searched = _searched(preparation, empty, choices)
     clock.lap("search")
     return Solution(plan, choices, clock.laps, searched)
 
@@ -142,14 +141,15 @@ def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Pl
     """
     if choice is None:
         return solve(PlansAlone(), task, 1, force=force).plan
+    empty = Plan(task)
     if not task.legs:
-        return plan_of(task, usable(task, [choice], force=force))
+        return empty.of_choices(usable(empty, [choice], force=force))
     chosen = []
-    for candidates in placements(task):
+    for candidates in placements(empty.queries):
         if choice.leg == candidates[0].leg:
             candidates = [choice]
-        chosen.append(usable(task, candidates, force=force)[0])
-    return plan_of(task, chosen)
+        chosen.append(usable(empty, candidates, force=force)[0])
+    return empty.of_choices(chosen)
 
 
 def searchable(task: Task) -> bool:
@@ -159,40 +159,39 @@ def searchable(task: Task) -> bool:
 
 
 def _searched(
-    preparation: Preparation,
-    task: Task,
-    choices: Sequence[Choice],
-    begin: Restart | None,
+    preparation: Preparation, empty: Plan, choices: Sequence[Choice]
 ) -> tuple[Plan, Searched]:
     """Return the plan of the quickest sequence of motions that has joint paths, and
     what else was tried.
 
     Raises InfeasibleTaskError where none was found.
     """
-    told = task.told
-    ways = free_space(told).ways(told.goal)
-    poses = [told.start, told.goal, *waypoints(told, ways)]
-    search = LegSearch(told, ways, poses, Touching(told), judged_motion, JUDGED)
+    (query,) = empty.queries
+    ways = free_space(query).ways(query.goal)
+    poses = [query.start, query.goal, *waypoints(query, ways)]
+    search = LegSearch(query, ways, poses, Touching(query), judged_motion, JUDGED)
     search.know(choices)
     lacking = ""
-    for _ in range(SEQUENCES if begin is None else SEQUENCES_ANEW):
+    for _ in range(SEQUENCES if empty.restart is None else SEQUENCES_ANEW):
         steps = search.soonest()
         if not steps and search.onward is None:
-            search.onward = partial(onward, told, ways)
+            search.onward = partial(onward, query, ways)
             search.most += JUDGED_ONWARD
             steps = search.soonest()
         if not steps:
             break
-        plan = _plan(task, steps, begin)
+        plan = _plan(empty, steps)
         failed, lacking = _prepare(preparation, plan)
         if failed is None:
             return plan, search.tried
         search.ban(steps, failed[0], failed[-1], lacking)
-    raise _infeasible(task, choices, search, lacking)
+    raise _infeasible(empty, choices, search, lacking)
 
 
-def _plan(task: Task, steps: Sequence[Step], begin: Restart | None) -> Plan:
+def _plan(empty: Plan, steps: Sequence[Step]) -> Plan:
     """Return the plan of a sequence; its legs are those of the plan's task."""
+    task = empty.task
+    begin = empty.restart
     segments: list[Segment] = []
     legs = []
     for i, step in enumerate(steps):
@@ -203,7 +202,7 @@ def _plan(task: Task, steps: Sequence[Step], begin: Restart | None) -> Plan:
     found = tuple(legs) if len(legs) > 1 else ()
     if begin is not None:
         begin = replace(begin, leg=0, legs=found)
-    return Plan(replace(task, legs=found, searched=True), tuple(segments), begin)
+    return Plan(replace(task, legs=found), tuple(segments), begin, searched=True)
 
 
 def _prepare(preparation: Preparation, plan: Plan) -> tuple[list[int] | None, str]:
@@ -228,14 +227,14 @@ def _prepare(preparation: Preparation, plan: Plan) -> tuple[list[int] | None, st
     return None, ""
 
 
-def joined(preparation: Preparation, task: Task, begin: Restart | None = None) -> Plan:
-    """Return one plan of all that was prepared."""
+def joined(preparation: Preparation, empty: Plan) -> Plan:
+    """Return one plan of all that was prepared for one that is ``empty`` so far."""
     segments = chain.from_iterable(part.segments for part in preparation.plans)
-    return Plan(task, tuple(segments), begin)
+    return replace(empty, segments=tuple(segments))
 
 
 def _infeasible(
-    task: Task, choices: Sequence[Choice], search: LegSearch, lacking: str
+    empty: Plan, choices: Sequence[Choice], search: LegSearch, lacking: str
 ) -> InfeasibleTaskError:
     """Return the error that says why neither one motion nor several do the task."""
     refused = [choice for choice in choices if not choice.feasible]
@@ -246,7 +245,7 @@ def _infeasible(
     last = ""
     if lacking:
         last = f", the last of {len(search.banned)} that might: {lacking}"
-    return infeasible(task, refused or choices, searched, last)
+    return infeasible(empty, refused or choices, searched, last)
 
 
 class _Clock:

@@ -23,9 +23,10 @@ from pushpressslide.core.bodies import (
     start_state,
 )
 from pushpressslide.core.errors import InfeasibleTaskError
+from pushpressslide.core.motion import Limits, Tolerance
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.state import State
-from pushpressslide.core.task import Task, Tolerance
+from pushpressslide.core.state import WorldState
+from pushpressslide.core.task import Task
 from pushpressslide.planning.free_way import moved
 from pushpressslide.selection.preparation import PlansAlone, Preparation
 from pushpressslide.selection.put_aside import Moment, in_the_way, spots
@@ -81,7 +82,7 @@ def plan_stages(
 def plan_stage(
     task: Task,
     stage: Stage,
-    begin: State,
+    begin: WorldState,
     preparation: Preparation,
     enough: int,
     *,
@@ -103,7 +104,7 @@ def goals_of(task: Task) -> dict[str, tuple[Pose2, ...]]:
     return out
 
 
-def after(state: State, stage: Stage) -> State:
+def after(state: WorldState, stage: Stage) -> WorldState:
     """Return the state after a stage that went as planned."""
     return state.led(stage.body, stage.goal)
 
@@ -255,7 +256,7 @@ class _OrderSearch:
     def _plan(
         self,
         key: tuple[Stage, ...],
-        begin: State,
+        begin: WorldState,
         preparation: Preparation,
         thorough: bool,
     ) -> None:
@@ -281,11 +282,11 @@ class _OrderSearch:
         except InfeasibleTaskError as error:
             refused.append(error)
             return
-        self._known[key] = _within(planned, task)
+        self._known[key] = _within(planned, task.limits)
 
 
-def _within(planned: PlannedStage, task: Task) -> PlannedStage:
-    """Return a planned stage with the limits of the task."""
+def _within(planned: PlannedStage, limits: Limits) -> PlannedStage:
+    """Return a planned stage with the ``limits`` of the task."""
     plan = planned.solution.plan
-    plan = replace(plan, task=replace(plan.task, limits=task.limits))
+    plan = replace(plan, task=replace(plan.task, limits=limits))
     return replace(planned, solution=replace(planned.solution, plan=plan))

@@ -9,9 +9,12 @@ from typing import Any
 
 from pushpressslide.core import margins
 from pushpressslide.core.errors import TaskError
+from pushpressslide.core.motion import ToolUse
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import Refusal
-from pushpressslide.core.task import ObjectModel, Obstacle, Shape, Task, ToolUse
+from pushpressslide.core.scene import ObjectModel, Obstacle
+from pushpressslide.geometry.shapes import Shape
 
 ON_HULL = 1e-6  # [m] inside the hull, up to which a face's point is on it
 # of a box's frame, by the quarter turns from it to a push: the way back
@@ -155,14 +158,14 @@ def _straight_push(
     return StraightPush(body, direction, distance * math.cos(straight - direction))
 
 
-def tool_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
+def tool_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | None:
     """Return where the tool would not push its body straight to its goal, or None.
 
     ``poses``: X_WG along a choice's path.
     """
-    tool = task.tool
-    goal = task.goal
-    edge = None if tool is None else task.object.shape.edges[tool.face]
+    tool = query.tool
+    goal = query.goal
+    edge = None if tool is None else query.body.shape.edges[tool.face]
     if tool is None or edge is None:
         return None
     (ax, ay), (bx, by) = edge
@@ -177,7 +180,7 @@ def tool_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
         if left > tool.straight:
             return None
         off = math.hypot(aside, min(left, 0.0))
-        allowed = margins.TOOL_ASIDE * task.tolerance.position
+        allowed = margins.TOOL_ASIDE * query.tolerance.position
         if off > allowed or turned > margins.ASKEW:
             text = (
                 f"at ({X_WG.x:.3f}, {X_WG.y:.3f}) it is {{figure:mm.1f}} and "

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Task
+from pushpressslide.core.query import MotionQuery
+from pushpressslide.core.scene import Scene
 from pushpressslide.modes import MODES
 from pushpressslide.robots.contact_reach import contacts_reached
 from pushpressslide.robots.kinematics import arm_kinematics
@@ -23,9 +24,9 @@ class Touching:
     again.
     """
 
-    def __init__(self, task: Task) -> None:
+    def __init__(self, query: MotionQuery) -> None:
         """Know nothing yet."""
-        self._task = task
+        self._query = query
         self._spans: list[Able] = []  # (arms,) at each pose
         self._contacts: dict[str, list[Able]] = {}  # (arms, places) at each pose
 
@@ -35,43 +36,43 @@ class Touching:
         """
         new = poses[len(self._spans) :]
         if new:
-            self._spans += list(_in_span(self._task, new))
+            self._spans += list(_in_span(self._query.scene, new))
         arms = int((self._spans[begin] & self._spans[end]).sum())
         if arms < MODES[mode].arms:
             return False
         known = self._contacts.setdefault(mode, [])
         new = poses[len(known) :]
         if new:
-            known += list(touching(self._task, mode, new))
+            known += list(touching(self._query, mode, new))
         return bool((known[begin] & known[end]).any())
 
 
-def touching(task: Task, mode: str, poses: Sequence[Pose2]) -> Able:
+def touching(query: MotionQuery, mode: str, poses: Sequence[Pose2]) -> Able:
     """Return which contacts of ``mode`` are reached at n ``poses`` X_WG by each arm that
     may touch the object, (n, arms, contacts); one that always is where the mode does
     not say which there are.
     """
-    scene = task.scene
-    contacts = MODES[mode].touches(task)
+    scene = query.scene
+    contacts = MODES[mode].touches(query)
     if not contacts:
         return np.full((len(poses), len(scene.arms), 1), True)
-    bodies = [X.compose(task.X_GB) for X in poses]
+    bodies = [X.compose(query.X_GB) for X in poses]
     by_arm = [contacts_reached(scene, arm, contacts, bodies) for arm in scene.arms]
     return np.stack(by_arm, axis=1)
 
 
-def _in_span(task: Task, poses: Sequence[Pose2]) -> Able:
+def _in_span(scene: Scene, poses: Sequence[Pose2]) -> Able:
     """Return which arms are long enough to touch the object somewhere at each of n
     poses, (n, arms). Joint limits are left aside: what is not in span is out of reach.
     """
     import shapely
 
-    shape = task.object.shape
+    shape = scene.body.shape
     placed = [shape.placed(X) for X in poses]
     out = []
-    for robot in task.robots:
+    for robot in scene.robots:
         shoulder, wrist, span = arm_kinematics(robot).span
-        x, y, z = task.support.frame.coordinates(shoulder.tolist())
+        x, y, z = scene.support.frame.coordinates(shoulder.tolist())
         level = max(z - shape.height - robot.tip_radius, 0.0)
         apart = shapely.distance(placed, shapely.Point(x, y)) - robot.tip_radius
         out.append(np.hypot(apart, level) <= span + abs(wrist))

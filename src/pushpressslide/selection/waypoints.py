@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from pushpressslide.core.footprint import middle_room
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.scene import Robot
-from pushpressslide.core.task import Shape, Task
+from pushpressslide.core.query import MotionQuery
+from pushpressslide.core.scene import Robot, Scene
+from pushpressslide.geometry.shapes import Shape
 from pushpressslide.modes import MODES
 from pushpressslide.planning.free_way import Bounds, FreeSpace, WaysTo, alike, between
 from pushpressslide.planning.side_contacts import pushable
@@ -43,33 +44,33 @@ HANDED_OVER_BY = ("press_slide", "rear_push")  # both before and after
 STRIDES = tuple(1.2207440846057596**-k for k in (1, 2, 3))
 
 
-def free_space(task: Task) -> FreeSpace:
+def free_space(query: MotionQuery) -> FreeSpace:
     """Return where the object may be on its way."""
-    others = tuple(obstacle.footprint for obstacle in task.obstacles)
-    body = task.object
+    others = tuple(obstacle.footprint for obstacle in query.scene.obstacles)
+    body = query.body
     return FreeSpace(
         body.shape,
-        (*others, *base_discs(task)),
-        task.motion.clearance,
-        bounds(task),
-        middle_room(task.support, body.shape),
+        (*others, *base_discs(query.scene)),
+        query.motion.clearance,
+        bounds(query),
+        middle_room(query.scene.support, body.shape),
         body.center_of_mass,
     )
 
 
-def bounds(task: Task) -> Bounds:
+def bounds(query: MotionQuery) -> Bounds:
     """Return the region in which the object's frame may be on its way [m]."""
-    ends = (task.start, task.goal)
+    ends = (query.start, query.goal)
     xs: Sequence[float] = [X.x for X in ends]
     ys: Sequence[float] = [X.y for X in ends]
-    room = ROOM + task.object.shape.circumradius
+    room = ROOM + query.body.shape.circumradius
     region = (min(xs) - room, max(xs) + room, min(ys) - room, max(ys) + room)
-    if task.support.region is not None:
-        xs, ys = zip(*task.support.region, strict=True)
-        out = math.hypot(*task.object.center_of_mass)
+    if query.scene.support.region is not None:
+        xs, ys = zip(*query.scene.support.region, strict=True)
+        out = math.hypot(*query.body.center_of_mass)
         table = (min(xs) - out, max(xs) + out, min(ys) - out, max(ys) + out)
         region = _within(region, table)
-    allowed = task.limits.workspace
+    allowed = query.limits.workspace
     return region if allowed is None else _within(region, allowed)
 
 
@@ -82,39 +83,39 @@ def _within(region: Bounds, allowed: Bounds) -> Bounds:
     )
 
 
-def waypoints(task: Task, ways: WaysTo) -> list[Pose2]:
+def waypoints(query: MotionQuery, ways: WaysTo) -> list[Pose2]:
     """Return poses X_WG, those that are likely to be of use first; free, and where some
     arm reaches the object. None for an object that is shut in.
 
-    ``ways`` lead to the goal of ``task``.
+    ``ways`` lead to the goal of ``query``.
     """
-    way = ways.way(task.start)
+    way = ways.way(query.start)
     if way is None:
         return []
-    axes = push_axes(task)
-    handed_over = _handed_over(task, ways.space)
+    axes = push_axes(query.scene)
+    handed_over = _handed_over(query, ways.space)
     kinds = (
         handed_over,
         _onward_ways(ways, handed_over[:FOLLOWED]),
         way[1:-1],
-        _before(task, axes),
+        _before(query.start, query.goal, axes),
         _gates(way, axes),
-        _turned(task, axes),
+        _turned(query.start, query.goal, axes),
     )
     in_turn = [X for row in zip_longest(*kinds) for X in row if X is not None]
     space = ways.space
-    return _usable(task, space, [*in_turn, *_sample(task, space.bounds)])
+    return _usable(query, space, [*in_turn, *_sample(query.goal.yaw, space.bounds)])
 
 
-def onward(task: Task, ways: WaysTo, X: Pose2) -> list[Pose2]:
+def onward(query: MotionQuery, ways: WaysTo, X: Pose2) -> list[Pose2]:
     """Return poses X_WG that one push leads to from ``X``, straight or on an arc, by
     each face; free, and where some arm reaches the object.
     """
     goal = ways.goal
-    radius = ARC * task.object.radius
+    radius = ARC * query.body.radius
     out = []
     bearing = math.atan2(goal.y - X.y, goal.x - X.x) - X.yaw
-    for axis in _nearest(push_axes(task), bearing):
+    for axis in _nearest(push_axes(query.scene), bearing):
         heading = X.yaw + axis
         c = math.cos(heading)
         s = math.sin(heading)
@@ -122,7 +123,7 @@ def onward(task: Task, ways: WaysTo, X: Pose2) -> list[Pose2]:
         lengths = [*ONWARD, abreast] if abreast > ONWARD[0] else ONWARD
         out += [Pose2(X.x + d * c, X.y + d * s, X.yaw) for d in lengths]
         out += [_on_arc(X, heading, radius, turn) for turn in TURNS]
-    return _usable(task, ways.space, out)
+    return _usable(query, ways.space, out)
 
 
 def _on_arc(X: Pose2, heading: float, radius: float, turn: float) -> Pose2:
@@ -133,9 +134,8 @@ def _on_arc(X: Pose2, heading: float, radius: float, turn: float) -> Pose2:
     return Pose2(x, y, X.yaw + turn)
 
 
-def push_axes(task: Task) -> list[float]:
+def push_axes(scene: Scene) -> list[float]:
     """Return the directions [rad] in G in which a push of one face goes straight."""
-    scene = task.scene
     return [math.atan2(-y, -x) for face in pushable(scene) for x, y in [face.foot]]
 
 
@@ -164,20 +164,16 @@ def _pushed_along(
     return [Pose2(here.x, here.y, here.yaw + turn) for turn in least]
 
 
-def _turned(task: Task, axes: Sequence[float]) -> list[Pose2]:
+def _turned(start: Pose2, goal: Pose2, axes: Sequence[float]) -> list[Pose2]:
     """Return the start turned on the spot: as at the goal, and towards the goal."""
-    start = task.start
-    goal = task.goal
     turned = Pose2(start.x, start.y, goal.yaw)
     return [turned, *_pushed_along(start, goal, start, axes)]
 
 
-def _before(task: Task, axes: Sequence[float]) -> list[Pose2]:
+def _before(start: Pose2, goal: Pose2, axes: Sequence[float]) -> list[Pose2]:
     """Return poses from which a straight push leads to the goal: near by, and abreast of
     the start.
     """
-    goal = task.goal
-    start = task.start
     out = []
     bearing = math.atan2(goal.y - start.y, goal.x - start.x) - goal.yaw
     for axis in _nearest(axes, bearing):
@@ -197,16 +193,16 @@ def _nearest(axes: Sequence[float], bearing: float) -> list[float]:
     return [axis for _, axis in sorted(off)[:SIDES]]
 
 
-def _handed_over(task: Task, space: FreeSpace) -> list[Pose2]:
+def _handed_over(query: MotionQuery, space: FreeSpace) -> list[Pose2]:
     """Return poses at which an arm that reaches the goal takes the object over from one
     that reaches the start, with the least way through them; none where one arm reaches
     both, or where there is one arm.
     """
-    ends = [task.start, task.goal]
-    mode = next((name for name in HANDED_OVER_BY if MODES[name].touches(task)), None)
+    ends = [query.start, query.goal]
+    mode = next((name for name in HANDED_OVER_BY if MODES[name].touches(query)), None)
     if mode is None:
         return []
-    gives, takes = np.any(touching(task, mode, ends), axis=2)
+    gives, takes = np.any(touching(query, mode, ends), axis=2)
     if (gives & takes).any() or not (gives.any() and takes.any()):
         return []
     x_min, x_max, y_min, y_max = space.bounds
@@ -216,7 +212,7 @@ def _handed_over(task: Task, space: FreeSpace) -> list[Pose2]:
     found = []
     for yaw in yaws:
         grid = [Pose2(x, y, yaw) for y in ys for x in xs]
-        there = np.any(touching(task, mode, grid), axis=2)
+        there = np.any(touching(query, mode, grid), axis=2)
         both = np.any(there[:, gives], axis=1) & np.any(there[:, takes], axis=1)
         found += [X for X, able in zip(grid, both, strict=True) if able]
     if not found:
@@ -249,47 +245,51 @@ def _apart(poses: Sequence[Pose2]) -> list[Pose2]:
     return out
 
 
-def _sample(task: Task, region: Bounds) -> list[Pose2]:
-    """Return poses spread evenly over the region and all yaws."""
+def _sample(yaw: float, region: Bounds) -> list[Pose2]:
+    """Return poses spread evenly over the region and all yaws, from ``yaw`` on."""
     x_min, x_max, y_min, y_max = region
     out = []
     for i in range(1, SPREAD + 1):
         u, v, w = ((i * stride) % 1.0 for stride in STRIDES)
         x = x_min + u * (x_max - x_min)
         y = y_min + v * (y_max - y_min)
-        out.append(Pose2(x, y, task.goal.yaw + 2.0 * math.pi * w))
+        out.append(Pose2(x, y, yaw + 2.0 * math.pi * w))
     return out
 
 
-def _usable(task: Task, space: FreeSpace, poses: Sequence[Pose2]) -> list[Pose2]:
+def _usable(
+    query: MotionQuery, space: FreeSpace, poses: Sequence[Pose2]
+) -> list[Pose2]:
     """Return the poses that are free, in bounds and reached, each once."""
     x_min, x_max, y_min, y_max = space.bounds
     inside = [X for X in poses if x_min <= X.x <= x_max and y_min <= X.y <= y_max]
     if not inside:
         return []
-    able = space.free(inside) & reached(task, inside)
+    able = space.free(inside) & reached(query.scene, inside)
     out: list[Pose2] = []
     for X, fit in zip(inside, able, strict=True):
-        if fit and not any(alike(X, other) for other in (*out, task.start, task.goal)):
+        if fit and not any(
+            alike(X, other) for other in (*out, query.start, query.goal)
+        ):
             out.append(X)
     return out
 
 
-def reached(task: Task, poses: Sequence[Pose2]) -> NDArray[np.bool_]:
+def reached(scene: Scene, poses: Sequence[Pose2]) -> NDArray[np.bool_]:
     """Return whether some arm's tip reaches the top, at the centre of mass or above the
     middle of a side, (n,).
     """
     out = np.full(len(poses), False)
-    for robot in task.robots:
-        out |= _reached(robot, task, poses)
+    for robot in scene.robots:
+        out |= _reached(robot, scene, poses)
     return out
 
 
-def _reached(robot: Robot, task: Task, poses: Sequence[Pose2]) -> NDArray[np.bool_]:
-    frame = task.support.frame
-    shape = task.object.shape
+def _reached(robot: Robot, scene: Scene, poses: Sequence[Pose2]) -> NDArray[np.bool_]:
+    frame = scene.support.frame
+    shape = scene.body.shape
     height = shape.height + robot.tip_radius
-    places = [task.object.center_of_mass, *_side_middles(shape)]
+    places = [scene.body.center_of_mass, *_side_middles(shape)]
     points = [frame.point((*X.apply(place), height)) for X in poses for place in places]
     able = reachable(arm_kinematics(robot), np.array(points), quick=True).ok
     return np.asarray(able.reshape(len(poses), len(places)).any(axis=1))

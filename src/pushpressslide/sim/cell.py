@@ -20,12 +20,12 @@ from pushpressslide.arms.placements import ArmPlacements
 from pushpressslide.arms.torque_arm import TorqueArm
 from pushpressslide.control.approach import SETTLE
 from pushpressslide.control.cell import Cell, Truth
-from pushpressslide.control.plant import Situation
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.state import WorldState
 from pushpressslide.execution.arm import ArmDynamics
 from pushpressslide.sim.arm_library import DRAKE
 from pushpressslide.sim.arm_model import DrakeArmModel
@@ -41,7 +41,7 @@ def drake_cell(
     station: Station,
     paths: Sequence[tuple[ArmPath, ...]],
     models: str = "generated",
-    begin: Situation | None = None,
+    begin: WorldState | None = None,
     spare: Callable[[], Station] | None = None,
     joint_stiffness: float = 0.0,
 ) -> Cell:
@@ -52,7 +52,7 @@ def drake_cell(
     takes over where the solver of ``station`` does not converge; ``joint_stiffness``
     [N m/rad] is as of ``control.execution.Execution``.
     """
-    task = plan.part(plan.segments[0])
+    query = plan.query
     physics = DrakePhysics(plan, station, spare)
     arms = [
         TorqueArm(
@@ -60,10 +60,11 @@ def drake_cell(
             DrakeDrives(physics, i),
             joint_stiffness,
         )
-        for i, robot in enumerate(task.robots)
+        for i, robot in enumerate(query.scene.robots)
     ]
     placements = ArmPlacements(DRAKE, arms, paths, station.scene.bounds)
-    placements.begin(task, None if begin is None else begin.joints)
+    postures = None if begin is None else [np.array(q) for q in begin.joints]
+    placements.begin(query, postures)
     physics.put(arms, begin)
     physics.facts.update(_path_facts(paths), models=models)
     physics.facts["start_tips"] = [
@@ -96,13 +97,14 @@ class DrakePhysics:
         spare: Callable[[], Station] | None = None,
     ) -> None:
         """Take a station, and what makes another one for ``drake_cell``."""
-        task = plan.part(plan.segments[0])
+        task = plan.task
+        query = plan.query
         plant = station.plant
         self.station = station
         self.frame = task.support.frame
-        self._ends = (task.start, plan.task.goal)
+        self._ends = (query.start, task.goal)
         self._edged = task.support.region is not None
-        self._period = task.motion.control_period
+        self._period = query.motion.control_period
         self._spare = spare
         moved = station.scene.object
         self._body = moved.floating_positions_start()
@@ -119,7 +121,7 @@ class DrakePhysics:
         self._ticks = 0
         self._failure: str | None = None
 
-    def put(self, arms: Sequence[TorqueArm], begin: Situation | None) -> None:
+    def put(self, arms: Sequence[TorqueArm], begin: WorldState | None) -> None:
         """Put ``arms`` where their joint paths begin, or arms and bodies as ``begin``
         has them; and begin to simulate.
         """
@@ -131,8 +133,8 @@ class DrakePhysics:
             plant.SetPositions(context, instance, arm.path.approach[0])
         if begin is not None:
             for instance, speed in zip(instances, begin.speeds, strict=True):
-                plant.SetVelocities(context, instance, speed)
-            station.put(begin.bodies)
+                plant.SetVelocities(context, instance, np.array(speed))
+            station.put(begin.spatial)
         station.simulator.Initialize()
         self._arms = arms
         self._look()

@@ -39,9 +39,7 @@ def run(
     """
     if paths is None:
         paths = joint_paths_of(plan)
-    task = plan.part(plan.segments[0])
-    motion = task.motion
-    step = time_step or motion.time_step
+    step = time_step or plan.query.motion.time_step
     station = Station(plan, models=models, time_step=step, view=view, knock=knock)
     options = options or RunOptions()
     spare = None

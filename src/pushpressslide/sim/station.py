@@ -69,7 +69,7 @@ class Station:
         self.plant_context = self.plant.GetMyMutableContextFromRoot(self.context)
         task = plan.task
         X_WG = rigid_transform(
-            task.true_start, rest_height(task.object), task.support.frame
+            plan.true_start, rest_height(task.object), task.support.frame
         )
         self.plant.SetFreeBodyPose(self.plant_context, self.scene.object, X_WG)
         arms = range(len(self.scene.robots))
@@ -107,7 +107,7 @@ class Station:
             port = self.diagram.GetInputPort(NAME)
             knocker.step(port, self.context, x, pose, time)
 
-    def put(self, bodies: Mapping[str, Array]) -> None:
+    def put(self, bodies: Mapping[str, tuple[float, ...]]) -> None:
         """Put bodies, "object" or movable obstacles by name, where they are: quaternion
         (w, x, y, z) and position [m] (7,) each.
         """

@@ -5,7 +5,7 @@ poses within reach.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from pushpressslide.core import margins
@@ -23,15 +23,18 @@ from pushpressslide.core.footprint import (
     edge_depths,
     overlap_area,
 )
+from pushpressslide.core.motion import Limits, Motion, ToolUse
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.scene import ARM_NAMES
-from pushpressslide.core.task import (
+from pushpressslide.core.query import MotionQuery
+from pushpressslide.core.scene import (
+    ARM_NAMES,
+    ObjectModel,
     Obstacle,
     Opening,
     Robot,
-    Shape,
-    Task,
+    Scene,
 )
+from pushpressslide.geometry.shapes import Shape
 from pushpressslide.taskfile.place import Fault, nearest, refuse
 
 if TYPE_CHECKING:
@@ -56,48 +59,64 @@ MODELS = ("panda", "iiwa7", "hand")
 """Robot models that come with the package."""
 
 
-def check(task: Task) -> None:
-    """Check all that concerns more than one field, cheap checks first.
+def check(
+    query: MotionQuery, body: ObjectModel, true_start: Pose2, *, staged: bool = False
+) -> None:
+    """Check all that concerns more than one field of a motion, cheap checks first.
+
+    ``body`` and ``true_start``, X_WG, are the object as it really is; ``staged``: the
+    motion is one of several goals, which are not looked at here.
 
     Raises:
         TaskError: the first field that does not fit the others.
     """
-    refuse(task.source, _motion_faults(task))
-    refuse(task.source, _arm_faults(task))
-    refuse(task.source, _mode_faults(task))
-    refuse(task.source, _vehicle_faults(task))
-    refuse(task.source, _goal_faults(task))
-    refuse(task.source, workspace_faults(task))
-    refuse(task.source, edge_faults(task))
-    check_reach(task)
-    refuse(task.source, _base_faults(task))
-    refuse(task.source, object_faults(task))
-    refuse(task.source, _obstacle_faults(task))
+    scene = query.scene
+    source = query.source
+    refuse(source, _motion_faults(scene, query.motion))
+    refuse(source, _arm_faults(query.motion, len(scene.robots)))
+    refuse(source, _mode_faults(query))
+    refuse(source, _vehicle_faults(query))
+    if not staged:
+        refuse(source, _goal_faults(query))
+    check_places(query, body, true_start)
+    refuse(source, _obstacle_faults(scene, query.tool))
 
 
-def _motion_faults(task: Task) -> Iterator[Fault]:
-    shape = task.object.shape
-    motion = task.motion
+def check_places(query: MotionQuery, body: ObjectModel, true_start: Pose2) -> None:
+    """Check that start and goal are in the workspace, on the support, within reach and
+    clear of bases and obstacles; raises TaskError as ``check``.
+    """
+    scene = query.scene
+    source = query.source
+    refuse(source, _workspace_faults(query.limits, query.start, query.goal))
+    refuse(source, _edge_faults(query, body, true_start))
+    check_reach(query, body)
+    refuse(source, _base_faults(scene))
+    refuse(source, _object_faults(query, true_start))
+
+
+def _motion_faults(scene: Scene, motion: Motion) -> Iterator[Fault]:
+    shape = scene.body.shape
     face = motion.face
     height = motion.contact_height
     if motion.time_step > motion.control_period:
         allowed = f"allowed: at most motion.control_period, {motion.control_period:g} s"
         yield "motion.time_step", motion.time_step, allowed
     if face is not None:
-        yield from _face_faults(task, face)
+        yield from _face_faults(scene, face)
     if height is not None and height >= shape.height:
         allowed = f"allowed: below the object's top at {shape.height:g} m"
         yield "motion.contact_height", height, allowed
-    yield from _contact_faults(task)
+    yield from _contact_faults(scene, motion.contacts or ())
 
 
-def _contact_faults(task: Task) -> Iterator[Fault]:
+def _contact_faults(scene: Scene, points: Sequence[Point]) -> Iterator[Fault]:
     """Yield a contact that no tip can have on the object's top: beside it, in a notch or
     too near to an edge.
     """
-    inset = min(margins.inset(robot.tip_radius) for robot in task.robots)
-    for i, point in enumerate(task.motion.contacts or ()):
-        if not task.object.shape.holds(point, inset - ROUNDING, (0.0, 0.0)):
+    inset = min(margins.inset(robot.tip_radius) for robot in scene.robots)
+    for i, point in enumerate(points):
+        if not scene.body.shape.holds(point, inset - ROUNDING, (0.0, 0.0)):
             reason = (
                 f"allowed: a point on the object's top, {inset * 1e3:g} mm or more "
                 "inside its edge"
@@ -105,18 +124,17 @@ def _contact_faults(task: Task) -> Iterator[Fault]:
             yield f"motion.contacts[{i}]", list(point), reason
 
 
-def _face_faults(task: Task, face: int) -> Iterator[Fault]:
+def _face_faults(scene: Scene, face: int) -> Iterator[Fault]:
     """Yield a face that is not there, or that no tip can touch."""
     from pushpressslide.mechanics.faces import faces
 
-    edges = task.object.shape.edges
+    edges = scene.body.shape.edges
     if not edges:
         yield "motion.face", face, "a cylinder has no edges; allowed: null"
         return
     if face >= len(edges):
         yield "motion.face", face, f"allowed: null or 0 to {len(edges) - 1}"
         return
-    scene = task.scene
     touched = {f.index for f in faces(scene.body, scene.inset, scene.tip_radius)}
     if face not in touched:
         allowed = ", ".join(["null", *(str(index) for index in sorted(touched))])
@@ -127,39 +145,41 @@ def _face_faults(task: Task, face: int) -> Iterator[Fault]:
         yield "motion.face", face, reason
 
 
-def wall_faults(task: Task) -> Iterator[Fault]:
+def wall_faults(scene: Scene, start: Pose2, goal: Pose2) -> Iterator[Fault]:
     """Yield what a wall does not allow: a body that would fall, and a start or goal
     that does not suit its opening.
     """
-    if not any(task.scene.weight_along):
+    if not any(scene.weight_along):
         return
-    for i, obstacle in enumerate(task.obstacles):
+    for i, obstacle in enumerate(scene.obstacles):
         if obstacle.movable:
-            reason = f"on {task.support.name} it would fall; allowed: false"
+            reason = f"on {scene.support.name} it would fall; allowed: false"
             yield f"obstacles[{i}].movable", True, reason
-    if not task.scene.carried(task.start):
+    if not scene.carried(start):
         reason = (
             "it would fall before the arms press it; allowed: on a ledge, a fixed "
             "obstacle right below it"
         )
-        yield "start", pose_text(task.start), reason
-    if task.support.opening is not None:
-        yield from _opening_faults(task, task.support.opening)
+        yield "start", pose_text(start), reason
+    if scene.support.opening is not None:
+        yield from _opening_faults(scene, scene.support.opening, start, goal)
 
 
-def _opening_faults(task: Task, opening: Opening) -> Iterator[Fault]:
-    shape = task.object.shape
+def _opening_faults(
+    scene: Scene, opening: Opening, start: Pose2, goal: Pose2
+) -> Iterator[Fault]:
+    shape = scene.body.shape
     if opening.depth >= shape.height:
         allowed = f"allowed: less than the object's height of {shape.height:g} m"
         yield "support.opening.depth", opening.depth, allowed
-    if opening.holds(task.start, shape):
+    if opening.holds(start, shape):
         reason = "it lies in support.opening; allowed: outside"
-        yield "start", pose_text(task.start), reason
-    off = [abs(a - b) for a, b in zip(task.goal.position, opening.center, strict=True)]
+        yield "start", pose_text(start), reason
+    off = [abs(a - b) for a, b in zip(goal.position, opening.center, strict=True)]
     within = all(d < 0.5 * size for d, size in zip(off, opening.size, strict=True))
-    if within and not task.enters:
+    if within and not scene.enters(goal):
         allowed = "outside support.opening, or where the object's outline is within it"
-        yield "goal", pose_text(task.goal), f"allowed: {allowed}"
+        yield "goal", pose_text(goal), f"allowed: {allowed}"
 
 
 def _count(arms: int) -> str:
@@ -168,13 +188,13 @@ def _count(arms: int) -> str:
     return f"{arms} robots"
 
 
-def _mode_faults(task: Task) -> Iterator[Fault]:
+def _mode_faults(query: MotionQuery) -> Iterator[Fault]:
     from pushpressslide.modes import MODES
 
-    count = len(task.robots)
+    count = len(query.scene.robots)
     robots = Shown(_count(count))
-    arm = task.motion.arm
-    names = task.modes or ()
+    arm = query.motion.arm
+    names = query.modes or ()
     for i, name in enumerate(names):
         field = f"modes[{i}]"
         if name not in MODES:
@@ -188,23 +208,23 @@ def _mode_faults(task: Task) -> Iterator[Fault]:
             yield field, name, "it is listed twice; allowed: each mode once"
 
 
-def _arm_faults(task: Task) -> Iterator[Fault]:
-    """Yield an arm that the task does not have."""
-    arm = task.motion.arm
-    names = ARM_NAMES[: len(task.robots)]
+def _arm_faults(motion: Motion, count: int) -> Iterator[Fault]:
+    """Yield an arm that is none of the ``count`` of a task."""
+    arm = motion.arm
+    names = ARM_NAMES[:count]
     if arm is not None and arm not in names:
         allowed = ", ".join(["null", *names])
-        reason = f"the task has {_count(len(names))}; allowed: {allowed}"
+        reason = f"the task has {_count(count)}; allowed: {allowed}"
         yield "motion.arm", arm, reason
 
 
-def _vehicle_faults(task: Task) -> Iterator[Fault]:
+def _vehicle_faults(query: MotionQuery) -> Iterator[Fault]:
     """Yield a vehicle that no mode of the task has."""
     from pushpressslide.modes import MODES
 
-    vehicle = task.motion.vehicle
-    arms = len(task.scene.arms)
-    names = task.modes or [name for name, mode in MODES.items() if mode.arms <= arms]
+    vehicle = query.motion.vehicle
+    arms = len(query.scene.arms)
+    names = query.modes or [name for name, mode in MODES.items() if mode.arms <= arms]
     known = [known for name in names for known in MODES[name].vehicles]
     if vehicle is not None and vehicle not in known:
         allowed = ", ".join(["null", *known])
@@ -212,15 +232,14 @@ def _vehicle_faults(task: Task) -> Iterator[Fault]:
         yield "motion.vehicle", vehicle, reason
 
 
-def _goal_faults(task: Task) -> Iterator[Fault]:
+def _goal_faults(query: MotionQuery) -> Iterator[Fault]:
     """Yield a goal at which the object is already."""
-    off = task.start.inverse().compose(task.goal)
+    off = query.start.inverse().compose(query.goal)
     distance = math.hypot(off.x, off.y)
     turn = abs(math.remainder(off.yaw, math.tau))
-    tolerance = task.tolerance
+    tolerance = query.tolerance
     there = distance <= tolerance.position and turn <= tolerance.yaw
-    ended = task.legs or task.tool is not None or task.goals
-    if there and not ended:
+    if there and query.tool is None:
         moved = f"{distance * 1e3:.1f} mm and {math.degrees(turn):.2f} deg"
         allowed = (
             f"allowed: beyond tolerance, {tolerance.position * 1e3:g} mm or "
@@ -229,33 +248,35 @@ def _goal_faults(task: Task) -> Iterator[Fault]:
         yield "goal", Shown(f"{moved} from the start"), allowed
 
 
-def workspace_faults(task: Task) -> Iterator[Fault]:
+def _workspace_faults(limits: Limits, start: Pose2, goal: Pose2) -> Iterator[Fault]:
     """Yield a start or goal outside ``limits.workspace``."""
-    if task.limits.workspace is None:
+    if limits.workspace is None:
         return
-    x_min, x_max, y_min, y_max = task.limits.workspace
+    x_min, x_max, y_min, y_max = limits.workspace
     allowed = f"x in [{x_min:g}, {x_max:g}], y in [{y_min:g}, {y_max:g}]"
-    for name, pose in (("start", task.start), ("goal", task.goal)):
+    for name, pose in (("start", start), ("goal", goal)):
         if not (x_min <= pose.x <= x_max and y_min <= pose.y <= y_max):
             value = Shown(f"x {pose.x:g}, y {pose.y:g}")
             yield name, value, f"allowed: {allowed} (limits.workspace)"
 
 
-def edge_faults(task: Task) -> Iterator[Fault]:
+def _edge_faults(
+    query: MotionQuery, body: ObjectModel, true_start: Pose2
+) -> Iterator[Fault]:
     """Yield a pose at which a body tips over the edge of support.region, or at the goal
     may.
     """
-    region = task.support.region
+    region = query.scene.support.region
     if region is None:
         return
-    center = task.object.center_of_mass
-    shape = task.object.shape
+    center = body.center_of_mass
+    shape = body.shape
     margin = margins.EDGE_MARGIN * shape.half_width
-    poses = {"start": task.start, "start_error": task.true_start, "goal": task.goal}
+    poses = {"start": query.start, "start_error": true_start, "goal": query.goal}
     for name, pose in poses.items():
         least = margin if name == "goal" else 0.0
         yield from _near_edge(name, shape, pose, center, least, region)
-    for i, obstacle in enumerate(task.obstacles):
+    for i, obstacle in enumerate(query.scene.obstacles):
         if obstacle.movable:
             name = f"obstacles[{i}].pose"
             middle = obstacle.shape.centroid
@@ -288,7 +309,7 @@ def _near_edge(
     yield name, pose_text(X_WG), f"allowed: centre of mass {inside}, here {where}"
 
 
-def check_reach(task: Task) -> None:
+def check_reach(query: MotionQuery, body: ObjectModel) -> None:
     """Check that some robot brings its tip beside or onto the object at start and at
     goal.
 
@@ -297,47 +318,46 @@ def check_reach(task: Task) -> None:
     Raises TaskError for a robot that cannot be read, and for a start or goal that no
     robot reaches, by how much it stays short.
     """
-    arms = [_kinematics(task, i) for i in range(len(task.robots))]
-    for name, pose in (("start", task.start), ("goal", task.goal)):
+    scene = query.scene
+    source = query.source
+    arms = [_kinematics(robot, i, source) for i, robot in enumerate(scene.robots)]
+    for name, pose in (("start", query.start), ("goal", query.goal)):
         short: list[float] = []
-        for arm, robot in zip(arms, task.robots, strict=True):
-            short.append(shortfall(arm, robot, task, pose))
+        for arm, robot in zip(arms, scene.robots, strict=True):
+            short.append(shortfall(arm, robot, scene, pose))
             if short[-1] <= 0.0:
                 break
         best = min(range(len(short)), key=short.__getitem__)
         if short[best] > 0.0:
-            center = pose.apply(task.object.center_of_mass)
-            far = math.dist(center, task.scene.bases[best][:2])
+            center = pose.apply(body.center_of_mass)
+            far = math.dist(center, scene.bases[best][:2])
             what = Shown(
                 f"object's centre at x {center[0]:g}, y {center[1]:g}, {far:.3f} m "
                 "from the base"
             )
             allowed = f"the tip of the {arms[best].facts.name} stays {short[best]:.3f} m short of the object"
-            raise TaskError(
-                task.source, name, what, f"allowed: within reach; {allowed}"
-            )
+            raise TaskError(source, name, what, f"allowed: within reach; {allowed}")
 
 
-def _kinematics(task: Task, i: int) -> ArmKinematics:
+def _kinematics(robot: Robot, i: int, source: str) -> ArmKinematics:
     from pushpressslide.robots.kinematics import arm_kinematics
 
-    robot = task.robots[i]
     field = f"robots[{i}]"
     try:
         return arm_kinematics(robot)
     except MissingFrameError as error:
         raise TaskError(
-            task.source, f"{field}.tip_frame", str(robot.tip_frame), str(error)
+            source, f"{field}.tip_frame", str(robot.tip_frame), str(error)
         ) from error
     except RobotFileError:
         raise  # names the file itself
     except PushPressSlideError as error:
         raise TaskError(
-            task.source, f"{field}.model", path_value(robot.model), str(error)
+            source, f"{field}.model", path_value(robot.model), str(error)
         ) from error
 
 
-def shortfall(kin: ArmKinematics, robot: Robot, task: Task, X_WG: Pose2) -> float:
+def shortfall(kin: ArmKinematics, robot: Robot, scene: Scene, X_WG: Pose2) -> float:
     """Return by how much [m] a tip stays short of every place where it could touch.
 
     It is 0 if the tip reaches one.
@@ -347,11 +367,11 @@ def shortfall(kin: ArmKinematics, robot: Robot, task: Task, X_WG: Pose2) -> floa
     from pushpressslide.robots.reach import first_look, reachable
     from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
 
-    places, spacing = around(task.object.shape, X_WG, robot.tip_radius, PLACES)
+    places, spacing = around(scene.body.shape, X_WG, robot.tip_radius, PLACES)
     low = robot.tip_radius
-    top = task.object.shape.height + robot.tip_radius
+    top = scene.body.shape.height + robot.tip_radius
     levels = np.linspace(low, top, min(max(2, math.ceil((top - low) / 0.08)), 8))
-    frame = task.support.frame
+    frame = scene.support.frame
     points = np.array(
         [frame.point((x, y, float(z))) for x, y in places for z in levels]
     )
@@ -371,56 +391,56 @@ def shortfall(kin: ArmKinematics, robot: Robot, task: Task, X_WG: Pose2) -> floa
     return least
 
 
-def _bases(task: Task) -> list[tuple[str, Vector3]]:
+def _bases(scene: Scene) -> list[tuple[str, Vector3]]:
     """Return the fields and places of the bases that no body may enter."""
     return [
         (f"robots[{i}].base", base)
-        for i, (robot, base) in enumerate(
-            zip(task.robots, task.scene.bases, strict=True)
-        )
+        for i, (robot, base) in enumerate(zip(scene.robots, scene.bases, strict=True))
         if robot.model != "hand"
     ]
 
 
-def _base_faults(task: Task) -> Iterator[Fault]:
-    bases = [base[:2] for _, base in _bases(task)]
+def _base_faults(scene: Scene) -> Iterator[Fault]:
+    bases = [base[:2] for _, base in _bases(scene)]
     apart = 2.0 * BASE_RADIUS
     if len(bases) == 2 and math.dist(*bases) < apart:
         value = Shown(f"{math.dist(*bases):.3f} m from the other base")
         yield "robots[1].base", value, f"allowed: bases {apart:g} m or more apart"
 
 
-def object_faults(task: Task) -> Iterator[Fault]:
+def _object_faults(query: MotionQuery, true_start: Pose2) -> Iterator[Fault]:
     """Yield a start or goal at which the object is too near to a base, or overlaps an
     obstacle.
     """
-    shape = task.object.shape
-    poses = {"start": task.start, "goal": task.goal}
-    if task.true_start != task.start:
-        poses["start_error"] = task.true_start
+    scene = query.scene
+    tool = query.tool
+    shape = scene.body.shape
+    poses = {"start": query.start, "goal": query.goal}
+    if true_start != query.start:
+        poses["start_error"] = true_start
     for name, pose in poses.items():
-        yield from _near_bases(task, name, shape, pose)
-        for obstacle in task.obstacles:
-            pushed = task.tool is not None and obstacle.name == task.tool.body
+        yield from _near_bases(scene, name, shape, pose)
+        for obstacle in scene.obstacles:
+            pushed = tool is not None and obstacle.name == tool.body
             if name != "goal" or not (pushed or obstacle.may_move):
                 yield from _overlap(name, shape, pose, obstacle)
 
 
-def _obstacle_faults(task: Task) -> Iterator[Fault]:
-    for i, obstacle in enumerate(task.obstacles):
+def _obstacle_faults(scene: Scene, tool: ToolUse | None) -> Iterator[Fault]:
+    for i, obstacle in enumerate(scene.obstacles):
         field = f"obstacles[{i}].pose"
         shape = obstacle.shape
         if obstacle.may_move and not obstacle.movable:
             reason = "it cannot move; allowed: false, or movable: true"
             yield f"obstacles[{i}].may_move", True, reason
-        yield from _near_bases(task, field, shape, obstacle.pose)
-        for other in task.obstacles[:i]:
+        yield from _near_bases(scene, field, shape, obstacle.pose)
+        for other in scene.obstacles[:i]:
             yield from _overlap(field, shape, obstacle.pose, other)
-        if task.tool is None or task.tool.body != obstacle.name:
+        if tool is None or tool.body != obstacle.name:
             continue
-        for other in task.obstacles:
+        for other in scene.obstacles:
             if other is not obstacle:
-                yield from _overlap("goal", shape, task.tool.goal, other)
+                yield from _overlap("goal", shape, tool.goal, other)
 
 
 def pose_text(pose: Pose2) -> Shown:
@@ -428,8 +448,8 @@ def pose_text(pose: Pose2) -> Shown:
     return Shown(f"x {pose.x:g}, y {pose.y:g}, yaw {math.degrees(pose.yaw):g} deg")
 
 
-def _near_bases(task: Task, name: str, shape: Shape, X_WG: Pose2) -> Iterator[Fault]:
-    for field, (x, y, height) in _bases(task):
+def _near_bases(scene: Scene, name: str, shape: Shape, X_WG: Pose2) -> Iterator[Fault]:
+    for field, (x, y, height) in _bases(scene):
         gap = shape.distance(X_WG.unapply((x, y)))
         if height < shape.height and gap < BASE_RADIUS:
             allowed = f"{BASE_RADIUS:g} m or more from {field}, here {gap:.3f} m"

@@ -19,14 +19,7 @@ from pushpressslide.core.bodies import (
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.footprint import overlap_area
 from pushpressslide.core.task import Obstacle, Task
-from pushpressslide.taskfile.checks import (
-    MAX_OVERLAP,
-    check_reach,
-    edge_faults,
-    object_faults,
-    pose_text,
-    workspace_faults,
-)
+from pushpressslide.taskfile.checks import MAX_OVERLAP, check_places, pose_text
 from pushpressslide.taskfile.place import Fault, nearest, refuse
 
 
@@ -81,10 +74,7 @@ def check_goals(task: Task) -> None:
         own = replace(own, obstacles=fixed, source=task.source)
         start = "start" if goal.body == OBJECT else _pose_field(task, goal.body)
         try:
-            refuse(own.source, workspace_faults(own))
-            refuse(own.source, edge_faults(own))
-            check_reach(own)
-            refuse(own.source, object_faults(own))
+            check_places(own.query, own.object, own.true_start)
         except TaskError as error:
             fields = {"start": start, "goal": f"goals[{i}]"}
             where = fields.get(error.field, error.field)

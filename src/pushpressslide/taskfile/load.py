@@ -128,9 +128,12 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
     refuse(source, leg_faults(plain))
     refuse(source, _workspace_faults(plain["limits"]["workspace"] or {}))
     task = _task(plain, values, source)
-    refuse(source, wall_faults(task))
-    for part in task.parts:
-        check(part)
+    refuse(source, wall_faults(task.scene, task.start, task.goal))
+    staged = bool(task.goals)
+    true_start = task.true_start
+    for query in (task.query,) if staged else task.queries():
+        check(query, task.object, true_start, staged=staged)
+        true_start = query.goal
     check_goals(task)
     return task
 

@@ -12,7 +12,7 @@ from pushpressslide_studies.bench import planners
 
 def test_in_each_problem_the_post_is_in_the_way_and_the_plan_keeps_off_it() -> None:
     for task in islice(planners.problems(3), 3):
-        space = free_space(task)
+        space = free_space(task.query)
         assert not space.straight(task.start, task.goal)
         made = plan(task)
         poses = [

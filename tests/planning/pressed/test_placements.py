@@ -36,7 +36,7 @@ def lever(task: Task, point: tuple[float, float], load: float) -> float:
 
 
 def test_firm_presses_come_first(task: Task) -> None:
-    groups = press_placements(task).turning(task.scene)
+    groups = press_placements(task.query).turning(task.scene)
     firm = [
         all(
             lever(task, press.point, press.load) >= margins.ARM.firm_lever
@@ -58,7 +58,7 @@ def test_only_presses_whose_tip_holds_the_turn_are_left_out(
     task: Task, radius: float
 ) -> None:
     task = replace(task, robots=(replace(task.robots[0], tip_radius=radius),))
-    placements = press_placements(task)
+    placements = press_placements(task.query)
     groups = placements.turning(task.scene)
     presses = {(press.point, press.load) for group in groups for press in group}
     every = [
@@ -73,5 +73,5 @@ def test_only_presses_whose_tip_holds_the_turn_are_left_out(
 def test_a_heavy_object_has_the_safest_press_first(task: Task) -> None:
     heavy = replace(task, object=replace(task.object, mass=0.6))
     rough = replace(heavy, contact_friction=1.2)
-    groups = press_placements(rough).turning(rough.scene)
-    assert groups[0][0].load == max(press_placements(rough).loads)
+    groups = press_placements(rough.query).turning(rough.scene)
+    assert groups[0][0].load == max(press_placements(rough.query).loads)

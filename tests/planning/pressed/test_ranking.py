@@ -44,15 +44,17 @@ def test_a_press_as_quick_as_any_is_among_the_first(
     body: str, goal: tuple[float, float, float]
 ) -> None:
     task, contacts = moved(BODIES[body], *goal)
-    best = pressed_manoeuvres(task, task.start, contacts)[0]
-    first = list(by_time(task, task.start, contacts))[:AT_ONCE]
-    assert pressed_manoeuvres(task, task.start, first)[0].time < 1.05 * best.time
+    best = pressed_manoeuvres(task.query, task.start, contacts)[0]
+    first = list(by_time(task.query, task.start, contacts))[:AT_ONCE]
+    assert pressed_manoeuvres(task.query, task.start, first)[0].time < 1.05 * best.time
 
 
 def test_each_contact_comes_with_its_quickest_manoeuvre_before_any_other_comes_again() -> (
     None
 ):
     task, contacts = moved(BODIES["cube"], 0.2, 0.0, 0.0)
-    found = [manoeuvre.contact for manoeuvre in soonest(task, task.start, contacts[:6])]
+    found = [
+        manoeuvre.contact for manoeuvre in soonest(task.query, task.start, contacts[:6])
+    ]
     count = len(set(found))
     assert len(set(found[:count])) == count < len(found)

@@ -150,8 +150,10 @@ def _way_back(
         return np.repeat(q[None], RETREAT_SAMPLES, axis=0), 0.0
     objects = problem.object_path
     contact = along.contact
-    frame = problem.plan.task.support.frame
-    room = room_before(problem.plan.task, contact, margins.ARM.retreat)
+    query = problem.query
+    frame = query.scene.support.frame
+    clearance = query.motion.clearance
+    room = room_before(query.scene, contact, margins.ARM.retreat, clearance)
     R, p = problem.kin.tip_pose(q)
     normal = np.array(frame.direction(contact.direction(objects.bodies[-1])))
     points = np.linspace(p, p - room * normal, RETREAT_SAMPLES)
@@ -197,10 +199,9 @@ class _TwoArms:
             if not isinstance(attempt, Conflict):
                 return attempt
             conflicts.append(attempt)
-        task = self.plan.task
         worst = max(conflicts)
         raise InfeasibleTaskError(
-            f"{task.source or task.name}: robots: {worst.place} the arms come as near "
+            f"{self.plan.query.source}: robots: {worst.place} the arms come as near "
             f"as {worst.distance * 1e3:.1f} mm to each other, allowed from "
             f"{APART * 1e3:.0f} mm"
         )
@@ -228,7 +229,7 @@ class _TwoArms:
                     if along >= APART:
                         yield from self._waiting(best, along)
         options = []
-        most = FEW if self.plan.task.searched else None
+        most = FEW if self.plan.searched else None
         for result, stream in zip(results, searches, strict=True):
             *_, complete = [result, *islice(stream, most)]
             options.append(complete.solutions)

@@ -22,7 +22,7 @@ from pushpressslide.arms.paths.postures import (
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import JointPath
-from pushpressslide.core.task import Task
+from pushpressslide.core.scene import Scene
 from pushpressslide.robots.continuation import Continuation, continuations
 from pushpressslide.robots.facts import RobotFacts
 from pushpressslide.robots.inverse import IkSearch, solve_ik
@@ -104,7 +104,7 @@ class Approach:
 
     def __init__(
         self,
-        task: Task,
+        scene: Scene,
         kin: ArmKinematics,
         free: Free,
         before: float,
@@ -116,16 +116,16 @@ class Approach:
         (n,) is clear of everything. The ready posture may be replaced by a free one
         near it.
         """
-        self.task = task
+        self.scene = scene
         self.kin = kin
         self.before = before
-        frame = task.support.frame
+        frame = scene.support.frame
         self._axes = frame.axes
         self._up = np.array(frame.normal)
         # [m] of the support along ``_up``
         self._level = float(np.dot(frame.origin, self._up))
-        tops = [task.object.shape.height, *(o.shape.height for o in task.obstacles)]
-        widest = max(robot.tip_radius for robot in task.robots)
+        tops = [scene.body.shape.height, *(o.shape.height for o in scene.obstacles)]
+        widest = max(robot.tip_radius for robot in scene.robots)
         self.hover = max(tops) + HOVER_ROOM + widest
         # [m/s] of the tip; an arm that starts in free space needs no care
         self._rise_speed = math.inf

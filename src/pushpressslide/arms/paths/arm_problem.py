@@ -19,7 +19,8 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Robot
+from pushpressslide.core.query import MotionQuery
+from pushpressslide.core.scene import Robot
 from pushpressslide.planning.carried import carried_ways
 from pushpressslide.planning.side_contacts import before_contacts
 from pushpressslide.robots.contact_reach import TURNING, tool_azimuths
@@ -64,10 +65,15 @@ class ArmProblem:
     # postures (n,) of the arms that stand still, by index
     others: Mapping[int, Array] = field(default_factory=dict)
 
+    @cached_property
+    def query(self) -> MotionQuery:
+        """What was asked for."""
+        return self.plan.query
+
     @property
     def robot(self) -> Robot:
         """The arm as the task describes it."""
-        return self.plan.task.robots[self.arm]
+        return self.query.scene.robots[self.arm]
 
     @cached_property
     def kin(self) -> ArmKinematics:
@@ -97,7 +103,7 @@ class ArmProblem:
             return None
         path = self.object_path
         inside, height = contact.tip_place(self.robot.tip_radius)
-        frame = self.plan.task.support.frame
+        frame = self.query.scene.support.frame
         positions = [frame.point((*X.apply(inside), height)) for X in path.bodies]
         yaws = np.unwrap(np.array([X.yaw for X in path.bodies]))
         tip = TipPath(np.array(positions), yaws, path.shapes)
@@ -112,11 +118,12 @@ class ArmProblem:
     @cached_property
     def approach(self) -> Approach:
         """The approaches from the starting posture."""
+        query = self.query
         return Approach(
-            self.plan.task,
+            query.scene,
             self.kin,
             lambda q: self.free(self.clearance, q),
-            before_contacts(self.plan.task, self.plan.contacts),
+            before_contacts(query.scene, query.motion, self.plan.contacts),
             self.start,
         )
 
@@ -126,10 +133,10 @@ class ArmProblem:
         An arm with fewer than six joints keeps its tool upright.
         """
         contact = along.contact
-        axes = self.plan.task.support.frame.axes
+        axes = self.query.scene.support.frame.axes
         bodies = self.object_path.bodies
         middle = len(bodies) // 2
-        base = self.plan.task.scene.bases[self.arm]
+        base = self.query.scene.bases[self.arm]
         azimuths = tool_azimuths(contact, bodies[middle], base)
         if self.kin.facts.size < POSE:
             return [(ToolAttitude(0.0, azimuths[0], axes), np.zeros(1))]
@@ -177,11 +184,11 @@ class ArmProblem:
         """The ways of the bodies that the object pushes, as a tool or on its way, as
         many poses as the object has, by their names.
         """
-        task = self.plan.task
-        if task.tool is None:
+        tool = self.query.tool
+        if tool is None:
             return self._carried
-        body = next(o for o in task.obstacles if o.name == task.tool.body)
-        ends = (body.pose, task.tool.goal)
+        body = next(o for o in self.query.scene.obstacles if o.name == tool.body)
+        ends = (body.pose, tool.goal)
         shares = np.linspace(0.0, 1.0, len(self.object_path.shapes))
         way = [_between(ends, float(share)) for share in shares]
         return {**self._carried, body.name: way}
@@ -189,7 +196,9 @@ class ArmProblem:
     @cached_property
     def _carried(self) -> dict[str, list[Pose2]]:
         """The ways of the obstacles that the object pushes on its way, by name."""
-        return carried_ways(self.plan.task, self.object_path.shapes)
+        query = self.query
+        shape = query.body.shape
+        return carried_ways(shape, query.yielding, self.object_path.shapes)
 
     def approach_clearance(self, model: Clearance, postures: Array) -> Gap:
         """Return the gap with the least to spare of postures (m, n) before the

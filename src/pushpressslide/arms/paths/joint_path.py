@@ -92,7 +92,6 @@ class SearchResult:
         """
         if self.solutions:
             return self.solutions[0]
-        task = problem.plan.task
         lacks = "joint path along the contact"
         why = "no attitude of the tool can be followed"
         if problem.along is None:
@@ -101,7 +100,7 @@ class SearchResult:
         if self.misses:
             why = self.misses[0].why
         raise InfeasibleTaskError(
-            f"{task.source or task.name}: robots: the {problem.kin.facts.name} has no "
+            f"{problem.query.source}: robots: the {problem.kin.facts.name} has no "
             f"{lacks}: {why}"
         )
 
@@ -133,7 +132,7 @@ def search(problem: ArmProblem, *, force: bool = False) -> Iterator[SearchResult
     solutions: tuple[Solution, ...] = ()
     blocked: list[Miss] = []
     unreached: list[Miss] = []
-    most = MOST_BLOCKED if problem.plan.task.searched else None
+    most = MOST_BLOCKED if problem.plan.searched else None
     for move in _candidates(problem, force):
         if isinstance(move, Miss):
             unreached.append(move)
@@ -363,7 +362,7 @@ def _candidates(problem: ArmProblem, force: bool) -> Iterator[Move | Miss]:
         yield from waiting_moves(problem, force=force)
         return
     if problem.holds:
-        axes = problem.plan.task.support.frame.axes
+        axes = problem.query.scene.support.frame.axes
         yield from continued_moves(
             problem.kin, along.tip, problem.posture, axes, force=force
         )
@@ -394,7 +393,7 @@ def _refined(problem: ArmProblem, misses: tuple[Miss, ...]) -> Iterator[Solution
         return
     if problem.holds or problem.kin.facts.size < POSE:
         return
-    if problem.plan.task.searched:
+    if problem.plan.searched:
         return
     near = [_with_clearance(problem, m) for m in misses if m.shortfall < NEAR]
     near = sorted((m for m in near if m.shortfall < NEAR), key=SHORTFALL)

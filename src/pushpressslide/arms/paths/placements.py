@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from pushpressslide.arms.paths.all_arms import drawn_back, joint_paths
@@ -49,7 +51,7 @@ class PlacementPaths:
         if plans and plans[-1].segments[-1].same_placement(placement.segments[0]):
             begun = plans.pop()
             segments = (*begun.segments, *placement.segments)
-            placement = Plan(begun.task, segments)
+            placement = replace(begun, segments=segments)
         paths = self.paths[: len(plans)]
         postures = self.postures
         holding = frozenset[int]()
@@ -86,9 +88,8 @@ def _check_bounds(placement: Plan, within: Bounds) -> None:
     x_min, x_max, y_min, y_max = reached_bounds(placement, ROOM)
     beyond = max(low_x - x_min, x_max - high_x, low_y - y_min, y_max - high_y)
     if beyond > 0.0:
-        task = placement.task
         raise InfeasibleTaskError(
-            f"{task.source or task.name}: the object would be led {beyond:.2f} m beyond "
+            f"{placement.query.source}: the object would be led {beyond:.2f} m beyond "
             "the support that is modelled"
         )
 
@@ -97,7 +98,7 @@ def reached_bounds(plan: Plan, room: float) -> Bounds:
     """Return x_min, x_max, y_min, y_max [m] of what the object covers on its planned
     way, and ``room`` [m] about it.
     """
-    poses = [plan.task.true_start]
+    poses = [plan.true_start]
     for segment in plan.segments:
         grid = np.linspace(0.0, segment.path.length, 60)
         poses += [plan.object_pose(segment, s) for s in grid]

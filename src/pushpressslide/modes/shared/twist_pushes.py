@@ -11,7 +11,8 @@ from dataclasses import replace
 from pushpressslide.allocation.twist_cone import TwistCone
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Choice, Contact, Segment
-from pushpressslide.core.task import Task
+from pushpressslide.core.query import MotionQuery
+from pushpressslide.core.scene import Scene
 from pushpressslide.core.twist_path import TwistPath, TwistRate
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.push_surface import push_surface
@@ -38,37 +39,39 @@ from pushpressslide.tracking.holonomic import HolonomicTracker
 class TwistPushes(Mode[CarDrive | TwistDrive]):
     """A mode of two pushes whose segments may have a TwistDrive."""
 
-    def tracker(self, task: Task, segment: Segment) -> Tracker:
+    def tracker(self, query: MotionQuery, segment: Segment) -> Tracker:
         """Return the holonomic law for a segment, corrected within the cone of a
         part of the friction.
         """
         drive = segment.drive
         assert isinstance(drive, TwistDrive)
-        friction = margins.CORRECTION_USE * task.scene.contact_friction
+        friction = margins.CORRECTION_USE * query.scene.contact_friction
         cone = TwistCone(segment.contacts, friction, drive.surface)
         decay = margins.ARM.shortest(segment.profile.speed)
         return HolonomicTracker(drive.X_BV, cone.surface, decay, cone.nearest)
 
-    def course(self, task: Task, segment: Segment, measured: Measured) -> Course | None:
+    def course(
+        self, query: MotionQuery, segment: Segment, measured: Measured
+    ) -> Course | None:
         """Return the course by twists within the cone of the true contacts."""
         drive = segment.drive
         assert isinstance(drive, TwistDrive)
         contacts = measured.contacts
-        cone = TwistCone(contacts, task.scene.contact_friction, drive.surface)
-        start, goal = ends_onward(task.object, segment, measured.X_WB, drive.X_BV)
+        cone = TwistCone(contacts, query.scene.contact_friction, drive.surface)
+        start, goal = ends_onward(query.body, segment, measured.X_WB, drive.X_BV)
         path = path_onward(start, goal, cone, drive.radius, measured.longest)
         return None if path is None else Course(contacts, drive, path)
 
 
 def within_reach(
-    task: Task, placements: Sequence[tuple[Contact, ...]]
+    query: MotionQuery, placements: Sequence[tuple[Contact, ...]]
 ) -> list[tuple[Contact, ...]]:
     """Return the placements of two contacts that two arms reach at start and goal, as
     the tables know, for one of the many motions of a search; else all of them.
     """
-    if not task.searched:
+    if not query.searched:
         return list(placements)
-    judge = Judge(task)
+    judge = Judge(query)
 
     def reached(contacts: Sequence[Contact]) -> bool:
         """Return whether two arms reach two contacts."""
@@ -80,11 +83,10 @@ def within_reach(
     return [contacts for contacts in placements if reached(contacts)]
 
 
-def exact_margin(task: Task, contacts: Sequence[Contact]) -> Margin:
+def exact_margin(scene: Scene, contacts: Sequence[Contact]) -> Margin:
     """Return how far inside the cone of ``contacts`` [rad] a twist is, by the limit
     surface that touches at that twist; far outside where it tips the object.
     """
-    scene = task.scene
 
     def margin(rate: TwistRate) -> float:
         """Return the margin of a twist."""
@@ -99,26 +101,32 @@ def exact_margin(task: Task, contacts: Sequence[Contact]) -> Margin:
 
 
 def driven_by_twists(
-    task: Task, choice: Choice, path: TwistPath, cone: TwistCone, push: float = 0.0
+    query: MotionQuery,
+    choice: Choice,
+    path: TwistPath,
+    cone: TwistCone,
+    push: float = 0.0,
 ) -> Choice:
     """Return a choice with a path of twists in the cone of its contacts, which push
     with up to ``push`` [N].
     """
     margin = least_cone_margin(path, cone)
     drive = TwistDrive(cone.surface, path.radius, push)
-    piece = segment(task, choice.mode, choice.contacts, drive, path, cone_margin=margin)
+    piece = segment(
+        query, choice.mode, choice.contacts, drive, path, cone_margin=margin
+    )
     merits = (
         f"path {path.distance:.3f} m of {len(path.pieces)} twist(s), "
         f"{describe_cone_margin(margin)}"
     )
-    time = run_time(task.motion, (piece,))
+    time = run_time(query.motion, (piece,))
     return replace(choice, segments=(piece,), time=time, merits=merits)
 
 
-def in_free_arms(task: Task, choice: Choice) -> list[Choice]:
+def in_free_arms(scene: Scene, choice: Choice) -> list[Choice]:
     """Return a choice for each way to give its contacts to arms that do not cross."""
     (piece,) = choice.segments
     length = piece.path.length
     poses = [piece.body_pose(share * length) for share in (0.0, 0.5, 1.0)]
     points = [contact.point for contact in choice.contacts]
-    return in_arms(choice, assignments(task.scene.bases, points, poses))
+    return in_arms(choice, assignments(scene.bases, points, poses))

@@ -12,11 +12,13 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 from pushpressslide.core import margins
+from pushpressslide.core.motion import Vehicle
 from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.query import Ends, MotionQuery
 from pushpressslide.core.refusal import Refusal, RefusedError, refusal_of
-from pushpressslide.core.task import ObjectModel, Task, Vehicle
+from pushpressslide.core.scene import ObjectModel
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.mechanics.friction import utilisation_margin
 from pushpressslide.mechanics.pressing import lever_refusal, press_utilisation
@@ -64,26 +66,26 @@ class Press:
     back_ups: Sequence[float] = margins.BACK_UPS
 
 
-def driven_choice(task: Task, mode: str, press: Press) -> Choice:
+def driven_choice(query: MotionQuery, mode: str, press: Press) -> Choice:
     """Judge one press and direction but for the arm's reach."""
     contact = press.contact
     how = "pushed" if press.backward else "pulled"
-    if task.motion.vehicle == "pivot":
+    if query.motion.vehicle == "pivot":
         how = "turned on the spot"
     choice = Choice(mode, f"{how} at {describe_points([contact.point])}", (contact,))
-    inset = margins.inset(task.robots[contact.arm].tip_radius)
-    if not inside_top(task.object, contact.point, inset):
+    inset = margins.inset(query.scene.robots[contact.arm].tip_radius)
+    if not inside_top(query.body, contact.point, inset):
         text = "the contact must be {allowed:mm.0f} inside the object's top"
         return choice.refused(Refusal("off_top", text, None, inset, "m"))
     try:
         vehicle = pressed_vehicle(
-            task, contact, press.backward, press.angle, press.steepest
+            query, contact, press.backward, press.angle, press.steepest
         )
-        pushed, segments = _driven_segments(task, mode, press, vehicle)
+        pushed, segments = _driven_segments(query, mode, press, vehicle)
     except ValueError as error:
         return choice.refused(refusal_of(error, "tipping"))
-    utilisation = press_utilisation(task.scene, contact.load, pushed)
-    margin = utilisation_margin(task.scene.contact_friction, utilisation)
+    utilisation = press_utilisation(query.scene, contact.load, pushed)
+    margin = utilisation_margin(query.scene.contact_friction, utilisation)
     segments = tuple(replace(piece, cone_margin=margin) for piece in segments)
     last = segments[-1]
     distance = math.dist(vehicle.X_BV.position, vehicle.car.cop)
@@ -94,92 +96,99 @@ def driven_choice(task: Task, mode: str, press: Press) -> Choice:
     )
     for piece in segments[:-1]:
         merits += f", {piece.path.length:g} m back first"
-    time = run_time(task.motion, segments, pressed=True)
+    time = run_time(query.motion, segments, pressed=True)
     return replace(choice, segments=segments, time=time, merits=merits)
 
 
 def _driven_segments(
-    task: Task, mode: str, press: Press, vehicle: PressedVehicle
+    query: MotionQuery, mode: str, press: Press, vehicle: PressedVehicle
 ) -> tuple[float, tuple[Segment, ...]]:
     """Return a tool's drag [N], and the segments: a turn on the spot, or a drive.
     Raises RefusedError where there is none.
     """
-    if task.motion.vehicle == "pivot":
-        pushed = _tool_drag(task, vehicle)
-        return pushed, (_spin(task, mode, press.contact, vehicle),)
+    if query.motion.vehicle == "pivot":
+        pushed = _tool_drag(query, vehicle)
+        return pushed, (_spin(query, mode, press.contact, vehicle),)
     # where it cannot go back there is no retry: only with a long run-in
     returns = way_back(vehicle.press, not press.backward) is not None
-    pushed = _tool_drag(task, vehicle)
-    return pushed, _drive(task, mode, press, vehicle, returns)
+    pushed = _tool_drag(query, vehicle)
+    return pushed, _drive(query, mode, press, vehicle, returns)
 
 
-def _spin(task: Task, mode: str, contact: Contact, vehicle: PressedVehicle) -> Segment:
+def _spin(
+    query: MotionQuery, mode: str, contact: Contact, vehicle: PressedVehicle
+) -> Segment:
     """Return the segment that turns the object on the spot. Raises RefusedError
     where the goal is elsewhere.
     """
     X_BV = vehicle.X_BV
-    start, goal = (X_WB.compose(X_BV) for X_WB in task.body_ends)
+    start, goal = (X_WB.compose(X_BV) for X_WB in query.body_ends)
     path = TwistPath.between((start, goal), math.dist(contact.point, X_BV.position))
     moved = math.dist(start.position, goal.position)
-    allowed = task.tolerance.position
+    allowed = query.tolerance.position
     if moved > allowed:
         text = (
             "the point about which it turns has to stay in its place, from start "
             "to goal it moves by {figure:mm.1f}, allowed {allowed:mmg}"
         )
         raise RefusedError(Refusal("pin_moves", text, moved, allowed, "m"))
-    drive = SpinDrive(vehicle.car, task.scene.max_friction(contact.load), X_BV)
-    speed = task.motion.speed * min(1.0, vehicle.room / margins.SAFE_MARGIN)
-    return segment(task, mode, (contact,), drive, path, speed=speed)
+    drive = SpinDrive(vehicle.car, query.scene.max_friction(contact.load), X_BV)
+    speed = query.motion.speed * min(1.0, vehicle.room / margins.SAFE_MARGIN)
+    return segment(query, mode, (contact,), drive, path, speed=speed)
 
 
 def _drive(
-    task: Task, mode: str, press: Press, vehicle: PressedVehicle, returns: bool
+    query: MotionQuery, mode: str, press: Press, vehicle: PressedVehicle, returns: bool
 ) -> tuple[Segment, ...]:
     """Return the segments of a path of one vehicle; ``returns``: it can go back.
     Raises RefusedError where there is only a loop.
     """
-    motion = task.motion
+    motion = query.motion
     car = vehicle.car
     contact = press.contact
     look_ahead = motion.look_ahead or margins.ARM.look_ahead(car.length, motion.speed)
-    route = _route(task, press, vehicle, look_ahead, returns)
+    route = _route(query, press, vehicle, look_ahead, returns)
     speed = motion.speed * min(1.0, vehicle.room / margins.SAFE_MARGIN)
     if press.backward:
         speed *= margins.PUSHED_SPEED
     speed *= min(1.0, margins.SWING / (car.length * route.curvature))
     drive = UnicycleDrive(
         car,
-        task.scene.max_friction(contact.load),
+        query.scene.max_friction(contact.load),
         vehicle.steepest,
         look_ahead,
         route.curvature,
         route.run_in,
     )
-    piece = segment(task, mode, (contact,), drive, route.path, speed=speed)
+    piece = segment(query, mode, (contact,), drive, route.path, speed=speed)
     if not route.back_up:
         return (piece,)
-    return (backing_up(task, vehicle, piece, route.back_up), piece)
+    start, _ = query.body_ends
+    return (backing_up(query.X_GB, start, vehicle, piece, route.back_up), piece)
 
 
 def _route(
-    task: Task, press: Press, vehicle: PressedVehicle, look_ahead: float, returns: bool
+    query: MotionQuery,
+    press: Press,
+    vehicle: PressedVehicle,
+    look_ahead: float,
+    returns: bool,
 ) -> PressedRoute:
     """Return the path to the goal, straight back first where that helps."""
     straight = 0.0
-    if task.tool is not None:
-        straight = task.tool.straight
+    if query.tool is not None:
+        straight = query.tool.straight
     run_ins = [straight + k * look_ahead for k in margins.VEHICLE_RUN_INS]
     back_ups = [k * look_ahead for k in press.back_ups]
     if not returns:
         run_ins = run_ins[:2]
         back_ups = [0.0]
-    start, goal = (X_WB.compose(vehicle.X_BV) for X_WB in task.body_ends)
+    start, goal = (X_WB.compose(vehicle.X_BV) for X_WB in query.body_ends)
     route = route_to(start, goal, vehicle, run_ins, back_ups)
     # where a loop is too long a manoeuvre is better, if one is allowed
     loop = 0.0
-    if task.motion.vehicle or task.tool:
-        loop = margins.LONGEST_LOOP * task.object.radius
+    if query.motion.vehicle or query.tool:
+        loop = margins.LONGEST_LOOP * query.body.radius
     if route.too_long > loop:
         text = (
             f"only by a loop of {route.path.length:.2f} m, {{figure:m.2f}} too long, "
@@ -189,11 +198,11 @@ def _route(
     return route
 
 
-def _tool_drag(task: Task, vehicle: PressedVehicle) -> float:
+def _tool_drag(query: MotionQuery, vehicle: PressedVehicle) -> float:
     """Return what a body pushed by the object adds to the drag [N]. Raises RefusedError
     where the object drives askew to its pushing face.
     """
-    drag, skew = tool_load(task, vehicle.X_BV.yaw)
+    drag, skew = tool_load(query, vehicle.X_BV.yaw)
     if skew > margins.ASKEW:
         text = (
             "it drives {figure:deg.1f} off the normal of tool.face, allowed "
@@ -203,23 +212,25 @@ def _tool_drag(task: Task, vehicle: PressedVehicle) -> float:
     return drag
 
 
-def vehicle_choices(task: Task, mode: str, placements: PressPlacements) -> list[Choice]:
+def vehicle_choices(
+    query: MotionQuery, mode: str, placements: PressPlacements
+) -> list[Choice]:
     """Return for each contact and direction the choice with the safest load that does
     not tip the object, steered straight.
 
     In a search over sequences only those that head for the goal most nearly: there are
     other motions.
     """
-    directions = DIRECTIONS[task.motion.vehicle or "unicycle"]
+    directions = DIRECTIONS[query.motion.vehicle or "unicycle"]
     pairs = list(product(placements.contacts, directions))
-    if task.searched:
-        pairs = sorted(pairs, key=lambda pair: _askew(task, *pair))[:FEW]
+    if query.searched:
+        pairs = sorted(pairs, key=lambda pair: _askew(query.body_ends, *pair))[:FEW]
     out = []
     for contact, backward in pairs:
         for load in placements.loads:  # a lighter press tips less
             press = Press(replace(contact, load=load), backward)
-            choice = driven_choice(task, mode, press)
-            refusal = lever_refusal(task.scene, press.contact)
+            choice = driven_choice(query, mode, press)
+            refusal = lever_refusal(query.scene, press.contact)
             choice = choice.refused(refusal or choice.refusal)
             if choice.feasible:
                 break
@@ -227,11 +238,11 @@ def vehicle_choices(task: Task, mode: str, placements: PressPlacements) -> list[
     return out
 
 
-def _askew(task: Task, contact: Contact, backward: bool) -> float:
+def _askew(ends: Ends, contact: Contact, backward: bool) -> float:
     """Return about by how much [rad] a vehicle heads past the goal at its start, and
     comes from aside at the goal, in all.
     """
-    start, goal = task.body_ends
+    start, goal = ends
     bearing = math.atan2(goal.y - start.y, goal.x - start.x)
     heading = math.atan2(contact.point[1], contact.point[0]) + math.pi * backward
     return sum(
@@ -240,7 +251,7 @@ def _askew(task: Task, contact: Contact, backward: bool) -> float:
     )
 
 
-def with_turns(task: Task, draft: Choice, least: float) -> Choice:
+def with_turns(query: MotionQuery, draft: Choice, least: float) -> Choice:
     """Return a choice planned with the axle of its turns; refused if it is steered like
     a unicycle by less than ``least`` [rad] only.
     """
@@ -250,9 +261,9 @@ def with_turns(task: Task, draft: Choice, least: float) -> Choice:
     (contact,) = draft.contacts
     backward = drive.car.backward
     steering = math.inf
-    if least > 0.0 and task.tool is None:
+    if least > 0.0 and query.tool is None:
         steering = steering_of(
-            press_of(task.scene, contact), backward, task.motion.speed
+            press_of(query.scene, contact), backward, query.motion.speed
         )
     if steering < least:
         text = (
@@ -262,11 +273,11 @@ def with_turns(task: Task, draft: Choice, least: float) -> Choice:
         return draft.refused(Refusal("steering", text, steering, least, "rad"))
     angle = margins.PLANNED_STEERING * min(drive.steepest, steering)
     press = Press(contact, backward, angle, steering)
-    return driven_choice(task, draft.mode, press)
+    return driven_choice(query, draft.mode, press)
 
 
 def driven_again(
-    task: Task, mode: str, contact: Contact, drive: UnicycleDrive
+    query: MotionQuery, mode: str, contact: Contact, drive: UnicycleDrive
 ) -> Choice:
     """Return the choice to go back first and then to the goal as one vehicle, with the
     contact that the object was driven with.
@@ -274,7 +285,7 @@ def driven_again(
     steepest = drive.steepest
     angle = margins.PLANNED_STEERING * steepest
     press = Press(contact, drive.car.backward, angle, steepest, margins.BACK_UPS[1:])
-    return driven_choice(task, mode, press)
+    return driven_choice(query, mode, press)
 
 
 def steered_path(

@@ -14,11 +14,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pushpressslide.core import margins
+from pushpressslide.core.motion import Motion
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.scene import ObjectModel
-from pushpressslide.core.task import Task
+from pushpressslide.core.query import MotionQuery
+from pushpressslide.core.scene import ObjectModel, Scene
 from pushpressslide.mechanics.friction import utilisation_margin
 from pushpressslide.mechanics.pressing import press_utilisation
 from pushpressslide.planning.overhead import overhead
@@ -116,25 +117,25 @@ class Manoeuvre:
         )
         return [*out, DrivenTurn(turn, path, self.goal, speed, self.most_speed)]
 
-    def choice(self, task: Task, mode: str) -> Choice:
+    def choice(self, query: MotionQuery, mode: str) -> Choice:
         """Return it as a choice of ``mode``, a segment for each turn."""
-        scene = task.scene
+        scene = query.scene
         contact = self.contact
         utilisation = press_utilisation(scene, contact.load)
         margin = utilisation_margin(scene.contact_friction, utilisation)
         max_friction = scene.max_friction(contact.load)
-        X_BG = task.X_GB.inverse()
+        X_BG = query.X_GB.inverse()
         driven_turns = self.driven_turns
         run_in = driven_turns[-1]
         segments = []
         for driven in driven_turns:
             last = driven is run_in
             path = driven.path
-            goal = task.goal
+            goal = query.goal
             if not last:
                 goal = driven.end.compose(X_BG)
             drive = driven.drive(max_friction, last)
-            profile = SpeedProfile(path.length, driven.speed, task.motion.acceleration)
+            profile = SpeedProfile(path.length, driven.speed, query.motion.acceleration)
             segments.append(
                 Segment(mode, (contact,), drive, path, profile, goal, margin)
             )
@@ -149,30 +150,30 @@ class Manoeuvre:
             f"manoeuvre at {describe_points([contact.point])}",
             (contact,),
             tuple(segments),
-            moving + overhead(task.motion, pressed=True),
+            moving + overhead(query.motion, pressed=True),
             f"{contact.load:.1f} N, {turns}; {utilisation:.2f} of the tip's friction "
             "used",
         )
 
 
 def pressed_manoeuvres(
-    task: Task,
+    query: MotionQuery,
     X_WB: Pose2,
     contacts: Sequence[Contact],
     swing: float = math.inf,
 ) -> list[Manoeuvre]:
-    """Return manoeuvres from ``X_WB`` to the task's goal, the quickest first, by a
+    """Return manoeuvres from ``X_WB`` to the goal of ``query``, the quickest first, by a
     press at one of ``contacts``; ``swing`` [rad]: how far the object may be turned from
     where it is meanwhile.
     """
-    _, goal = task.body_ends
+    _, goal = query.body_ends
     out = []
     for contact in contacts:
         if contact.point == (0.0, 0.0):
             continue
-        usable = pressed_turns(press_of(task.scene, contact), task.motion.speed)
+        usable = pressed_turns(press_of(query.scene, contact), query.motion.speed)
         if usable:
-            out += _by_press(task, (X_WB, goal), contact, usable, swing)
+            out += _by_press(query, (X_WB, goal), contact, usable, swing)
     return sorted(out, key=lambda manoeuvre: manoeuvre.time)
 
 
@@ -186,7 +187,7 @@ class _RunIn:
 
 
 def _by_press(
-    task: Task,
+    query: MotionQuery,
     ends: tuple[Pose2, Pose2],
     contact: Contact,
     turns: Sequence[PressedTurn],
@@ -194,11 +195,11 @@ def _by_press(
 ) -> list[Manoeuvre]:
     """Return the quickest manoeuvres of one press with each of its run-ins."""
     X_WB, goal = ends
-    most_speed = task.motion.speed
-    run_ins = _run_ins(task, goal, turns)
+    most_speed = query.motion.speed
+    run_ins = _run_ins(query.scene, most_speed, goal, turns)
     if not run_ins:
         return []
-    straight = straightest(task.object)
+    straight = straightest(query.body)
     turns = _both_ways(turns, straight)
     speeds = [_speed(most_speed, turn) for turn in turns]
     curvatures = [turn.curvature for turn in turns]
@@ -208,16 +209,17 @@ def _by_press(
     centers = axles + normals / bent
     times = 1.0 / (np.abs(bent) * np.array(speeds))
     free = np.array([min(-turn.right, turn.left) for turn in turns])
-    least = pause(task)
-    pauses = np.where(free < margins.CORRECTING, least + narrow(task), least)
+    least = pause(query.motion)
+    careful = least + narrow(query.body, most_speed)
+    pauses = np.where(free < margins.CORRECTING, careful, least)
     stagings = [_staging(X_WB, goal, run_in) for run_in in run_ins]
     every = words(centers, np.sign(bent), times, pauses, stagings, COUNT, swing)
     out = []
     for run_in, quickest in zip(run_ins, every, strict=True):
         end = (run_in.turn, run_in.speed, (0.0, run_in.length))
         for word in quickest:
-            time = word.time + run_in.length / run_in.speed + pause(task)
-            if time >= margins.LONGEST * task.limits.time:
+            time = word.time + run_in.length / run_in.speed + least
+            if time >= margins.LONGEST * query.limits.time:
                 continue
             arcs = [
                 (turns[c], speeds[c], (float(bent[c]), float(angle / bent[c])))
@@ -227,16 +229,16 @@ def _by_press(
     return out
 
 
-def pause(task: Task) -> float:
+def pause(motion: Motion) -> float:
     """Return the time [s] that a turn takes besides: it begins and ends at rest."""
-    return margins.REST_TO_REST * task.motion.speed / task.motion.acceleration
+    return margins.REST_TO_REST * motion.speed / motion.acceleration
 
 
-def narrow(task: Task) -> float:
+def narrow(body: ObjectModel, speed: float) -> float:
     """Return the time [s] that a turn has to save to be taken that leaves little
-    steering to correct it.
+    steering to correct it; at ``speed`` [m/s].
     """
-    return margins.NARROW * task.object.radius / task.motion.speed
+    return margins.NARROW * body.radius / speed
 
 
 def straightest(body: ObjectModel) -> float:
@@ -252,18 +254,19 @@ def _both_ways(turns: Sequence[PressedTurn], straight: float) -> list[PressedTur
     return [*turns, *(replace(turn, curvature=-turn.curvature) for turn in others)]
 
 
-def _run_ins(task: Task, goal: Pose2, turns: Sequence[PressedTurn]) -> list[_RunIn]:
+def _run_ins(
+    scene: Scene, most: float, goal: Pose2, turns: Sequence[PressedTurn]
+) -> list[_RunIn]:
     """Return the straight turns that can be corrected well, as long as they may be, at
-    up to the task's speed.
+    up to ``most`` [m/s].
     """
-    most = task.motion.speed
     out = []
     for turn in turns:
         if _straight(turn) and min(-turn.right, turn.left) >= margins.CORRECTING:
             speed = _speed(most, turn)
             path = ArcPath(turn.X_BV, ())
             look_ahead = DrivenTurn(turn, path, goal, speed, most).look_ahead
-            out += [_RunIn(turn, speed, k * look_ahead) for k in task.scene.run_ins]
+            out += [_RunIn(turn, speed, k * look_ahead) for k in scene.run_ins]
     return out
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from itertools import islice
 
+from pushpressslide.core.motion import Motion
 from pushpressslide.core.plan import ENOUGH, Choice, Contact
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import NOT_EVALUATED, Refusal
-from pushpressslide.core.task import Task
 from pushpressslide.planning.either_arm import either_arm
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.pressed.manoeuvre import Manoeuvre
@@ -24,7 +25,7 @@ LOADS = 2  # that are tried
 
 
 def manoeuvre_choices(
-    task: Task,
+    query: MotionQuery,
     mode: str,
     placements: PressPlacements,
     enough: int,
@@ -36,16 +37,18 @@ def manoeuvre_choices(
     In a search over sequences a contact that was out of reach on its way is not pressed
     harder or less, and few are tried: there are other motions.
     """
-    X_WB, _ = task.body_ends
+    ends = query.body_ends
+    X_WB, _ = ends
     out: list[Choice] = []
     skipped: list[Choice] = []
     missing = enough
-    groups = placements.turning(task.scene)
-    for contacts in groups[:LOADS] if task.searched else groups:
-        ranked = _ranked(task, X_WB, contacts, out)
+    groups = placements.turning(query.scene)
+    for contacts in groups[:LOADS] if query.searched else groups:
+        ranked = _ranked(query, X_WB, contacts, out)
         wanted = min(missing, ENOUGH)
-        for manoeuvre in _manoeuvres(task, X_WB, list(ranked)):
-            for choice in either_arm(task, manoeuvre.choice(task, mode)):
+        for manoeuvre in _manoeuvres(query, X_WB, list(ranked)):
+            driven = manoeuvre.choice(query, mode)
+            for choice in either_arm(query.scene, ends, driven):
                 refusal = path_refusal(choice) if wanted > 0 else NOT_EVALUATED
                 out.append(choice.refused(refusal))
                 wanted -= refusal is None
@@ -55,7 +58,7 @@ def manoeuvre_choices(
         if missing < enough and not skipped:
             tried = {_press(choice.contacts[0]) for choice in out}
             skipped = [
-                _skipped(task, mode, contact, time)
+                _skipped(query.motion, mode, contact, time)
                 for contact, time in ranked.items()
                 if _press(contact) not in tried
             ]
@@ -66,21 +69,24 @@ def manoeuvre_choices(
 
 
 def _ranked(
-    task: Task, X_WB: Pose2, contacts: Sequence[Contact], tried: Sequence[Choice]
+    query: MotionQuery,
+    X_WB: Pose2,
+    contacts: Sequence[Contact],
+    tried: Sequence[Choice],
 ) -> dict[Contact, float]:
     """Return the contacts to try in their order, with about the time [s] of each."""
-    if not task.searched:
-        return by_time(task, X_WB, contacts)
-    ranked = by_time(task, X_WB, _still_reached(contacts, tried))
+    if not query.searched:
+        return by_time(query, X_WB, contacts)
+    ranked = by_time(query, X_WB, _still_reached(contacts, tried))
     return dict(islice(ranked.items(), FEW))
 
 
 def _manoeuvres(
-    task: Task, X_WB: Pose2, contacts: Sequence[Contact]
+    query: MotionQuery, X_WB: Pose2, contacts: Sequence[Contact]
 ) -> Iterator[Manoeuvre]:
     """Yield the manoeuvres to try, in their order."""
-    every = soonest(task, X_WB, contacts)
-    return islice(every, TRIED) if task.searched else every
+    every = soonest(query, X_WB, contacts)
+    return islice(every, TRIED) if query.searched else every
 
 
 def _still_reached(
@@ -100,7 +106,7 @@ def _press(contact: Contact) -> tuple[Point, float]:
     return contact.point, contact.load
 
 
-def _skipped(task: Task, mode: str, contact: Contact, time: float) -> Choice:
+def _skipped(motion: Motion, mode: str, contact: Contact, time: float) -> Choice:
     """Return the choice of a contact for which no manoeuvre was planned; it takes about
     ``time`` [s].
     """
@@ -108,6 +114,6 @@ def _skipped(task: Task, mode: str, contact: Contact, time: float) -> Choice:
         mode,
         f"manoeuvre at {describe_points([contact.point])}",
         (contact,),
-        time=time + overhead(task.motion, pressed=True),
+        time=time + overhead(motion, pressed=True),
         refusal=NOT_EVALUATED,
     )

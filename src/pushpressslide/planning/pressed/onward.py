@@ -20,7 +20,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.plan import Contact, Segment
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Task
+from pushpressslide.core.scene import Scene
 from pushpressslide.planning.pressed.manoeuvre import (
     DrivenTurn,
     as_driven,
@@ -38,15 +38,14 @@ Arc = tuple[Pose2, float]  # X_BV, curvature [1/m]
 
 
 def pressed_at(
-    task: Task, segments: Sequence[Segment], contact: Contact
+    scene: Scene, speed: float, segments: Sequence[Segment], contact: Contact
 ) -> list[Segment]:
     """Return the segments of a manoeuvre with the same turns pressed at ``contact``:
     their paths as they were, but for the curvatures. A turn that is no longer one there
     stays as planned.
     """
-    most_speed = task.motion.speed
-    found = pressed_turns(press_of(task.scene, contact), most_speed)
-    straight = straightest(task.object)
+    found = pressed_turns(press_of(scene, contact), speed)
+    straight = straightest(scene.body)
     turns = {turn.angle: turn for turn in found}
     out = []
     for segment in segments:
@@ -59,8 +58,7 @@ def pressed_at(
             if curvature:
                 curvature = as_driven(turn.curvature, curvature, straight)
             path = ArcPath(path.start, ((curvature, length),))
-            speed = segment.profile.speed
-            now = DrivenTurn(turn, path, segment.goal, speed, most_speed)
+            now = DrivenTurn(turn, path, segment.goal, segment.profile.speed, speed)
             drive = now.drive(planned.max_friction, planned.last)
             segment = replace(segment, contacts=(contact,), drive=drive, path=path)
         out.append(segment)
@@ -68,17 +66,21 @@ def pressed_at(
 
 
 def turns_onward(
-    task: Task, segments: Sequence[Segment], X_WB: Pose2, contact: Contact
+    scene: Scene,
+    speed: float,
+    segments: Sequence[Segment],
+    X_WB: Pose2,
+    contact: Contact,
 ) -> tuple[Segment, ...]:
     """Return ``segments``, the rest of a manoeuvre, pressed at ``contact`` and with the
     lengths that lead from ``X_WB`` to the goal, or as near to it as they can; those
     next to the planned ones, where several do. The last turn is steered besides: it has
     too few lengths.
     """
-    now = pressed_at(task, segments, contact)
-    X_GB = task.X_GB
+    now = pressed_at(scene, speed, segments, contact)
+    X_GB = scene.body.X_GB
     goal = now[-1].goal.compose(X_GB)
-    arcs, lengths = _arcs(now, X_WB, goal, task)
+    arcs, lengths = _arcs(now, X_WB, goal, scene)
     poses = _poses(arcs, lengths, X_WB)
     out = []
     parts = zip(now, arcs, lengths, pairwise(poses), strict=True)
@@ -150,12 +152,12 @@ class _Course:
 
 
 def _arcs(
-    segments: Sequence[Segment], X_WB: Pose2, goal: Pose2, task: Task
+    segments: Sequence[Segment], X_WB: Pose2, goal: Pose2, scene: Scene
 ) -> tuple[list[Arc], list[float]]:
     """Return the arcs of ``segments`` that lead from ``X_WB`` to ``goal``, and their
     lengths [m], with no length changed by more than the object's ``radius`` [m].
     """
-    radius = task.object.radius
+    radius = scene.body.radius
     arcs: list[Arc] = [
         (s.X_BV, s.path.pieces[-1][0]) for s in segments if isinstance(s.path, ArcPath)
     ]
@@ -168,7 +170,7 @@ def _arcs(
     measure = np.append(1.0 + radius * np.abs(curvatures), 1.0)
     x = np.array([*(segment.path.length for segment in segments), 0.0])
     planned = margins.PLANNED_STEERING
-    least = margins.LEAST_RUN_IN * task.scene.run_ins[-1] * run_in.look_ahead
+    least = margins.LEAST_RUN_IN * scene.run_ins[-1] * run_in.look_ahead
     shortest = [0.0] * (len(arcs) - 1) + [least]
     low = np.maximum([*shortest, planned * turn.right], x - radius / measure)
     longest = [math.inf] * len(arcs)

@@ -6,9 +6,10 @@ import math
 from collections.abc import Callable, Sequence
 
 from pushpressslide.core import margins
+from pushpressslide.core.motion import FORCE_ALLOWED, PLANNED_SHARE
 from pushpressslide.core.pose import Point
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import Refusal, RefusedError
-from pushpressslide.core.task import FORCE_ALLOWED, PLANNED_SHARE, Task
 from pushpressslide.core.twist_path import screw
 from pushpressslide.mechanics.top import inside_top
 from pushpressslide.planning.held_twist import tipping_refusal
@@ -66,30 +67,30 @@ def pin_refusal(
     return tipping_refusal("drag tips the object", drag.tipping_margin)
 
 
-def pin_of(task: Task) -> Point:
+def pin_of(query: MotionQuery) -> Point:
     """Return the point to press [m] in B. Raises RefusedError where the goal is not
     turned about one that can be.
     """
-    body = task.object
-    start, goal = task.body_ends
+    body = query.body
+    start, goal = query.body_ends
     vx, vy, w = screw(start, goal)
     if abs(w) < LEAST_TURN:
         text = "the goal is turned by {figure:deg.1f}, allowed from {allowed:degg}"
         raise RefusedError(Refusal("turn", text, w, LEAST_TURN, "rad"))
     pin = (-vy / w, vx / w)
-    places = task.motion.contacts
+    places = query.motion.contacts
     if places is not None:
         com = body.center_of_mass
         pin = (places[0][0] - com[0], places[0][1] - com[1])
         apart = math.dist(start.apply(pin), goal.apply(pin))
-        allowed = task.tolerance.position
+        allowed = query.tolerance.position
         if apart > allowed:
             text = (
                 "the pressed point has to stay in its place, start and goal have it "
                 "{figure:mm.1f} apart, allowed {allowed:mmg}"
             )
             raise RefusedError(Refusal("pin_moves", text, apart, allowed, "m"))
-    inset = task.scene.inset
+    inset = query.scene.inset
     if not inside_top(body, pin, inset):
         text = (
             f"the goal is turned about ({pin[0]:.3f}, {pin[1]:.3f}), which would have "

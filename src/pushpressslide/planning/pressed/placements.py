@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.task import Task
 from pushpressslide.mechanics.pressing import least_lever, press_lever, press_loads
 from pushpressslide.mechanics.top import inside_top, top_places
 from pushpressslide.planning.tool_drag import tool_load
@@ -61,24 +61,24 @@ def _firm(scene: Scene, press: Contact) -> bool:
     return press_lever(scene, press) >= margins.ARM.firm_lever
 
 
-def press_placements(task: Task) -> PressPlacements:
+def press_placements(query: MotionQuery) -> PressPlacements:
     """Return where and how hard to press. Raises RefusedError where no press holds, and
     where the top is too small for one.
     """
-    motion = task.motion
-    scene = task.scene
+    motion = query.motion
+    scene = query.scene
     loads = press_loads(
         scene.weight_on,
         scene.support.friction,
         scene.contact_friction,
-        task.limits.planned_force,
+        query.limits.planned_force,
         motion.press_force,
-        tool_load(task, 0.0)[0],
+        tool_load(query, 0.0)[0],
         scene.friction_uses,
     )
-    places: Sequence[Point] = top_places(task.object, scene.inset)
+    places: Sequence[Point] = top_places(query.body, scene.inset)
     if motion.contacts:
-        places = [task.X_GB.unapply(motion.contacts[0])]
+        places = [query.X_GB.unapply(motion.contacts[0])]
     least = margins.SURE_LEVER * scene.center_error
     sure = [place for place in places if math.hypot(*place) >= least]
     if places and not sure:
@@ -92,7 +92,7 @@ def press_placements(task: Task) -> PressPlacements:
     if not places:
         text = "the top has no place {allowed:mm.0f} inside its edges"
         raise RefusedError(Refusal("off_top", text, None, scene.inset, "m"))
-    height = task.object.shape.height
+    height = query.body.shape.height
     arm = scene.arms[0]
     contacts = tuple(Contact(arm, "top", place, ORIGIN, height) for place in places)
     return PressPlacements(contacts, tuple(loads))

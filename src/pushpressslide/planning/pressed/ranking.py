@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.motion import Motion
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Task
+from pushpressslide.core.query import MotionQuery
+from pushpressslide.core.scene import ObjectModel
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.planning.pressed.manoeuvre import (
     Manoeuvre,
@@ -36,30 +38,30 @@ MANY = 12  # turns of one press, from which on every other one is left out
 
 
 def by_time(
-    task: Task, X_WB: Pose2, contacts: Sequence[Contact]
+    query: MotionQuery, X_WB: Pose2, contacts: Sequence[Contact]
 ) -> dict[Contact, float]:
     """Return contacts in the order of how long [s] manoeuvres by them may take from
-    ``X_WB`` to the task's goal, without those by which nothing leads there; as they are
+    ``X_WB`` to the goal of ``query``, without those by which nothing leads there; as they are
     where there are few.
     """
     if len(contacts) <= AT_ONCE:
         return dict.fromkeys(contacts, 0.0)
     times = manoeuvre_times(
-        task, X_WB, [press_of(task.scene, contact) for contact in contacts]
+        query, X_WB, [press_of(query.scene, contact) for contact in contacts]
     ).tolist()
     ranked = sorted(zip(contacts, times, strict=True), key=itemgetter(1))
     return {contact: time for contact, time in ranked if time < math.inf}
 
 
 def soonest(
-    task: Task, X_WB: Pose2, contacts: Sequence[Contact]
+    query: MotionQuery, X_WB: Pose2, contacts: Sequence[Contact]
 ) -> Iterator[Manoeuvre]:
     """Yield manoeuvres, planned when asked for: of some contacts at a time the quickest
     of each, then the others.
     """
     later: list[Manoeuvre] = []
     for i in range(0, len(contacts), AT_ONCE):
-        manoeuvres = pressed_manoeuvres(task, X_WB, contacts[i : i + AT_ONCE])
+        manoeuvres = pressed_manoeuvres(query, X_WB, contacts[i : i + AT_ONCE])
         first = {manoeuvre.contact: manoeuvre for manoeuvre in reversed(manoeuvres)}
         yield from sorted(first.values(), key=attrgetter("time"))
         later += [
@@ -71,25 +73,25 @@ def soonest(
 
 
 def manoeuvre_times(
-    task: Task, X_WB: Pose2, presses: Sequence[Press]
+    query: MotionQuery, X_WB: Pose2, presses: Sequence[Press]
 ) -> NDArray[np.float64]:
-    """Return about how long (m,) [s] the quickest manoeuvre from ``X_WB`` to the task's
-    goal takes by each of m presses of its object; infinite where there is none.
+    """Return about how long (m,) [s] the quickest manoeuvre from ``X_WB`` to the goal of
+    ``query`` takes by each of m presses of its object; infinite where there is none.
     """
-    speed = task.motion.speed
+    speed = query.motion.speed
     table = turn_table(tuple(presses), speed, RESOLUTION)
-    paces = _paces(task, table)
+    paces = _paces(query.motion, query.body, table)
     axes = np.array([p.axis for p in presses]).view(np.complex128)
     cops = np.array([p.cop for p in presses]).view(np.complex128)
     headings = axes * np.exp(1j * table.heading)
-    straight = straightest(task.object)
+    straight = straightest(query.body)
     axles = cops + table.ahead * axes
     turns = _planned_turns(table, paces, axles, headings, straight)
-    aside = margins.CORRECTED * task.object.radius
+    aside = margins.CORRECTED * query.body.radius
     shortest = margins.ARM.look_ahead(0.0, speed)
     longest = margins.ARM.look_ahead(math.inf, speed)
     levers = np.array([p.lever for p in presses])
-    ahead = X_WB.inverse().compose(task.body_ends[1])
+    ahead = X_WB.inverse().compose(query.body_ends[1])
     turn = np.full(len(presses), math.remainder(ahead.yaw, 2.0 * math.pi))
     out = np.full(len(presses), math.inf)
     for end in (0, COUNT // 2):  # run-ins pulled and pushed
@@ -98,7 +100,7 @@ def manoeuvre_times(
         able = table.usable[:, end] & (free >= margins.CORRECTING)
         needed = np.sqrt(4.0 * aside * wheelbase / np.tan(np.where(able, free, 1.0)))
         wanted = np.maximum(margins.LOOK_AHEAD * (wheelbase + levers), needed)
-        length = task.scene.run_ins[-1] * np.clip(wanted, shortest, longest)
+        length = query.scene.run_ins[-1] * np.clip(wanted, shortest, longest)
         direction = headings[:, end]
         staging = complex(ahead.x, ahead.y) - length * direction * np.exp(
             1j * ahead.yaw
@@ -107,7 +109,7 @@ def manoeuvre_times(
         turning = least_times(
             turns.centers, turns.sides, turns.times, turns.pauses, staging, turn
         )
-        time = turning + length / paces.speed[:, end] + pause(task)
+        time = turning + length / paces.speed[:, end] + pause(query.motion)
         out = np.minimum(out, np.where(able, time, math.inf))
     return out
 
@@ -131,13 +133,14 @@ class _Turns:
     pauses: Array  # [s]
 
 
-def _paces(task: Task, table: TurnTable) -> _Paces:
+def _paces(motion: Motion, body: ObjectModel, table: TurnTable) -> _Paces:
     steering = np.minimum(table.right, table.left)
     swing = np.minimum(1.0, margins.SWING / table.pace)
     slower = swing * np.minimum(1.0, table.room / margins.SAFE_MARGIN)
-    least = pause(task)
-    pauses = np.where(steering < margins.CORRECTING, least + narrow(task), least)
-    return _Paces(steering, task.motion.speed * slower, pauses)
+    least = pause(motion)
+    careful = least + narrow(body, motion.speed)
+    pauses = np.where(steering < margins.CORRECTING, careful, least)
+    return _Paces(steering, motion.speed * slower, pauses)
 
 
 def _planned_turns(

@@ -15,9 +15,9 @@ from pushpressslide.core import margins
 from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.plan import Contact, Segment
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.task import Task
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.planning.run_in import gentlest, room
 from pushpressslide.rom.drives import UnicycleDrive
@@ -66,20 +66,24 @@ def steered(press: Press, backward: bool, angle: float) -> Unicycle:
 
 
 def pressed_vehicle(
-    task: Task, contact: Contact, backward: bool, angle: float, most: float = math.inf
+    query: MotionQuery,
+    contact: Contact,
+    backward: bool,
+    angle: float,
+    most: float = math.inf,
 ) -> PressedVehicle:
     """Return the object as a vehicle that turns by a force at ``angle`` [rad] and is
-    steered by at most ``most`` [rad]; ``task.motion.vehicle`` says whether it turns on
+    steered by at most ``most`` [rad]; ``motion.vehicle`` says whether it turns on
     the spot. Raises ValueError, with the number that decides, where it tips.
     """
-    kind = task.motion.vehicle
-    press = press_of(task.scene, contact)
+    kind = query.motion.vehicle
+    press = press_of(query.scene, contact)
     bounds = (0.5 * math.pi,) if kind == "pivot" else STEEPEST
     rooms = [(a, _room(press, a, backward)) for a in bounds]
     least = rooms[0][1]
     if least < margins.TIPPING_MARGIN:
         text = (
-            f"drag at {task.object.shape.height:.3f} m tips it: the centre of pressure "
+            f"drag at {query.body.shape.height:.3f} m tips it: the centre of pressure "
             "comes within {figure:.2f} half widths of the base's edge, allowed "
             "{allowed:g}"
         )
@@ -88,7 +92,7 @@ def pressed_vehicle(
         most, max(a for a, space in rooms if space >= margins.TIPPING_MARGIN)
     )
     if kind == "pivot":
-        left = math.remainder(task.goal.yaw - task.start.yaw, 2.0 * math.pi) > 0.0
+        left = math.remainder(query.goal.yaw - query.start.yaw, 2.0 * math.pi) > 0.0
         car = Unicycle(press.contact, press.cop, 1.0)
         pivot = press.pivot(left)
         back = (press.cop[0] - pivot[0]) * car.axis[0] + (
@@ -170,18 +174,18 @@ def turns(car: Unicycle, tightest: float) -> list[float]:
 
 
 def backing_up(
-    task: Task, vehicle: PressedVehicle, then: Segment, distance: float
+    X_GB: Pose2, X_WB: Pose2, vehicle: PressedVehicle, then: Segment, distance: float
 ) -> Segment:
     """Return the segment to drive ``distance`` [m] straight the other way before
-    ``then``, which a vehicle drives.
+    ``then``, which a vehicle drives; from ``X_WB``.
     """
     car = way_back(vehicle.press, not vehicle.car.backward)
     planned = then.drive
     assert car is not None
     assert isinstance(planned, UnicycleDrive)
-    start = task.body_ends[0].compose(car.X_BV)
+    start = X_WB.compose(car.X_BV)
     path = ArcPath(start, ((0.0, distance),))
-    end = path.end.compose(car.X_BV.inverse()).compose(task.X_GB.inverse())
+    end = path.end.compose(car.X_BV.inverse()).compose(X_GB.inverse())
     drive = replace(
         planned,
         car=car,

@@ -90,7 +90,7 @@ class Playback:
         source = graph.RegisterSource("plan")
         opening = task.support.opening
         depth = GOAL_SINK
-        if opening is not None and task.enters:
+        if opening is not None and task.scene.enters(task.goal):
             depth = opening.depth
         for i, (shape, X_WG) in enumerate(self.goals):
             X = rigid_transform(X_WG, 0.5 * shape.height - depth, frame)

@@ -124,7 +124,7 @@ def track_and_allocate(name: str) -> Callable[[], object]:
     (segment,) = plan.segments
     mode = MODES[segment.mode]
     path = segment.path
-    tracker = mode.tracker(task, segment)
+    tracker = mode.tracker(task.query, segment)
     friction = task.scene.contact_friction
     allocate = mode.allocator(segment.contacts, friction, segment.drive.rho)
     s = 0.3 * path.length

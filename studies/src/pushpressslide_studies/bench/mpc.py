@@ -199,7 +199,7 @@ def closed_form(push: Push) -> Controller:
 
     segment = push.segment
     mode = MODES[segment.mode]
-    tracker = mode.tracker(push.task, segment)
+    tracker = mode.tracker(push.task.query, segment)
     allocate = mode.allocator_of(segment, push.believed.friction)
     progress = 0.0
 

@@ -25,7 +25,6 @@ from pushpressslide.planning.free_way import FreeSpace
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.rear_car import axle_ends
 from pushpressslide.rom.drives import RearSteerDrive
-from pushpressslide.selection.planner import plan_of
 from pushpressslide.selection.preparation import PlansAlone
 from pushpressslide.selection.solve import solve
 from pushpressslide.selection.waypoints import free_space
@@ -82,7 +81,7 @@ def problems(seed: int) -> Iterator[Task]:
     made = 0
     while made < PROBLEMS:
         task = _problem(base, rng)
-        space = free_space(task)
+        space = free_space(task.query)
         ends = [task.start, task.goal]
         if space.free(ends).all() and not space.straight(*ends):
             made += 1
@@ -138,10 +137,10 @@ def _with_ompl(name: str, task: Task) -> Found:
     tightest = task.motion.curvature_margin * min(high, -low)
     space = ob.DubinsStateSpace(1.0 / tightest)
     space.setBounds(_bounds(ob, (task.start, task.goal)))
-    free = _Free(free_space(task), task, drive)
+    free = _Free(free_space(task.query), task, drive)
     setup = og.SimpleSetup(space)
     setup.setStateValidityChecker(free)
-    ends = [_state(space, X_WV) for X_WV in axle_ends(task, drive)]
+    ends = [_state(space, X_WV) for X_WV in axle_ends(task.query.body_ends, drive)]
     setup.setStartAndGoalStates(*ends)
     setup.setPlanner(getattr(og, name)(setup.getSpaceInformation()))
     setup.solve(PATIENCE)
@@ -154,8 +153,8 @@ def _with_ompl(name: str, task: Task) -> Found:
 
 def _unhindered(task: Task) -> Segment:
     """Return the quickest push of a task without its post."""
-    open_task = replace(task, obstacles=())
-    (piece,) = plan_of(open_task, MODES[MODE].choices(open_task, 1)[:1]).segments
+    alone = replace(task, obstacles=()).query
+    (piece,) = MODES[MODE].choices(alone, 1)[0].segments
     return piece
 
 

@@ -97,7 +97,7 @@ def _tick(length: int | float) -> Callable[[], object]:
     pieces = tuple((sign * bend, quarter) for sign in (1.0, -1.0, -1.0, 1.0))
     path = ArcPath(segment.path.pose(0.0), pieces)
     led = replace(segment, path=path, profile=SpeedProfile(path.length, 0.05, 0.1))
-    tracker = MODES[segment.mode].tracker(task, led)
+    tracker = MODES[segment.mode].tracker(task.query, led)
     allocate = MODES[segment.mode].allocator_of(led, task.scene.contact_friction)
     s = 0.5 * path.length
     X = path.pose(s).compose(Pose2(0.0, 0.002, 0.02)).compose(led.X_BV.inverse())
@@ -139,7 +139,7 @@ def _ways(posts: int | float) -> Callable[[], object]:
     obstacles = tuple(
         Obstacle(f"post-{i}", Box((0.05, 0.05, 0.2)), X) for i, X in enumerate(around)
     )
-    among = replace(task, obstacles=obstacles)
+    among = replace(task, obstacles=obstacles).query
     return lambda: free_space(among).ways(among.goal).way(among.start)
 
 

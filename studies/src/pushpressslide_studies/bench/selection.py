@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from time import process_time
 from typing import Any, NamedTuple
 
-from pushpressslide.core.plan import Choice
+from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import (
     Box,
@@ -24,7 +24,6 @@ from pushpressslide.core.task import (
     Task,
     Tolerance,
 )
-from pushpressslide.selection.planner import plan_of
 from pushpressslide.selection.select import select
 
 Row = dict[str, Any]
@@ -318,7 +317,7 @@ def _run(task: Task, choice: Choice) -> tuple[float, bool]:
     from pushpressslide.planar.engine import run
     from pushpressslide.report.metrics import result
 
-    plan = plan_of(task, [choice])
+    plan = Plan(task).of_choices([choice])
     record = run(plan)
     return float(record.arrays["time"][-1]), bool(result(task, plan, record)["success"])
 

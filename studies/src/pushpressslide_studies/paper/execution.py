@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pushpressslide.control.execution import Execution
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Segment
-from pushpressslide.core.task import Task
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.modes.base import Tracker
 from pushpressslide.rom.drives import TurnDrive, UnicycleDrive
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
@@ -21,11 +21,11 @@ class FixedTarget(Execution):
     literal reading, in place of one that moves along the path.
     """
 
-    def tracker(self, task: Task, segment: Segment) -> Tracker:
-        """The tracking law of a segment of ``task``."""
+    def tracker(self, query: MotionQuery, segment: Segment) -> Tracker:
+        """The tracking law of a segment of ``query``."""
         drive = segment.drive
         path = segment.path
         if isinstance(drive, UnicycleDrive | TurnDrive) and isinstance(path, ArcPath):
             law = LookAheadAlignment(drive.look_ahead, math.inf, path.end)
             return UnicycleTracker(law, drive)
-        return Execution.tracker(self, task, segment)
+        return Execution.tracker(self, query, segment)

@@ -66,7 +66,7 @@ def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
     if stop == first or time[stop - 1] - time[first] < LEAST_TIME:
         return None
     task = plan.task
-    identifier = mode.identifier(task, segment)
+    identifier = mode.identifier(plan.query, segment)
     identified = _identified(identifier, task, record, forces, range(first, stop))
     if identified is None:
         return None

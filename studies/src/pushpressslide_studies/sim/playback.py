@@ -24,10 +24,9 @@ def played_back(plan: Plan, record: Record, *, models: str = "generated") -> Pla
     """Simulate ``plan`` from its start with the torques of its ``record``; one that was
     run to its end without a recovery.
     """
-    task = plan.part(plan.segments[0])
-    motion = task.motion
+    motion = plan.query.motion
     station = Station(plan, models=models, time_step=motion.time_step)
-    arms = range(len(task.robots))
+    arms = range(len(plan.task.robots))
     for i, robot in enumerate(station.scene.robots):
         start = record.arrays[f"joint_position_{i}"][0]
         station.plant.SetPositions(station.plant_context, robot.model_instance, start)

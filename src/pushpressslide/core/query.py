@@ -1,0 +1,66 @@
+"""What a planner is asked: whether, and how, one motion leads an object to a goal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from pushpressslide.core.motion import Limits, Motion, Sensing, Tolerance, ToolUse
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.scene import ObjectModel, Obstacle, Scene
+
+Ends = tuple[Pose2, Pose2]
+"""Poses of an object at the start and at the goal of a way."""
+
+
+@dataclass(frozen=True, slots=True)
+class MotionQuery:
+    """One motion of the body of a scene, from a start to a goal, as it is asked for.
+
+    ``Task.queries`` makes them of a task, one for each leg.
+    """
+
+    scene: Scene  # as believed; its ``arm`` is that of ``motion``
+    start: Pose2  # X_WG
+    goal: Pose2  # X_WG
+    motion: Motion
+    limits: Limits
+    tolerance: Tolerance
+    sensing: Sensing
+    tool: ToolUse | None
+    modes: tuple[str, ...] | None  # None: all
+    source: str  # what it is asked for, in messages
+    # whether it is one of many, that are asked to find a sequence of motions
+    searched: bool = False
+    may_push: bool = False  # what may move
+
+    @property
+    def body(self) -> ObjectModel:
+        """The object that is to be moved."""
+        return self.scene.body
+
+    @property
+    def X_GB(self) -> Pose2:
+        """Pose of the body frame B in the shape's frame G."""
+        return self.scene.body.X_GB
+
+    @property
+    def body_ends(self) -> Ends:
+        """X_WB at start and goal."""
+        X_GB = self.X_GB
+        return self.start.compose(X_GB), self.goal.compose(X_GB)
+
+    @property
+    def yielding(self) -> tuple[Obstacle, ...]:
+        """The obstacles that the object may push on its way."""
+        if not self.may_push:
+            return ()
+        return tuple(body for body in self.scene.obstacles if body.may_move)
+
+    def between(self, start: Pose2, goal: Pose2) -> MotionQuery:
+        """The same from one pose X_WG to another."""
+        return replace(self, start=start, goal=goal)
+
+    def moved_by(self, motion: Motion) -> MotionQuery:
+        """The same with another motion, and the arm that it names."""
+        scene = replace(self.scene, arm=motion.only_arm)
+        return replace(self, motion=motion, scene=scene)
