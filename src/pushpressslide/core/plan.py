@@ -203,6 +203,17 @@ class Plan:
         """What was asked for in the first leg."""
         return self.queries[self.segments[0].leg]
 
+    def part(self, segment: Segment) -> Task:
+        """Task of a segment's leg; for plants, with which it goes in version 0.5."""
+        import warnings
+
+        warnings.warn("Plan.part: use Plan.queries", DeprecationWarning, stacklevel=2)
+        query = self.queries[segment.leg]
+        task = replace(self.task, goal=query.goal, motion=query.motion, legs=())
+        if segment.leg == 0:
+            return task
+        return replace(task, start=query.start, start_error=Pose2())
+
     @property
     def first(self) -> int:
         """The first leg that is not done where the task goes on."""

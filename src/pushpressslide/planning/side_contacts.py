@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 from pushpressslide.core import margins
 from pushpressslide.core.control import Vector3
@@ -78,13 +79,27 @@ def pushable(scene: Scene, index: int | None = None) -> list[Face]:
     return [face for face in found if index in (None, face.index)]
 
 
-def before_contacts(scene: Scene, motion: Motion, contacts: Sequence[Contact]) -> float:
+def before_contacts(
+    scene: Scene, motion: Motion, contacts: Sequence[Contact] | None = None
+) -> float:
     """Return how far [m] before their contacts tips begin to touch: as far as the motion
     says, or as the narrowest notch leaves room for.
+
+    Given a task and contacts, as plants do, it warns; that goes with version 0.5.
     """
+    if contacts is None:
+        return _before_contacts_of(scene, motion)
     wanted = motion.approach_distance
     rooms = (room_before(scene, c, wanted, motion.clearance) for c in contacts)
     return min(rooms, default=wanted)
+
+
+def _before_contacts_of(task: Any, contacts: Any) -> float:
+    import warnings
+
+    text = "before_contacts: give it a query's scene and motion in place of a task"
+    warnings.warn(text, DeprecationWarning, stacklevel=3)
+    return before_contacts(task.scene, task.motion, contacts)
 
 
 def room_before(
