@@ -32,8 +32,6 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from pushpressslide import moved
-
 if TYPE_CHECKING:
     from pushpressslide import allocation, batch, mechanics, modes, planar
     from pushpressslide.control.cell import Cell
@@ -189,8 +187,6 @@ _HOMES = {
     "select": "jobs.ask.select",
 }
 """Where each name stands."""
-
-moved.install()
 
 
 def __getattr__(name: str) -> Any:

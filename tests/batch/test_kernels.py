@@ -16,7 +16,6 @@ from pushpressslide.batch import (
     exact_surface,
     fast,
     limit_surface,
-    loops,
     one_contact,
     parallel,
     press_and_push,
@@ -128,5 +127,3 @@ def test_batches_can_leave_numba_out_and_take_it_again(monkeypatch):
     with fast.without_numba():
         assert fast.compiler() is None
     assert fast.compiler() is math
-    with pytest.warns(DeprecationWarning, match="without_numba"), loops.by_numpy():
-        assert fast.compiler() is None

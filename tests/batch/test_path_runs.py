@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from pushpressslide.batch.compliant_push import PushingTip, tip_pushed
 from pushpressslide.batch.rows import answers, spread
 from pushpressslide.control import adaptation, estimator, law, tip_motion
 from pushpressslide.core import path as core_path
@@ -13,15 +12,9 @@ from pushpressslide.core.path import ArcPath
 from pushpressslide.core.pose import Pose2
 from pushpressslide.kernels import arc_path, leading, path_run, tip_step, tracking
 from pushpressslide.kernels.arc_path import wrapped
-from pushpressslide.mechanics.pressure import PressureSamples
-from pushpressslide.planar.contact import TipLaw, side_contact
-from pushpressslide.planar.sliding import slide
-from pushpressslide.planar.support_friction import SupportFriction
 from pushpressslide.tracking import rear_car, rear_stanley
 
 ROWS = 400
-DAMPING = 500.0  # [N s/m]
-RADIUS = 0.02  # [m]
 PATH = ArcPath(
     Pose2(0.4, 0.2, 0.3), ((-9.0, 0.21), (0.0, 0.09), (7.0, 0.9), (0.0, 0.16))
 )
@@ -64,44 +57,3 @@ def test_wrapped_angles_have_no_rounding(turns):
             far = angle + whole * 2.0 * math.pi
             assert wrapped(far) == math.remainder(far, 2.0 * math.pi)
     assert wrapped(math.pi) == math.pi
-
-
-def pushes() -> PushingTip:
-    """Return tips that stick, slip, only touch, or are led away; n is x of B."""
-    rng = np.random.default_rng(0)
-    fn = rng.uniform(-2.0, 30.0, ROWS)
-    pn = -rng.uniform(0.03, 0.1, ROWS)
-    return PushingTip(
-        fn,
-        rng.uniform(-1.0, 1.0, ROWS) * np.abs(fn),
-        pn,
-        rng.uniform(-0.05, 0.05, ROWS),
-        pn - RADIUS,
-        rng.uniform(0.1, 1.0, ROWS),
-        rng.uniform(1.0, 6.0, ROWS),
-        rng.uniform(0.03, 0.1, ROWS) ** 2,
-    )
-
-
-def test_the_name_that_a_compliant_tip_had_still_answers(engine):
-    tips = pushes()
-    with pytest.warns(DeprecationWarning, match="sliding.slide"):
-        out = tip_pushed(tips)
-    statuses = set()
-    for i in range(ROWS):
-        fn, ft, _, pt, cn, mu, drag, square = (float(c[i]) for c in tips)
-        law = TipLaw((1.0, 0.0), (fn, ft), (DAMPING, DAMPING))
-        contact = side_contact((cn, pt), RADIUS, 0.0, law, mu, 0.004)
-        pin = PressureSamples(
-            np.zeros((1, 2)), np.ones(1), np.full(1, math.sqrt(square))
-        )
-        twist = slide(SupportFriction(pin), drag, [contact], (0.0, 0.0, 0.0))
-        answer = contact.response(twist)
-        statuses.add(answer.status)
-        force = (out.fn[i], out.ft[i])
-        assert force == pytest.approx(answer.force, abs=2e-4)
-        velocity = out.slide[i] / DAMPING * np.array(force)
-        assert velocity == pytest.approx(twist[:2], abs=2e-5)
-        assert out.touches[i] == (answer.status != "free")
-        assert out.sticks[i] == (answer.status == "stick")
-    assert statuses == {"free", "stick", "slip_left", "slip_right"}
