@@ -81,7 +81,7 @@ def cell_of(plant: Plant, arms: int) -> Cell:
         "a plant of one piece goes with version 0.5; give run_loop a Cell "
         "(pushpressslide.control.cell)",
         DeprecationWarning,
-        stacklevel=4,
+        stacklevel=3,
     )
     whole = _Whole(plant, arms)
     tips = [_PlantArm(whole, i) for i in range(arms)]

@@ -110,9 +110,10 @@ def run_loop(
     Nothing is decided by wall time: a simulator that is deterministic gives the same
     record for the same seed.
     """
-    loop = RunLoop(cell, plan, options, watches)
-    with _uncollected():
-        return loop.run()
+    if not isinstance(cell, Cell):
+        cell = cell_of(cell, len(plan.task.robots))
+    with cell.connected(), _uncollected():
+        return RunLoop(cell, plan, options, watches).run()
 
 
 @contextmanager
@@ -130,7 +131,10 @@ def _uncollected() -> Iterator[None]:
 
 
 class RunLoop:
-    """One run: the present placement, what is ahead, and what ends it."""
+    """One run: the present placement, what is ahead, and what ends it.
+
+    The arms are connected by whoever begins it: ``with cell.connected()``.
+    """
 
     def __init__(
         self,
@@ -182,9 +186,8 @@ class RunLoop:
         """Step to the end and return the record."""
         started = perf_counter()
         ending = None
-        with self.cell.connected():
-            while ending is None:
-                ending = self.step()
+        while ending is None:
+            ending = self.step()
         return self.record(ending, perf_counter() - started)
 
     def step(self) -> Ending | None:
