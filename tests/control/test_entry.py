@@ -1,6 +1,7 @@
 """How tips follow an object into an opening."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -72,3 +73,47 @@ def test_only_a_goal_within_the_opening_is_entered() -> None:
     assert not upright.enters
     assert not any(part.enters for part in pps.load_task("press-fit").parts[:2])
     assert pps.load_task("press-fit").parts[-1].enters
+
+
+def test_tips_that_press_as_at_first_are_not_going_in() -> None:
+    """They are from 2 mm deeper on, one of them at least."""
+    for deeper, enters in ((0.0019, False), (0.0021, True)):
+        for left, right in ((deeper, 0.0), (0.0, deeper)):
+            speeds = ENTRY.speeds(at(0.004 + left, 0.004 + right), PRESSED)
+            assert (None not in speeds) == enters
+
+
+def test_an_object_is_seated_close_to_the_back_and_when_it_rests() -> None:
+    assert ENTRY.seated(at(0.1481, 0.1481))
+    assert not ENTRY.seated(at(0.1479, 0.15))
+    assert not ENTRY.seated(at(0.15, 0.1479))
+    for speed, rests in ((0.009, True), (0.011, False), (-0.011, False)):
+        assert ENTRY.seated(at(0.15, 0.15, speed)) == rests
+
+
+def test_one_tip_that_moves_keeps_both_from_being_seated() -> None:
+    for moving in range(2):
+        tips = list(at(0.15, 0.15))
+        assert ENTRY.seated(tips)
+        tips[moving] = replace(tips[moving], velocity=(0.0, 0.0, -0.02))
+        assert not ENTRY.seated(tips)
+
+
+def test_a_tip_is_braked_as_hard_as_its_speed_asks_for_and_no_harder() -> None:
+    assert braking(0.1, 0.1) == BRAKE
+    assert braking(0.05, 0.1) == pytest.approx(0.25 * BRAKE)
+    assert braking(0.3, 0.1) == BRAKE
+    assert braking(0.0, 0.1) == 0.0
+
+
+def test_beyond_the_back_a_tip_goes_at_the_landing_speed() -> None:
+    assert ENTRY.speeds(at(0.2, 0.2), PRESSED) == pytest.approx([LANDING, LANDING])
+    assert 0.0 < LANDING < 0.2
+
+
+def test_a_task_without_an_opening_has_nothing_to_enter() -> None:
+    task = pps.load_task("press-fit")
+    plan = pps.plan(task)
+    assert entry(plan.part(plan.segments[0]), plan.contacts) is None
+    flat = pps.load_task("press-slide")
+    assert entry(flat, pps.plan(flat).contacts) is None
