@@ -5,7 +5,8 @@ from pushpressslide.control.execution import Execution
 from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.planar.engine import run
 
-PLAN = pps.plan(pps.load_task("rear-push-rear", ["motion.recoveries=0"]))
+QUICK = ["motion.recoveries=0", "motion.control_period=0.01"]
+PLAN = pps.plan(pps.load_task("rear-push-rear", QUICK))
 
 
 def test_the_record_says_what_was_changed_and_nothing_else() -> None:
