@@ -65,7 +65,7 @@ class Group:
 
 GROUPS = {
     "physics": Group(("mechanics", "allocation", "rom", "tracking"), 300, 10.0),
-    "control": Group(("control", "execution"), 120, 4.0),
+    "control": Group(("control", "execution"), 120, 5.0),
 }
 
 
@@ -189,6 +189,9 @@ class Job:
         try:
             status, test = self.answer.recv()
         except EOFError:
+            self.process.join()
+            if self.process.exitcode == 1:  # an exception outside of the tests
+                raise RuntimeError(f"the tests did not run: {self.mutation}") from None
             return "killed", "the process ended", seconds
         if status not in (0, 1, 2, 5):
             raise RuntimeError(f"pytest ended with status {status}: {self.mutation}")
