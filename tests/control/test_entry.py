@@ -9,6 +9,8 @@ import pushpressslide as pps
 from pushpressslide.control.entry import BRAKE, LANDING, Entry, braking, entry
 from pushpressslide.core.control import TipState
 
+TASK = pps.load_task("press-fit")
+PLAN = pps.plan(TASK)
 ENTRY = Entry(0.15, ((1, 0.27), (0, 0.28)))
 # [m] of the tips, 4 mm into the face; that of arm 1 first
 PRESSED = ((0.0, 0.0, 0.266), (0.0, 0.0, 0.276))
@@ -26,8 +28,7 @@ def at(left: float, right: float, speed: float = 0.0) -> tuple[TipState, ...]:
 
 def test_the_depth_is_that_of_the_tip_below_where_it_touched() -> None:
     assert ENTRY.depths(at(0.0, 0.13)) == pytest.approx([0.13, 0.0])
-    plan = pps.plan(pps.load_task("press-fit"))
-    made = entry(plan.part(plan.segments[-1]), plan.contacts)
+    made = entry(PLAN.part(PLAN.segments[-1]), PLAN.contacts)
     assert made is not None
     assert (made.stop, made.tips) == (0.15, ((0, 0.27), (1, 0.27)))
 
@@ -66,13 +67,12 @@ def test_a_tip_braked_so_from_what_it_may_do_meets_the_back_at_the_landing_speed
 
 
 def test_only_a_goal_within_the_opening_is_entered() -> None:
-    assert pps.load_task("press-fit").enters
-    opening = pps.load_task("press-fit").support.opening
-    assert opening is not None
+    assert TASK.enters
+    assert TASK.support.opening is not None
     upright = pps.load_task("press-fit", ["goal.x=0.7", "goal.y=0", "goal.yaw_deg=0"])
     assert not upright.enters
-    assert not any(part.enters for part in pps.load_task("press-fit").parts[:2])
-    assert pps.load_task("press-fit").parts[-1].enters
+    assert not any(part.enters for part in TASK.parts[:2])
+    assert TASK.parts[-1].enters
 
 
 def test_tips_that_press_as_at_first_are_not_going_in() -> None:
@@ -112,8 +112,6 @@ def test_beyond_the_back_a_tip_goes_at_the_landing_speed() -> None:
 
 
 def test_a_task_without_an_opening_has_nothing_to_enter() -> None:
-    task = pps.load_task("press-fit")
-    plan = pps.plan(task)
-    assert entry(plan.part(plan.segments[0]), plan.contacts) is None
+    assert entry(PLAN.part(PLAN.segments[0]), PLAN.contacts) is None
     flat = pps.load_task("press-slide")
     assert entry(flat, pps.plan(flat).contacts) is None

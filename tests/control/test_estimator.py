@@ -177,7 +177,7 @@ def test_another_estimator_runs_a_shipped_task(
 ) -> None:
     monkeypatch.setattr(LowPass, "made", 0)
     monkeypatch.setattr(LowPass, "ticks", 0)
-    plan = pps.plan(pps.load_task(name))
+    plan = pps.plan(pps.load_task(name, ["motion.control_period=0.01"]))
     record = run_loop(PlanarPlant(plan), plan, RunOptions(estimator=LowPass))
     assert record.reason == "goal_reached"
     assert LowPass.made == len(plan.placements)
