@@ -11,6 +11,7 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.control.controller import Controller
+from pushpressslide.control.execution import Execution
 from pushpressslide.control.state import (
     ControllerState,
     begin,
@@ -429,3 +430,143 @@ def test_the_contact_frame_of_commands_is_that_of_the_object_as_seen() -> None:
     assert command is not None
     X_WB = turned.compose(controller.X_GB)
     assert command.normal_yaw == pytest.approx(contact_yaw(contact, X_WB))
+
+
+def moving(
+    controller: Controller, name: str, aside: float, turned: float = 0.0
+) -> tuple[ControllerState, Measurement]:
+    """Return a state at the start of a motion, and what is measured with the object
+    ``aside`` [m] and ``turned`` [rad] of its path.
+    """
+    X_WB = controller.segments[0].body_pose(0.05).compose(Pose2(0.0, aside, turned))
+    pose = X_WB.compose(controller.X_BG)
+    count = len(controller.segments[0].contacts)
+    now = Measurement(0.5, pose, tips_of(controller, [3.0] * count, pose=pose))
+    state = begin(touching(name), "move", now)
+    following = state.following.begun(0.0)._replace(progress=0.05)
+    return state._replace(following=following), now
+
+
+@pytest.mark.parametrize("name", [PUSH, PAIR])
+@pytest.mark.parametrize(("aside", "turned"), [(0.0, 0.0), (0.04, 0.3), (-0.04, -0.3)])
+def test_the_wrench_that_is_logged_is_that_of_the_forces_commanded(
+    name: str, aside: float, turned: float
+) -> None:
+    """In the object's axes, about its centre of mass."""
+    controller = made(name)
+    state, now = moving(controller, name, aside, turned)
+    commands, log, _ = stepped(controller, state, now)
+    X_WB = now.object_pose.compose(controller.X_GB)
+    total = [0.0, 0.0, 0.0]
+    for contact in controller.segments[0].contacts:
+        command = commands[contact.arm]
+        assert command is not None
+        fx, fy = X_WB.unrotate(command.force[:2])
+        x, y = contact.point
+        total = [total[0] + fx, total[1] + fy, total[2] + x * fy - y * fx]
+    assert log.allocated_wrench == pytest.approx(total, abs=1e-6)
+
+
+def test_an_experiment_without_a_servo_pushes_by_its_force_alone() -> None:
+    plan = pps.plan(pps.load_task(PUSH))
+    usual = Controller(plan).law
+    alone = Controller(plan, execution=Execution(servo=False)).law
+    factor = Controller(plan, execution=Execution(force_gain=1.1)).law
+    joints = Controller(plan, execution=Execution(joint_stiffness=0.5)).law
+    assert (usual.servo, alone.servo, factor.servo) == (True, False, False)
+    damping = plan.task.motion.servo_damping
+    assert [law.mover.damping for law in (usual, alone, factor)] == [
+        damping,
+        0.0,
+        damping,
+    ]
+    assert [law.tracks_joints for law in (usual, joints)] == [False, True]
+    assert (usual.force_gain, factor.force_gain) == (1.0, 1.1)
+
+
+def test_arms_that_have_not_let_go_go_on_with_their_commands() -> None:
+    controller = made(PAIR)
+    now = measured(PAIR, 0.0, 0.0, 0.0)
+    (command, *_), _, _ = stepped(controller, touching(PAIR), now)
+    state = controller.init(now, (command, None))
+    held = {
+        contact.arm: memory.held
+        for contact, memory in zip(
+            controller.segments[0].contacts, state.phase.tips, strict=True
+        )
+    }
+    assert held == {0: command, 1: None}
+    assert [memory.held for memory in controller.init(now).phase.tips] == [None, None]
+
+
+def touched_at(name: str, *, lost: float | None, begun: bool) -> ControllerState:
+    """Return the state after a touch that ends at 9 s or so, and the motion's clock."""
+    controller = made(name)
+    state = touching(name)
+    following = state.following
+    if begun:
+        following = following.begun(2.0)._replace(clock_start=2.0)
+    state = state._replace(
+        following=following, watches=state.watches._replace(lost=lost)
+    )
+    state = state._replace(phase=state.phase._replace(since=8.0, align=False))
+    for i in range(1000):
+        now = measured(name, 8.0 + i * DT, 3.0)
+        _, log, state = stepped(controller, state, now)
+        if log.phase == "move":
+            break
+    assert log.phase == "move"
+    return state
+
+
+def test_a_motion_is_planned_anew_from_where_the_touch_ends() -> None:
+    state = touched_at(PUSH, lost=None, begun=False)
+    following = state.following
+    assert following.clock_start == following.began
+    assert following.began is not None
+    assert 8.0 < following.began < 12.0
+    again = touched_at(PUSH, lost=7.0, begun=True).following
+    assert again.began == 2.0
+    assert again.clock_start > 8.0
+
+
+def test_a_motion_that_cannot_be_planned_anew_goes_on_by_its_clock(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Which stood still from when the contact was lost."""
+    replanner = type(made(PUSH).placement.replanner)
+    monkeypatch.setattr(replanner, "replan", lambda *_: ())
+    first = touched_at(PUSH, lost=None, begun=False).following
+    assert first.clock_start == first.began
+    assert first.binding.segment is made(PUSH).segments[0]
+    ends = first.began
+    assert ends is not None
+    again = touched_at(PUSH, lost=7.0, begun=True).following
+    assert again.clock_start == pytest.approx(2.0 + ends - 7.0)
+    unknown = touched_at(PUSH, lost=None, begun=True).following
+    assert unknown.clock_start == 2.0
+
+
+def test_the_most_used_contact_decides_how_much_is_steered() -> None:
+    """One of two tips near the edge of its cone eases the grip."""
+    controller = made(PAIR)
+    state, now = moving(controller, PAIR, 0.0)
+    calm = stepped(controller, state, now)[2].adaptation.grip
+    for slipping in range(2):
+        tips = list(now.tips)
+        x, y, _ = tips[slipping].force
+        tips[slipping] = replace(tips[slipping], force=(x - 3.0 * y, y + 3.0 * x, 0.0))
+        eased = replace(now, tips=tuple(tips))
+        assert stepped(controller, state, eased)[2].adaptation.grip < calm
+
+
+def test_tips_that_do_not_follow_push_harder_where_a_servo_leads_them() -> None:
+    plan = pps.plan(pps.load_task(PUSH))
+    for servo, harder in ((True, True), (False, False)):
+        controller = Controller(plan, execution=Execution(servo=servo))
+        state, now = moving(controller, PUSH, 0.0)
+        state = state._replace(
+            estimate=state.estimate._replace(time=now.time - DT),
+        )
+        _, _, after = stepped(controller, state, now)
+        assert (after.adaptation.effort > 1.0) == harder

@@ -524,3 +524,21 @@ def test_a_tip_that_lines_up_does_so_where_the_object_was_found() -> None:
     wanted = 1.875 * math.hypot(*before) / 0.1
     assert made().align_time(memory, BEHIND, START) == pytest.approx(wanted, abs=0.2)
     assert made().align_time(memory, BEHIND, START) > wanted
+
+
+def test_a_touch_is_believed_from_its_time_on() -> None:
+    """And given up from its time on, at the tick itself."""
+    before = tip_position(BEHIND, START, RADIUS, GAP)
+    x, y, _ = BEHIND.direction(START)
+    arm = margins.ARM
+    memory = TipMemory(before, found=START, felt=0.0, touch_depth=GAP)
+    force: Vector3 = (x, y, 0.0)
+    pressing = made().step(memory, at(before, force, time=arm.felt_time), 3.0, 1.0)
+    assert pressing.command.velocity == ZERO
+    assert pressing.command.stiffness[0] == 0.0
+    gone = memory._replace(absent=0.0, felt=-1.0)
+    late = made().step(gone, at(before, time=arm.push_loss_time), 3.0, 1.0)
+    assert late.memory.resumed == arm.push_loss_time
+    kept = made().step(memory, at(before, time=arm.felt_time), 3.0, 1.0)
+    assert kept.memory.felt == 0.0
+    assert kept.memory.absent == arm.felt_time
