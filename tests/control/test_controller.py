@@ -14,6 +14,7 @@ from pushpressslide.control.controller import Controller
 from pushpressslide.control.execution import Execution
 from pushpressslide.control.state import (
     ControllerState,
+    Failure,
     begin,
     contact_yaw,
     ramp_time,
@@ -30,6 +31,7 @@ DT = 0.004
 PUSH = "rear-push-rear"
 PRESS = "press-slide"
 PAIR = "parallel-push"
+FAILURE: Failure = ("joint_limit", "near")
 
 
 @cache
@@ -202,7 +204,7 @@ def failed(name: str) -> ControllerState:
     count = len(made(name).segments[0].contacts)
     state = begin(touching(name), "move", measured(name, 0.0, *[3.0] * count))
     now = measured(name, 0.0, *[3.0] * count)
-    return made(name).stop(state, now, ("joint_limit", "near"))
+    return made(name).stop(state, now, FAILURE)
 
 
 def heights(name: str, state: ControllerState, *times: float) -> list[float]:
@@ -570,3 +572,57 @@ def test_tips_that_do_not_follow_push_harder_where_a_servo_leads_them() -> None:
         )
         _, _, after = stepped(controller, state, now)
         assert (after.adaptation.effort > 1.0) == harder
+
+
+def test_an_object_that_nothing_else_carries_is_held_after_a_failure() -> None:
+    """On a wall it is pressed on; where it stands on a ledge the tips draw back."""
+    name = "press-fit"
+    controller = made(name)
+    task = controller.placement.task
+    carried = task.start
+    falls = Pose2(carried.x, carried.y + 0.4, carried.yaw)
+    scene = controller.placement.scene
+    assert scene.carried(carried)
+    assert not scene.carried(falls)
+    late = margins.ARM.rest_time + ramp_time(margins.ARM.retreat)
+    for pose, holds in ((carried, False), (falls, True)):
+        now = measured(name, 0.0, 60.0, 60.0, pose=pose)
+        state = begin(touching(name), "move", now)
+        estimate = state.estimate._replace(X_WG=pose)
+        state = controller.stop(state._replace(estimate=estimate), now, FAILURE)
+        later = replace(now, time=late)
+        commands, _, _ = stepped(controller, state, later)
+        for contact in controller.segments[0].contacts:
+            command = commands[contact.arm]
+            assert command is not None
+            start = now.tips[contact.arm].position
+            if holds:
+                assert command.position == start
+                assert command.force == (0.0, 0.0, -contact.load)
+            else:
+                assert command.position[2] > start[2] + 0.03
+                assert command.force == ZERO
+
+
+def test_before_the_goal_is_reached_an_object_that_is_held_is_let_go_only_calmly() -> (
+    None
+):
+    """Without a failure the tips draw back, whatever carries the object."""
+    name = "press-fit"
+    controller = made(name)
+    start = controller.placement.task.start
+    falls = Pose2(start.x, start.y + 0.4, start.yaw)
+    now = measured(name, 0.0, 60.0, 60.0, pose=falls)
+    state = begin(touching(name), "release", now)
+    later = replace(now, time=ramp_time(margins.ARM.retreat))
+    commands, _, _ = stepped(controller, state, later)
+    for command, tip in zip(commands, now.tips, strict=True):
+        assert command is not None
+        assert command.position[2] > tip.position[2] + 0.03
+
+
+def test_an_object_that_goes_into_an_opening_takes_its_tips_along() -> None:
+    """They are not said to have slid off its top; elsewhere they are."""
+    for name, most in (("press-fit", math.inf), (PRESS, margins.ARM.sunk)):
+        assert {touch.sunk for touch in made(name).touches} == {most}
+        assert made(name).law.mover.sunk == most

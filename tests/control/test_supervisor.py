@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -11,6 +12,8 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.control.controller import Controller
+from pushpressslide.control.entry import HOLD_TIME, SEAT_TIME, Entry
+from pushpressslide.control.placement import Placement
 from pushpressslide.control.state import (
     ControllerState,
     Instant,
@@ -30,6 +33,7 @@ from pushpressslide.control.supervisor import (
 from pushpressslide.core import margins
 from pushpressslide.core.control import Measurement, TipState
 from pushpressslide.core.pose import Pose2
+from pushpressslide.modes import MODES
 
 PAGE = Path(__file__).parents[2] / "docs" / "architecture.md"
 TIME = 100.0  # [s] of the run, at the moment that is looked at
@@ -597,3 +601,164 @@ def test_ways_are_beside_the_planned_one_that_come_near_it_everywhere() -> None:
         aside = segment.follows(replace(path, start=path.start.compose(offset)))
         assert supervisor._beside((aside,)) == beside
         assert supervisor._beside((segment, aside)) == beside
+
+
+@pytest.fixture
+def waiting() -> Iterator[Placement]:
+    """The placement of the push, whose object is waited for at its goal."""
+    placement = controller(PUSH).placement
+    placement.waits = True
+    yield placement
+    placement.waits = False
+    placement.entry = None
+
+
+def late(of: Moment, by: float) -> Moment:
+    """Return a tick ``by`` [s] after the planned end of the segment's motion."""
+    following = of.state.following
+    duration = following.binding.segment.profile.duration
+    following = following._replace(clock_start=0.0)
+    state = of.state._replace(following=following)
+    instant = of.instant._replace(time=duration + by)
+    return of._replace(state=state, instant=instant)
+
+
+@pytest.mark.parametrize(
+    ("way", "by", "over"),
+    [
+        (0.0, 0.0, False),
+        (0.0, HOLD_TIME, False),
+        (0.0, 1.01 * HOLD_TIME, True),
+        (0.01, 1.01 * HOLD_TIME, False),
+        (0.01, SEAT_TIME, False),
+        (0.01, 1.01 * SEAT_TIME, True),
+    ],
+)
+def test_a_goal_at_which_an_object_is_held_is_waited_at_until_it_rests(
+    waiting: Placement, way: float, by: float, over: bool
+) -> None:
+    """Or long enough, wherever it is."""
+    supervisor = Supervisor(waiting, True, 1.0)
+    assert supervisor.arrived(late(left(moment(PUSH), way), by)) == over
+    assert 0.1 < HOLD_TIME < SEAT_TIME < 10.0
+
+
+@pytest.mark.parametrize(("deep", "over"), [(0.0995, True), (0.09, False)])
+def test_an_object_in_an_opening_has_arrived_when_it_is_seated(
+    waiting: Placement, deep: float, over: bool
+) -> None:
+    supervisor = Supervisor(waiting, True, 1.0)
+    end = late(left(moment(PUSH), 0.0), 0.1)
+    height = end.instant.tips[0].position[2]
+    waiting.entry = Entry(0.1, ((0, height + deep),))
+    assert supervisor.arrived(end) == over
+    assert supervisor.arrived(late(end, 1.01 * SEAT_TIME))
+    assert not supervisor.arrived(late(left(end, 0.01), 0.1))
+
+
+def test_what_is_ahead_is_gone_on_to_without_a_wait() -> None:
+    placement = controller(TWO).placement
+    placement.waits = True
+    try:
+        assert Supervisor(placement, True, 1.0).arrived_midway(
+            late(left(moment(TWO), 0.0), -1.0)
+        )
+    finally:
+        placement.waits = False
+
+
+def test_in_an_opening_a_smaller_miss_is_tried_again(waiting: Placement) -> None:
+    task = waiting.last
+    supervisor = Supervisor(waiting, True, 1.0)
+    for share, again in (
+        (0.9 * margins.RETRY_ABOVE_SEATED, False),
+        (1.1 * margins.RETRY_ABOVE_SEATED, True),
+    ):
+        off = Pose2(
+            task.goal.x, task.goal.y + share * task.tolerance.position, task.goal.yaw
+        )
+        end = left(moment(PUSH, off), 0.0)
+        waiting.entry = Entry(0.1, ((0, 9.0),))
+        seated = supervisor._retry(end.state, end.instant)
+        waiting.entry = None
+        assert supervisor._retry(end.state, end.instant) == ()
+        assert bool(seated) <= again
+
+
+def missing_its_goal(monkeypatch: pytest.MonkeyPatch) -> None:
+    mode = type(MODES[controller(TWO).segments[0].mode])
+    monkeypatch.setattr(mode, "misses", lambda *_: True)
+
+
+def test_a_motion_that_would_miss_its_goal_is_tried_again_at_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Unless it has been often enough."""
+    end = at_the_end(moment(TWO), last=False)
+    supervisor = controller(TWO).supervisor
+    goal = supervisor.placement.segments[-1].goal
+    assert supervisor.go_on(end).watches.retries == 0
+    again = (controller(TWO).segments[-1],)
+    replanner = type(supervisor.placement.replanner)
+    monkeypatch.setattr(replanner, "again", lambda *_: again)
+    missing_its_goal(monkeypatch)
+    for retries, then in ((0, 1), (RETRIES - 1, RETRIES), (RETRIES, RETRIES)):
+        state = supervisor.go_on(watching(end, retries=retries))
+        assert state.watches.retries == then
+        led = state.following.binding.segment
+        assert led.goal.position == pytest.approx(goal.position)
+    assert 2 <= RETRIES <= 10
+
+
+def test_a_motion_that_would_miss_goes_on_where_nothing_better_is_in_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    end = at_the_end(moment(TWO), last=False)
+    supervisor = controller(TWO).supervisor
+    replanner = type(supervisor.placement.replanner)
+    missing_its_goal(monkeypatch)
+    monkeypatch.setattr(replanner, "again", lambda *_: ())
+    assert supervisor.go_on(end).watches.retries == 0
+    again = (controller(TWO).segments[-1],)
+    monkeypatch.setattr(replanner, "again", lambda *_: again)
+    over = end._replace(instant=end.instant._replace(time=599.9))
+    assert supervisor.go_on(over).watches.retries == 0
+
+
+def test_a_way_that_cannot_be_replanned_is_followed_as_it_was_planned(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    end = at_the_end(moment(TWO), last=False)
+    supervisor = controller(TWO).supervisor
+    replanner = type(supervisor.placement.replanner)
+    monkeypatch.setattr(replanner, "replan", lambda *_: ())
+    following = supervisor.go_on(end).following
+    assert following.binding.segment == end.state.following.ahead[0]
+    before = end.state.following.prediction.followed_center
+    assert following.prediction.followed_center == before
+
+
+def test_a_better_plan_that_leads_far_aside_is_left_alone() -> None:
+    """Where nobody has looked whether the arms can follow; unless nothing else helps."""
+    start = controller(PUSH).placement.task.start
+    beside = watching(
+        moment(PUSH, Pose2(start.x, start.y + 0.01, start.yaw)), replanned=0.0
+    )
+    placement = controller(PUSH).placement
+    poses = placement.planned_poses
+    far = [Pose2(9.0, 9.0, 0.0)]
+    for reaches, planned, followed in (
+        (False, poses, True),
+        (False, far, False),
+        (True, far, True),
+    ):
+        placement.planned_poses = planned
+        placement.reaches_far = reaches
+        try:
+            state = controller(PUSH).supervisor.replan(beside)
+        finally:
+            placement.planned_poses = poses
+            placement.reaches_far = False
+        same = state.following.binding is beside.state.following.binding
+        assert same != followed
+        assert state.watches.replanned == TIME
