@@ -25,7 +25,12 @@ from pushpressslide.control.limits import (
     ArmReading,
 )
 from pushpressslide.control.plant import PlantRow
-from pushpressslide.control.run_loop import PROGRESS_TICKS, RunOptions, run_loop
+from pushpressslide.control.run_loop import (
+    PROGRESS_TICKS,
+    RunOptions,
+    run_loop,
+    tip_paths,
+)
 from pushpressslide.control.state import PhaseState, tip_position
 from pushpressslide.core import margins
 from pushpressslide.core.control import (
@@ -494,3 +499,57 @@ def test_a_delay_is_one_in_time_over_a_hand_over(two, scripts) -> None:
     run_loop(Clock(arms=2), delayed)
     first = scripts[1].seen[0]
     assert first.time - first.object_pose.x == pytest.approx(0.03)
+
+
+def tips_at(*places: tuple[float, float, float]) -> Measurement:
+    tips = tuple(TipState(place, ZERO, ZERO) for place in places)
+    return Measurement(0.0, Pose2(), tips)
+
+
+def test_tips_travel_to_before_their_contacts_over_the_object(two: Plan) -> None:
+    placement = two.by_placement[1]
+    task = placement.task
+    begin = (3.0, 2.0, 0.1)
+    paths = tip_paths(placement, (None, None), tips_at(begin, begin))
+    X_WB = task.start.compose(task.X_GB)
+    gap = task.motion.approach_distance
+    for contact in placement.contacts:
+        path = paths[contact.arm]
+        assert path is not None
+        radius = task.robots[contact.arm].tip_radius
+        assert path.corners[0] == begin
+        assert path.corners[-1] == tip_position(contact, X_WB, radius, gap)
+        highest = max(corner[2] for corner in path.corners)
+        assert highest == pytest.approx(task.object.shape.height + radius + gap)
+
+
+def test_a_tip_that_holds_its_contact_stays_and_at_first_all_do(two: Plan) -> None:
+    placement = two.by_placement[1]
+    begin = (3.0, 2.0, 0.1)
+    held, free = tip_paths(placement, (PUSH, None), tips_at(begin, begin))
+    assert held is None
+    assert free is not None
+    assert tip_paths(placement, (None, None), None) == [None, None]
+
+
+@pytest.mark.parametrize(("off", "waits"), [(0.009, True), (0.011, False)])
+def test_a_tip_without_a_contact_travels_to_its_base_and_waits_there(
+    two: Plan, off: float, waits: bool
+) -> None:
+    placement = two.by_placement[1]
+    segments = tuple(
+        replace(s, contacts=tuple(c for c in s.contacts if c.arm == 0))
+        for s in placement.segments
+    )
+    alone = replace(placement, segments=segments)
+    x, y, z = placement.task.scene.bases[1]
+    led, path = tip_paths(
+        alone, (None, None), tips_at((3.0, 2.0, 0.1), (x + off, y, z))
+    )
+    assert led is not None
+    assert (path is None) == waits
+    if path is not None:
+        assert path.corners[-1] == (x, y, z)
+    # a tip with a contact travels, wherever it is
+    base = placement.task.scene.bases[0]
+    assert tip_paths(alone, (None, None), tips_at(base, base))[0] is not None

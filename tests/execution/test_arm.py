@@ -332,6 +332,11 @@ def test_a_spring_along_the_height_does_not_keep_a_tip_from_catching_up() -> Non
     assert force == pytest.approx(60.0 / SERVO_TIME * error, rel=0.05)
 
 
+def test_a_tip_with_hardly_a_damper_catches_up_as_well() -> None:
+    force, error = pulled((60.0, 60.0), 0.0, 0.5)
+    assert force == pytest.approx(60.0 / SERVO_TIME * error, rel=0.05)
+
+
 def test_a_tip_without_a_damper_does_not_catch_up() -> None:
     force, _ = pulled((60.0, 60.0), 0.0, 0.0)
     assert force == pytest.approx(np.zeros(2))

@@ -165,3 +165,7 @@ def test_a_tool_is_turned_about_the_axis_that_it_is_off_by(seed: int) -> None:
         R = Rotation.from_rotvec(angle * axis).as_matrix()
         got = tip_moment(R, np.eye(3), REST, REST, STIFFNESS, DAMPING)
         assert got == pytest.approx(STIFFNESS * size * axis)
+
+
+def test_outside_of_a_tick_springs_and_dampers_weigh_nothing() -> None:
+    assert servo(command(stiffness=STIFF, damping=DAMP), REST, REST).added == REST
