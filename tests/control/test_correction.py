@@ -305,3 +305,31 @@ def test_the_rest_of_a_way_that_has_not_begun_is_all_of_it() -> None:
     assert rest_of(SEGMENT, -0.1).path.length == pytest.approx(LENGTH)
     (turn,) = pps.plan(pps.load_task("press-slide-pivot")).segments
     assert rest_of(turn, 0.1) is turn
+
+
+@pytest.mark.parametrize("name", ["rear-push-left", "tee"])
+def test_an_axle_is_compared_along_the_heading_of_its_vehicle(name: str) -> None:
+    """Wherever the vehicle heads on the object."""
+    task = pps.load_task(name, ["obstacles=[]", "limits.workspace=null"])
+    plan = pps.plan(task)
+    segment = plan.segments[0]
+    X_BV = segment.X_BV
+    planned, _ = Pose2(0.0, 0.0, X_BV.yaw).unrotate(X_BV.position)
+    touched = tuple(contact.point for contact in segment.contacts)
+    calm = guidance(0.0, 0.0)
+    here = segment.body_pose(0.0)
+    most = margins.ARM.off_axle
+    for off in (-0.9, 0.9):
+        found = Findings(axle=Identified(planned + off * most, 0.1, 0.1))
+        replan = Replanner(task).onward(plan.segments, here, touched, calm, 9.0, found)
+        assert replan is None
+
+
+def test_a_motion_is_begun_anew_at_its_speed_after_the_way_that_takes() -> None:
+    """Of a constant acceleration from rest."""
+    made = onward(aside=0.004)
+    assert made is not None
+    profile = SEGMENT.profile
+    speed = profile.speed
+    assert made.progress == pytest.approx(speed * made.clock / 2.0)
+    assert made.clock == pytest.approx(speed / profile.acceleration)
