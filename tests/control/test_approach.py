@@ -141,7 +141,7 @@ def test_a_travel_passes_its_corners_at_rest() -> None:
 
 
 @pytest.mark.parametrize("kind", [0, 1])
-def test_an_approach_begins_at_its_time_and_rests_a_little_at_its_end(
+def test_an_approach_begins_at_its_time_and_rests_at_its_end(
     kind: int,
 ) -> None:
     approach = approaches()[kind]

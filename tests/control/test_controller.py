@@ -604,9 +604,7 @@ def test_an_object_that_nothing_else_carries_is_held_after_a_failure() -> None:
                 assert command.force == ZERO
 
 
-def test_before_the_goal_is_reached_an_object_that_is_held_is_let_go_only_calmly() -> (
-    None
-):
+def test_a_release_that_was_planned_lets_go_of_an_object() -> None:
     """Without a failure the tips draw back, whatever carries the object."""
     name = "press-fit"
     controller = made(name)

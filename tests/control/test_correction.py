@@ -266,7 +266,7 @@ def test_a_side_slides_and_a_press_does_not_count() -> None:
     assert slide([push, press], far) == pytest.approx(0.5)
 
 
-def test_a_tip_touches_its_face_at_its_foot_and_a_top_below_itself() -> None:
+def test_a_tip_touches_a_face_at_its_foot() -> None:
     X_WB = Pose2(0.5, 0.1, 0.7)
     zero = (0.0, 0.0, 0.0)
     body = TASK.object
@@ -301,7 +301,7 @@ def test_a_path_is_led_in_along_its_first_direction() -> None:
     assert longer.end.position == pytest.approx(twists.end.position)
 
 
-def test_the_rest_of_a_way_that_has_not_begun_is_all_of_it() -> None:
+def test_the_rest_of_a_way_not_begun_is_all_of_it() -> None:
     assert rest_of(SEGMENT, -0.1).path.length == pytest.approx(LENGTH)
     (turn,) = pps.plan(pps.load_task("press-slide-pivot")).segments
     assert rest_of(turn, 0.1) is turn
@@ -325,7 +325,7 @@ def test_an_axle_is_compared_along_the_heading_of_its_vehicle(name: str) -> None
         assert replan is None
 
 
-def test_a_motion_is_begun_anew_at_its_speed_after_the_way_that_takes() -> None:
+def test_a_motion_begun_anew_has_the_run_up_of_its_speed() -> None:
     """Of a constant acceleration from rest."""
     made = onward(aside=0.004)
     assert made is not None

@@ -99,7 +99,7 @@ def test_one_tip_that_moves_keeps_both_from_being_seated() -> None:
         assert not ENTRY.seated(tips)
 
 
-def test_a_tip_is_braked_as_hard_as_its_speed_asks_for_and_no_harder() -> None:
+def test_a_tip_is_braked_as_its_speed_asks_and_no_harder() -> None:
     assert braking(0.1, 0.1) == BRAKE
     assert braking(0.05, 0.1) == pytest.approx(0.25 * BRAKE)
     assert braking(0.3, 0.1) == BRAKE

@@ -185,7 +185,7 @@ def test_another_estimator_runs_a_shipped_task(
     assert 0 < LowPass.ticks <= len(record.arrays["time"])
 
 
-def test_a_pose_is_predicted_about_the_centre_of_mass_however_it_is_led() -> None:
+def test_a_pose_is_predicted_about_the_centre_of_mass() -> None:
     """Also by a turn, and by a twist that is given of another point."""
     task = pps.load_task("rear-push-rear", ["sensing.position_noise=0.001"])
     estimator, state = seen_at(task, task.start)

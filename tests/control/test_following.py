@@ -110,7 +110,7 @@ def test_joints_that_time_does_not_lead_follow_the_object() -> None:
     assert led.joint_reference(START, late, True) == here  # nothing has begun
 
 
-def test_a_turn_on_the_spot_is_remade_only_by_arcs_of_its_own_leg() -> None:
+def test_a_turn_is_remade_only_by_arcs_of_its_own_leg() -> None:
     assert not following().remade(FIRST)
     task = pps.load_task("press-slide-pivot")
     (turn,) = pps.plan(task).segments

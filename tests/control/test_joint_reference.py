@@ -108,7 +108,7 @@ def test_before_the_touch_joints_are_those_of_the_way_that_is_left() -> None:
     assert path_reference(path, 0.0) == pytest.approx(PATH.move[0])
 
 
-def test_a_touch_of_two_samples_is_a_line_and_one_of_one_is_none() -> None:
+def test_a_touch_needs_two_samples_to_be_a_line() -> None:
     before = np.array([[0.1, 0.3], [0.4, 2.0]])
     path = replace(PATH, touch=before)
     assert path_reference(path, -0.005) == pytest.approx(before.mean(axis=0))

@@ -164,7 +164,7 @@ def test_a_goal_is_waited_at_only_where_the_last_path_ends(
     assert (law.speed(last, duration) < 1e-3) == waits
 
 
-def test_two_tips_that_push_are_held_at_their_contacts_by_a_servo_alone() -> None:
+def test_two_pushing_tips_are_held_at_their_contacts_by_a_servo() -> None:
     plan = pps.plan(pps.load_task("parallel-push"))
     controller = Controller(plan)
     (segment,) = plan.segments

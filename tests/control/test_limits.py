@@ -208,7 +208,7 @@ def test_what_is_just_allowed_breaks_no_limit() -> None:
     assert judged(judge, command=moved(JUMP)) is None
 
 
-def test_torque_may_be_too_much_for_its_whole_time_and_no_tick_more() -> None:
+def test_torque_may_exceed_its_limit_for_its_time_exactly() -> None:
     period = 0.25 * TORQUE_TIME
     assert count(guard(period), replace(REST, torque_share=1.01)) == 5
     assert count(guard(period), replace(REST, torque_share=1.0)) is None
@@ -345,7 +345,7 @@ def near(room: float) -> ArmReading:
     return ArmReading(np.array([ARM.upper[0] - room, 0.0]), np.zeros(2))
 
 
-def test_after_a_recovery_an_arm_may_move_away_from_a_limit_it_is_near() -> None:
+def test_after_a_recovery_an_arm_may_leave_a_limit() -> None:
     """But come no nearer again than a little, and not at all once it is well inside."""
     judge = guard().successor(LIMIT, (None,))
     for room in (0.004, 0.001, 0.006, 0.003, 0.011, 0.0075):

@@ -45,7 +45,7 @@ from pushpressslide.core.control import (
 from pushpressslide.core.plan import JointPath, Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Sensing, Task
+from pushpressslide.core.task import Motion, Sensing, Task
 
 PERIOD = 0.01
 TICKS = 10  # that a scripted placement takes
@@ -553,3 +553,34 @@ def test_a_tip_without_a_contact_travels_to_its_base_and_waits_there(
     # a tip with a contact travels, wherever it is
     base = placement.task.scene.bases[0]
     assert tip_paths(alone, (None, None), tips_at(base, base))[0] is not None
+
+
+def test_nothing_is_planned_anew_while_an_arm_still_holds_the_object(
+    two: Plan, scripts: list[Script]
+) -> None:
+    task = two.task
+    legs = tuple(replace(leg, motion=recovering(leg.motion)) for leg in task.legs)
+    plan = replace(two, task=replace(task, motion=recovering(task.motion), legs=legs))
+
+    class OnceFast(Diary):
+        """Arms of which the second is too fast once, on its way to the second place."""
+
+        fast = False
+
+        def readings(self) -> tuple[ArmReading, ...]:
+            first, second = super().readings()
+            if self.handed_over and not self.fast:
+                self.fast = True
+                second = replace(second, v=np.array([0.0, 20.1]))
+            return first, second
+
+    plant = OnceFast(arms=2, joint_paths=(APPROACH, APPROACH))
+    record = run_loop(plant, plan)
+    assert record.reason == "joint_limit"
+    (event,) = record.meta["events"]
+    assert not event["recovered"]
+    assert event["lacking"] == "one arm still holds the object"
+
+
+def recovering(motion: Motion) -> Motion:
+    return replace(motion, recoveries=1)

@@ -128,7 +128,7 @@ def test_a_seed_has_its_own_noise_and_gives_the_same_again() -> None:
     assert seen(noisy, 5, seed=1) != seen(noisy, 5, seed=2)
 
 
-def test_a_first_pose_is_never_dropped_and_noise_is_drawn_anew_for_each_tip() -> None:
+def test_a_first_pose_is_kept_and_each_tip_has_its_noise() -> None:
     first = Sensor(Sensing(pose_dropout=0.999), 1, PERIOD).measure(still())
     assert first.pose_seen
     assert first.object_pose == still().object_pose

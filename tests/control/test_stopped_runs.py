@@ -134,7 +134,7 @@ def until(end: float, reading: ArmReading, arm: int = 0) -> Callable[..., ArmRea
     return script
 
 
-def test_an_arm_that_is_too_fast_for_a_moment_comes_to_rest_on_its_path() -> None:
+def test_an_arm_too_fast_for_a_moment_rests_on_its_path() -> None:
     arms, record = stopped(until(AT + PERIOD, FAST))
     assert record.reason == "joint_limit"
     text = "arm 0: joint 2 at 2.20 rad/s, allowed 2 rad/s (at 0.10 s, approach)"
@@ -148,7 +148,7 @@ def test_an_arm_that_is_too_fast_for_a_moment_comes_to_rest_on_its_path() -> Non
     assert AT < arms.time < AT + 1.0
 
 
-def test_an_arm_that_stays_too_fast_holds_and_then_has_not_drawn_back() -> None:
+def test_an_arm_that_stays_too_fast_holds_where_it_is_told() -> None:
     arms, record = stopped(until(AT + 0.3, FAST))
     assert record.reason == "joint_limit"
     assert record.reason_text.endswith(
@@ -168,7 +168,7 @@ def test_an_arm_that_is_asked_for_too_much_holds_as_well() -> None:
     assert f"(at {at:.2f} s, approach)" in record.reason_text
 
 
-def test_an_arm_that_runs_away_brakes_and_the_run_ends_when_it_rests() -> None:
+def test_a_run_ends_when_an_arm_that_ran_away_rests() -> None:
     arms, record = stopped(until(AT + 0.2, FAR_TOO_FAST))
     assert record.reason == "runaway"
     said = "arm 0 runs away: joint 2 at 4.00 rad/s, allowed 2 rad/s"

@@ -178,7 +178,7 @@ def watched(*rates: float) -> list[str | None]:
     return [watch.step([rate]) for rate in rates]
 
 
-def test_a_joint_at_half_as_much_again_as_its_limit_is_still_led() -> None:
+def test_a_joint_half_above_its_limit_is_still_led() -> None:
     """As one is that brakes by a step that large, or is led backwards."""
     most = BEYOND * LIMIT
     assert watched(most) == [None]
@@ -220,14 +220,12 @@ def test_turning_about_counts_only_tick_after_tick() -> None:
     assert not any(watched(*(2.0 * fast, -slow) * 9))
 
 
-def test_a_joint_that_stops_and_goes_on_the_other_way_is_not_one_that_turns_about() -> (
-    None
-):
+def test_a_joint_that_stops_in_between_does_not_turn_about() -> None:
     fast = 4.0 * FLIP_SPEED * LIMIT
     assert not any(watched(*(fast, 0.0, -fast, 0.0) * 5))
 
 
-def test_the_first_joint_that_runs_away_is_named_and_the_others_are_watched() -> None:
+def test_the_first_joint_that_runs_away_is_named() -> None:
     watch = JointWatch([LIMIT, 2.0 * LIMIT])
     far = 1.1 * BEYOND * LIMIT
     text = watch.step([far, 2.0 * far])
@@ -269,7 +267,7 @@ def ticks_to(one: Stop, level: StopLevel, at: ArmReading) -> float | None:
     return None
 
 
-def test_an_arm_may_ask_for_its_torque_and_for_more_for_a_short_time_only() -> None:
+def test_an_arm_may_ask_for_more_torque_for_a_short_time() -> None:
     assert ticks_to(stop(), StopLevel.HOLD, reading(share=1.0)) is None
     late = ticks_to(stop(), StopLevel.HOLD, reading(share=1.01))
     assert late == pytest.approx(TORQUE_TIME, abs=1.01 * PERIOD)
@@ -390,7 +388,7 @@ def test_the_wait_for_rest_begins_once_when_an_arm_gives_up_first() -> None:
     assert two.at_rest(1.0 + 1.01 * LONGEST)
 
 
-def test_levels_go_up_in_the_order_in_which_less_is_asked_of_an_arm() -> None:
+def test_levels_go_up_as_less_is_asked_of_an_arm() -> None:
     assert StopLevel.DRAW_BACK < StopLevel.HOLD < StopLevel.BRAKE
     one = stop()
     one.step(2.0 * GRACE, [reading(1.1 * LIMIT)], [None], (LED,))

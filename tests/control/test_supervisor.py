@@ -309,9 +309,7 @@ def test_an_object_may_stand_still_for_what_is_allowed() -> None:
     assert not supervisor.stalled(watching(well, still=None))
 
 
-def test_an_object_stands_still_that_comes_on_slower_than_a_share_of_its_speed() -> (
-    None
-):
+def test_an_object_stands_still_below_a_share_of_its_speed() -> None:
     """Turns count by what they move its edge by."""
     made = controller(PUSH)
     well = moment(PUSH)
@@ -331,7 +329,7 @@ def test_an_object_stands_still_that_comes_on_slower_than_a_share_of_its_speed()
             assert watches.still.pose == (before if still else X_WB)
 
 
-def test_the_phase_that_has_just_begun_may_be_the_one_the_object_rests_in() -> None:
+def test_an_object_may_rest_since_its_phase_began() -> None:
     well = moment(PUSH)
     X_WB = well.instant.X_WB
     kept = controller(PUSH).supervisor.step(watching(well, still=Still(X_WB, BEGAN)))
@@ -634,7 +632,7 @@ def late(of: Moment, by: float) -> Moment:
         (0.01, 1.01 * SEAT_TIME, True),
     ],
 )
-def test_a_goal_at_which_an_object_is_held_is_waited_at_until_it_rests(
+def test_a_held_object_is_waited_for_until_it_rests(
     waiting: Placement, way: float, by: float, over: bool
 ) -> None:
     """Or long enough, wherever it is."""
@@ -710,7 +708,7 @@ def test_a_motion_that_would_miss_its_goal_is_tried_again_at_once(
     assert 2 <= RETRIES <= 10
 
 
-def test_a_motion_that_would_miss_goes_on_where_nothing_better_is_in_time(
+def test_a_motion_that_would_miss_goes_on_for_want_of_better(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     end = at_the_end(moment(TWO), last=False)

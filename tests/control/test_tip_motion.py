@@ -287,7 +287,7 @@ def test_the_friction_that_is_used_is_shear_over_what_the_normal_allows() -> Non
     assert used(PUSH, (0.0, 0.07, 0.0)) == pytest.approx(0.07 / (0.7 * 0.2))
 
 
-def test_a_tip_is_led_with_the_velocity_of_its_place_on_the_object() -> None:
+def test_a_tip_moves_as_its_place_on_the_object_does() -> None:
     """Also by the object's turn."""
     twist = Twist(0.02, -0.01, 0.3)
     (x, y), _ = PUSH.tip_place(RADIUS)
@@ -344,7 +344,7 @@ def test_a_tool_is_turned_faster_and_slower_at_its_acceleration(side: float) -> 
         assert command.tool_yaw_acceleration == pytest.approx((expected - 0.1) / DT)
 
 
-def test_a_push_has_its_force_at_once_and_a_spring_along_its_height() -> None:
+def test_a_push_has_a_force_and_a_spring_along_its_height() -> None:
     command, memory, _ = mover().step(
         start(PUSH), at(PUSH, (2.0, 0.0, 0.0), 0.001), task(PUSH, force=(3.0, -1.0))
     )
@@ -377,7 +377,7 @@ def test_a_press_is_regulated_to_its_load_and_pushes_into_the_support() -> None:
     assert command.servo_cap == 25.0
 
 
-def test_a_press_whose_object_drops_in_is_kept_to_its_speed_by_a_damper() -> None:
+def test_an_object_that_drops_in_is_slowed_by_a_damper() -> None:
     """Its load is borne at that speed, and it is braked where it is as fast."""
     speed = 0.01
     context = at(PRESS, (0.0, 0.0, -30.0))
@@ -409,7 +409,7 @@ def test_a_press_whose_object_drops_in_is_kept_to_its_speed_by_a_damper() -> Non
     assert pulled.force[:2] == pytest.approx((0.0, 0.0))
 
 
-def test_the_drag_of_a_press_changes_by_a_share_of_its_friction_in_a_tick() -> None:
+def test_the_drag_of_a_press_changes_by_a_share_a_tick() -> None:
     made = mover()
     most = 2.0 * 0.7 * 40.0 * DT / TURNABOUT
     context = at(PRESS, (0.0, 0.0, -40.0))
@@ -455,7 +455,7 @@ def test_a_tip_that_feels_too_much_is_not_led_off_its_face() -> None:
     assert led(tip, -5.0) == pytest.approx((margins.ARM.led_on, 0.0))
 
 
-def test_a_height_relaxes_by_the_share_of_a_tick_and_in_one_long_one() -> None:
+def test_a_height_relaxes_by_the_share_of_a_tick() -> None:
     height = eased_height(0.040, 0.041, 0.04, DT)
     assert height == pytest.approx(0.040 + 0.001 * DT / HEIGHT_EASING)
     assert eased_height(0.040, 0.041, 0.04, 10.0) == pytest.approx(0.041)

@@ -253,7 +253,7 @@ def at(
 
 
 @pytest.mark.parametrize("contact", [BEHIND, ABOVE])
-def test_a_tip_lines_up_before_its_contact_in_its_time_and_then_advances(
+def test_a_tip_lines_up_before_its_contact_and_then_advances(
     contact: Contact,
 ) -> None:
     touch = made()
@@ -387,7 +387,7 @@ def test_a_touch_is_done_once_its_force_has_been_reached_and_held(
 
 
 @pytest.mark.parametrize("contact", [BEHIND, ABOVE])
-def test_a_tip_that_has_touched_presses_along_its_normal_and_is_held_across(
+def test_a_touching_tip_presses_along_its_normal_and_is_held_across(
     contact: Contact,
 ) -> None:
     touch = made()
@@ -417,7 +417,7 @@ def test_a_tip_that_nothing_pushes_is_held_along_all_axes() -> None:
     assert command.force == ZERO
 
 
-def test_a_contact_that_is_not_there_is_looked_for_no_farther_than_so_deep() -> None:
+def test_a_contact_is_looked_for_no_farther_than_so_deep() -> None:
     before = tip_position(BEHIND, START, RADIUS, GAP)
     arm = margins.ARM
     most = (GAP + arm.touch_depth) / arm.touch_speed
@@ -428,7 +428,7 @@ def test_a_contact_that_is_not_there_is_looked_for_no_farther_than_so_deep() -> 
     assert "no contact felt 50 mm beyond" in far.problem
 
 
-def test_a_touch_that_is_tried_again_and_again_is_given_up_in_its_time() -> None:
+def test_a_touch_tried_again_and_again_is_given_up() -> None:
     before = tip_position(BEHIND, START, RADIUS, GAP)
     arm = margins.ARM
     most = (GAP + arm.touch_depth) / arm.touch_speed + arm.longest_touch
@@ -481,7 +481,7 @@ def test_a_tip_that_begins_beyond_the_contact_counts_from_the_contact() -> None:
     ("moved", "apart", "pushes"),
     [(1.1, 0.9, True), (0.9, 0.9, False), (1.1, 1.1, False), (-1.1, 0.9, False)],
 )
-def test_an_object_is_seen_to_be_pushed_that_moved_with_the_tip_at_it(
+def test_an_object_that_moved_before_its_tip_is_pushed(
     moved: float, apart: float, pushes: bool
 ) -> None:
     n = BEHIND.direction(START)
@@ -497,7 +497,7 @@ def test_an_object_is_seen_to_be_pushed_that_moved_with_the_tip_at_it(
     assert (step.memory.felt is not None) == pushes
 
 
-def test_an_object_that_is_pressed_from_above_is_not_seen_to_be_pushed() -> None:
+def test_an_object_pressed_from_above_is_not_seen_pushed() -> None:
     moved = Pose2(START.x + 1.0, START.y, START.yaw)
     memory = TipMemory(ZERO, found=START)
     place = tip_position(ABOVE, moved, RADIUS)

@@ -220,7 +220,7 @@ def test_an_arm_of_six_joints_has_no_posture_to_choose() -> None:
     assert got == pytest.approx(np.zeros(6), abs=1e-9)
 
 
-def test_joints_that_are_tracked_are_felt_at_the_tip_as_springs_and_dampers() -> None:
+def test_tracked_joints_are_felt_as_springs_and_dampers() -> None:
     """The damper is that of the joints' own speed."""
     stiffness = 25.0
     arm = heavy(6, joints=6)
@@ -268,7 +268,7 @@ def pulled(masses: tuple[float, float], yaw: float, damping: float, **command: o
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.4, 1.2, 2.5])
-def test_a_heavy_tip_comes_to_its_velocity_in_time_and_a_light_one_by_its_damper(
+def test_a_heavy_tip_comes_to_its_velocity_in_time(
     yaw: float,
 ) -> None:
     damping = 200.0
@@ -318,7 +318,7 @@ def test_what_catches_up_stays_inside_the_cap_of_the_servo() -> None:
         {"stiffness": (0.0, 1e-3, 0.0)},
     ],
 )
-def test_a_tip_that_a_spring_leads_or_that_may_drop_has_its_damper_alone(
+def test_a_tip_on_a_spring_has_its_damper_alone(
     command: dict[str, object],
 ) -> None:
     damping = 100.0
@@ -326,7 +326,7 @@ def test_a_tip_that_a_spring_leads_or_that_may_drop_has_its_damper_alone(
     assert force == pytest.approx(damping * error, rel=1e-3)
 
 
-def test_a_spring_along_the_height_does_not_keep_a_tip_from_catching_up() -> None:
+def test_a_tip_catches_up_beside_a_spring_along_the_height() -> None:
     damping = 100.0
     force, error = pulled((60.0, 60.0), 0.0, damping, stiffness=(0.0, 0.0, 2000.0))
     assert force == pytest.approx(60.0 / SERVO_TIME * error, rel=0.05)
@@ -343,7 +343,7 @@ def test_a_tip_without_a_damper_does_not_catch_up() -> None:
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_an_arm_at_a_limit_is_led_back_by_that_joint_alone_in_contact(
+def test_in_contact_a_joint_at_its_limit_is_led_back(
     side: float,
 ) -> None:
     """Its tip feels no force of it."""

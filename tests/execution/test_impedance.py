@@ -95,7 +95,7 @@ def test_springs_and_dampers_weigh_what_they_take_in_a_tick(period: float) -> No
     assert alike.alike
 
 
-def test_a_servo_at_its_cap_pulls_in_the_same_direction_and_weighs_less() -> None:
+def test_a_servo_at_its_cap_keeps_its_direction() -> None:
     """Along the support together, along the height by itself."""
     asked = command(
         0.4, 5.0, position=(0.03, 0.01, 0.0001), stiffness=STIFF, damping=DAMP
@@ -122,7 +122,7 @@ def test_a_servo_just_below_its_cap_is_left_whole() -> None:
     assert servo(asked, REST, REST).force[0] == pytest.approx(4.0)
 
 
-def test_a_tip_exerts_what_it_is_fed_forward_and_what_its_servo_adds() -> None:
+def test_a_tip_exerts_its_force_and_that_of_its_servo() -> None:
     asked = command(
         0.3, force=(1.0, 2.0, -3.0), position=(0.001, 0.002, 0.003), stiffness=STIFF
     )
@@ -145,7 +145,7 @@ def test_the_error_of_a_rotation_turns_one_into_the_other(seed: int) -> None:
 
 
 @pytest.mark.parametrize("axis", range(3))
-def test_a_tool_is_damped_about_every_axis_towards_the_rate_it_is_to_have(
+def test_a_tool_is_damped_about_every_axis(
     axis: int,
 ) -> None:
     wanted = np.zeros(3)

@@ -235,7 +235,7 @@ def test_springs_and_dampers_at_the_end_of_a_tick_never_act_harder(seed: int) ->
     assert at_end @ np.linalg.solve(M, torque) > 0.0
 
 
-def test_what_a_spring_and_a_damper_weigh_is_what_they_take_in_a_tick() -> None:
+def test_a_spring_and_a_damper_weigh_what_a_tick_takes() -> None:
     spring, damper, added = gains(200.0, 6.0, 0.004)
     assert (spring, damper) == (200.0, 6.0)
     # of a speed v a tick takes h D v / m, and the spring of the way h v then h^2 K v / m
@@ -288,7 +288,7 @@ def test_what_keeps_joints_inside_takes_energy_and_moves_no_tip(seed: int) -> No
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_the_inertia_at_a_tip_is_what_its_mobility_is_the_inverse_of(seed: int) -> None:
+def test_the_inertia_at_a_tip_is_its_inverse_mobility(seed: int) -> None:
     J = jacobian(seed)
     root = np.random.default_rng(seed).normal(size=(N, N))
     M = root @ root.T + np.eye(N)
