@@ -275,6 +275,15 @@ def test_the_controller_is_told_how_far_the_arms_can_draw_back(one, scripts) -> 
     assert [script.back for script in scripts] == [0.02, math.inf]
 
 
+def test_the_arm_with_the_least_room_and_gap_decides_for_both(two, scripts) -> None:
+    near = replace(APPROACH, room=0.02, gap=0.003)
+    far = replace(APPROACH, room=0.05, gap=0.004)
+    for paths in ((near, far), (far, near)):
+        run_loop(Diary(arms=2, joint_paths=paths), two)
+    assert {script.back for script in scripts} == {0.02}
+    assert {script.gap for script in scripts} == {0.003}
+
+
 def test_every_tick_is_recorded_once_and_at_its_own_time(one, scripts) -> None:
     record = run_loop(Diary(arms=1), one)
     assert record.arrays["time"].tolist() == [i * PERIOD for i in range(TICKS)]

@@ -201,6 +201,50 @@ def test_a_tool_is_damped_about_the_rate_it_is_to_have(frame: SupportFrame) -> N
     assert felt[:3] == pytest.approx(wanted, abs=1e-9)
 
 
+@pytest.mark.parametrize("frame", FRAMES)
+@pytest.mark.parametrize("mass", [0.05, 0.3, 2.0])
+def test_a_light_tip_loses_no_more_than_its_speed_along_each_axis(
+    frame: SupportFrame, mass: float
+) -> None:
+    """A damper along an axis takes h D / m of the speed there in a tick, or all of it."""
+    dt = 0.004
+    damping = np.array([150.0, 30.0, 80.0])
+    velocity = np.array([0.02, -0.01, 0.03])
+    vx, vy, vz = np.array(frame.axes) @ velocity
+    M = np.diag([1.0, 1.0, 1.0, mass, mass, mass])
+    arm = replace(heavy(0, joints=6), J=np.eye(6), M=M)
+    arm = replace(
+        arm,
+        v=np.array([0.0, 0.0, 0.0, vx, vy, vz]),
+        velocity=(float(vx), float(vy), float(vz)),
+    )
+    command = replace(NOTHING, damping=tuple(damping))
+    tau = torque(executor(6, frame, dt=dt), arm, command)
+    after = np.array(frame.axes).T @ ([vx, vy, vz] + dt * tau[3:] / mass)
+    c = math.cos(command.normal_yaw)
+    s = math.sin(command.normal_yaw)
+    along = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    left = np.maximum(1.0 - dt * damping / mass, 0.0)
+    assert along @ after == pytest.approx(left * (along @ velocity), abs=1e-9)
+    assert tau[:3] == pytest.approx(np.zeros(3), abs=1e-9)
+
+
+@pytest.mark.parametrize("inertia", [0.01, 0.1])
+def test_a_light_tool_loses_no_more_than_its_turning(inertia: float) -> None:
+    dt = 0.004
+    spin = np.array([0.1, -0.2, 0.3])
+    M = np.diag([inertia, inertia, inertia, 1.0, 1.0, 1.0])
+    arm = replace(heavy(0, joints=6), J=np.eye(6), M=M)
+    x, y, z = spin.tolist()
+    arm = replace(arm, v=np.array([x, y, z, 0.0, 0.0, 0.0]), angular_velocity=(x, y, z))
+    tau = torque(executor(6, dt=dt), arm)
+    after = spin + dt * tau[:3] / inertia
+    added = dt * (ROTATION_DAMPING + dt * ROTATION_STIFFNESS)
+    taken = dt * ROTATION_DAMPING / inertia / max(1.0, added / inertia)
+    assert after == pytest.approx((1.0 - taken) * spin)
+    assert taken <= 1.0
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_the_posture_turns_joints_along_what_the_tip_does_not_feel(seed: int) -> None:
     arm = heavy(seed)

@@ -348,9 +348,9 @@ def test_an_arm_is_braked_the_more_the_less_its_tip_moves(share: float) -> None:
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_limits_that_are_not_about_zero_tell_which_end_is_near(side: float) -> None:
     J = turning_jacobian(1)
-    lower = LOWER + 5.0
-    upper = UPPER + 5.0
-    q = near_limit(1, side, 0.01) + 5.0
+    lower = LOWER + 50.0
+    upper = UPPER + 50.0
+    q = near_limit(1, side, 0.01) + 50.0
     axis = J[:3, 1]
     given = yielding(J, side * axis, q, lower, upper)
     assert not np.array_equal(given, J)
