@@ -155,6 +155,8 @@ def test_tools_turn_with_the_object_while_their_tips_line_up() -> None:
     (command,), _, _ = stepped(controller, again, Measurement(0.0, turned, tips))
     assert command is not None
     assert command.tool_yaw == turned.yaw
+    # and advances at once
+    assert math.hypot(*command.velocity) == pytest.approx(margins.ARM.touch_speed)
 
 
 @pytest.mark.parametrize("name", [PUSH, PRESS, PAIR])

@@ -100,7 +100,13 @@ def pair() -> Run:
     return run("parallel-push")
 
 
-@pytest.fixture(params=["two", "recovered", "pair"])
+@pytest.fixture(scope="module")
+def car() -> Run:
+    """A run of two segments, one after the other with the same contact."""
+    return run("press-slide-car")
+
+
+@pytest.fixture(params=["two", "recovered", "pair", "car"])
 def any_run(request: pytest.FixtureRequest) -> Run:
     found: Run = request.getfixturevalue(request.param)
     return found
@@ -355,3 +361,17 @@ def test_a_search_for_cycles_is_left_out_while_a_run_goes_on() -> None:
         finally:
             gc.enable()
     assert seen == [False, False]
+
+
+@pytest.mark.parametrize("segments", [1, 2])
+def test_a_run_that_is_cut_off_tells_the_whole_plan_once(segments: int) -> None:
+    """Also the paths that were not begun."""
+    name = "press-slide-car"
+    first = pps.plan(pps.load_task(name, [SLOW])).segments[0].profile.duration
+    end = 4.0 if segments == 1 else first + 8.0
+    ticks = iter(range(round(end / PERIOD)))
+    made = run(name, stop=lambda: next(ticks, None) is None)
+    assert made.record.reason == "interrupted"
+    assert sorted(set(made.arrays["stretch"])) == list(range(segments))
+    assert sorted(set(made.arrays["plan_stretch"])) == [0.0, 1.0]
+    assert len(made.record.plan.segments) == 2

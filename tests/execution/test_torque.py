@@ -46,6 +46,19 @@ def test_joints_well_inside_their_limits_are_left_alone() -> None:
     assert not kept.added.any()
 
 
+def test_a_joint_at_the_edge_of_its_buffer_is_left_alone() -> None:
+    buffer = margins.ARM.joint_buffer
+    q = np.full(N, 1.0)
+    q[2] = buffer
+    kept = kept_inside(jacobian(0), q, REST + 1.0, REST, UPPER, PERIOD)
+    assert not kept.torque.any()
+    assert not kept.added.any()
+    assert not torque.near_limit(q, REST.tolist(), UPPER.tolist())
+    np.testing.assert_array_equal(
+        yielding(jacobian(0), np.ones(3), q, REST, UPPER), jacobian(0)
+    )
+
+
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_a_joint_near_its_limit_is_pushed_back_without_a_force_at_the_tip(
