@@ -593,3 +593,13 @@ def test_nothing_is_planned_anew_while_an_arm_still_holds_the_object(
 
 def recovering(motion: Motion) -> Motion:
     return replace(motion, recoveries=1)
+
+
+def test_a_run_of_a_single_tick_is_recorded_too(one: Plan, scripts) -> None:
+    class Rows(Diary):
+        def row(self) -> PlantRow:
+            return replace(super().row(), extras=lambda: {"extra": np.arange(3.0)})
+
+    record = run_loop(Rows(arms=1), one, RunOptions(stop=lambda: True))
+    assert record.arrays["extra"].tolist() == [[0.0, 1.0, 2.0]]
+    assert record.arrays["time"].tolist() == [0.0]

@@ -289,6 +289,25 @@ def test_a_posture_is_not_held_by_joints_that_have_moved_on() -> None:
     assert not np.allclose(fresh, torque(executor(), first, q_ref=first.q + 0.1))
 
 
+def test_where_a_tool_gives_way_the_posture_has_another_share() -> None:
+    """Also if the arm has hardly moved since it held its attitude."""
+    arm = heavy(9)
+    axis = arm.J[:3, 2] / np.linalg.norm(arm.J[:3, 2])
+    buffer = margins.ARM.joint_buffer
+    pressed = turned((float(axis[0]), float(axis[1]), float(axis[2])), -0.1)
+    q_ref = arm.q + 0.1
+    limits = {"lower": np.full(7, -FAR), "upper": np.full(7, FAR)}
+    limits["upper"][2] = arm.q[2] + 0.9 * buffer
+    limits["lower"][2] = limits["upper"][2] - 1.0
+    near = replace(arm, rotation=pressed)
+    before = replace(arm, q=arm.q - np.eye(7)[2] * 0.15 * buffer)
+    one = replace(executor(), **limits)
+    torque(one, before, q_ref=q_ref)
+    fresh = torque(replace(executor(), **limits), near, q_ref=q_ref)
+    assert torque(one, near, q_ref=q_ref) == pytest.approx(fresh)
+    assert torque(executor(), near, q_ref=q_ref) != pytest.approx(fresh, abs=0.1)
+
+
 def pulled(masses: tuple[float, float], yaw: float, damping: float, **command: object):
     """Return the force [N] along the table on a tip that is 0.1 m/s too slow along x,
     0.05 m/s along y, and has two ``masses`` [kg] along axes turned by ``yaw`` [rad];
