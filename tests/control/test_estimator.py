@@ -265,8 +265,7 @@ def test_only_an_object_that_is_driven_tells_of_itself(name: str) -> None:
                 ),
             )
         ends[driven] = (known.axle, known.center)
-    nothing = begun
-    assert ends[False] == (nothing.axle, nothing.center)
+    assert ends[False] == (begun.axle, begun.center)
     assert ends[True] != ends[False]
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.control.recording import PATH_SAMPLES
 from pushpressslide.control.run_loop import RunOptions, run_loop
 from pushpressslide.core import margins
 from pushpressslide.core.control import PHASES, Commands, TipCommand
@@ -167,7 +168,7 @@ def test_the_planned_paths_are_recorded_from_end_to_end(any_run: Run) -> None:
     assert sorted(set(stretch)) == list(range(len(segments)))
     for i, segment in enumerate(segments):
         path = arrays["plan_path"][stretch == i]
-        assert len(path) > 50
+        assert len(path) == PATH_SAMPLES
         steps = np.hypot(*np.diff(path[:, :2], axis=0).T)
         assert steps.max() < 3.0 * segment.path.length / len(path)
         there = Pose2(*path[-1]).compose(segment.X_BV.inverse())
