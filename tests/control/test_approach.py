@@ -178,7 +178,11 @@ def test_the_velocity_that_is_commanded_is_that_of_the_place(
 
 
 def test_an_approach_takes_as_long_as_its_longest_path() -> None:
-    slow = replace(ARM, approach_time=np.array([0.0, 3.0]))
+    slow = replace(
+        ARM,
+        approach_time=np.array([0.0, 1.5, 3.0]),
+        approach=np.array([[0.0, 0.0], [0.2, 0.0], [1.0, -2.0]]),
+    )
     both = JointApproach(Pose2(), (ARM, slow), (None, None), 1.0)
     assert both.arrival == pytest.approx(1.0 + 3.0 + SETTLE)
     long = tip_path(BEGIN, (2.0, 2.0, 0.05), ABOVE)

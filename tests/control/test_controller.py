@@ -22,6 +22,7 @@ from pushpressslide.control.state import (
     tip_position,
 )
 from pushpressslide.core import margins
+from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.control import ControlLog, Measurement, TipCommand, TipState
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Sensing
@@ -626,3 +627,22 @@ def test_an_object_that_goes_into_an_opening_takes_its_tips_along() -> None:
     for name, most in (("press-fit", math.inf), (PRESS, margins.ARM.sunk)):
         assert {touch.sunk for touch in made(name).touches} == {most}
         assert made(name).law.mover.sunk == most
+
+
+def test_what_contacts_cannot_give_is_missing_from_the_log() -> None:
+    controller = made(PUSH)
+    state, now = moving(controller, PUSH, 0.0)
+    binding = state.following.binding
+    lacking = (0.1, 0.2, 0.03)
+
+    def allocate(fx: float, fy: float, tau: float) -> Allocation:
+        return binding.allocate(fx, fy, tau)._replace(residual=lacking)
+
+    short = replace(binding, allocate=allocate)
+    state = state._replace(following=state.following._replace(binding=short))
+    _, log, _ = stepped(controller, state, now)
+    X_WB = now.object_pose.compose(controller.X_GB)
+    path = binding.segment.path
+    x, y = binding.tracker.step(path, X_WB, 0.05, 0.05, 1.0).wrench.about
+    off = [a - b for a, b in zip(log.wanted_wrench, log.allocated_wrench, strict=True)]
+    assert off == pytest.approx((0.1, 0.2, 0.03 + x * 0.2 - y * 0.1))

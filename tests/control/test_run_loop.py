@@ -27,6 +27,7 @@ from pushpressslide.control.limits import (
 from pushpressslide.control.plant import PlantRow
 from pushpressslide.control.run_loop import (
     PROGRESS_TICKS,
+    RunLoop,
     RunOptions,
     run_loop,
     tip_paths,
@@ -44,7 +45,7 @@ from pushpressslide.core.control import (
 )
 from pushpressslide.core.plan import JointPath, Plan, Segment
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.record import Record
+from pushpressslide.core.record import Ending, Record
 from pushpressslide.core.task import Motion, Sensing, Task
 
 PERIOD = 0.01
@@ -603,3 +604,9 @@ def test_a_run_of_a_single_tick_is_recorded_too(one: Plan, scripts) -> None:
     record = run_loop(Rows(arms=1), one, RunOptions(stop=lambda: True))
     assert record.arrays["extra"].tolist() == [[0.0, 1.0, 2.0]]
     assert record.arrays["time"].tolist() == [0.0]
+
+
+def test_a_run_that_has_not_begun_has_a_record_without_ticks(one: Plan) -> None:
+    record = RunLoop(Diary(arms=1), one).record(Ending("interrupted"))
+    assert len(record.arrays["time"]) == 0
+    assert record.reason == "interrupted"

@@ -104,6 +104,8 @@ def test_a_press_has_sunk_that_is_lower_than_it_rests_on_top() -> None:
     for height, low in ((rests - 0.006, True), (rests - 0.004, False), (0.5, False)):
         tip = TipState((0.0, 0.0, height), ZERO, ZERO)
         assert sunk(TOP, tip, RADIUS, 0.005) == low
+    edge = TipState((0.0, 0.0, rests - 0.005), ZERO, ZERO)
+    assert not sunk(TOP, edge, RADIUS, 0.005)
     assert not sunk(SIDE, TipState((0.0, 0.0, -1.0), ZERO, ZERO), RADIUS, 0.005)
 
 

@@ -615,9 +615,9 @@ def late(of: Moment, by: float) -> Moment:
     """Return a tick ``by`` [s] after the planned end of the segment's motion."""
     following = of.state.following
     duration = following.binding.segment.profile.duration
-    following = following._replace(clock_start=0.0)
+    following = following._replace(clock_start=BEGAN)
     state = of.state._replace(following=following)
-    instant = of.instant._replace(time=duration + by)
+    instant = of.instant._replace(time=BEGAN + (duration + by))
     return of._replace(state=state, instant=instant)
 
 

@@ -89,10 +89,20 @@ def two() -> Run:
 
 
 @pytest.fixture(scope="module")
-def recovered() -> Run:
+def told() -> list[tuple[float, float]]:
+    """Times and expected durations that the recovered run tells."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def recovered(told: list[tuple[float, float]]) -> Run:
     """A run in which a reference jumps, with noise on the poses."""
     noise = "sensing.position_noise=0.0003"
-    return run("rear-push-rear", noise, disturb=jump, seed=5)
+
+    def progress(time: float, expected: float) -> None:
+        told.append((time, expected))
+
+    return run("rear-push-rear", noise, disturb=jump, seed=5, progress=progress)
 
 
 @pytest.fixture(scope="module")
@@ -294,6 +304,20 @@ def test_a_jump_is_recovered_from_once_and_told(recovered: Run) -> None:
     assert event["time"] > JUMP
     assert recovered.arrays["placement"].max() == 1.0
     assert len(recovered.record.plan.later) == 1
+
+
+def test_after_a_recovery_its_plan_is_expected_to_take_its_time(
+    recovered: Run, told: list[tuple[float, float]]
+) -> None:
+    """With a grasp before it."""
+    (event,) = recovered.record.meta["events"]
+    at = event["time"]
+    before = {expected for time, expected in told if time < at}
+    after = {expected for time, expected in told if time > at + PERIOD}
+    assert len(before) == len(after) == 1
+    plan = recovered.record.plan.by_placement[1]
+    wanted = at + margins.ARM.regrasp + plan.duration
+    assert after.pop() == pytest.approx(wanted, abs=2 * PERIOD)
 
 
 def test_a_command_that_jumps_never_reaches_the_plant(recovered: Run) -> None:
