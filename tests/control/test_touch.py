@@ -542,3 +542,22 @@ def test_a_touch_is_believed_from_its_time_on() -> None:
     kept = made().step(memory, at(before, time=arm.felt_time), 3.0, 1.0)
     assert kept.memory.felt == 0.0
     assert kept.memory.absent == arm.felt_time
+
+
+def test_an_object_has_to_move_by_more_than_what_is_seen() -> None:
+    """And to be nearer to its tip than that."""
+    first = Pose2(0.0, 0.0, 0.0)
+    moved = Pose2(SEEN, 0.0, 0.0)
+    contact = Contact(0, "side", (0.0, 0.0), (1.0, 0.0), 0.03)
+    touching = tip_position(contact, moved, 0.0)
+    touch = TipTouch(0.0, GAP, 0.4, 0.25, SEEN, NormalForceRegulator())
+    memory = TipMemory(touching, found=first)
+    step = touch.step(memory, at(touching, contact=contact, X_WB=moved), 2.0, 1.0)
+    assert step.memory.felt is None
+    farther = Pose2(2.0 * SEEN, 0.0, 0.0)
+    behind = (SEEN, 0.0, 0.03)
+    step = touch.step(memory, at(behind, contact=contact, X_WB=farther), 2.0, 1.0)
+    assert step.memory.felt is None
+    near = (1.1 * SEEN, 0.0, 0.03)
+    step = touch.step(memory, at(near, contact=contact, X_WB=farther), 2.0, 1.0)
+    assert step.memory.felt is not None
