@@ -26,7 +26,7 @@ class MyPlant:
     overhead = 6.0  # [s]
     joint_paths = ()
     arm_limits = ()
-    meta = {"time_step": 0.004}
+    meta = {"time_step": 0.004}  # noqa: RUF012
 
     def __init__(self, plan: pps.Plan) -> None:
         task = plan.part(plan.segments[0])
