@@ -47,7 +47,7 @@ else
 	$(MAKE) quick PYTHON=$(NEWEST) VENV=.venv-newest
 endif
 
-# Small faults in the physics, each against the tests of its own package; resumable.
+# Small faults in physics and control, each against the tests of its own package; resumable.
 mutants: $(READY)
 	$(BIN)/python tools/mutants.py
 

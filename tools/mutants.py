@@ -1,17 +1,20 @@
-"""Mutation testing: does a small fault in the physics turn a test red?
+"""Mutation testing: does a small fault in the physics, or in the control, turn a test
+red?
 
-    python tools/mutants.py [--seed N] [--samples N] [--out FILE] [--processes N]
+    python tools/mutants.py [--only physics|control] [--seed N] [--samples N]
+                            [--out FILE] [--processes N]
 
 A mutant is one module with one small fault. The faults are listed in ``mutations.py``.
-A seeded sample of all mutants of four packages is drawn. Each one is run against the
-short tests of its own package, without a random choice of examples. Nothing is written
-to the sources: the mutated module is put in by an import hook in a forked process.
+Packages stand in groups, and a seeded sample of all mutants of each group is drawn. Each
+mutant is run against the short tests of its own package, without a random choice of
+examples. Nothing is written to the sources: the mutated module is put in by an import
+hook in a forked process.
 
 Results go to a file with one row per mutant. A row counts as long as neither the package
 nor its tests have changed, so that an interrupted command goes on where it was. Mutants
 that no test can tell from the original stand in ``equivalent_mutants.toml``, with the
-reason. The exit status is 1 if too few of the others are killed, or too many are named
-equivalent.
+reason. The exit status is 1 if in a group too few of the others are killed, or too many
+are named equivalent.
 """
 
 from __future__ import annotations
@@ -46,11 +49,24 @@ ROOT = Path(__file__).resolve().parents[1]
 SOURCES = ROOT / "src"
 STUDIES = ROOT / "studies"
 TESTS = (ROOT / "tests", STUDIES / "tests")  # with a folder for each package
-PACKAGES = ("mechanics", "allocation", "rom", "tracking")
 EQUIVALENT = ROOT / "tools" / "equivalent_mutants.toml"
-SLOWER = 10.0  # a mutant that takes this many times the tests' own time is killed
 LEAST_KILLED = 0.9  # share of the mutants that are not equivalent
 MOST_EQUIVALENT = 0.1  # share of the sample
+
+
+@dataclass(frozen=True)
+class Group:
+    """Packages whose mutants one sample is drawn from."""
+
+    packages: tuple[str, ...]
+    samples: int
+    slower: float  # a mutant that takes this many times the tests' own time is killed
+
+
+GROUPS = {
+    "physics": Group(("mechanics", "allocation", "rom", "tracking"), 300, 10.0),
+    "control": Group(("control", "execution"), 120, 5.0),
+}
 
 
 @dataclass(frozen=True)
@@ -173,6 +189,9 @@ class Job:
         try:
             status, test = self.answer.recv()
         except EOFError:
+            self.process.join()
+            if self.process.exitcode == 1:  # an exception outside of the tests
+                raise RuntimeError(f"the tests did not run: {self.mutation}") from None
             return "killed", "the process ended", seconds
         if status not in (0, 1, 2, 5):
             raise RuntimeError(f"pytest ended with status {status}: {self.mutation}")
@@ -193,10 +212,10 @@ def own_time(package: str) -> float:
     return found[2]
 
 
-def hashes() -> dict[str, str]:
+def hashes(packages: Sequence[str]) -> dict[str, str]:
     """Return one hash of sources and tests per package."""
     found = {}
-    for package in PACKAGES:
+    for package in packages:
         digest = hashlib.sha256()
         for folder in (SOURCES / "pushpressslide", *TESTS):
             for path in sorted((folder / package).rglob("*.py")):
@@ -216,12 +235,15 @@ def known_rows(path: Path, seed: int, sources: dict[str, str]) -> dict[str, Row]
     return rows
 
 
-def run_sample(sample: list[Mutation], arguments: argparse.Namespace) -> dict[str, Row]:
+def run_sample(
+    group: Group, sample: list[Mutation], arguments: argparse.Namespace
+) -> dict[str, Row]:
     """Run what has no row yet; return all rows by mutant."""
-    sources = hashes()
+    sources = hashes(group.packages)
     rows = known_rows(arguments.out, arguments.seed, sources)
     pending = [mutation for mutation in sample if str(mutation) not in rows]
-    limits = {p: SLOWER * own_time(p) for p in sorted({m.package for m in pending})}
+    packages = sorted({mutation.package for mutation in pending})
+    limits = {package: group.slower * own_time(package) for package in packages}
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
     running: list[Job] = []
     while pending or running:
@@ -256,8 +278,8 @@ def equivalent_mutants() -> dict[tuple[str, ...], str]:
     }
 
 
-def report(sample: list[Mutation], rows: dict[str, Row]) -> int:
-    """Print what survived and the shares; return the exit status."""
+def report(sample: list[Mutation], rows: dict[str, Row]) -> bool:
+    """Print what survived and the shares; return whether they are as wanted."""
     reasons = equivalent_mutants()
     counts: Counter[str] = Counter()
     for mutation in sample:
@@ -276,14 +298,25 @@ def report(sample: list[Mutation], rows: dict[str, Row]) -> int:
     )
     enough = killed >= LEAST_KILLED * others
     few = counts["equivalent"] <= MOST_EQUIVALENT * len(sample)
-    return 0 if enough and few else 1
+    return enough and few
+
+
+def passed(name: str, arguments: argparse.Namespace) -> bool:
+    """Run and report the sample of a group; return whether its shares are as wanted."""
+    group = GROUPS[name]
+    candidates = [m for package in group.packages for m in mutations(SOURCES, package)]
+    number = arguments.samples or group.samples
+    print(f"{name}: {len(candidates)} mutants, of which {number} are drawn")
+    sample = random.Random(arguments.seed).sample(candidates, number)
+    return report(sample, run_sample(group, sample, arguments))
 
 
 def main() -> None:
-    """Run the sample and report it."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    """Run the samples and report them."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("--only", choices=sorted(GROUPS))
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--samples", type=int, default=300)
+    parser.add_argument("--samples", type=int, help="of each group, for another number")
     parser.add_argument("--out", type=Path, default=ROOT / "runs" / "mutants.jsonl")
     parser.add_argument("--processes", type=int, default=1)
     arguments = parser.parse_args()
@@ -293,10 +326,9 @@ def main() -> None:
         derandomize=True,
         phases=[hypothesis.Phase.explicit, hypothesis.Phase.generate],
     )
-    candidates = [m for package in PACKAGES for m in mutations(SOURCES, package)]
-    print(f"{len(candidates)} mutants, of which {arguments.samples} are drawn")
-    sample = random.Random(arguments.seed).sample(candidates, arguments.samples)
-    sys.exit(report(sample, run_sample(sample, arguments)))
+    names = [arguments.only] if arguments.only else list(GROUPS)
+    good = [passed(name, arguments) for name in names]
+    sys.exit(0 if all(good) else 1)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -96,3 +97,138 @@ def test_an_approach_that_is_halted_comes_to_rest_on_its_path(kind: int) -> None
     assert steps[-1] == 0.0
     assert np.diff(steps).max() < 1e-4  # it never speeds up noticeably
     assert np.array(halted.step(times[-1])[0][0].velocity) == pytest.approx(0.0)
+
+
+def test_a_tip_goes_up_across_and_down_each_by_itself() -> None:
+    path = tip_path(BEGIN, END, ABOVE)
+    up = (BEGIN[0], BEGIN[1], ABOVE)
+    over = (END[0], END[1], ABOVE)
+    assert path.corners == (BEGIN, up, over, END)
+    ways = (ABOVE - BEGIN[2], math.hypot(0.3, 0.3), ABOVE - END[2])
+    # a minimum-jerk ramp is 1.875 times as fast at its fastest as on average
+    assert path.duration == pytest.approx(1.875 * sum(ways) / TRAVEL_SPEED)
+    assert 0.05 < TRAVEL_SPEED < 1.0
+
+
+@pytest.mark.parametrize("high", [0, 1])
+def test_a_tip_that_begins_or_ends_higher_travels_there(high: int) -> None:
+    ends = [BEGIN, END]
+    x, y, _ = ends[high]
+    ends[high] = (x, y, 0.5)
+    path = tip_path(ends[0], ends[1], ABOVE)
+    assert max(corner[2] for corner in path.corners) == 0.5
+    assert len(path.corners) == 3
+    _, p = places(path, path.duration)
+    assert np.linalg.norm(np.diff(p, axis=0), axis=1).max() < 1.01 * TRAVEL_SPEED * STEP
+
+
+def test_a_tip_that_is_there_already_needs_no_time() -> None:
+    path = tip_path(BEGIN, BEGIN, 0.0)
+    assert path.duration == 0.0
+    assert path.at(0.0) == (BEGIN, (0.0, 0.0, 0.0))
+    assert path.at(9.0) == (BEGIN, (0.0, 0.0, 0.0))
+
+
+def test_a_travel_passes_its_corners_at_rest() -> None:
+    path = tip_path(BEGIN, END, ABOVE)
+    first = 1.875 * (ABOVE - BEGIN[2]) / TRAVEL_SPEED
+    place_, velocity = path.at(first)
+    assert place_ == pytest.approx(path.corners[1])
+    assert velocity == pytest.approx((0.0, 0.0, 0.0))
+    middle, velocity = path.at(0.5 * first)
+    assert middle[2] == pytest.approx(0.5 * (BEGIN[2] + ABOVE))
+    assert velocity == pytest.approx((0.0, 0.0, TRAVEL_SPEED))
+
+
+@pytest.mark.parametrize("kind", [0, 1])
+def test_an_approach_begins_at_its_time_and_rests_at_its_end(
+    kind: int,
+) -> None:
+    approach = approaches()[kind]
+    path = tip_path(BEGIN, END, ABOVE)
+    begin, duration = ((0.0, 0.0), 1.0) if kind == 0 else (BEGIN, path.duration)
+    end = (1.0, -2.0) if kind == 0 else END
+    assert approach.arrival == pytest.approx(2.0 + duration + SETTLE)
+    assert 0.0 < SETTLE < 1.0
+    assert place(approach.step(2.0)[0][0]) == pytest.approx(begin)
+    (last,), log = approach.step(approach.arrival)
+    assert place(last) == pytest.approx(end)
+    assert np.array(last.velocity) == pytest.approx(0.0)
+    assert (log.phase, log.progress, log.thought().reference) == (
+        "approach",
+        0.0,
+        Pose2(),
+    )
+    assert not approach.at_rest(1e9)
+
+
+@pytest.mark.parametrize("kind", [0, 1])
+@pytest.mark.parametrize("halt", [None, 2.35])
+def test_the_velocity_that_is_commanded_is_that_of_the_place(
+    kind: int, halt: float | None
+) -> None:
+    approach = approaches()[kind]
+    if halt is not None:
+        approach.halt(halt)
+    h = 1e-5
+    for time in (2.2, 2.4, 2.5, 2.6):
+        if halt is not None and time < halt:
+            continue
+        before, now, after = (
+            approach.step(time + k * h)[0][0] for k in (-1.0, 0.0, 1.0)
+        )
+        slope = (place(after) - place(before)) / (2.0 * h)
+        assert np.array(now.velocity) == pytest.approx(slope, abs=1e-4)
+
+
+def test_an_approach_takes_as_long_as_its_longest_path() -> None:
+    slow = replace(
+        ARM,
+        approach_time=np.array([0.0, 1.5, 3.0]),
+        approach=np.array([[0.0, 0.0], [0.2, 0.0], [1.0, -2.0]]),
+    )
+    both = JointApproach(Pose2(), (ARM, slow), (None, None), 1.0)
+    assert both.arrival == pytest.approx(1.0 + 3.0 + SETTLE)
+    long = tip_path(BEGIN, (2.0, 2.0, 0.05), ABOVE)
+    short = tip_path(BEGIN, END, ABOVE)
+    tips = TipApproach(Pose2(), [short, None, long], (None,) * 3, 1.0)
+    assert tips.arrival == pytest.approx(1.0 + long.duration + SETTLE)
+
+
+def test_arms_that_hold_a_contact_are_led_by_their_posture_alone() -> None:
+    zero = (0.0, 0.0, 0.0)
+    held = TipCommand((3.0, 0.0, 0.0), zero, zero, zero, zero, 0.0, 0.0, 0.0, 5.0, 0.7)
+    joints = JointApproach(Pose2(), (ARM, ARM), (None, held), 0.0)
+    free, same = joints.step(0.5)[0]
+    assert isinstance(free, JointCommand)
+    assert free.velocity == pytest.approx(np.array([1.0, -2.0]))
+    assert same == held
+    assert isinstance(same, TipCommand)
+    assert same.posture == pytest.approx(np.array([0.5, -1.0]))
+    tips = TipApproach(Pose2(), [tip_path(BEGIN, END, ABOVE), None], (held, None), 0.0)
+    assert tips.step(0.5)[0] == (held, None)
+
+
+def test_a_tip_that_travels_touches_nothing_and_is_held_along_all_axes() -> None:
+    (command,), _ = approaches()[1].step(2.5)
+    assert isinstance(command, TipCommand)
+    assert command.force == (0.0, 0.0, 0.0)
+    assert min(command.stiffness) > 0.0
+    assert min(command.damping) > 0.0
+    assert command.servo_cap > 0.0
+    turns = (command.normal_yaw, command.tool_yaw, command.tool_yaw_rate)
+    assert turns == (0.0, 0.0, 0.0)
+    assert command.progress == 0.0
+
+
+@pytest.mark.parametrize("kind", [0, 1])
+def test_a_halt_takes_a_third_of_a_second_and_a_pause(kind: int) -> None:
+    approach = approaches()[kind]
+    approach.halt(2.4)
+    moving = place(approach.step(2.4 + 0.9 * HALT)[0][0])
+    still = place(approach.step(2.4 + HALT)[0][0])
+    assert (moving != still).any()
+    assert place(approach.step(1e6)[0][0]) == pytest.approx(still)
+    assert 0.1 < HALT < 1.0
+    assert not approach.at_rest(2.4 + 0.99 * (HALT + SETTLE))
+    assert approach.at_rest(2.4 + 1.01 * (HALT + SETTLE))

@@ -5,13 +5,28 @@ from dataclasses import replace
 import pytest
 
 import pushpressslide as pps
-from pushpressslide.control.correction import Replanner, press_creep, rest_of
+from pushpressslide.control.correction import (
+    Replan,
+    Replanner,
+    led_in,
+    press_creep,
+    rest_of,
+    side_slide,
+    sides_of,
+    slide,
+    touched_point,
+)
+from pushpressslide.core import margins
+from pushpressslide.core.control import TipState
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Contact, Plan
-from pushpressslide.core.pose import Pose2
+from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Belief, Box, Obstacle, Robot, Task
+from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.identification.findings import NOTHING, Findings
+from pushpressslide.identification.online import Identified
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Measured
 
@@ -192,3 +207,135 @@ def test_an_identified_rho_takes_the_place_of_a_believed_one_only() -> None:
     for task, found, rho in ((told, 0.2, 0.2), (TASK, 0.2, None), (told, None, 0.1)):
         (query,) = Replanner(task.queries()).believing(found).queries
         assert query.scene.rho == rho
+
+
+def onward(
+    aside: float = 0.0,
+    turned: float = 0.0,
+    progress: float = 0.0,
+    since: float = 9.0,
+    touched: tuple[Point, ...] = TOUCHED,
+    findings: Findings = NOTHING,
+) -> Replan | None:
+    """Return what is made of an object ``aside`` [m] and ``turned`` [rad] of its path."""
+    off = guidance(progress, 0.0)._replace(error=(9.0, aside, turned))
+    there = SEGMENT.body_pose(progress).compose(Pose2(0.0, 0.002, 0.0))
+    return Replanner(TASK.queries()).onward(
+        PLAN.segments, there, touched, off, since, findings
+    )
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_each_error_above_its_own_bound_is_replanned(side: float) -> None:
+    arm = margins.ARM
+    for share, made in ((1.0, False), (1.01, True)):
+        assert (onward(aside=side * share * arm.off_path) is not None) == made
+        assert (onward(turned=side * share * arm.off_heading) is not None) == made
+    ((x, y),) = TOUCHED
+    for share, made in ((0.99, False), (1.01, True)):
+        slid = ((x, y + side * share * arm.slid),)
+        assert (onward(touched=slid) is not None) == made
+
+
+def test_an_axle_or_a_centre_that_is_found_elsewhere_is_replanned() -> None:
+    planned, _ = Pose2(0.0, 0.0, SEGMENT.X_BV.yaw).unrotate(SEGMENT.X_BV.position)
+    most = margins.ARM.off_axle
+    for off, made in ((0.99, False), (1.01, True), (-1.01, True)):
+        axle = Identified(planned + off * most, 0.1, 0.1)
+        assert (onward(findings=Findings(axle=axle)) is not None) == made
+    assert onward(findings=Findings(elsewhere=True)) is not None
+
+
+def test_nothing_is_replanned_shortly_before_the_end_or_after_a_replan() -> None:
+    arm = margins.ARM
+    off = 2.0 * arm.off_path
+    for share, made in ((0.99, False), (1.01, True)):
+        assert (onward(off, since=share * arm.replan_pause) is not None) == made
+        ends = LENGTH - share * arm.least_left
+        assert onward(off, progress=ends) is None or made
+    assert onward(off, since=arm.replan_pause) is not None
+    half = onward(off, progress=0.5 * LENGTH)
+    assert half is not None
+    rest = half.segments[0].path.length - half.progress
+    assert rest == pytest.approx(0.5 * LENGTH, rel=0.1)
+
+
+def test_a_side_slides_and_a_press_does_not_count() -> None:
+    push = Contact(0, "side", (0.0, 0.0), (1.0, 0.0), 0.1)
+    press = Contact(1, "top", (0.0, 0.0), (0.0, 0.0), 0.1, 20.0)
+    far = [(0.03, 0.04), (0.3, 0.4)]
+    assert side_slide([push, push], far) == pytest.approx(0.5)
+    assert side_slide([push, press], far) == pytest.approx(0.05)
+    assert side_slide([press, press], far) == 0.0
+    assert slide([push, press], far) == pytest.approx(0.5)
+
+
+def test_a_tip_touches_a_face_at_its_foot() -> None:
+    X_WB = Pose2(0.5, 0.1, 0.7)
+    zero = (0.0, 0.0, 0.0)
+    body = TASK.object
+    (contact,) = PLAN.contacts
+    (side,) = sides_of(body, [contact])
+    nx, ny = contact.normal
+    place = (
+        contact.point[0] - 0.05 * nx - 0.01 * ny,
+        contact.point[1] - 0.05 * ny + 0.01 * nx,
+    )
+    tip = TipState((*X_WB.apply(place), 0.03), zero, zero)
+    assert side is not None
+    assert touched_point(side, X_WB, tip) == pytest.approx(
+        (contact.point[0] - 0.01 * ny, contact.point[1] + 0.01 * nx)
+    )
+    assert touched_point(None, X_WB, tip) == pytest.approx(place)
+    top = Contact(0, "top", (0.0, 0.0), (0.0, 0.0), 0.1, 20.0)
+    assert sides_of(body, [top, contact])[0] is None
+
+
+def test_a_path_is_led_in_along_its_first_direction() -> None:
+    """Along arcs by a straight piece, along twists by more of the first one."""
+    path = led_in(SEGMENT.path, 0.03)
+    assert path.length == pytest.approx(LENGTH + 0.03)
+    assert path.pose(0.03).position == pytest.approx(SEGMENT.path.start.position)
+    assert path.end.position == pytest.approx(SEGMENT.path.end.position)
+    back = SEGMENT.path.start.unapply(path.start.position)
+    assert back == pytest.approx((-0.03, 0.0))
+    twists = TwistPath.between((Pose2(), Pose2(0.2, 0.1, 0.5)), 0.1)
+    longer = led_in(twists, 0.03)
+    assert longer.pose(0.03).position == pytest.approx((0.0, 0.0))
+    assert longer.end.position == pytest.approx(twists.end.position)
+
+
+def test_the_rest_of_a_way_not_begun_is_all_of_it() -> None:
+    assert rest_of(SEGMENT, -0.1).path.length == pytest.approx(LENGTH)
+    (turn,) = pps.plan(pps.load_task("press-slide-pivot")).segments
+    assert rest_of(turn, 0.1) is turn
+
+
+@pytest.mark.parametrize("name", ["rear-push-left", "tee"])
+def test_an_axle_is_compared_along_the_heading_of_its_vehicle(name: str) -> None:
+    """Wherever the vehicle heads on the object."""
+    task = pps.load_task(name, ["obstacles=[]", "limits.workspace=null"])
+    plan = pps.plan(task)
+    segment = plan.segments[0]
+    X_BV = segment.X_BV
+    planned, _ = Pose2(0.0, 0.0, X_BV.yaw).unrotate(X_BV.position)
+    touched = tuple(contact.point for contact in segment.contacts)
+    calm = guidance(0.0, 0.0)
+    here = segment.body_pose(0.0)
+    most = margins.ARM.off_axle
+    for off in (-0.9, 0.9):
+        found = Findings(axle=Identified(planned + off * most, 0.1, 0.1))
+        replan = Replanner(task.queries()).onward(
+            plan.segments, here, touched, calm, 9.0, found
+        )
+        assert replan is None
+
+
+def test_a_motion_begun_anew_has_the_run_up_of_its_speed() -> None:
+    """Of a constant acceleration from rest."""
+    made = onward(aside=0.004)
+    assert made is not None
+    profile = SEGMENT.profile
+    speed = profile.speed
+    assert made.progress == pytest.approx(speed * made.clock / 2.0)
+    assert made.clock == pytest.approx(speed / profile.acceleration)

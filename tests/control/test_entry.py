@@ -1,6 +1,7 @@
 """How tips follow an object into an opening."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -8,6 +9,8 @@ import pushpressslide as pps
 from pushpressslide.control.entry import BRAKE, LANDING, Entry, braking, entry
 from pushpressslide.core.control import TipState
 
+TASK = pps.load_task("press-fit")
+PLAN = pps.plan(TASK)
 ENTRY = Entry(0.15, ((1, 0.27), (0, 0.28)))
 # [m] of the tips, 4 mm into the face; that of arm 1 first
 PRESSED = ((0.0, 0.0, 0.266), (0.0, 0.0, 0.276))
@@ -25,8 +28,7 @@ def at(left: float, right: float, speed: float = 0.0) -> tuple[TipState, ...]:
 
 def test_the_depth_is_that_of_the_tip_below_where_it_touched() -> None:
     assert ENTRY.depths(at(0.0, 0.13)) == pytest.approx([0.13, 0.0])
-    plan = pps.plan(pps.load_task("press-fit"))
-    made = entry(plan.task.scene, plan.goal, plan.contacts)
+    made = entry(PLAN.task.scene, PLAN.goal, PLAN.contacts)
     assert made is not None
     assert (made.stop, made.tips) == (0.15, ((0, 0.27), (1, 0.27)))
 
@@ -65,13 +67,54 @@ def test_a_tip_braked_so_from_what_it_may_do_meets_the_back_at_the_landing_speed
 
 
 def test_only_a_goal_within_the_opening_is_entered() -> None:
-    task = pps.load_task("press-fit")
-    scene = task.scene
-    assert scene.enters(task.goal)
-    opening = pps.load_task("press-fit").support.opening
+    scene = TASK.scene
+    assert scene.enters(TASK.goal)
+    opening = TASK.support.opening
     assert opening is not None
     upright = pps.load_task("press-fit", ["goal.x=0.7", "goal.y=0", "goal.yaw_deg=0"])
     assert not scene.enters(upright.goal)
-    entered = [scene.enters(query.goal) for query in task.queries()]
+    entered = [scene.enters(query.goal) for query in TASK.queries()]
     assert entered[:2] == [False, False]
     assert entered[-1]
+
+
+def test_tips_that_press_as_at_first_are_not_going_in() -> None:
+    """They are from 2 mm deeper on, one of them at least."""
+    for deeper, enters in ((0.0019, False), (0.0021, True)):
+        for left, right in ((deeper, 0.0), (0.0, deeper)):
+            speeds = ENTRY.speeds(at(0.004 + left, 0.004 + right), PRESSED)
+            assert (None not in speeds) == enters
+
+
+def test_an_object_is_seated_close_to_the_back_and_when_it_rests() -> None:
+    assert ENTRY.seated(at(0.1481, 0.1481))
+    assert not ENTRY.seated(at(0.1479, 0.15))
+    assert not ENTRY.seated(at(0.15, 0.1479))
+    for speed, rests in ((0.009, True), (0.011, False), (-0.011, False)):
+        assert ENTRY.seated(at(0.15, 0.15, speed)) == rests
+
+
+def test_one_tip_that_moves_keeps_both_from_being_seated() -> None:
+    for moving in range(2):
+        tips = list(at(0.15, 0.15))
+        assert ENTRY.seated(tips)
+        tips[moving] = replace(tips[moving], velocity=(0.0, 0.0, -0.02))
+        assert not ENTRY.seated(tips)
+
+
+def test_a_tip_is_braked_as_its_speed_asks_and_no_harder() -> None:
+    assert braking(0.1, 0.1) == BRAKE
+    assert braking(0.05, 0.1) == pytest.approx(0.25 * BRAKE)
+    assert braking(0.3, 0.1) == BRAKE
+    assert braking(0.0, 0.1) == 0.0
+
+
+def test_beyond_the_back_a_tip_goes_at_the_landing_speed() -> None:
+    assert ENTRY.speeds(at(0.2, 0.2), PRESSED) == pytest.approx([LANDING, LANDING])
+    assert 0.0 < LANDING < 0.2
+
+
+def test_a_task_without_an_opening_has_nothing_to_enter() -> None:
+    assert entry(TASK.scene, PLAN.queries[0].goal, PLAN.contacts) is None
+    flat = pps.load_task("press-slide")
+    assert entry(flat.scene, flat.goal, pps.plan(flat).contacts) is None

@@ -16,6 +16,7 @@ from pushpressslide.control.estimator import (
     ObjectEstimator,
     Observation,
     pose_gain,
+    stamped,
 )
 from pushpressslide.control.following import Prediction
 from pushpressslide.control.run_loop import RunOptions, run_loop
@@ -66,10 +67,12 @@ def seen_at(task: Task, pose: Pose2) -> tuple[ObjectEstimator, EstimatorState]:
 
 
 def test_without_noise_a_measured_pose_is_the_estimate_to_the_bit() -> None:
-    estimator, state = seen_at(pps.load_task("rear-push-rear"), NOISY.start)
-    measured = Pose2(0.41, 0.23, 0.1)
-    estimate, _ = estimator.step(state, observed(DT, measured, FORWARD))
-    assert measured == estimate.X_WG
+    beside = ["object.center_of_mass=[0.013, 0.007]"]
+    estimator, state = seen_at(pps.load_task("rear-push-rear", beside), NOISY.start)
+    for i in range(50):
+        measured = Pose2(0.41 + 0.0137 * i, 0.23 - 0.0071 * i, 0.1 + 0.0311 * i)
+        estimate, _ = estimator.step(state, observed(DT, measured, FORWARD))
+        assert measured == estimate.X_WG
 
 
 def test_with_noise_a_share_of_what_is_off_corrects_the_predicted_pose() -> None:
@@ -175,9 +178,100 @@ def test_another_estimator_runs_a_shipped_task(
 ) -> None:
     monkeypatch.setattr(LowPass, "made", 0)
     monkeypatch.setattr(LowPass, "ticks", 0)
-    plan = pps.plan(pps.load_task(name))
+    plan = pps.plan(pps.load_task(name, ["motion.control_period=0.01"]))
     record = run_loop(planar_cell(plan), plan, RunOptions(estimator=LowPass))
     assert record.reason == "goal_reached"
     assert LowPass.made == len(plan.placements)
     # from the touch to the end of the last placement
     assert 0 < LowPass.ticks <= len(record.arrays["time"])
+
+
+def test_a_pose_is_predicted_about_the_centre_of_mass() -> None:
+    """Also by a turn, and by a twist that is given of another point."""
+    task = pps.load_task("rear-push-rear", ["sensing.position_noise=0.001"])
+    estimator, state = seen_at(task, task.start)
+    X_GB = task.object.X_GB
+    X_WB = task.start.compose(X_GB)
+    w = 0.5
+    for about in ((0.0, 0.0), (0.05, -0.02)):
+        # at the centre of mass (0.1, 0.02) m/s, whatever the point
+        led = Twist(0.1 - w * about[1], 0.02 + w * about[0], w, about)
+        estimate, _ = estimator.step(state, observed(DT, None, led))
+        body = estimate.X_WG.compose(X_GB)
+        assert body.yaw == pytest.approx(X_WB.yaw + w * DT)
+        moved = X_WB.unrotate((body.x - X_WB.x, body.y - X_WB.y))
+        assert moved == pytest.approx((0.1 * DT, 0.02 * DT), abs=1e-5)
+
+
+def test_a_measured_yaw_corrects_by_the_same_share() -> None:
+    estimator, state = seen_at(NOISY, NOISY.start)
+    start = NOISY.start.compose(NOISY.object.X_GB)
+    turned = Pose2(start.x, start.y, start.yaw + 0.01)
+    seen = turned.compose(NOISY.object.X_GB.inverse())
+    estimate, _ = estimator.step(state, observed(DT, seen))
+    gain = pose_gain(NOISY.sensing)
+    assert estimate.X_WG.yaw == pytest.approx(start.yaw + 0.01 * gain)
+
+
+def test_the_first_estimate_is_the_pose_that_was_seen() -> None:
+    for task in (NOISY, pps.load_task("rear-push-rear")):
+        estimator = ObjectEstimator(task.query)
+        start = estimator.start(StampedPose(0.0, NOISY.start))
+        unseen, _ = estimator.step(start, observed(DT, None, FORWARD))
+        assert NOISY.start == unseen.X_WG
+        assert unseen.age == DT
+        there = Pose2(0.3, 0.2, 0.1)
+        seen, _ = estimator.step(start, observed(DT, there, FORWARD))
+        assert there == seen.X_WG
+        assert seen.twist == FORWARD
+        assert seen.time == DT
+
+
+def test_the_gain_falls_with_the_square_of_whichever_noise_is_larger() -> None:
+    """A fifth of a millimetre and a twelfth of a degree of noise are left."""
+    yaw = math.radians(0.16)
+    assert pose_gain(Sensing(yaw_noise=yaw)) == pytest.approx(0.25)
+    assert pose_gain(Sensing(yaw_noise=yaw, position_noise=5e-4)) == pytest.approx(0.16)
+    assert pose_gain(Sensing(yaw_noise=yaw, position_noise=2e-4)) == pytest.approx(0.25)
+    assert pose_gain(Sensing(yaw_noise=1.0)) == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("name", ["rear-push-rear", "press-slide"])
+def test_only_an_object_that_is_driven_tells_of_itself(name: str) -> None:
+    task = pps.load_task(name)
+    plan = pps.plan(task)
+    made = Controller(plan)
+    (contact,) = plan.segments[0].contacts
+    X_WB = plan.segments[0].body_pose(0.0)
+    tip = TipState((*X_WB.apply(contact.point), 0.05), (0, 0, 0), (1.0, 0.5, -9.0))
+    state = made.init(Measurement(0.0, task.start, (tip,)))
+    estimator = ObjectEstimator(task.query)
+    begun = estimator.start(StampedPose(0.0, task.start))
+    ends = {}
+    for driven in (False, True):
+        known = begun
+        for i in range(1, 40):
+            X_WG = task.start.compose(Pose2(0.001 * i, 0.0, 0.002 * i))
+            _, known = estimator.step(
+                known,
+                Observation(
+                    i * DT,
+                    StampedPose(i * DT, X_WG),
+                    FORWARD,
+                    driven,
+                    (tip,),
+                    state.following.binding,
+                    state.following.prediction,
+                ),
+            )
+        ends[driven] = (known.axle, known.center)
+    assert ends[False] == (begun.axle, begun.center)
+    assert ends[True] != ends[False]
+
+
+def test_a_pose_has_its_own_time_or_that_of_the_measurement() -> None:
+    tip = TipState((0, 0, 0), (0, 0, 0), (0, 0, 0))
+    pose = Pose2(0.1, 0.2, 0.3)
+    assert stamped(Measurement(5.0, pose, (tip,))) == StampedPose(5.0, pose)
+    late = Measurement(5.0, pose, (tip,), pose_time=0.0)
+    assert stamped(late) == StampedPose(0.0, pose)

@@ -5,7 +5,9 @@ from pushpressslide.control.execution import Execution
 from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.planar.engine import run
 
-PLAN = pps.plan(pps.load_task("rear-push-rear", ["motion.recoveries=0"]))
+NEAR = ["goal.x=0.50", "goal.y=0.22", "goal.yaw_deg=0"]  # only the end counts
+QUICK = ["motion.recoveries=0", "motion.control_period=0.01", "limits.time=20"]
+PLAN = pps.plan(pps.load_task("rear-push-rear", NEAR + QUICK))
 
 
 def test_the_record_says_what_was_changed_and_nothing_else() -> None:
@@ -24,5 +26,5 @@ def test_what_is_as_in_every_run_is_no_change() -> None:
 
 def test_a_force_alone_is_a_little_above_friction() -> None:
     assert Execution().gain == 1.0
-    assert Execution(servo=False).gain > 1.0
+    assert 1.0 < Execution(servo=False).gain < 1.2
     assert Execution(force_gain=0.9).gain == 0.9

@@ -81,3 +81,39 @@ def test_a_path_that_leads_nowhere_keeps_its_start() -> None:
         TIMES, PATH.approach, np.zeros(2), PATH.move[:2], 0.0, 1.0, 1.0, 1.0, 0.0
     )
     assert path_reference(still, 0.3).tolist() == PATH.move[0].tolist()
+
+
+@given(st.floats(0.0, 0.4))
+def test_on_the_path_joints_lie_on_the_line_between_two_samples(s: float) -> None:
+    wanted = [np.interp(s, PATH.arc_length, PATH.move[:, joint]) for joint in range(2)]
+    assert path_reference(PATH, s) == pytest.approx(wanted, abs=1e-12)
+
+
+@given(times)
+def test_on_the_approach_joints_lie_on_the_line_between_two_samples(
+    time: float,
+) -> None:
+    wanted = [np.interp(time, TIMES, PATH.approach[:, joint]) for joint in range(2)]
+    assert approach_reference(PATH, time)[0] == pytest.approx(wanted, abs=1e-12)
+
+
+def test_before_the_touch_joints_are_those_of_the_way_that_is_left() -> None:
+    before = np.array([[0.1, 0.3], [0.2, 0.5], [0.4, 2.0]])
+    path = replace(PATH, touch=before)
+    assert path_reference(path, -0.01) == pytest.approx(before[0])
+    assert path_reference(path, -0.005) == pytest.approx(before[1])
+    assert path_reference(path, -0.0075) == pytest.approx(before[:2].mean(axis=0))
+    assert path_reference(path, -9.0) == pytest.approx(before[0])
+    assert path_reference(path, 0.1) == pytest.approx(PATH.move[1])
+    assert path_reference(path, 0.0) == pytest.approx(PATH.move[0])
+
+
+def test_a_touch_needs_two_samples_to_be_a_line() -> None:
+    before = np.array([[0.1, 0.3], [0.4, 2.0]])
+    path = replace(PATH, touch=before)
+    assert path_reference(path, -0.005) == pytest.approx(before.mean(axis=0))
+    alone = replace(PATH, touch=before[:1])
+    assert path_reference(alone, -0.005) == pytest.approx(PATH.move[0])
+    drawn = np.array([[0.0, 0.0], [0.2, -0.4]])
+    back = replace(PATH, back=drawn, room=0.06)
+    assert path_reference(back, 0.43) == pytest.approx(drawn.mean(axis=0))

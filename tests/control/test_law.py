@@ -9,7 +9,7 @@ import pytest
 import pushpressslide as pps
 from pushpressslide.control.adaptation import Adaptation
 from pushpressslide.control.controller import Controller
-from pushpressslide.control.law import Decision
+from pushpressslide.control.law import CATCH_UP, Decision
 from pushpressslide.control.state import Instant, tip_position
 from pushpressslide.core import margins
 from pushpressslide.core.control import Measurement, TipState
@@ -109,3 +109,88 @@ def test_a_goal_at_which_an_object_is_held_is_waited_at() -> None:
     assert law.speed(end, segment.profile.duration) == law.floor_speed
     waiting = replace(law, waits=True)
     assert waiting.speed(end, segment.profile.duration) == 0.0
+
+
+def test_times_of_a_tick_are_taken_before_and_after_each_part() -> None:
+    plan = pps.plan(pps.load_task("rear-push-rear"))
+    controller = Controller(plan)
+    task = plan.task
+    resting = Measurement(0.0, task.start, (TipState(STILL, STILL, STILL),))
+    state = controller.init(resting)
+    X_WB = plan.segments[0].body_pose(0.0)
+    instant = Instant(0.0, 0.004, task.start, X_WB, resting.tips)
+    times = iter([10.0, 11.0, 14.0])
+    decision = controller.law.step(
+        state.following, instant, USUAL, state.phase.tips, lambda: next(times)
+    )
+    assert decision.wall_times == (1.0, 3.0)
+
+
+def test_the_speed_follows_the_profile_and_catches_up_in_proportion() -> None:
+    plan = pps.plan(pps.load_task("rear-push-rear"))
+    controller = Controller(plan)
+    (segment,) = plan.segments
+    resting = Measurement(0.0, plan.task.start, (TipState(STILL, STILL, STILL),))
+    following = controller.init(resting).following._replace(clock_start=7.0)
+    law = controller.law
+    profile = segment.profile
+    middle = 0.5 * profile.duration
+    there, planned = profile.at(middle)
+    for behind in (-0.004, 0.0, 0.004):
+        speed = law.speed(following._replace(progress=there - behind), 7.0 + middle)
+        assert speed == pytest.approx(planned + CATCH_UP * behind)
+    assert 0.5 < CATCH_UP < 5.0  # [1/s]
+    far = law.speed(following._replace(progress=0.0), 7.0 + middle)
+    assert far == pytest.approx(1.5 * profile.speed)
+    late = law.speed(following._replace(progress=there + 9.0), 7.0 + middle)
+    assert late == law.floor_speed
+    assert law.floor_speed == margins.FLOOR_SPEED * plan.task.motion.speed
+
+
+@pytest.mark.parametrize(("share", "waits"), [(0.9, True), (1.1, False)])
+def test_a_goal_is_waited_at_only_where_the_last_path_ends(
+    share: float, waits: bool
+) -> None:
+    plan = pps.plan(pps.load_task("press-slide-car"))
+    controller = Controller(plan)
+    resting = Measurement(0.0, plan.task.start, (TipState(STILL, STILL, STILL),))
+    following = controller.init(resting).following
+    law = replace(controller.law, waits=True)
+    length = following.binding.segment.path.length
+    duration = following.binding.segment.profile.duration
+    end = following._replace(progress=length - share * margins.ARM.stop)
+    last = end._replace(ahead=())
+    assert law.speed(end, duration) > 0.0
+    assert (law.speed(last, duration) < 1e-3) == waits
+
+
+def test_two_pushing_tips_are_held_at_their_contacts_by_a_servo() -> None:
+    plan = pps.plan(pps.load_task("parallel-push"))
+    controller = Controller(plan)
+    (segment,) = plan.segments
+    X_WB = segment.body_pose(PROGRESS)
+    task = plan.task
+    places = {}
+    for contact in segment.contacts:
+        radius = task.robots[contact.arm].tip_radius
+        x, y, z = tip_position(contact, X_WB, radius)
+        nx, ny, _ = contact.direction(X_WB)
+        # slid far along its face
+        places[contact.arm] = (x - 0.02 * ny, y + 0.02 * nx, z)
+    tips = tuple(TipState(places[arm], STILL, STILL) for arm in sorted(places))
+    X_WG = X_WB.compose(controller.X_BG)
+    state = controller.init(Measurement(0.0, X_WG, tips))
+    following = state.following._replace(progress=PROGRESS)
+    instant = Instant(1.0, 0.004, X_WG, X_WB, tips)
+
+    def velocities(servo: bool) -> list[float]:
+        law = replace(controller.law, servo=servo)
+        made = law.step(following, instant, USUAL, state.phase.tips, lambda: 0.0)
+        along = []
+        for contact, command in zip(segment.contacts, made.commands, strict=True):
+            nx, ny, _ = contact.direction(X_WB)
+            along.append(command.velocity[1] * nx - command.velocity[0] * ny)
+        return along
+
+    for led, alone in zip(velocities(True), velocities(False), strict=True):
+        assert led < alone

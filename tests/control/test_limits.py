@@ -187,3 +187,221 @@ def test_an_arm_that_begins_to_draw_back_near_a_limit_may_go_on_if_not_nearer() 
         assert judge.cramped([near]) == cramped
     judge.begin()
     assert not judge.cramped([ArmReading(np.array([0.986, 0.0]), np.zeros(2))])
+
+
+def count(judge: Guard, readings: ArmReading) -> int | None:
+    return ticks_to_a_breach(judge, reading=readings)
+
+
+def test_what_is_just_allowed_breaks_no_limit() -> None:
+    """A force, a speed, a torque, a place or a step that is the limit itself."""
+    arm = replace(ARM, lower=np.zeros(2), upper=np.full(2, 9.0))
+    judge = Guard(LIMIT, 0.002, (arm,))
+    edge = ArmReading(np.array([POSITION_MARGIN, 5.0]), np.array([-2.0, 3.0]), 1.0, 1.0)
+    fast = JointCommand(np.zeros(2), np.zeros(2))
+    step = JointCommand(JOINT_JUMP * 0.002 * arm.velocity, np.zeros(2))
+    for command in (fast, step) * 100:
+        assert judged(judge, 0.0, edge, command) is None
+    assert judged(guard(1.0), force=LIMIT) is None
+    judge = guard()
+    assert judged(judge, PEAK * LIMIT, command=moved(0.0)) is None
+    assert judged(judge, command=moved(JUMP)) is None
+
+
+def test_torque_may_exceed_its_limit_for_its_time_exactly() -> None:
+    period = 0.25 * TORQUE_TIME
+    assert count(guard(period), replace(REST, torque_share=1.01)) == 5
+    assert count(guard(period), replace(REST, torque_share=1.0)) is None
+
+
+def test_a_tick_that_is_longer_than_the_mean_is_judged_by_itself() -> None:
+    assert judged(guard(5.0 * MEAN_TIME), force=1.01 * LIMIT) is not None
+    assert judged(guard(5.0 * MEAN_TIME), force=0.99 * LIMIT) is None
+
+
+@pytest.mark.parametrize(
+    ("shares", "words"),
+    [
+        ((1.3, 1.2), "1.30 times its torque"),
+        ((1.2, 1.3), "1.30 times its change of torque"),
+    ],
+)
+def test_an_ending_says_whether_a_torque_or_its_change_is_too_large(
+    shares: tuple[float, float], words: str
+) -> None:
+    judge = guard(1.0)
+    ending = judged(judge, reading=ArmReading(REST.q, REST.v, *shares))
+    assert ending is not None
+    assert ending.code == "torque_limit"
+    assert words in ending.text
+
+
+def test_the_fastest_joint_for_its_limit_is_named() -> None:
+    reading = replace(REST, v=np.array([-2.5, 3.1]))
+    ending = judged(guard(), reading=reading)
+    assert ending is not None
+    assert ending.text == "arm 0: joint 1 at 2.50 rad/s, allowed 2 rad/s"
+
+
+def test_each_tip_and_arm_is_judged_and_named_by_its_number() -> None:
+    judge = Guard(LIMIT, 0.002, (ARM, ARM))
+    fast = replace(REST, v=np.array([9.0, 0.0]))
+    ending = judge.breach([0.0, 0.0], [REST, fast], (None, None))
+    assert ending is not None
+    assert ending.text.startswith("arm 1: joint 1 at 9.00")
+    ending = judge.breach([0.0, 2.0 * LIMIT], [REST, REST], (None, None))
+    assert ending is not None
+    assert ending.text.startswith("tip 1: 40.0 N in one sample")
+
+
+def test_of_several_breaches_the_force_is_told_first_and_a_jump_last() -> None:
+    judge = guard()
+    assert judged(judge, command=moved(0.0)) is None
+    fast = ArmReading(np.array([0.999, 0.0]), np.array([9.0, 0.0]))
+    ending = judged(judge, 2.0 * LIMIT, fast, moved(1.0))
+    assert ending is not None
+    assert ending.code == "force_limit"
+    ending = judged(judge, LIMIT, fast, moved(2.0))
+    assert ending is not None
+    assert "rad/s" in ending.text
+    ending = judged(judge, LIMIT, replace(fast, v=REST.v), moved(3.0))
+    assert ending is not None
+    assert "from its limit" in ending.text
+    ending = judged(judge, LIMIT, REST, moved(4.0))
+    assert ending is not None
+    assert ending.code == "reference_jump"
+
+
+def test_a_breach_keeps_no_limit_from_being_watched() -> None:
+    """What is watched over time is counted at every tick, whatever else is broken."""
+    period = 0.25 * TORQUE_TIME
+    judge = guard(period)
+    asked = replace(REST, torque_share=1.2)
+    for _ in range(4):
+        ending = judged(judge, 2.0 * LIMIT, asked)
+        assert ending is not None
+        assert ending.code == "force_limit"
+    for _ in range(2):
+        ending = judged(judge, 0.0, asked)
+    assert ending is not None
+    assert ending.code == "torque_limit"
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.6, -2.0])
+@pytest.mark.parametrize("axis", range(3))
+def test_a_jump_is_measured_along_the_axes_of_the_contact_that_hold(
+    yaw: float, axis: int
+) -> None:
+    c = np.cos(yaw)
+    s = np.sin(yaw)
+    axes = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    stiffness = [0.0, 0.0, 0.0]
+    stiffness[axis] = 5.0
+    for other in range(3):
+        judge = guard()
+        hold = replace(HOLD, stiffness=tuple(stiffness), normal_yaw=yaw)
+        away = tuple(1.5 * JUMP * axes[other])
+        assert judged(judge, command=hold) is None
+        ending = judged(judge, command=replace(hold, position=away))
+        assert (ending is not None) == (other == axis)
+
+
+def test_a_jump_counts_along_axes_that_hold_before_and_after_alone() -> None:
+    for before, after in ((0.0, 1.0), (1.0, 0.0)):
+        judge = guard()
+        assert judged(judge, command=moved(0.0, before)) is None
+        assert judged(judge, command=moved(1.0, after)) is None
+
+
+def test_a_jump_along_several_axes_is_their_distance() -> None:
+    judge = guard()
+    assert judged(judge, command=HOLD) is None
+    away = replace(HOLD, position=(0.8 * JUMP, 0.0, -0.8 * JUMP))
+    ending = judged(judge, command=away)
+    assert ending is not None
+    assert "jumps by 23 mm" in ending.text
+
+
+def test_a_command_of_another_kind_is_no_jump() -> None:
+    judge = guard()
+    joints = JointCommand(np.ones(2), np.zeros(2))
+    for command in (moved(0.0), joints, moved(1.0), None, moved(2.0)):
+        assert judged(judge, command=command) is None
+
+
+def test_the_reference_that_jumps_farthest_for_its_joint_is_named() -> None:
+    judge = guard(0.01)
+    zero = np.zeros(2)
+    assert judged(judge, command=JointCommand(zero, zero)) is None
+    allowed = JOINT_JUMP * 0.01 * ARM.velocity
+    far = JointCommand(np.array([-1.3, 1.1]) * allowed, zero)
+    ending = judged(judge, command=far)
+    assert ending is not None
+    assert "joint 1 jumps by 0.052 rad, allowed 0.040 rad" in ending.text
+
+
+def near(room: float) -> ArmReading:
+    """Return a reading of an arm whose first joint has ``room`` [rad] to its limit."""
+    return ArmReading(np.array([ARM.upper[0] - room, 0.0]), np.zeros(2))
+
+
+def test_after_a_recovery_an_arm_may_leave_a_limit() -> None:
+    """But come no nearer again than a little, and not at all once it is well inside."""
+    judge = guard().successor(LIMIT, (None,))
+    for room in (0.004, 0.001, 0.006, 0.003, 0.011, 0.0075):
+        assert judged(judge, reading=near(room)) is None
+    assert judged(judge, reading=near(0.0055)) is not None
+    judge = guard().successor(LIMIT, (None,))
+    for room in (0.05, 0.011):
+        assert judged(judge, reading=near(room)) is None
+    assert judged(judge, reading=near(0.009)) is not None
+
+
+def test_at_first_an_arm_near_a_limit_breaks_it() -> None:
+    assert judged(guard(), reading=near(0.009)) is not None
+    assert judged(guard(), reading=near(0.011)) is None
+
+
+def test_after_a_recovery_the_force_has_its_own_limit() -> None:
+    judge = guard().successor(3.0 * LIMIT, (None,))
+    assert judged(judge, force=PEAK * 3.0 * LIMIT) is None
+    assert judged(judge, force=1.01 * PEAK * 3.0 * LIMIT) is not None
+
+
+def test_after_a_recovery_references_go_on_from_where_the_arms_are_held() -> None:
+    judge = guard().successor(LIMIT, (moved(0.0),))
+    ending = judged(judge, command=moved(2.0 * JUMP))
+    assert ending is not None
+    assert ending.code == "reference_jump"
+    judge = guard().successor(LIMIT, (moved(1.0),))
+    assert judged(judge, command=moved(1.0 + 0.5 * JUMP)) is None
+
+
+def test_an_arm_is_cramped_inside_the_buffer_and_not_at_its_edge() -> None:
+    arm = replace(ARM, lower=np.zeros(2), upper=np.full(2, 9.0))
+    judge = Guard(LIMIT, 0.002, (arm, arm))
+    buffer = margins.ARM.joint_buffer
+    middle = ArmReading(np.full(2, 4.0), np.zeros(2))
+    edge = ArmReading(np.array([4.0, buffer]), np.zeros(2))
+    inside = ArmReading(np.array([4.0, 0.99 * buffer]), np.zeros(2))
+    assert not judge.cramped([middle, middle])
+    assert not judge.cramped([edge, middle])
+    assert judge.cramped([inside, middle])
+    assert judge.cramped([middle, inside])
+
+
+def test_margins_to_limits_are_small_and_times_short() -> None:
+    """A hundredth of a radian is half a degree; a contact's force may peak for a tick."""
+    assert 0.0 < POSITION_MARGIN < margins.ARM.joint_buffer
+    judge = guard()
+    calm = [judged(judge, force=0.5 * LIMIT) for _ in range(100)]
+    assert not any(calm)
+    assert judged(judge, force=2.0 * LIMIT) is not None
+    assert judged(judge, command=moved(0.0)) is None
+    assert judged(judge, command=moved(0.05)) is not None
+    ticks = count(guard(), replace(REST, torque_share=1.2))
+    assert ticks is not None
+    assert ticks * 0.002 < 0.2
+    ticks = ticks_to_a_breach(guard(), force=1.2 * LIMIT)
+    assert ticks is not None
+    assert ticks * 0.002 < 0.05

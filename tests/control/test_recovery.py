@@ -11,7 +11,11 @@ from pushpressslide.control import recovery as module
 from pushpressslide.core.bodies import start_state
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.state import OBJECT, WorldState
 from pushpressslide.core.task import Restart
+from pushpressslide.identification.findings import NOTHING
+from pushpressslide.selection.preparation import PlansAlone
 
 TASK = pps.load_task("press-slide")
 BEGIN = Restart(start_state(TASK), 0, TASK.object.center_of_mass, 1.2, None)
@@ -61,3 +65,45 @@ def test_the_same_task_is_not_tried_twice(monkeypatch: pytest.MonkeyPatch) -> No
     with pytest.raises(InfeasibleTaskError):
         module.planned_anew(Plan(free), begin, lambda: None)  # type: ignore[arg-type,return-value]
     assert len(asked) == 1
+
+
+def test_a_restart_begins_where_the_object_is_with_what_was_identified() -> None:
+    task = pps.load_task("press-slide", ["belief.rho=0.05"])
+    (segment,) = pps.plan(task).segments
+    load = sum(contact.load for contact in segment.contacts)
+    drag = 1.2 * task.scene.max_friction(load)
+    pose = Pose2(0.4, 0.1, 0.2)
+    found = NOTHING._replace(rho=0.06, drag=drag, center=(0.01, -0.02))
+    begun = module.restart(task.scene, segment, pose, found)
+    x, y = task.object.center_of_mass
+    assert begun.leg == segment.leg
+    assert begun.state.object == pose
+    assert begun.center_of_mass == pytest.approx((x + 0.01, y - 0.02))
+    assert begun.support_friction == pytest.approx(1.2 * task.support.friction)
+    assert not begun.free
+    assert begun.legs is None
+
+
+@pytest.mark.parametrize(
+    ("told", "found", "believed"),
+    [(0.05, 0.06, 0.06), (0.05, None, 0.05), (None, 0.06, None), (None, None, None)],
+)
+def test_a_rho_that_was_told_gives_way_to_one_that_is_found(
+    told: float | None, found: float | None, believed: float | None
+) -> None:
+    overrides = [] if told is None else [f"belief.rho={told}"]
+    task = pps.load_task("press-slide", overrides)
+    (segment,) = pps.plan(task).segments
+    begun = module.restart(task.scene, segment, task.start, NOTHING._replace(rho=found))
+    assert begun.rho == believed
+
+
+def test_the_plan_that_is_made_anew_begins_where_the_restart_says() -> None:
+    pose = Pose2(0.5, -0.2, 1.7)
+    state = WorldState({OBJECT: pose})
+    friction = TASK.scene.support.friction
+    begun = replace(BEGIN, state=state, support_friction=friction)
+    plan = module.planned_anew(Plan(TASK), begun, PlansAlone)
+    body = plan.segments[0].body_pose(0.0)
+    assert body.position == pytest.approx(pose.compose(TASK.object.X_GB).position)
+    assert plan.task.goal == TASK.goal

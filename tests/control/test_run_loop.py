@@ -26,7 +26,12 @@ from pushpressslide.control.limits import (
     ArmReading,
 )
 from pushpressslide.control.plant import PlantRow
-from pushpressslide.control.run_loop import PROGRESS_TICKS, RunOptions
+from pushpressslide.control.run_loop import (
+    PROGRESS_TICKS,
+    RunLoop,
+    RunOptions,
+    tip_paths,
+)
 from pushpressslide.control.state import PhaseState, tip_position
 from pushpressslide.core import margins
 from pushpressslide.core.control import (
@@ -41,8 +46,8 @@ from pushpressslide.core.control import (
 )
 from pushpressslide.core.plan import JointPath, Plan, Segment
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.record import Record
-from pushpressslide.core.task import Sensing, Task
+from pushpressslide.core.record import Ending, Record
+from pushpressslide.core.task import Motion, Sensing, Task
 
 pytestmark = pytest.mark.filterwarnings("ignore:a plant of one piece")
 
@@ -276,6 +281,15 @@ def test_the_controller_is_told_how_far_the_arms_can_draw_back(one, scripts) -> 
     assert [script.back for script in scripts] == [0.02, math.inf]
 
 
+def test_the_arm_with_the_least_room_and_gap_decides_for_both(two, scripts) -> None:
+    near = replace(APPROACH, room=0.02, gap=0.003)
+    far = replace(APPROACH, room=0.05, gap=0.004)
+    for paths in ((near, far), (far, near)):
+        run_loop(Diary(arms=2, joint_paths=paths), two)
+    assert {script.back for script in scripts} == {0.02}
+    assert {script.gap for script in scripts} == {0.003}
+
+
 def test_every_tick_is_recorded_once_and_at_its_own_time(one, scripts) -> None:
     record = run_loop(Diary(arms=1), one)
     assert record.arrays["time"].tolist() == [i * PERIOD for i in range(TICKS)]
@@ -503,3 +517,105 @@ def test_a_delay_is_one_in_time_over_a_hand_over(two, scripts) -> None:
     run_loop(Clock(arms=2), delayed)
     first = scripts[1].seen[0]
     assert first.time - first.object_pose.x == pytest.approx(0.03)
+
+
+def tips_at(*places: tuple[float, float, float]) -> Measurement:
+    tips = tuple(TipState(place, ZERO, ZERO) for place in places)
+    return Measurement(0.0, Pose2(), tips)
+
+
+def test_tips_travel_to_before_their_contacts_over_the_object(two: Plan) -> None:
+    placement = two.by_placement[1]
+    query = placement.query
+    begin = (3.0, 2.0, 0.1)
+    paths = tip_paths(placement, (None, None), tips_at(begin, begin))
+    X_WB = query.start.compose(query.X_GB)
+    gap = query.motion.approach_distance
+    for contact in placement.contacts:
+        path = paths[contact.arm]
+        assert path is not None
+        radius = query.scene.robots[contact.arm].tip_radius
+        assert path.corners[0] == begin
+        assert path.corners[-1] == tip_position(contact, X_WB, radius, gap)
+        highest = max(corner[2] for corner in path.corners)
+        assert highest == pytest.approx(query.body.shape.height + radius + gap)
+
+
+def test_a_tip_that_holds_its_contact_stays_and_at_first_all_do(two: Plan) -> None:
+    placement = two.by_placement[1]
+    begin = (3.0, 2.0, 0.1)
+    held, free = tip_paths(placement, (PUSH, None), tips_at(begin, begin))
+    assert held is None
+    assert free is not None
+    assert tip_paths(placement, (None, None), None) == [None, None]
+
+
+@pytest.mark.parametrize(("off", "waits"), [(0.009, True), (0.011, False)])
+def test_a_tip_without_a_contact_travels_to_its_base_and_waits_there(
+    two: Plan, off: float, waits: bool
+) -> None:
+    placement = two.by_placement[1]
+    segments = tuple(
+        replace(s, contacts=tuple(c for c in s.contacts if c.arm == 0))
+        for s in placement.segments
+    )
+    alone = replace(placement, segments=segments)
+    x, y, z = placement.query.scene.bases[1]
+    led, path = tip_paths(
+        alone, (None, None), tips_at((3.0, 2.0, 0.1), (x + off, y, z))
+    )
+    assert led is not None
+    assert (path is None) == waits
+    if path is not None:
+        assert path.corners[-1] == (x, y, z)
+    # a tip with a contact travels, wherever it is
+    base = placement.query.scene.bases[0]
+    assert tip_paths(alone, (None, None), tips_at(base, base))[0] is not None
+
+
+def test_nothing_is_planned_anew_while_an_arm_still_holds_the_object(
+    two: Plan, scripts: list[Script]
+) -> None:
+    task = two.task
+    legs = tuple(replace(leg, motion=recovering(leg.motion)) for leg in task.legs)
+    plan = replace(two, task=replace(task, motion=recovering(task.motion), legs=legs))
+
+    class OnceFast(Diary):
+        """Arms of which the second is too fast once, on its way to the second place."""
+
+        fast: float | None = None  # [s] when it is
+
+        def readings(self) -> tuple[ArmReading, ...]:
+            first, second = super().readings()
+            if self.handed_over and self.fast is None:
+                self.fast = self.time
+            if self.time == self.fast:
+                second = replace(second, v=np.array([0.0, 20.1]))
+            return first, second
+
+    plant = OnceFast(arms=2, joint_paths=(APPROACH, APPROACH))
+    record = run_loop(plant, plan)
+    assert record.reason == "joint_limit"
+    (event,) = record.meta["events"]
+    assert not event["recovered"]
+    assert event["lacking"] == "one arm still holds the object"
+
+
+def recovering(motion: Motion) -> Motion:
+    return replace(motion, recoveries=1)
+
+
+def test_a_run_of_a_single_tick_is_recorded_too(one: Plan, scripts) -> None:
+    class Rows(Diary):
+        def row(self) -> PlantRow:
+            return replace(super().row(), extras=lambda: {"extra": np.arange(3.0)})
+
+    record = run_loop(Rows(arms=1), one, RunOptions(stop=lambda: True))
+    assert record.arrays["extra"].tolist() == [[0.0, 1.0, 2.0]]
+    assert record.arrays["time"].tolist() == [0.0]
+
+
+def test_a_run_that_has_not_begun_has_a_record_without_ticks(one: Plan) -> None:
+    record = RunLoop(Diary(arms=1), one).record(Ending("interrupted"))
+    assert len(record.arrays["time"]) == 0
+    assert record.reason == "interrupted"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pushpressslide.control.cell import Applied, ArmState, Cell, TipAlone
-from pushpressslide.control.sensing import sensed
+from pushpressslide.control.sensing import DelayLine, sensed
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import Measurement, TipState
 from pushpressslide.core.pose import Pose2
@@ -167,3 +167,36 @@ def test_one_sensor_more_leaves_the_noise_of_the_others_as_it_was() -> None:
     alone = seen(Sensing(force_noise=0.1), 10)
     both = seen(Sensing(force_noise=0.1, position_noise=0.01, tip_noise=0.01), 10)
     assert [m.tips[0].force for m in alone] == [m.tips[0].force for m in both]
+
+
+def test_a_seed_has_its_own_noise_and_gives_the_same_again() -> None:
+    noisy = Sensing(position_noise=0.01, tip_noise=0.01, force_noise=0.1)
+    assert seen(noisy, 5, seed=1) == seen(noisy, 5, seed=1)
+    assert seen(noisy, 5, seed=1) != seen(noisy, 5, seed=2)
+
+
+def test_a_first_pose_is_kept_and_each_tip_has_its_noise() -> None:
+    first = Sensor(Sensing(pose_dropout=0.999), 1, PERIOD).measure(still())
+    assert first.pose_seen
+    assert first.object_pose == still().object_pose
+    rows = Sensor(Sensing(tip_noise=0.01, force_noise=0.1), 1, PERIOD).measure(truth(1))
+    left, right = rows.tips
+    assert left.position != right.position
+    assert left.force != right.force
+    assert left.velocity == right.velocity == (0.1, 0.0, 0.0)
+
+
+def test_what_is_dropped_is_late_as_well() -> None:
+    """A pose that comes after its delay is the one of its time, or none."""
+    sensor = Sensor(Sensing(pose_dropout=0.5, pose_delay=0.03), 3, PERIOD)
+    for tick in range(200):
+        m = sensor.measure(truth(tick))
+        if m.pose_seen:
+            assert m.object_pose.x == 3.0 * max(tick - 3, 0)
+
+
+@pytest.mark.parametrize(("delay", "ticks"), [(0.0, 0), (0.014, 1), (0.016, 2)])
+def test_a_delay_is_rounded_to_ticks(delay: float, ticks: int) -> None:
+    line: DelayLine[int] = DelayLine(delay, PERIOD)
+    out = [line.through(i) for i in range(6)]
+    assert out == [max(i - ticks, 0) for i in range(6)]

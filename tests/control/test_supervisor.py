@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -10,6 +12,8 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.control.controller import Controller
+from pushpressslide.control.entry import HOLD_TIME, SEAT_TIME, Entry
+from pushpressslide.control.placement import Placement
 from pushpressslide.control.state import (
     ControllerState,
     Instant,
@@ -29,6 +33,7 @@ from pushpressslide.control.supervisor import (
 from pushpressslide.core import margins
 from pushpressslide.core.control import Measurement, TipState
 from pushpressslide.core.pose import Pose2
+from pushpressslide.modes import MODES
 
 PAGE = Path(__file__).parents[2] / "docs" / "architecture.md"
 TIME = 100.0  # [s] of the run, at the moment that is looked at
@@ -279,3 +284,479 @@ def test_each_row_says_when_it_holds_and_what_is_done(number: int) -> None:
     when, then = TRANSITIONS[number].words
     assert when.endswith(".")
     assert then.endswith(".")
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_an_object_may_be_off_its_path_by_what_is_allowed(side: float) -> None:
+    well = moment(PUSH)
+    off = side * margins.ARM.astray
+    edge = well._replace(guidance=well.guidance._replace(error=(0.0, off, 0.0)))
+    supervisor = controller(PUSH).supervisor
+    assert not supervisor.astray(edge)
+    beyond = well._replace(
+        guidance=well.guidance._replace(error=(9.0, 1.01 * off, 9.0))
+    )
+    assert supervisor.astray(beyond)
+
+
+def test_an_object_may_stand_still_for_what_is_allowed() -> None:
+    supervisor = controller(PUSH).supervisor
+    well = moment(PUSH)
+    X_WB = well.instant.X_WB
+    for rests, stalled in ((margins.ARM.stall_time, False), (5.01, True)):
+        still = watching(well, still=Still(X_WB, TIME - rests))
+        assert supervisor.stalled(still) == stalled
+    assert not supervisor.stalled(watching(well, still=None))
+
+
+def test_an_object_stands_still_below_a_share_of_its_speed() -> None:
+    """Turns count by what they move its edge by."""
+    made = controller(PUSH)
+    well = moment(PUSH)
+    speed = well.state.following.binding.segment.profile.speed
+    way = margins.STALL * speed * margins.ARM.stall_time
+    radius = made.placement.object.radius
+    X_WB = well.instant.X_WB
+    since = TIME - 1.0
+    for share, still in ((0.99, True), (1.01, False)):
+        part = 0.5 * share * way
+        for moved, turned in ((2.0 * part, 0.0), (part, part), (0.0, -2.0 * part)):
+            before = Pose2(X_WB.x - moved, X_WB.y, X_WB.yaw + turned / radius)
+            rested = watching(well, still=Still(before, since))
+            watches = made.supervisor.step(rested).watches
+            assert watches.still is not None
+            assert (watches.still.since == since) == still
+            assert watches.still.pose == (before if still else X_WB)
+
+
+def test_an_object_may_rest_since_its_phase_began() -> None:
+    well = moment(PUSH)
+    X_WB = well.instant.X_WB
+    kept = controller(PUSH).supervisor.step(watching(well, still=Still(X_WB, BEGAN)))
+    assert kept.phase.failure is not None  # for 80 s
+    anew = controller(PUSH).supervisor.step(watching(well, still=None))
+    assert anew.watches.still == Still(X_WB, TIME)
+
+
+@pytest.mark.parametrize("waits", [False, True])
+def test_only_an_object_that_is_led_and_not_waited_for_can_stall(waits: bool) -> None:
+    placement = controller(PUSH).placement
+    well = moment(PUSH)
+    stalled = watching(well, still=Still(well.instant.X_WB, TIME - 60.0))
+    before = placement.waits
+    placement.waits = waits
+    try:
+        forced = Supervisor(placement, False, 1.0).step(stalled)
+        led = Supervisor(placement, True, 1.0).step(stalled)
+    finally:
+        placement.waits = before
+    assert forced.phase.failure is None
+    assert forced.watches.still is None
+    assert (led.phase.failure is None) == waits
+
+
+def left(of: Moment, way: float) -> Moment:
+    """Return a tick with ``way`` [m] of the path left."""
+    length = of.state.following.binding.segment.path.length
+    following = of.state.following._replace(progress=length - way)
+    return of._replace(state=of.state._replace(following=following))
+
+
+@pytest.mark.parametrize(("share", "over"), [(0.9, True), (1.1, False)])
+def test_a_segment_is_over_a_little_before_its_end(share: float, over: bool) -> None:
+    way = share * margins.ARM.stop
+    event, _ = after(PUSH, left(moment(PUSH), way))
+    assert (event == "arrived") == over
+    event, _ = after(TWO, left(moment(TWO), way))
+    assert (event == "arrived midway") == over
+
+
+@pytest.mark.parametrize(
+    ("beside", "turned", "again"),
+    [(0.0, 0.0, False), (0.96, 0.0, False), (1.0, 0.0, True), (0.0, 1.0, True)],
+)
+def test_a_goal_is_tried_again_that_is_missed_by_nearly_the_tolerance(
+    beside: float, turned: float, again: bool
+) -> None:
+    task = controller(PRESS).placement.last
+    goal = task.goal
+    off = Pose2(
+        goal.x,
+        goal.y + beside * task.tolerance.position,
+        goal.yaw - turned * task.tolerance.yaw,
+    )
+    state = controller(PRESS).supervisor.step(at_the_end(moment(PRESS, off), last=True))
+    assert (state.watches.retries == 1) == again
+    assert (state.phase.name == "move") == again
+
+
+def test_a_contact_may_be_missing_for_the_patience() -> None:
+    supervisor = Supervisor(controller(PRESS).placement, True, 0.5)
+    well = moment(PRESS)
+    assert not supervisor.lost(watching(well, lost=None))
+    assert not supervisor.lost(watching(well, lost=TIME - 0.5))
+    assert supervisor.lost(watching(well, lost=TIME - 0.5001))
+    assert not supervisor.missing(watching(well, lost=None))
+    assert supervisor.missing(watching(well, lost=TIME))
+
+
+def test_losses_are_counted_within_a_way_that_includes_turns() -> None:
+    supervisor = controller(PRESS).supervisor
+    radius = supervisor.placement.object.radius
+    within = margins.ARM.retouch
+    well = moment(PRESS)
+    X_WB = well.instant.X_WB
+    lost = watching(well, lost=0.0)
+    for way, same in ((0.99 * within, True), (1.01 * within, False)):
+        for moved, turned in ((way, 0.0), (0.0, way), (0.5 * way, -0.5 * way)):
+            there = Pose2(X_WB.x, X_WB.y - moved, X_WB.yaw + turned / radius)
+            state = supervisor.step(watching(lost, losses=Losses(there, 2)))
+            counted = Losses(there, 3) if same else Losses(X_WB, 1)
+            assert state.watches.losses == counted
+
+
+@pytest.mark.parametrize(("count", "ends"), [(LOSSES - 1, False), (LOSSES, True)])
+def test_the_attempt_ends_at_the_loss_after_the_sixth(count: int, ends: bool) -> None:
+    well = moment(PRESS)
+    lost = watching(well, lost=0.0, losses=Losses(well.instant.X_WB, count))
+    event, state = after(PRESS, lost)
+    assert event == ("lost for good" if ends else "lost")
+    assert state.watches.losses == Losses(well.instant.X_WB, count + 1)
+    assert 3 <= LOSSES <= 10
+
+
+@pytest.mark.parametrize(
+    ("name", "event", "way"),
+    [(PUSH, "slid", margins.ARM.retouch), (PRESS, "crept", None)],
+)
+def test_a_contact_is_touched_anew_above_what_it_may_slide(
+    name: str, event: str, way: float | None
+) -> None:
+    well = moment(name)
+    (contact,) = well.state.following.segment.contacts
+    if way is None:
+        way = margins.CREPT * math.hypot(*contact.point)
+    for side in (-1.0, 1.0):
+        assert after(name, slipped(well, side * 1.01 * way))[0] == event
+        assert after(name, slipped(well, side * 0.99 * way))[0] == "otherwise"
+
+
+@pytest.mark.parametrize(("name", "event"), [(PUSH, "slid"), (PRESS, "crept")])
+def test_a_contact_is_touched_anew_while_way_and_touches_are_left(
+    name: str, event: str
+) -> None:
+    far = slipped(moment(name), 0.08)
+    enough = margins.ARM.retouch
+    assert after(name, left(far, 1.01 * enough))[0] == event
+    assert after(name, left(far, 0.99 * enough))[0] == "otherwise"
+    assert after(name, watching(far, retouches=RETOUCHES - 1))[0] == event
+    assert after(name, watching(far, retouches=RETOUCHES))[0] == "otherwise"
+    state = after(name, watching(far, retouches=1))[1]
+    assert state.watches.retouches == 2
+    assert state.watches.lost == TIME
+    assert state.following.binding.segment.drive == far.state.following.segment.drive
+    assert 1 <= RETOUCHES <= 10
+
+
+def test_a_press_that_crept_is_pressed_harder_up_to_what_is_planned() -> None:
+    made = controller(PRESS)
+    far = slipped(moment(PRESS), 0.08)
+    binding = far.state.following.binding
+    (contact,) = binding.segment.contacts
+    most = made.placement.queries[0].limits.planned_force
+    cases = ((0.5 * most, 0.5 * most * margins.HARDER), (0.99 * most, most))
+    for load, wanted in (*cases, (1.2 * most, 1.2 * most)):
+        heavy = replace(contact, load=load)
+        segment = replace(binding.segment, contacts=(heavy,))
+        following = far.state.following._replace(
+            binding=replace(binding, segment=segment)
+        )
+        of = far._replace(state=far.state._replace(following=following))
+        (again,) = made.supervisor.step(of).following.binding.segment.contacts
+        assert again.load == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize("name", [PUSH, PRESS])
+def test_a_segment_that_slid_is_touched_at_the_planned_place(name: str) -> None:
+    """Though it was planned anew meanwhile, with its contact elsewhere."""
+    far = slipped(moment(name), 0.08)
+    following = far.state.following
+    (contact,) = following.segment.contacts
+    moved = replace(contact, point=(contact.point[0], contact.point[1] + 0.01))
+    segment = replace(following.binding.segment, contacts=(moved,))
+    binding = replace(following.binding, segment=segment)
+    state = far.state._replace(following=following._replace(binding=binding))
+    after_it = controller(name).supervisor.step(far._replace(state=state))
+    (again,) = after_it.following.binding.segment.contacts
+    assert again.point == contact.point
+    assert after_it.phase.name == "touch"
+
+
+def test_the_next_segment_begins_now_and_keeps_what_the_placement_knows() -> None:
+    well = moment(TWO)
+    end = at_the_end(well, last=False)
+    end = end._replace(
+        state=end.state._replace(following=end.state.following._replace(rho=0.07))
+    )
+    before = end.state.following
+    state = controller(TWO).supervisor.step(watching(end, retries=2))
+    following = state.following
+    assert following.reference_start == following.clock_start == TIME
+    assert following.reference is following.binding.segment
+    assert following.began == before.began == BEGAN
+    assert following.progress == 0.0
+    assert following.ahead == ()
+    assert following.rho == 0.07
+    # the joints have done the first segment's way
+    assert following.joint_start == pytest.approx(before.segment.path.length)
+    assert state.watches.replanned == TIME
+    assert state.watches.retries == 2
+
+
+def test_the_next_segment_begins_where_the_object_is() -> None:
+    made = controller(TWO)
+    end = made.segments[0].goal
+    X_GB = made.X_GB
+    beside = Pose2(end.x + 0.002, end.y - 0.001, end.yaw + 0.01)
+    there = moment(TWO, beside.compose(X_GB).compose(X_GB.inverse()))
+    state = made.supervisor.step(at_the_end(there, last=False))
+    X_WB = there.instant.X_WB
+    body = state.following.binding.segment.body_pose(0.0)
+    assert body.position == pytest.approx(X_WB.position, abs=1e-6)
+
+
+def test_a_retry_ends_in_time_or_is_not_begun() -> None:
+    goal = controller(PRESS).placement.last.goal
+    off = 1.5 * controller(PRESS).placement.last.tolerance.position
+    beside = at_the_end(moment(PRESS, Pose2(goal.x, goal.y + off, goal.yaw)), last=True)
+    for time, begun in ((TIME, True), (599.5, False)):
+        late = beside._replace(instant=beside.instant._replace(time=time))
+        late = watching(late, still=Still(beside.instant.X_WB, time))
+        state = controller(PRESS).supervisor.step(late)
+        assert (state.phase.name == "move") == begun
+
+
+def test_a_plan_is_not_looked_for_while_one_is_new() -> None:
+    start = controller(PUSH).placement.query.start
+    beside = moment(PUSH, Pose2(start.x, start.y + 0.01, start.yaw))
+    pause = margins.ARM.replan_pause
+    for since, made in ((0.99 * pause, False), (1.01 * pause, True)):
+        state = after(PUSH, watching(beside, replanned=TIME - since))[1]
+        assert (state.watches.replanned == TIME) == made
+        same = state.following.binding is beside.state.following.binding
+        assert same != made
+
+
+def test_a_better_plan_is_led_on_at_the_speed_there_is() -> None:
+    start = controller(PUSH).placement.query.start
+    beside = moment(PUSH, Pose2(start.x, start.y + 0.01, start.yaw))
+    following = after(PUSH, watching(beside, replanned=0.0))[1].following
+    profile = following.binding.segment.profile
+    way, speed = profile.at(TIME - following.clock_start)
+    assert way == pytest.approx(following.progress)
+    assert speed == pytest.approx(profile.speed)
+    assert following.segment is beside.state.following.segment
+    assert following.prediction == beside.state.following.prediction
+    assert following.reference is beside.state.following.reference
+
+
+def test_a_rho_that_is_identified_is_believed_from_then_on() -> None:
+    well = moment(PUSH)
+    found = well.state.estimate.parameters._replace(rho=0.055)
+    state = well.state._replace(estimate=well.state.estimate._replace(parameters=found))
+    assert after(PUSH, well._replace(state=state))[1].following.rho == 0.055
+
+
+def test_the_axle_is_looked_for_anew_about_a_centre_that_is_found() -> None:
+    start = controller(PRESS).placement.query.start
+    well = moment(PRESS, Pose2(start.x, start.y + 0.01, start.yaw))
+    well = watching(well, replanned=0.0)
+    before = well.state.following.prediction
+    assert before.axle is not None
+    estimate = well.state.estimate
+    for center in ((0.0, 0.0), (0.0, 0.003)):
+        found = estimate.parameters._replace(center=center)
+        state = well.state._replace(estimate=estimate._replace(parameters=found))
+        state = after(PRESS, well._replace(state=state))[1]
+        assert state.watches.replanned == TIME
+        prediction = state.following.prediction
+        assert prediction.followed_center == center
+        assert (prediction.axle is before.axle) == (center == (0.0, 0.0))
+        assert prediction.center is before.center
+
+
+def test_ways_are_beside_the_planned_one_that_come_near_it_everywhere() -> None:
+    supervisor = controller(PUSH).supervisor
+    (segment,) = supervisor.placement.segments
+    assert supervisor._beside((segment,))
+    near = margins.ARM.beside
+    for offset, beside in (
+        (Pose2(0.0, 0.98 * near, 0.0), True),
+        (Pose2(0.0, 1.5 * near, 0.0), False),
+        (Pose2(0.0, 0.0, 3.0), False),
+    ):
+        path = segment.path
+        aside = segment.follows(replace(path, start=path.start.compose(offset)))
+        assert supervisor._beside((aside,)) == beside
+        assert supervisor._beside((segment, aside)) == beside
+
+
+@pytest.fixture
+def waiting() -> Iterator[Placement]:
+    """The placement of the push, whose object is waited for at its goal."""
+    placement = controller(PUSH).placement
+    placement.waits = True
+    yield placement
+    placement.waits = False
+    placement.entry = None
+
+
+def late(of: Moment, by: float) -> Moment:
+    """Return a tick ``by`` [s] after the planned end of the segment's motion."""
+    following = of.state.following
+    duration = following.binding.segment.profile.duration
+    following = following._replace(clock_start=BEGAN)
+    state = of.state._replace(following=following)
+    instant = of.instant._replace(time=BEGAN + (duration + by))
+    return of._replace(state=state, instant=instant)
+
+
+@pytest.mark.parametrize(
+    ("way", "by", "over"),
+    [
+        (0.0, 0.0, False),
+        (0.0, HOLD_TIME, False),
+        (0.0, 1.01 * HOLD_TIME, True),
+        (0.01, 1.01 * HOLD_TIME, False),
+        (0.01, SEAT_TIME, False),
+        (0.01, 1.01 * SEAT_TIME, True),
+    ],
+)
+def test_a_held_object_is_waited_for_until_it_rests(
+    waiting: Placement, way: float, by: float, over: bool
+) -> None:
+    """Or long enough, wherever it is."""
+    supervisor = Supervisor(waiting, True, 1.0)
+    assert supervisor.arrived(late(left(moment(PUSH), way), by)) == over
+    assert 0.1 < HOLD_TIME < SEAT_TIME < 10.0
+
+
+@pytest.mark.parametrize(("deep", "over"), [(0.0995, True), (0.09, False)])
+def test_an_object_in_an_opening_has_arrived_when_it_is_seated(
+    waiting: Placement, deep: float, over: bool
+) -> None:
+    supervisor = Supervisor(waiting, True, 1.0)
+    end = late(left(moment(PUSH), 0.0), 0.1)
+    height = end.instant.tips[0].position[2]
+    waiting.entry = Entry(0.1, ((0, height + deep),))
+    assert supervisor.arrived(end) == over
+    assert supervisor.arrived(late(end, 1.01 * SEAT_TIME))
+    assert not supervisor.arrived(late(left(end, 0.01), 0.1))
+
+
+def test_what_is_ahead_is_gone_on_to_without_a_wait() -> None:
+    placement = controller(TWO).placement
+    placement.waits = True
+    try:
+        assert Supervisor(placement, True, 1.0).arrived_midway(
+            late(left(moment(TWO), 0.0), -1.0)
+        )
+    finally:
+        placement.waits = False
+
+
+def test_in_an_opening_a_smaller_miss_is_tried_again(waiting: Placement) -> None:
+    task = waiting.last
+    supervisor = Supervisor(waiting, True, 1.0)
+    for share, again in (
+        (0.9 * margins.RETRY_ABOVE_SEATED, False),
+        (1.1 * margins.RETRY_ABOVE_SEATED, True),
+    ):
+        off = Pose2(
+            task.goal.x, task.goal.y + share * task.tolerance.position, task.goal.yaw
+        )
+        end = left(moment(PUSH, off), 0.0)
+        waiting.entry = Entry(0.1, ((0, 9.0),))
+        seated = supervisor._retry(end.state, end.instant)
+        waiting.entry = None
+        assert supervisor._retry(end.state, end.instant) == ()
+        assert bool(seated) <= again
+
+
+def missing_its_goal(monkeypatch: pytest.MonkeyPatch) -> None:
+    mode = type(MODES[controller(TWO).segments[0].mode])
+    monkeypatch.setattr(mode, "misses", lambda *_: True)
+
+
+def test_a_motion_that_would_miss_its_goal_is_tried_again_at_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Unless it has been often enough."""
+    end = at_the_end(moment(TWO), last=False)
+    supervisor = controller(TWO).supervisor
+    goal = supervisor.placement.segments[-1].goal
+    assert supervisor.go_on(end).watches.retries == 0
+    again = (controller(TWO).segments[-1],)
+    replanner = type(supervisor.placement.replanner)
+    monkeypatch.setattr(replanner, "again", lambda *_: again)
+    missing_its_goal(monkeypatch)
+    for retries, then in ((0, 1), (RETRIES - 1, RETRIES), (RETRIES, RETRIES)):
+        state = supervisor.go_on(watching(end, retries=retries))
+        assert state.watches.retries == then
+        led = state.following.binding.segment
+        assert led.goal.position == pytest.approx(goal.position)
+    assert 2 <= RETRIES <= 10
+
+
+def test_a_motion_that_would_miss_goes_on_for_want_of_better(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    end = at_the_end(moment(TWO), last=False)
+    supervisor = controller(TWO).supervisor
+    replanner = type(supervisor.placement.replanner)
+    missing_its_goal(monkeypatch)
+    monkeypatch.setattr(replanner, "again", lambda *_: ())
+    assert supervisor.go_on(end).watches.retries == 0
+    again = (controller(TWO).segments[-1],)
+    monkeypatch.setattr(replanner, "again", lambda *_: again)
+    over = end._replace(instant=end.instant._replace(time=599.9))
+    assert supervisor.go_on(over).watches.retries == 0
+
+
+def test_a_way_that_cannot_be_replanned_is_followed_as_it_was_planned(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    end = at_the_end(moment(TWO), last=False)
+    supervisor = controller(TWO).supervisor
+    replanner = type(supervisor.placement.replanner)
+    monkeypatch.setattr(replanner, "replan", lambda *_: ())
+    following = supervisor.go_on(end).following
+    assert following.binding.segment == end.state.following.ahead[0]
+    before = end.state.following.prediction.followed_center
+    assert following.prediction.followed_center == before
+
+
+def test_a_better_plan_that_leads_far_aside_is_left_alone() -> None:
+    """Where nobody has looked whether the arms can follow; unless nothing else helps."""
+    start = controller(PUSH).placement.query.start
+    beside = watching(
+        moment(PUSH, Pose2(start.x, start.y + 0.01, start.yaw)), replanned=0.0
+    )
+    placement = controller(PUSH).placement
+    poses = placement.planned_poses
+    far = [Pose2(9.0, 9.0, 0.0)]
+    for reaches, planned, followed in (
+        (False, poses, True),
+        (False, far, False),
+        (True, far, True),
+    ):
+        placement.planned_poses = planned
+        placement.reaches_far = reaches
+        try:
+            state = controller(PUSH).supervisor.replan(beside)
+        finally:
+            placement.planned_poses = poses
+            placement.reaches_far = False
+        same = state.following.binding is beside.state.following.binding
+        assert same != followed
+        assert state.watches.replanned == TIME

@@ -231,3 +231,333 @@ def test_a_tip_that_is_drawn_back_is_told_how_its_reference_moves() -> None:
     for u in (0.0, 1.0):
         assert at(u).velocity == pytest.approx((0.0, 0.0, 0.0))
         assert at(u).acceleration == pytest.approx((0.0, 0.0, 0.0))
+
+
+ZERO = (0.0, 0.0, 0.0)
+
+
+def made(gap: float = GAP) -> TipTouch:
+    return TipTouch(RADIUS, gap, 0.4, 0.25, SEEN, NormalForceRegulator())
+
+
+def at(
+    place: Vector3,
+    force: Vector3 = ZERO,
+    contact: Contact = BEHIND,
+    time: float = 1.0,
+    progress: float = 0.0,
+    X_WB: Pose2 = START,
+) -> TipContext:
+    tip = TipState(place, ZERO, force)
+    return TipContext(contact, tip, X_WB, time, DT, progress, X_WB.yaw)
+
+
+@pytest.mark.parametrize("contact", [BEHIND, ABOVE])
+def test_a_tip_lines_up_before_its_contact_and_then_advances(
+    contact: Contact,
+) -> None:
+    touch = made()
+    before = tip_position(contact, START, RADIUS, GAP)
+    begin = (before[0] + 0.03, before[1] - 0.02, before[2] + 0.01)
+    memory = TipMemory(begin)
+    aligned = touch.align_time(memory, contact, START)
+    # a minimum-jerk way at no more than 0.1 m/s, and a little to settle
+    assert aligned == pytest.approx(1.875 * math.dist(begin, before) / 0.1, abs=0.2)
+    first = touch.step(memory, at(begin, contact=contact), 0.0, aligned)
+    half = touch.step(memory, at(begin, contact=contact), 0.5 * aligned, aligned)
+    last = touch.step(memory, at(begin, contact=contact), 0.999 * aligned, aligned)
+    assert first.command.position == pytest.approx(begin)
+    middle = [0.5 * (a + b) for a, b in zip(begin, before, strict=True)]
+    assert half.command.position == pytest.approx(middle)
+    assert last.command.position == pytest.approx(before, abs=1e-6)
+    assert last.command.velocity == ZERO
+    after = touch.step(memory, at(before, contact=contact), aligned + 1.0, aligned)
+    n = contact.direction(START)
+    speed = margins.ARM.touch_speed
+    ahead = [b + speed * d for b, d in zip(before, n, strict=True)]
+    assert after.command.position == pytest.approx(ahead)
+    assert after.command.velocity == pytest.approx([speed * d for d in n])
+    assert not first.done
+    assert not after.done
+
+
+def test_joints_are_led_by_what_is_left_to_the_touch() -> None:
+    touch = made()
+    before = tip_position(BEHIND, START, RADIUS, GAP)
+    memory = TipMemory(before)
+    speed = margins.ARM.touch_speed
+    assert touch.step(memory, at(before), 0.1, 1.0).command.progress == -GAP
+    for after in (0.0, 1.0, 9.0):
+        step = touch.step(memory, at(before), 1.0 + after, 1.0)
+        left = max(GAP - speed * after, 0.0)
+        assert step.command.progress == pytest.approx(-left)
+    # once it is felt, by where it was felt
+    felt = memory._replace(felt=0.9, found=START, touch_depth=0.03)
+    step = touch.step(felt, at(before, time=1.0), 9.0, 1.0)
+    assert step.command.progress == pytest.approx(0.03 - GAP)
+    # on the way the joints are where the object is
+    step = touch.step(memory, at(before, progress=0.2), 2.0, 1.0)
+    assert step.command.progress == 0.2
+
+
+def test_an_arm_that_holds_its_contact_goes_on_with_its_command() -> None:
+    command = made().step(TipMemory(ZERO), at(ZERO), 0.1, 1.0).command
+    memory = TipMemory(ZERO, held=command)
+    step = made().step(memory, at((9.0, 9.0, 9.0)), 3.0, 1.0)
+    assert step.command is command
+    assert step.done
+    assert step.memory is memory
+
+
+@pytest.mark.parametrize(("share", "here"), [(0.99, False), (1.01, True)])
+def test_a_contact_is_felt_above_the_threshold_along_its_normal(
+    share: float, here: bool
+) -> None:
+    before = tip_position(BEHIND, START, RADIUS, GAP)
+    x, y, _ = BEHIND.direction(START)
+    size = share * 0.25
+    # what lies across the normal, and along the height, is no touch
+    force = (size * x - 3.0 * y, size * y + 3.0 * x, -5.0)
+    step = made().step(TipMemory(before), at(before, force), 2.0, 1.0)
+    assert (step.memory.felt is not None) == here
+    assert step.memory.found == START
+    if here:
+        depth = margins.ARM.touch_speed * 1.0
+        assert step.memory.felt == 1.0
+        assert step.memory.touch_depth == pytest.approx(depth)
+
+
+@pytest.mark.parametrize(("share", "kept"), [(0.45, False), (0.55, True)])
+def test_a_contact_that_was_felt_is_kept_at_half_the_threshold(
+    share: float, kept: bool
+) -> None:
+    before = tip_position(BEHIND, START, RADIUS, GAP)
+    x, y, _ = BEHIND.direction(START)
+    force = (share * 0.25 * x, share * 0.25 * y, 0.0)
+    memory = TipMemory(before, found=START, felt=0.5, touch_depth=GAP)
+    step = made().step(memory, at(before, force), 2.0, 1.0)
+    assert (step.memory.absent is None) == kept
+    assert step.memory.felt == 0.5
+
+
+def test_a_knock_is_no_touch_and_a_loss_takes_its_time() -> None:
+    before = tip_position(BEHIND, START, RADIUS, GAP)
+    arm = margins.ARM
+    memory = TipMemory(before, found=START, felt=1.0, touch_depth=GAP)
+    knock = made().step(memory, at(before, time=1.0 + 0.9 * arm.felt_time), 3.0, 1.0)
+    assert knock.memory.felt is None
+    gone = made().step(memory, at(before, time=1.5), 3.0, 1.0)
+    assert (gone.memory.felt, gone.memory.absent) == (1.0, 1.5)
+    soon = at(before, time=1.5 + 0.9 * arm.push_loss_time)
+    waiting = made().step(gone.memory, soon, 3.0, 1.0).memory
+    assert (waiting.felt, waiting.absent, waiting.resumed) == (1.0, 1.5, None)
+    late = at((1.0, 2.0, 3.0), time=1.5 + 1.1 * arm.push_loss_time, X_WB=Pose2())
+    again = made().step(gone.memory, late, 3.0, 1.0)
+    assert again.memory.felt is None
+    assert again.memory.absent is None
+    assert again.memory.resumed == late.time
+    assert again.memory.start == (1.0, 2.0, 3.0)
+    assert again.memory.found == Pose2()
+    assert again.command.position == (1.0, 2.0, 3.0)
+    assert again.command.velocity == ZERO
+    x, y, _ = BEHIND.direction(START)
+    felt = made().step(gone.memory, at(before, (x, y, 0.0), time=1.55), 3.0, 1.0)
+    assert (felt.memory.felt, felt.memory.absent) == (1.0, None)
+
+
+@pytest.mark.parametrize("contact", [BEHIND, ABOVE])
+def test_a_touch_is_done_once_its_force_has_been_reached_and_held(
+    contact: Contact,
+) -> None:
+    touch = made()
+    before = tip_position(contact, START, RADIUS, GAP)
+    n = contact.direction(START)
+    force: Vector3 = (5.0 * n[0], 5.0 * n[1], 5.0 * n[2])
+    memory = TipMemory(before, found=START, felt=1.0, touch_depth=GAP)
+    arm = margins.ARM
+    wanted = touch.force_of(contact)
+    settled = arm.felt_time + arm.settle_time + wanted / touch.regulator.ramp
+    for after, done in ((0.99 * settled, False), (1.01 * settled, True)):
+        context = at(before, force, contact, time=1.0 + after)
+        assert touch.step(memory, context, 3.0, 1.0).done == done
+    # but not while the object is not there
+    away = at(before, ZERO, contact, time=1.0 + 2.0 * settled)
+    missing = memory._replace(absent=1.0 + 2.0 * settled - 0.01)
+    assert not touch.step(missing, away, 3.0, 1.0).done
+
+
+@pytest.mark.parametrize("contact", [BEHIND, ABOVE])
+def test_a_touching_tip_presses_along_its_normal_and_is_held_across(
+    contact: Contact,
+) -> None:
+    touch = made()
+    before = tip_position(contact, START, RADIUS, GAP)
+    n = contact.direction(START)
+    force: Vector3 = (5.0 * n[0], 5.0 * n[1], 5.0 * n[2])
+    memory = TipMemory(before, found=START, felt=0.0, touch_depth=0.02)
+    step = touch.step(memory, at(before, force, contact), 3.0, 1.0)
+    push, state = touch.regulator.step(
+        memory.regulator, touch.force_of(contact), 5.0, DT
+    )
+    assert step.command.force == pytest.approx([push * d for d in n])
+    assert step.memory.regulator == state
+    place = [b + 0.02 * d for b, d in zip(before, n, strict=True)]
+    assert step.command.position == pytest.approx(place)
+    along, across, up = step.command.stiffness
+    assert across > 0.0
+    assert (along == 0.0) == (contact is BEHIND)
+    assert (up == 0.0) == (contact is ABOVE)
+    assert min(step.command.damping) > 0.0
+    assert step.command.tool_yaw_rate == 0.0
+
+
+def test_a_tip_that_nothing_pushes_is_held_along_all_axes() -> None:
+    command = made().step(TipMemory(ZERO), at(ZERO), 0.1, 1.0).command
+    assert min(command.stiffness) > 0.0
+    assert command.force == ZERO
+
+
+def test_a_contact_is_looked_for_no_farther_than_so_deep() -> None:
+    before = tip_position(BEHIND, START, RADIUS, GAP)
+    arm = margins.ARM
+    most = (GAP + arm.touch_depth) / arm.touch_speed
+    near = made().step(TipMemory(before), at(before), 1.0 + 0.999 * most, 1.0)
+    far = made().step(TipMemory(before), at(before), 1.0 + 1.001 * most, 1.0)
+    assert near.problem is None
+    assert far.problem is not None
+    assert "no contact felt 50 mm beyond" in far.problem
+
+
+def test_a_touch_tried_again_and_again_is_given_up() -> None:
+    before = tip_position(BEHIND, START, RADIUS, GAP)
+    arm = margins.ARM
+    most = (GAP + arm.touch_depth) / arm.touch_speed + arm.longest_touch
+    memory = TipMemory(before, found=START, resumed=0.99)
+    for elapsed, over in ((0.999 * most, False), (1.001 * most, True)):
+        step = made().step(memory, at(before), 1.0 + elapsed, 1.0)
+        assert (step.problem is not None) == over
+    assert step.problem is not None
+    assert "lost again" in step.problem
+
+
+@pytest.mark.parametrize("aligned", [0.0, 1.0])
+def test_a_tip_that_goes_on_from_where_it_is_advances_from_there(
+    aligned: float,
+) -> None:
+    """Into its face, beside the place where the touch was planned."""
+    contact_place = tip_position(BEHIND, START, RADIUS, GAP)
+    x, y, _ = BEHIND.direction(START)
+    ahead, aside = 0.03, 0.004
+    start = (
+        contact_place[0] + ahead * x - aside * y,
+        contact_place[1] + ahead * y + aside * x,
+        contact_place[2],
+    )
+    memory = TipMemory(start, found=START, resumed=1.0 if aligned else None)
+    duration = 0.2
+    context = at(start, time=1.0 + duration)
+    step = made().step(memory, context, aligned + duration, aligned)
+    way = margins.ARM.touch_speed * duration
+    assert step.command.position == pytest.approx(
+        (start[0] + way * x, start[1] + way * y, start[2])
+    )
+    assert step.command.progress == pytest.approx(-(GAP - ahead - way))
+
+
+def test_a_tip_that_begins_beyond_the_contact_counts_from_the_contact() -> None:
+    """It may push the object on by as much as one that comes from before it."""
+    before = tip_position(BEHIND, START, RADIUS, GAP)
+    x, y, _ = BEHIND.direction(START)
+    start = (before[0] + 2.0 * GAP * x, before[1] + 2.0 * GAP * y, before[2])
+    memory = TipMemory(start, found=START)
+    arm = margins.ARM
+    most = arm.touch_depth / arm.touch_speed
+    for elapsed, over in ((0.99 * most, False), (1.01 * most, True)):
+        step = made().step(memory, at(start), elapsed, 0.0)
+        assert (step.problem is not None) == over
+
+
+@pytest.mark.parametrize(
+    ("moved", "apart", "pushes"),
+    [(1.1, 0.9, True), (0.9, 0.9, False), (1.1, 1.1, False), (-1.1, 0.9, False)],
+)
+def test_an_object_that_moved_before_its_tip_is_pushed(
+    moved: float, apart: float, pushes: bool
+) -> None:
+    n = BEHIND.direction(START)
+    on = moved * SEEN
+    # turned a little, and beside: what counts lies along the push
+    X_WB = Pose2(
+        START.x + on * n[0] - 0.01 * n[1], START.y + on * n[1] + 0.01 * n[0], START.yaw
+    )
+    touching = tip_position(BEHIND, X_WB, RADIUS)
+    place = tuple(t - apart * SEEN * d for t, d in zip(touching, n, strict=True))
+    memory = TipMemory(place, found=START)
+    step = made().step(memory, at(place, X_WB=X_WB), 2.0, 1.0)
+    assert (step.memory.felt is not None) == pushes
+
+
+def test_an_object_pressed_from_above_is_not_seen_pushed() -> None:
+    moved = Pose2(START.x + 1.0, START.y, START.yaw)
+    memory = TipMemory(ZERO, found=START)
+    place = tip_position(ABOVE, moved, RADIUS)
+    step = made().step(memory, at(place, contact=ABOVE, X_WB=moved), 2.0, 1.0)
+    assert step.memory.felt is None
+
+
+def test_a_tip_on_top_that_lost_its_touch_looks_where_it_is() -> None:
+    """One that goes on from where it is may have slid off, too."""
+    rests = tip_position(ABOVE, START, RADIUS)
+    low = (rests[0], rests[1], rests[2] - 1.1 * margins.ARM.sunk)
+    step = made().step(TipMemory(low, found=START), at(low, contact=ABOVE), 0.1, 0.0)
+    assert step.problem is not None
+    assert step.command.position == low
+    # while it lines up nothing is wrong
+    step = made().step(TipMemory(low), at(low, contact=ABOVE), 0.1, 1.0)
+    assert step.problem is None
+
+
+def test_a_tip_that_lines_up_does_so_where_the_object_was_found() -> None:
+    there = Pose2(0.0, 0.0, 0.0)
+    memory = TipMemory(ZERO, found=there)
+    before = tip_position(BEHIND, there, RADIUS, GAP)
+    wanted = 1.875 * math.hypot(*before) / 0.1
+    assert made().align_time(memory, BEHIND, START) == pytest.approx(wanted, abs=0.2)
+    assert made().align_time(memory, BEHIND, START) > wanted
+
+
+def test_a_touch_is_believed_from_its_time_on() -> None:
+    """And given up from its time on, at the tick itself."""
+    before = tip_position(BEHIND, START, RADIUS, GAP)
+    x, y, _ = BEHIND.direction(START)
+    arm = margins.ARM
+    memory = TipMemory(before, found=START, felt=0.0, touch_depth=GAP)
+    force: Vector3 = (x, y, 0.0)
+    pressing = made().step(memory, at(before, force, time=arm.felt_time), 3.0, 1.0)
+    assert pressing.command.velocity == ZERO
+    assert pressing.command.stiffness[0] == 0.0
+    gone = memory._replace(absent=0.0, felt=-1.0)
+    late = made().step(gone, at(before, time=arm.push_loss_time), 3.0, 1.0)
+    assert late.memory.resumed == arm.push_loss_time
+    kept = made().step(memory, at(before, time=arm.felt_time), 3.0, 1.0)
+    assert kept.memory.felt == 0.0
+    assert kept.memory.absent == arm.felt_time
+
+
+def test_an_object_has_to_move_by_more_than_what_is_seen() -> None:
+    """And to be nearer to its tip than that."""
+    first = Pose2(0.0, 0.0, 0.0)
+    moved = Pose2(SEEN, 0.0, 0.0)
+    contact = Contact(0, "side", (0.0, 0.0), (1.0, 0.0), 0.03)
+    touching = tip_position(contact, moved, 0.0)
+    touch = TipTouch(0.0, GAP, 0.4, 0.25, SEEN, NormalForceRegulator())
+    memory = TipMemory(touching, found=first)
+    step = touch.step(memory, at(touching, contact=contact, X_WB=moved), 2.0, 1.0)
+    assert step.memory.felt is None
+    farther = Pose2(2.0 * SEEN, 0.0, 0.0)
+    behind = (SEEN, 0.0, 0.03)
+    step = touch.step(memory, at(behind, contact=contact, X_WB=farther), 2.0, 1.0)
+    assert step.memory.felt is None
+    near = (1.1 * SEEN, 0.0, 0.03)
+    step = touch.step(memory, at(near, contact=contact, X_WB=farther), 2.0, 1.0)
+    assert step.memory.felt is not None

@@ -2,7 +2,10 @@
 
 import pytest
 
-from pushpressslide.execution.normal_force import NormalForceRegulator
+from pushpressslide.execution.normal_force import (
+    NormalForceRegulator,
+    NormalForceState,
+)
 
 
 def settle(regulator, command, plant=lambda u: u, steps=2000, dt=0.002, start=1.0):
@@ -67,3 +70,73 @@ def test_a_tip_that_bounces_winds_nothing_up():
         u, state = regulator.step(state, 15.0, 0.8, 0.004)
     assert u == pytest.approx(15.0, abs=0.05)
     assert abs(state.integral) < 0.05
+
+
+DT = 0.004
+
+
+def test_a_step_of_the_command_is_ramped_up_and_down() -> None:
+    regulator = NormalForceRegulator(k_p=0.0, k_i=0.0, ramp=50.0)
+    state = regulator.init()
+    for begin, end in ((0.0, 10.0), (10.0, 2.0)):
+        ticks = round(abs(end - begin) / (50.0 * DT))
+        for i in range(1, ticks + 3):
+            u, state = regulator.step(state, end, 30.0, DT)
+            along = min(i / ticks, 1.0)
+            assert u == pytest.approx(begin + along * (end - begin))
+
+
+def test_a_tip_that_feels_nothing_is_pressed_by_the_command_alone() -> None:
+    """Inside the clamp."""
+    regulator = NormalForceRegulator(k_p=0.5, ramp=1e9, f_max=10.0)
+    u, state = regulator.step(NormalForceState(3.0, 0.0), 6.0, 0.19, DT)
+    assert (u, state) == (6.0, NormalForceState(0.0, 6.0))
+    assert regulator.step(NormalForceState(), 60.0, 0.0, DT)[0] == 10.0
+    assert regulator.step(NormalForceState(), -60.0, 0.0, DT)[0] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("measured", "lost"), [(0.19, True), (0.2, False), (0.21, False)]
+)
+def test_contact_is_lost_below_the_threshold(measured: float, lost: bool) -> None:
+    regulator = NormalForceRegulator(ramp=1e9)
+    _, state = regulator.step(NormalForceState(1.0, 0.3), 0.3, measured, DT)
+    assert (state.integral == 0.0) == lost
+
+
+@pytest.mark.parametrize(("share", "bounces"), [(0.49, True), (0.5, False)])
+def test_a_contact_that_is_not_firm_keeps_its_integral(
+    share: float, bounces: bool
+) -> None:
+    regulator = NormalForceRegulator(ramp=1e9, f_max=30.0)
+    u, state = regulator.step(NormalForceState(2.0, 20.0), 20.0, share * 20.0, DT)
+    assert (state.integral == 2.0) == bounces
+    if bounces:
+        assert u == pytest.approx(22.0)
+        # inside the clamp
+        low = regulator.step(NormalForceState(-90.0, 20.0), 20.0, 1.0, DT)
+        high = regulator.step(NormalForceState(90.0, 20.0), 20.0, 1.0, DT)
+        assert (low[0], high[0]) == (0.0, 30.0)
+
+
+def test_an_error_is_answered_in_proportion_and_by_its_integral() -> None:
+    regulator = NormalForceRegulator(k_p=0.3, k_i=10.0, ramp=1e9)
+    u, state = regulator.step(NormalForceState(1.0, 8.0), 8.0, 6.0, DT)
+    integral = 1.0 + 10.0 * 2.0 * DT
+    assert state == NormalForceState(pytest.approx(integral), 8.0)
+    assert u == pytest.approx(8.0 + 0.3 * 2.0 + integral)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_at_the_clamp_the_integral_only_goes_back(side: float) -> None:
+    """Where the error would push further it stays; where it leads back it follows."""
+    regulator = NormalForceRegulator(k_p=0.3, k_i=10.0, ramp=1e9, f_max=10.0)
+    integral = 90.0 * side
+    measured = 5.0 - side
+    u, state = regulator.step(NormalForceState(integral, 5.0), 5.0, measured, DT)
+    assert u == (10.0 if side > 0.0 else 0.0)
+    assert state.integral == integral
+    measured = 5.0 + side
+    u, state = regulator.step(NormalForceState(integral, 5.0), 5.0, measured, DT)
+    assert u == (10.0 if side > 0.0 else 0.0)
+    assert state.integral == pytest.approx(integral - side * 10.0 * DT)

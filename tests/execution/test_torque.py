@@ -4,13 +4,19 @@ import numpy as np
 import pytest
 
 from pushpressslide.core import margins
+from pushpressslide.execution import torque
 from pushpressslide.execution.torque import (
     LEAST_MOBILITY,
+    LIMIT_DAMPING,
+    LIMIT_STIFFNESS,
     SINGULAR,
     Impedance,
     braked,
+    gains,
     held_for_a_tick,
+    joint_torque,
     kept_inside,
+    limited,
     task_inertia,
     unfelt,
     yielding,
@@ -38,6 +44,19 @@ def test_joints_well_inside_their_limits_are_left_alone() -> None:
     kept = kept_inside(jacobian(0), q, REST + 1.0, LOWER, UPPER, PERIOD)
     assert not kept.torque.any()
     assert not kept.added.any()
+
+
+def test_a_joint_at_the_edge_of_its_buffer_is_left_alone() -> None:
+    buffer = margins.ARM.joint_buffer
+    q = np.full(N, 1.0)
+    q[2] = buffer
+    kept = kept_inside(jacobian(0), q, REST + 1.0, REST, UPPER, PERIOD)
+    assert not kept.torque.any()
+    assert not kept.added.any()
+    assert not torque.near_limit(q, REST.tolist(), UPPER.tolist())
+    np.testing.assert_array_equal(
+        yielding(jacobian(0), np.ones(3), q, REST, UPPER), jacobian(0)
+    )
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -227,3 +246,125 @@ def test_springs_and_dampers_at_the_end_of_a_tick_never_act_harder(seed: int) ->
     given = at_end @ np.linalg.solve(M, at_end)
     assert given < (1.0 + 1e-9) * torque @ np.linalg.solve(M, torque)
     assert at_end @ np.linalg.solve(M, torque) > 0.0
+
+
+def test_a_spring_and_a_damper_weigh_what_a_tick_takes() -> None:
+    spring, damper, added = gains(200.0, 6.0, 0.004)
+    assert (spring, damper) == (200.0, 6.0)
+    # of a speed v a tick takes h D v / m, and the spring of the way h v then h^2 K v / m
+    assert added == pytest.approx(0.004 * 6.0 + 0.004**2 * 200.0)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("joint", [0, N - 1])
+def test_one_joint_within_the_buffer_makes_an_arm_near_its_limit(
+    side: float, joint: int
+) -> None:
+    buffer = margins.ARM.joint_buffer
+    lower = LOWER.tolist()
+    upper = UPPER.tolist()
+    assert torque.near_limit(near_limit(joint, side, 0.99 * buffer), lower, upper)
+    assert not torque.near_limit(near_limit(joint, side, 1.01 * buffer), lower, upper)
+    # a joint beyond its limit is nearer still
+    assert torque.near_limit(near_limit(joint, side, -0.1), lower, upper)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_joint_in_its_buffer_has_a_spring_and_a_damper(side: float) -> None:
+    """In a direction that moves no tip, by how deep it is and how fast."""
+    J = np.eye(6, N)
+    J[:3, 6] = 0.0
+    left = 0.4 * margins.ARM.joint_buffer
+    deep = margins.ARM.joint_buffer - left
+    q = near_limit(6, side, left)
+    v = np.zeros(N)
+    v[6] = 0.3
+    kept = kept_inside(J, q, v, LOWER, UPPER, PERIOD)
+    wanted = -side * LIMIT_STIFFNESS * deep - LIMIT_DAMPING * 0.3
+    assert kept.torque[6] == pytest.approx(wanted)
+    assert kept.torque[:6] == pytest.approx(np.zeros(6))
+    weight = PERIOD * (LIMIT_DAMPING + PERIOD * LIMIT_STIFFNESS)
+    assert kept.added[6, 6] == pytest.approx(weight)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_keeps_joints_inside_takes_energy_and_moves_no_tip(seed: int) -> None:
+    J = jacobian(seed)
+    q = near_limit(seed, 1.0, 0.01)
+    still = kept_inside(J, q, REST, LOWER, UPPER, PERIOD)
+    v = np.random.default_rng(seed).normal(size=N)
+    moving = kept_inside(J, q, v, LOWER, UPPER, PERIOD)
+    damped = moving.torque - still.torque
+    assert v @ damped < 0.0
+    assert J[3:] @ damped == pytest.approx(np.zeros(3), abs=1e-3)
+    assert np.linalg.eigvalsh(moving.added).min() > -1e-9
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_inertia_at_a_tip_is_its_inverse_mobility(seed: int) -> None:
+    J = jacobian(seed)
+    root = np.random.default_rng(seed).normal(size=(N, N))
+    M = root @ root.T + np.eye(N)
+    mobility = J @ np.linalg.inv(M) @ J.T
+    least = np.linalg.eigvalsh(mobility)[0]
+    wanted = np.linalg.inv(mobility)
+    error = np.abs(task_inertia(J, M) - wanted).max() / np.abs(wanted).max()
+    # of an axis of mobility s, a share 1 / (1 + (least mobility / s)^2) is left
+    assert error < 1.01 * (LEAST_MOBILITY / least) ** 2 + 1e-9
+
+
+def test_a_joint_torque_makes_the_joints_accelerate_as_asked() -> None:
+    rng = np.random.default_rng(1)
+    root = rng.normal(size=(N, N))
+    M = root @ root.T + np.eye(N)
+    bias, q, v, q_ref, v_ref = rng.normal(size=(5, N))
+    tau = joint_torque(M, bias, q, v, q_ref, v_ref, 12.0)
+    moved = np.linalg.solve(M, tau - bias)
+    assert moved == pytest.approx(144.0 * (q_ref - q) + 24.0 * (v_ref - v))
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_torques_are_held_inside_their_limits_first_and_their_change_then(
+    seed: int,
+) -> None:
+    rng = np.random.default_rng(seed)
+    effort = rng.uniform(1.0, 10.0, N)
+    change = rng.uniform(0.5, 3.0, N)
+    previous = rng.uniform(-1.0, 1.0, N) * effort
+    asked = 2.0 * rng.normal(size=N) * effort
+    got = limited(asked, previous, effort.tolist(), change.tolist())
+    inside = np.clip(asked, -effort, effort)
+    wanted = np.clip(inside, previous - change, previous + change)
+    assert got.torque == pytest.approx(wanted)
+    assert got.share == pytest.approx((np.abs(asked) / effort).max())
+    assert got.rate_share == pytest.approx((np.abs(inside - previous) / change).max())
+
+
+def test_torques_that_nothing_limits_are_given_to_the_bit() -> None:
+    asked = np.array([1.0, -2.0, 0.5])
+    got = limited(asked, np.zeros(3), (2.0, 2.0, 2.0), (2.0, 2.0, 2.0))
+    assert got.torque.tolist() == asked.tolist()
+    assert (got.share, got.rate_share) == (1.0, 1.0)
+
+
+@pytest.mark.parametrize("share", [0.01, 0.3, 0.7])
+def test_an_arm_is_braked_the_more_the_less_its_tip_moves(share: float) -> None:
+    """By (1 - share^2)^2: from nothing at the singular value, and smoothly there."""
+    J, motion = squeezed(2, share * SINGULAR)
+    brake = braked(J, J @ J.T)
+    assert brake is not None
+    assert motion @ brake @ motion == pytest.approx((1.0 - share**2) ** 2, abs=1e-6)
+    others = np.eye(N) - np.outer(motion, motion)
+    assert others @ brake == pytest.approx(np.zeros((N, N)), abs=1e-9)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_limits_that_are_not_about_zero_tell_which_end_is_near(side: float) -> None:
+    J = turning_jacobian(1)
+    lower = LOWER + 50.0
+    upper = UPPER + 50.0
+    q = near_limit(1, side, 0.01) + 50.0
+    axis = J[:3, 1]
+    given = yielding(J, side * axis, q, lower, upper)
+    assert not np.array_equal(given, J)
+    np.testing.assert_array_equal(yielding(J, -side * axis, q, lower, upper), J)
