@@ -438,6 +438,8 @@ def test_a_touch_tried_again_and_again_is_given_up() -> None:
         assert (step.problem is not None) == over
     assert step.problem is not None
     assert "lost again" in step.problem
+    # from that time on, at the tick itself
+    assert made().step(memory, at(before), most, 0.0).problem is not None
 
 
 @pytest.mark.parametrize("aligned", [0.0, 1.0])
@@ -511,6 +513,7 @@ def test_a_tip_on_top_that_lost_its_touch_looks_where_it_is() -> None:
     low = (rests[0], rests[1], rests[2] - 1.1 * margins.ARM.sunk)
     step = made().step(TipMemory(low, found=START), at(low, contact=ABOVE), 0.1, 0.0)
     assert step.problem is not None
+    assert not step.done
     assert step.command.position == low
     # while it lines up nothing is wrong
     step = made().step(TipMemory(low), at(low, contact=ABOVE), 0.1, 1.0)

@@ -348,6 +348,17 @@ def test_after_a_recovery_its_plan_is_expected_to_take_its_time(
     assert after.pop() == pytest.approx(wanted, abs=2 * PERIOD)
 
 
+def test_placements_that_were_not_begun_are_no_part_of_what_was_run() -> None:
+    """Of a plan that another one took the place of."""
+    ended = iter(range(round(9.0 / PERIOD)))
+    made = run("pivot-and-move", disturb=jump, stop=lambda: next(ended, None) is None)
+    assert made.record.meta["events"][0]["recovered"]
+    first, *anew = made.record.plan.by_placement
+    assert first.segments == made.plan.placements[0]
+    (later,) = made.record.plan.later
+    assert [part.segments for part in anew] == list(later.placements)
+
+
 def test_a_command_that_jumps_never_reaches_the_tips(recovered: Run) -> None:
     heights = [
         max(command.position[2] for command in commands if command is not None)

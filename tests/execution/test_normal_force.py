@@ -140,3 +140,9 @@ def test_at_the_clamp_the_integral_only_goes_back(side: float) -> None:
     u, state = regulator.step(NormalForceState(integral, 5.0), 5.0, measured, DT)
     assert u == (10.0 if side > 0.0 else 0.0)
     assert state.integral == pytest.approx(integral - side * 10.0 * DT)
+
+
+def test_at_the_clamp_without_an_error_nothing_changes() -> None:
+    regulator = NormalForceRegulator(ramp=1e9, f_max=10.0)
+    u, state = regulator.step(NormalForceState(90.0, 5.0), 5.0, 5.0, DT)
+    assert (u, state) == (10.0, NormalForceState(90.0, 5.0))
