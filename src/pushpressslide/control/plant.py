@@ -96,7 +96,8 @@ class _Whole:
     def __init__(self, plant: Plant, arms: int) -> None:
         self.plant = plant
         self.commands: list[ArmCommand] = [None] * arms
-        self._measured: Measurement | None = None  # in this tick
+        self.readings: tuple[ArmReading, ...] = ()  # of this tick
+        self._measured: Measurement | None = None  # the same
         self._passed: Measurement | None = None  # in the tick before
 
     @property
@@ -113,6 +114,7 @@ class _Whole:
         if measured is None or measured.time != self.plant.time:
             measured = self.plant.measure()
             self._measured = measured
+            self.readings = self.plant.readings()
         return measured
 
     def read(self) -> StampedPose | None:
@@ -157,7 +159,7 @@ class _PlantArm(Driverless):
     def read(self) -> ArmState:
         measured = self._whole.measurement()
         tip = measured.tips[self._index]
-        joints = _one(self._whole.plant.readings(), self._index)
+        joints = _one(self._whole.readings, self._index)
         return ArmState(measured.time, tip, joints)
 
     def send(self, command: ArmCommand) -> Applied:
