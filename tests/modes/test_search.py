@@ -11,7 +11,7 @@ from pushpressslide.core.plan import Choice
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import Scene
 from pushpressslide.modes import base
-from pushpressslide.modes.base import PATIENCE, Draft, Judge, search
+from pushpressslide.modes.base import PATIENCE, Candidate, Judge, search
 
 TASK = load_task("rear-push-rear")
 OUT_OF_REACH = Refusal("reach", "out of reach")
@@ -19,15 +19,17 @@ LAST = f"{PATIENCE + 5:g}/0"
 
 
 class Bench:
-    """Drafts that log when they are made, and arms that log what they are asked for."""
+    """Candidates that log when they are made, and arms that log what they are asked for."""
 
     def __init__(self, refused: Sequence[str] = ()) -> None:
         self.made: list[tuple[str, bool]] = []
         self.asked: list[str] = []
         self.refused = refused
 
-    def draft(self, least: float, *times: float | None, ordered: bool = False) -> Draft:
-        """A draft of one choice for each time; None: one that is refused at once."""
+    def candidate(
+        self, least: float, *times: float | None, ordered: bool = False
+    ) -> Candidate:
+        """A candidate of one choice for each time; None: one that is refused at once."""
 
         def make(evaluated: bool) -> list[Choice]:
             self.made.append((f"{least:g}", evaluated))
@@ -38,7 +40,7 @@ class Bench:
                 for i, time in enumerate(times)
             ]
 
-        return Draft(least, make, ordered)
+        return Candidate(least, make, ordered)
 
     def arms(
         self, scene: Scene, limits: Limits, choice: Choice, quick: bool
@@ -47,24 +49,24 @@ class Bench:
         self.asked.append(choice.label)
         return OUT_OF_REACH if choice.label in self.refused else None
 
-    def search(self, *drafts: Draft | Choice, enough: int = 8) -> list[Choice]:
+    def search(self, *candidates: Candidate | Choice, enough: int = 8) -> list[Choice]:
         """Search with these arms."""
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(base, "arms_refusal", self.arms)
-            return search(drafts, enough, Judge(TASK.query))
+            return search(candidates, enough, Judge(TASK.query))
 
 
-def test_drafts_are_made_in_the_order_of_their_least_times() -> None:
+def test_candidates_are_expanded_in_the_order_of_their_least_times() -> None:
     bench = Bench()
-    found = bench.search(*(bench.draft(t, t) for t in (5.0, 3.0, 9.0, 4.0)))
+    found = bench.search(*(bench.candidate(t, t) for t in (5.0, 3.0, 9.0, 4.0)))
     assert bench.made == [("3", True), ("4", True), ("5", True), ("9", True)]
     assert [choice.time for choice in found] == [3.0, 4.0, 5.0, 9.0]
 
 
 def test_after_enough_feasible_ones_no_other_is_evaluated() -> None:
     bench = Bench(refused=["2/0"])
-    drafts = [bench.draft(t, t) for t in (1.0, 2.0, 3.0, 4.0, 5.0)]
-    found = bench.search(*drafts, enough=2)
+    candidates = [bench.candidate(t, t) for t in (1.0, 2.0, 3.0, 4.0, 5.0)]
+    found = bench.search(*candidates, enough=2)
     assert bench.asked == ["1/0", "2/0", "3/0"]
     assert [evaluated for _, evaluated in bench.made] == [True] * 3 + [False] * 2
     assert [c.label for c in found if c.feasible] == ["1/0", "3/0"]
@@ -73,7 +75,9 @@ def test_after_enough_feasible_ones_no_other_is_evaluated() -> None:
 
 def test_the_arms_are_asked_once_no_draft_that_is_left_can_be_quicker() -> None:
     bench = Bench()
-    found = bench.search(bench.draft(0.0, 10.0), bench.draft(5.0, 6.0), enough=1)
+    found = bench.search(
+        bench.candidate(0.0, 10.0), bench.candidate(5.0, 6.0), enough=1
+    )
     assert bench.asked == ["5/0"]
     assert [choice.label for choice in found] == ["5/0", "0/0"]
     assert not found[1].evaluated
@@ -81,22 +85,22 @@ def test_the_arms_are_asked_once_no_draft_that_is_left_can_be_quicker() -> None:
 
 def test_a_draft_that_cannot_be_quicker_is_not_evaluated() -> None:
     bench = Bench()
-    bench.search(bench.draft(0.0, 4.0), bench.draft(5.0, 6.0), enough=1)
+    bench.search(bench.candidate(0.0, 4.0), bench.candidate(5.0, 6.0), enough=1)
     assert bench.made == [("0", True), ("5", False)]
     assert bench.asked == ["0/0"]
 
 
 def test_ordered_drafts_are_evaluated_in_their_own_order_whatever_their_times() -> None:
     bench = Bench()
-    slow = bench.draft(0.0, 10.0, ordered=True)
-    quick = bench.draft(1.0, 5.0, ordered=True)
+    slow = bench.candidate(0.0, 10.0, ordered=True)
+    quick = bench.candidate(1.0, 5.0, ordered=True)
     found = bench.search(quick, slow, enough=1)
     assert bench.asked == ["0/0"]
     assert [choice.feasible for choice in found] == [True, False]
     assert found[0].time == 10.0
     both = Bench()
-    slow = both.draft(0.0, 10.0, ordered=True)
-    quick = both.draft(1.0, 5.0, ordered=True)
+    slow = both.candidate(0.0, 10.0, ordered=True)
+    quick = both.candidate(1.0, 5.0, ordered=True)
     found = both.search(quick, slow, enough=2)
     assert both.asked == ["0/0", "1/0"]
     assert [choice.time for choice in found] == [5.0, 10.0]
@@ -105,7 +109,9 @@ def test_ordered_drafts_are_evaluated_in_their_own_order_whatever_their_times() 
 def test_refused_choices_come_last_and_are_never_asked_for_again() -> None:
     bench = Bench(refused=["1/0"])
     at_once = Choice("m", "no face", refusal=Refusal("no_faces", "no flat face"))
-    found = bench.search(at_once, bench.draft(1.0, 1.0, None), bench.draft(3.0, 3.0))
+    found = bench.search(
+        at_once, bench.candidate(1.0, 1.0, None), bench.candidate(3.0, 3.0)
+    )
     assert [choice.label for choice in found] == ["3/0", "1/0", "no face", "1/1"]
     assert found[1].refusal == OUT_OF_REACH
     assert bench.asked == ["1/0", "3/0"]
@@ -113,7 +119,9 @@ def test_refused_choices_come_last_and_are_never_asked_for_again() -> None:
 
 def test_of_equally_quick_choices_the_first_draft_is_first() -> None:
     bench = Bench()
-    found = bench.search(bench.draft(0.0, 2.0004), bench.draft(0.0, 2.0, 2.0001))
+    found = bench.search(
+        bench.candidate(0.0, 2.0004), bench.candidate(0.0, 2.0, 2.0001)
+    )
     assert {round(choice.time or math.inf, 3) for choice in found} == {2.0}
     assert bench.asked == ["0/0", "0/1", "0/0"]
     assert [choice.time for choice in found] == [2.0, 2.0001, 2.0004]
@@ -134,9 +142,9 @@ def test_patience_with_arms_that_do_not_reach_ends() -> None:
         return None if choice.label == LAST else OUT_OF_REACH
 
     bench = Bench()
-    drafts = [bench.draft(float(i), float(i)) for i in range(PATIENCE + 6)]
+    candidates = [bench.candidate(float(i), float(i)) for i in range(PATIENCE + 6)]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(base, "arms_refusal", far)
-        found = search(drafts, 1, Judge(TASK.query))
+        found = search(candidates, 1, Judge(TASK.query))
     assert asked == [False] * PATIENCE + [True] * 6
     assert [choice.label for choice in found if choice.feasible] == [LAST]

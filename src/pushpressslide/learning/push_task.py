@@ -84,7 +84,9 @@ def choice(query: MotionQuery, face: int | None = None) -> Choice:
     """
     index = query.motion.face if face is None else face
     asked = replace(query, motion=replace(query.motion, face=index))
-    choices = [one for draft in MODE.drafts(asked) for one in draft.make(True)]
+    choices = [
+        one for candidate in MODE.candidates(asked) for one in candidate.make(True)
+    ]
     able = [one for one in choices if one.segments]
     if not able:
         reason = "; ".join(str(one.refusal) for one in choices) or "it has no face"

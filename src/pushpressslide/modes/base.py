@@ -74,14 +74,14 @@ class Tracker(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Draft:
+class Candidate:
     """The choices of one placement, made when they are asked for."""
 
     least_time: float  # [s] that none of its choices beats
     # makes the choices, judged but for the arms' reach; told False, it says only what
     # they would be
     make: Callable[[bool], list[Choice]]
-    # whether its choices are judged in the order of the drafts, not of their own times
+    # whether its choices are judged in the order of the candidates, not of their own times
     ordered: bool = False
     # where its choices touch, by whichever arms; None: it does not say
     contacts: tuple[Contact, ...] | None = None
@@ -149,7 +149,7 @@ class Mode(ABC, Generic[D]):
         judged feasible or not; evaluated until ``enough`` are feasible. ``judge``: of
         the paths, by default by the arms' reach alone.
         """
-        return search(self.drafts(query), enough, judge or Judge(query))
+        return search(self.candidates(query), enough, judge or Judge(query))
 
     def connect(self, query: MotionQuery, contacts: Sequence[Contact]) -> Choice:
         """Return the quickest motion that ``query`` asks for with ``contacts`` as they
@@ -178,8 +178,8 @@ class Mode(ABC, Generic[D]):
         center = query.X_GB.position
         return straight_time(*ends, center, query.body.radius, query.motion)
 
-    def drafts(self, query: MotionQuery) -> Sequence[Draft | Choice]:
-        """Return a draft for each placement of the contacts, or a choice with what
+    def candidates(self, query: MotionQuery) -> Sequence[Candidate | Choice]:
+        """Return a candidate for each placement of the contacts, or a choice with what
         stands against all of them; nothing where the mode makes ``choices`` itself.
         """
         return ()
@@ -284,29 +284,31 @@ def straight_time(
     return max(far, 0.0) / (margins.CONTACT_PACE * motion.speed)
 
 
-def search(drafts: Iterable[Draft | Choice], enough: int, judge: Judge) -> list[Choice]:
-    """Return the choices that ``drafts`` make, the feasible ones first, the quickest
+def search(
+    candidates: Iterable[Candidate | Choice], enough: int, judge: Judge
+) -> list[Choice]:
+    """Return the choices that ``candidates`` make, the feasible ones first, the quickest
     first; after ``enough`` feasible ones no other is evaluated.
 
-    Drafts are made in the order of their least times. A choice is judged once no draft
+    Candidates are made in the order of their least times. A choice is judged once no candidate
     that is left can be quicker.
     """
     number = count()
     held = judge.held
-    waiting: list[tuple[float, bool, int, Draft | Choice]] = []
+    waiting: list[tuple[float, bool, int, Candidate | Choice]] = []
     out = []
-    for draft in drafts:
-        if held is not None and not _may_hold(draft, held):
+    for candidate in candidates:
+        if held is not None and not _may_hold(candidate, held):
             continue
-        if isinstance(draft, Draft):
-            waiting.append((draft.least_time, True, next(number), draft))
+        if isinstance(candidate, Candidate):
+            waiting.append((candidate.least_time, True, next(number), candidate))
         else:
-            out.append(draft)
+            out.append(candidate)
     heapify(waiting)
     feasible = 0
     while waiting:
         *_, item = heappop(waiting)
-        if isinstance(item, Draft):
+        if isinstance(item, Candidate):
             for choice in item.make(feasible < enough):
                 if held is not None and not same_places(choice.contacts, held):
                     continue
@@ -325,13 +327,13 @@ def search(drafts: Iterable[Draft | Choice], enough: int, judge: Judge) -> list[
     return sorted(out, key=promptness)
 
 
-def _may_hold(draft: Draft | Choice, held: Sequence[Contact]) -> bool:
-    """Return whether a draft may have a choice with the contacts ``held``, by whichever
+def _may_hold(candidate: Candidate | Choice, held: Sequence[Contact]) -> bool:
+    """Return whether a candidate may have a choice with the contacts ``held``, by whichever
     arms; a choice that stands for all placements may.
     """
-    if not draft.contacts:
+    if not candidate.contacts:
         return True
-    mine = {replace(contact, arm=0, load=0.0) for contact in draft.contacts}
+    mine = {replace(contact, arm=0, load=0.0) for contact in candidate.contacts}
     return mine == {replace(contact, arm=0, load=0.0) for contact in held}
 
 

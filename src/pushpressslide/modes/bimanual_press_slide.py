@@ -36,8 +36,8 @@ from pushpressslide.mechanics.wall import lever
 from pushpressslide.modes.base import (
     BOTH_CROSSING,
     Allocator,
+    Candidate,
     Course,
-    Draft,
     Measured,
     Mode,
 )
@@ -64,17 +64,17 @@ class BimanualPressSlide(Mode[HeldDrive]):
     pushed_faces = 0
     drives = (HeldDrive,)
 
-    def drafts(self, query: MotionQuery) -> list[Draft | Choice]:
-        """Return one draft per pair of contacts, those with the shortest arms first."""
+    def candidates(self, query: MotionQuery) -> list[Candidate | Choice]:
+        """Return one candidate per pair of contacts, those with the shortest arms first."""
         placed = placed_pairs(query)
         if not placed:
             text = "the top has no two places {allowed:mm.0f} apart"
             refusal = Refusal("too_close", text, None, margins.ARM.hand_room, "m")
             return [Choice(self.name, refusal=refusal)]
-        return [self._draft(query, pair) for pair in placed]
+        return [self._candidate(query, pair) for pair in placed]
 
-    def _draft(self, query: MotionQuery, pair: PlacedPair) -> Draft:
-        """Return the draft of one pair of contacts."""
+    def _candidate(self, query: MotionQuery, pair: PlacedPair) -> Candidate:
+        """Return the candidate of one pair of contacts."""
         refusal = pair.refusal
         if refusal is None and pair.crossing:
             refusal = BOTH_CROSSING
@@ -85,7 +85,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
         time = _time(query.motion, pair.path)
         choice = Choice(self.name, label, pair.contacts, time=time, refusal=refusal)
         make = partial(self._pressed, query, choice, pair.path)
-        return Draft(time or inf, make, contacts=pair.contacts)
+        return Candidate(time or inf, make, contacts=pair.contacts)
 
     def _pressed(
         self, query: MotionQuery, placed: Choice, path: TwistPath, evaluated: bool

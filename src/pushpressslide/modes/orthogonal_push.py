@@ -27,7 +27,7 @@ from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.mechanics.push_surface import push_surface
-from pushpressslide.modes.base import Allocator, Draft
+from pushpressslide.modes.base import Allocator, Candidate
 from pushpressslide.modes.shared.twist_pushes import (
     TwistPushes,
     driven_by_twists,
@@ -74,7 +74,7 @@ class OrthogonalPush(TwistPushes):
     pushed_faces = 2
     drives = (TwistDrive,)
 
-    def drafts(self, query: MotionQuery) -> list[Draft | Choice]:
+    def candidates(self, query: MotionQuery) -> list[Candidate | Choice]:
         """Return the best placements on every two faces: the quickest first; of equally
         quick ones that with the least force, if it is well inside its cone.
         """
@@ -91,7 +91,7 @@ class OrthogonalPush(TwistPushes):
             return [Choice(self.name, refusal=Refusal("no_faces", text))]
         placed.sort(key=_rank)
         return [
-            Draft(
+            Candidate(
                 float(i), partial(_in_arms, query.scene, choice), True, choice.contacts
             )
             for i, choice in enumerate(placed)

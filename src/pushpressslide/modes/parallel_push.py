@@ -26,7 +26,7 @@ from pushpressslide.core.refusal import Refusal, literal, refusal_of
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.mechanics.push_surface import push_surface
-from pushpressslide.modes.base import Allocator, Course, Draft, Measured, Tracker
+from pushpressslide.modes.base import Allocator, Candidate, Course, Measured, Tracker
 from pushpressslide.modes.shared.twist_pushes import (
     TwistPushes,
     driven_by_twists,
@@ -85,8 +85,8 @@ class ParallelPush(TwistPushes):
     drives = (CarDrive, TwistDrive)
     vehicles = VEHICLES
 
-    def drafts(self, query: MotionQuery) -> list[Draft | Choice]:
-        """Return one draft for each pair of contacts on each face."""
+    def candidates(self, query: MotionQuery) -> list[Candidate | Choice]:
+        """Return one candidate for each pair of contacts on each face."""
         scene = query.scene
         motion = query.motion
         flat = [face for face in pushable(scene, motion.face) if face.flat]
@@ -111,7 +111,7 @@ class ParallelPush(TwistPushes):
             return dict(zip(contacts, made, strict=True))
 
         return [
-            Draft(
+            Candidate(
                 _least_time(query, face),
                 partial(self._push, query, face, contacts, cars),
                 contacts=contacts,

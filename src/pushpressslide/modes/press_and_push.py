@@ -27,8 +27,8 @@ from pushpressslide.mechanics.friction import utilisation_margin
 from pushpressslide.modes.base import (
     BOTH_CROSSING,
     Allocator,
+    Candidate,
     Course,
-    Draft,
     Measured,
     Mode,
     in_arms,
@@ -69,8 +69,8 @@ class PressAndPush(Mode[PinnedDrive]):
     pushed_faces = None
     drives = (PinnedDrive,)
 
-    def drafts(self, query: MotionQuery) -> list[Draft | Choice]:
-        """Return one draft per place to push, those with the longest lever first."""
+    def candidates(self, query: MotionQuery) -> list[Candidate | Choice]:
+        """Return one candidate per place to push, those with the longest lever first."""
         try:
             pin = pin_of(query)
         except RefusedError as error:
@@ -88,7 +88,7 @@ class PressAndPush(Mode[PinnedDrive]):
         time = path_time(query.motion, path.length, pressed=True)
         turning = _Turn(pin, path, time)
         return [
-            Draft(time, partial(self._pushed, query, turning, place))
+            Candidate(time, partial(self._pushed, query, turning, place))
             for place in places
         ]
 

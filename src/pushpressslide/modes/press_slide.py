@@ -37,8 +37,8 @@ from pushpressslide.modes.base import (
     ENOUGH,
     NO_PLACEMENT,
     Allocator,
+    Candidate,
     Course,
-    Draft,
     Judge,
     Measured,
     Mode,
@@ -386,7 +386,7 @@ def _told(rho: float | None, choices: Sequence[Choice]) -> list[Choice]:
 
 def _steered(
     query: MotionQuery, straight: Sequence[Choice], least: float
-) -> list[Draft | Choice]:
+) -> list[Candidate | Choice]:
     """Return choices to be planned with the axle of their turns, in order; refused
     those that are steered like a unicycle by less than ``least`` [rad].
     """
@@ -397,7 +397,7 @@ def _steered(
         return either_arm(query.scene, query.body_ends, steered)
 
     return [
-        Draft(float(i), partial(make, choice), ordered=True)
+        Candidate(float(i), partial(make, choice), ordered=True)
         if choice.feasible
         else choice
         for i, choice in enumerate(straight)

@@ -23,7 +23,7 @@ from pushpressslide.identification.online import (
     Identified,
     window_of,
 )
-from pushpressslide.modes.base import Course, Draft, Measured, Mode
+from pushpressslide.modes.base import Candidate, Course, Measured, Mode
 from pushpressslide.planning.either_arm import either_arm
 from pushpressslide.planning.rear_car import (
     cone_margin,
@@ -77,10 +77,10 @@ class RearPush(Mode[RearSteerDrive]):
         ]
         return min(lengths, default=math.inf) / query.motion.speed
 
-    def drafts(self, query: MotionQuery) -> list[Draft]:
-        """Return one draft per face."""
+    def candidates(self, query: MotionQuery) -> list[Candidate]:
+        """Return one candidate per face."""
         return [
-            Draft(0.0, partial(self._push, query, fitted), contacts=(contact,))
+            Candidate(0.0, partial(self._push, query, fitted), contacts=(contact,))
             for fitted, contact in zip(
                 fitted_faces(query.scene, query.motion),
                 self.touches(query),

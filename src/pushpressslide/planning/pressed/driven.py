@@ -251,14 +251,14 @@ def _askew(ends: Ends, contact: Contact, backward: bool) -> float:
     )
 
 
-def with_turns(query: MotionQuery, draft: Choice, least: float) -> Choice:
+def with_turns(query: MotionQuery, choice: Choice, least: float) -> Choice:
     """Return a choice planned with the axle of its turns; refused if it is steered like
     a unicycle by less than ``least`` [rad] only.
     """
-    drive = draft.segments[-1].drive
+    drive = choice.segments[-1].drive
     if not isinstance(drive, UnicycleDrive):
-        return draft
-    (contact,) = draft.contacts
+        return choice
+    (contact,) = choice.contacts
     backward = drive.car.backward
     steering = math.inf
     if least > 0.0 and query.tool is None:
@@ -270,10 +270,10 @@ def with_turns(query: MotionQuery, draft: Choice, least: float) -> Choice:
             "it is steered like a unicycle only up to {figure:deg.1f}, needed "
             "{allowed:degg}"
         )
-        return draft.refused(Refusal("steering", text, steering, least, "rad"))
+        return choice.refused(Refusal("steering", text, steering, least, "rad"))
     angle = margins.PLANNED_STEERING * min(drive.steepest, steering)
     press = Press(contact, backward, angle, steering)
-    return driven_choice(query, draft.mode, press)
+    return driven_choice(query, choice.mode, press)
 
 
 def driven_again(
