@@ -115,7 +115,7 @@ class Measured:
         return cls(X_WB, contacts, longest, findings)
 
 
-class Course(NamedTuple):
+class Continuation(NamedTuple):
     """How a segment is led on."""
 
     contacts: tuple[Contact, ...]
@@ -219,9 +219,9 @@ class Mode(ABC, Generic[D]):
         return self.allocator(segment.contacts, friction, drive.rho, drive.center)
 
     @abstractmethod
-    def course(
+    def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured
-    ) -> Course | None:
+    ) -> Continuation | None:
         """Return how a segment is led to its goal from where object and contacts were
         ``measured``; None if that takes too long a way.
         """
@@ -229,15 +229,15 @@ class Mode(ABC, Generic[D]):
     def replan(
         self, query: MotionQuery, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
-        """Return ``segments`` with the first one on its course from what was
-        ``measured``; none where there is no course, or only a longer one.
+        """Return ``segments`` with the first one on its continuation from what was
+        ``measured``; none where there is none, or only a longer one.
         """
         first, *others = segments
-        course = self.course(query, first, measured)
-        if course is None or course.path.length > measured.longest:
+        onward = self.continue_from(query, first, measured)
+        if onward is None or onward.path.length > measured.longest:
             return ()
-        led = replace(first, contacts=course.contacts, drive=course.drive)
-        return (led.follows(course.path), *others)
+        led = replace(first, contacts=onward.contacts, drive=onward.drive)
+        return (led.follows(onward.path), *others)
 
     def again(
         self, query: MotionQuery, segment: Segment, measured: Measured

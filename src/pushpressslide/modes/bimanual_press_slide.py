@@ -37,7 +37,7 @@ from pushpressslide.modes.base import (
     BOTH_CROSSING,
     Allocator,
     Candidate,
-    Course,
+    Continuation,
     Measured,
     Mode,
 )
@@ -190,10 +190,10 @@ class BimanualPressSlide(Mode[HeldDrive]):
         allocate = two_press_allocator((left.point, right.point), friction)
         return partial(allocate, normals=(left.load, right.load), cop=cop)
 
-    def course(
+    def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured
-    ) -> Course | None:
-        """Return the course by one twist from the object's true pose and contacts."""
+    ) -> Continuation | None:
+        """Return the continuation by one twist from the object's true pose and contacts."""
         planned = self.drive_of(segment)
         ends = ends_onward(query.body, segment, measured.X_WB, planned.X_BV)
         path = path_onward(ends, planned.radius, measured.longest)
@@ -206,7 +206,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
             return None
         utilisation = drag.friction_utilisation
         drive = replace(planned, surface=drag.surface, friction_utilisation=utilisation)
-        return Course(contacts, drive, path)
+        return Continuation(contacts, drive, path)
 
 
 def _time(motion: Motion, path: TwistPath) -> float:

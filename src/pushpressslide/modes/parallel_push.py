@@ -26,7 +26,13 @@ from pushpressslide.core.refusal import Refusal, literal, refusal_of
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.mechanics.push_surface import push_surface
-from pushpressslide.modes.base import Allocator, Candidate, Course, Measured, Tracker
+from pushpressslide.modes.base import (
+    Allocator,
+    Candidate,
+    Continuation,
+    Measured,
+    Tracker,
+)
 from pushpressslide.modes.shared.twist_pushes import (
     TwistPushes,
     driven_by_twists,
@@ -229,21 +235,21 @@ class ParallelPush(TwistPushes):
             return ()
         return super().again(query, segment, measured)
 
-    def course(
+    def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured
-    ) -> Course | None:
-        """Return the course by the true contacts; how the object moves is believed as
+    ) -> Continuation | None:
+        """Return the continuation by the true contacts; how the object moves is believed as
         before.
         """
         drive = segment.drive
         if not isinstance(drive, CarDrive):
-            return super().course(query, segment, measured)
+            return super().continue_from(query, segment, measured)
         ends = ends_onward(query.body, segment, measured.X_WB, drive.X_BV)
         straight = run_ins(query.motion)
         path = gentle_path(
             ends, drive.curvature, measured.longest, straight, segment.arcs.turning
         )
-        return Course(measured.contacts, drive, path)
+        return Continuation(measured.contacts, drive, path)
 
 
 def _vehicles(motion: Motion) -> tuple[Vehicle, ...]:

@@ -28,7 +28,7 @@ from pushpressslide.modes.base import (
     BOTH_CROSSING,
     Allocator,
     Candidate,
-    Course,
+    Continuation,
     Measured,
     Mode,
     in_arms,
@@ -198,10 +198,10 @@ class PressAndPush(Mode[PinnedDrive]):
             press.point, press.load, push.point, push.normal, friction, cop
         )
 
-    def course(
+    def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured
-    ) -> Course | None:
-        """Return the course by one twist about the pin as it is; None where the push
+    ) -> Continuation | None:
+        """Return the continuation by one twist about the pin as it is; None where the push
         would have to pull.
         """
         planned = self.drive_of(segment)
@@ -218,7 +218,7 @@ class PressAndPush(Mode[PinnedDrive]):
             return None
         if drag.forces.status != "ok":
             return None
-        return Course(contacts, _drive(drag, radius, contacts), path)
+        return Continuation(contacts, _drive(drag, radius, contacts), path)
 
 
 def _drive(drag: PinnedDrag, radius: float, contacts: Sequence[Contact]) -> PinnedDrive:

@@ -38,7 +38,7 @@ from pushpressslide.modes.base import (
     NO_PLACEMENT,
     Allocator,
     Candidate,
-    Course,
+    Continuation,
     Judge,
     Measured,
     Mode,
@@ -333,10 +333,10 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         pieces = manoeuvres[0].choice(there, self.name).segments
         return (*(replace(piece, leg=first.leg) for piece in pieces), *others)
 
-    def course(
+    def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured
-    ) -> Course | None:
-        """Return the course by the true contact, with the axle as it was seen to be."""
+    ) -> Continuation | None:
+        """Return the continuation by the true contact, with the axle as it was seen to be."""
         (contact,) = measured.contacts
         drive = self.drive_of(segment)
         if isinstance(drive, TurnDrive):
@@ -351,7 +351,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
             ends = ends_onward(query.body, segment, measured.X_WB, X_BV)
             radius = math.dist(contact.point, X_BV.position)
             spin = TwistPath.between(ends, radius)
-            return Course((contact,), replace(drive, car=car, X_BV=X_BV), spin)
+            return Continuation((contact,), replace(drive, car=car, X_BV=X_BV), spin)
         if isinstance(drive, UnicycleDrive) and query.scene.rho is not None:
             car = replace(car, rho=query.scene.rho)
         steered = _steered_by(drive, car, measured.findings.axle)
@@ -359,7 +359,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         path = steered_path(
             query.body, ends, steered, measured.longest, segment.arcs.turning
         )
-        return Course((contact,), steered, path)
+        return Continuation((contact,), steered, path)
 
 
 def _of_first_leg(

@@ -23,7 +23,7 @@ from pushpressslide.identification.online import (
     Identified,
     window_of,
 )
-from pushpressslide.modes.base import Candidate, Course, Measured, Mode
+from pushpressslide.modes.base import Candidate, Continuation, Measured, Mode
 from pushpressslide.planning.either_arm import either_arm
 from pushpressslide.planning.rear_car import (
     cone_margin,
@@ -213,10 +213,10 @@ class RearPush(Mode[RearSteerDrive]):
         """Return nothing: a push does not go back."""
         return ()
 
-    def course(
+    def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured
-    ) -> Course | None:
-        """Return the course by the true contact; the car keeps its own rho, unless one
+    ) -> Continuation | None:
+        """Return the continuation by the true contact; the car keeps its own rho, unless one
         was told, and its heading axis goes from the true contact through the CoM as
         identified.
         """
@@ -243,7 +243,7 @@ class RearPush(Mode[RearSteerDrive]):
         ends = ends_onward(query.body, segment, measured.X_WB, drive.X_BV)
         turning = segment.arcs.turning
         path = route_onward(ends, drive, measured.longest, turning)
-        return None if path is None else Course((contact,), drive, path)
+        return None if path is None else Continuation((contact,), drive, path)
 
 
 def _drives(scene: Scene, fitted: FittedFace) -> dict[float, RearSteerDrive]:

@@ -144,16 +144,16 @@ def held_somehow_problem(
     p = np.array(points, dtype=np.float64).reshape(-1, 3)
     far = np.hypot(p[:, 0] - robot.base[0], p[:, 1] - robot.base[1])
     hardest = sorted({0, len(p) - 1, int(np.argmin(far)), int(np.argmax(far))})
-    course = _Course(kin, p, hardest)
+    along = _PathReach(kin, p, hardest)
     first = _held(*holds[0], len(p))
-    places, found = course.first_search(first)
+    places, found = along.first_search(first)
     if found.ok.all():
         return None
     others = sorted((_held(*hold, len(p)) for hold in holds[1:]), key=np.ndim)
-    near = [one for one in (first, *others) if (course.short(one) <= 0.0).all()]
+    near = [one for one in (first, *others) if (along.short(one) <= 0.0).all()]
     if near:
         worst = places[_worst(found)]
-        solved, able = _some_hold(course, near, worst)
+        solved, able = _some_hold(along, near, worst)
         if solved:
             return None
         # where it was thought worst it will do after all
@@ -163,7 +163,7 @@ def held_somehow_problem(
 
 
 @dataclass(frozen=True)
-class _Course:
+class _PathReach:
     """Points that one arm is to reach, however the tool is held."""
 
     kin: ArmKinematics
@@ -204,19 +204,19 @@ class _Course:
         return first_look(self.kin, self.p[self.hardest], held[self.hardest])
 
 
-def _some_hold(course: _Course, holds: list[Array], worst: int) -> tuple[bool, Reach]:
+def _some_hold(along: _PathReach, holds: list[Array], worst: int) -> tuple[bool, Reach]:
     """Return whether one of ``holds`` reaches all points, and which of them reach the
     ``worst`` one: those that do are tried, the second time with more patience.
     """
-    kin = course.kin
+    kin = along.kin
     axes = np.array([_axes(held)[worst] for held in holds])
-    there = np.tile(course.p[worst], (len(holds), 1))
+    there = np.tile(along.p[worst], (len(holds), 1))
     able = first_look(kin, there, axes)
-    if any(course.reached(holds[i]) for i in np.flatnonzero(able.ok)):
+    if any(along.reached(holds[i]) for i in np.flatnonzero(able.ok)):
         return True, able
     able = _retried(kin, there, axes, able, each=True)
     reached = any(
-        course.reached(holds[i], patient=True) for i in np.flatnonzero(able.ok)
+        along.reached(holds[i], patient=True) for i in np.flatnonzero(able.ok)
     )
     return reached, able
 

@@ -1,5 +1,5 @@
 """Two pushes that drive the object by twists of their cone: the path's choice, the law
-and the course.
+and the continuation.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from pushpressslide.core.twist_path import TwistPath, TwistRate
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.push_surface import push_surface
 from pushpressslide.modes.base import (
-    Course,
+    Continuation,
     Judge,
     Measured,
     Mode,
@@ -50,17 +50,17 @@ class TwistPushes(Mode[CarDrive | TwistDrive]):
         decay = margins.ARM.shortest(segment.profile.speed)
         return HolonomicTracker(drive.X_BV, cone.surface, decay, cone.nearest)
 
-    def course(
+    def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured
-    ) -> Course | None:
-        """Return the course by twists within the cone of the true contacts."""
+    ) -> Continuation | None:
+        """Return the continuation by twists within the cone of the true contacts."""
         drive = segment.drive
         assert isinstance(drive, TwistDrive)
         contacts = measured.contacts
         cone = TwistCone(contacts, query.scene.contact_friction, drive.surface)
         start, goal = ends_onward(query.body, segment, measured.X_WB, drive.X_BV)
         path = path_onward(start, goal, cone, drive.radius, measured.longest)
-        return None if path is None else Course(contacts, drive, path)
+        return None if path is None else Continuation(contacts, drive, path)
 
 
 def within_reach(

@@ -109,7 +109,7 @@ def run_in_missed(segments: Sequence[Segment], X_WB: Pose2, radius: float) -> fl
 
 
 @dataclass(frozen=True, slots=True)
-class _Course:
+class _ArcMotion:
     """Arcs from ``start`` on, of lengths to choose, the first of them steered besides;
     x (n + 1,) are the lengths [m] of n arcs and the steering [rad].
     """
@@ -177,9 +177,9 @@ def _arcs(
     high = np.minimum([*longest, planned * turn.left], x + radius / measure)
     if len(arcs) > 2:
         low[-1] = high[-1] = 0.0
-    course = _Course(arcs, turn.effective_wheelbase, X_WB, goal, radius)
-    x = course.solved(x, low, high, measure)
-    return course.steered(x), [float(length) for length in x[:-1]]
+    motion = _ArcMotion(arcs, turn.effective_wheelbase, X_WB, goal, radius)
+    x = motion.solved(x, low, high, measure)
+    return motion.steered(x), [float(length) for length in x[:-1]]
 
 
 def _step(slopes: Array, off: Array, low: Array, high: Array) -> Array:
