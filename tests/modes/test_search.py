@@ -11,7 +11,7 @@ from pushpressslide.core.plan import Choice
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import Scene
 from pushpressslide.modes import base
-from pushpressslide.modes.base import PATIENCE, Candidate, Judge, search
+from pushpressslide.modes.base import PATIENCE, Candidate, Feasibility, search
 
 TASK = load_task("rear-push-rear")
 OUT_OF_REACH = Refusal("reach", "out of reach")
@@ -53,7 +53,7 @@ class Bench:
         """Search with these arms."""
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(base, "arms_refusal", self.arms)
-            return search(candidates, enough, Judge(TASK.query))
+            return search(candidates, enough, Feasibility(TASK.query))
 
 
 def test_candidates_are_expanded_in_the_order_of_their_least_times() -> None:
@@ -145,6 +145,6 @@ def test_patience_with_arms_that_do_not_reach_ends() -> None:
     candidates = [bench.candidate(float(i), float(i)) for i in range(PATIENCE + 6)]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(base, "arms_refusal", far)
-        found = search(candidates, 1, Judge(TASK.query))
+        found = search(candidates, 1, Feasibility(TASK.query))
     assert asked == [False] * PATIENCE + [True] * 6
     assert [choice.label for choice in found if choice.feasible] == [LAST]

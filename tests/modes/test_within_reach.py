@@ -12,7 +12,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.mechanics.push_surface import push_surface
 from pushpressslide.modes import MODES, orthogonal_push
-from pushpressslide.modes.base import Judge
+from pushpressslide.modes.base import Feasibility
 from pushpressslide.modes.shared.twist_pushes import within_reach
 from pushpressslide.planning.face_placements import on_two_faces, side_by_side
 from pushpressslide.planning.side_contacts import contact_height, pushable
@@ -48,13 +48,13 @@ def test_what_is_left_is_what_two_arms_reach_one_each() -> None:
     for face, other in pairwise((*faces, faces[0])):
         placements += side_by_side(scene, face, height)
         placements += on_two_faces(scene, (face, other), height)
-    judge = Judge(SEARCHED)
+    feasibility = Feasibility(SEARCHED)
     left = within_reach(SEARCHED, placements)
     assert 0 < len(left) < len(placements)
     for a, b in placements:
         either = any(
-            judge.reach_ends(replace(a, arm=i))
-            and judge.reach_ends(replace(b, arm=1 - i))
+            feasibility.reach_ends(replace(a, arm=i))
+            and feasibility.reach_ends(replace(b, arm=1 - i))
             for i in (0, 1)
         )
         assert ((a, b) in left) == either

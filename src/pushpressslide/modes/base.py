@@ -143,13 +143,16 @@ class Mode(ABC, Generic[D]):
     vehicles: ClassVar[tuple[Vehicle, ...]] = ()  # that ``motion.vehicle`` may name
 
     def choices(
-        self, query: MotionQuery, enough: int = ENOUGH, judge: Judge | None = None
+        self,
+        query: MotionQuery,
+        enough: int = ENOUGH,
+        feasibility: Feasibility | None = None,
     ) -> list[Choice]:
         """Return every placement of the contacts that was considered, best first, each
-        judged feasible or not; evaluated until ``enough`` are feasible. ``judge``: of
+        judged feasible or not; evaluated until ``enough`` are feasible. ``feasibility``: of
         the paths, by default by the arms' reach alone.
         """
-        return search(self.candidates(query), enough, judge or Judge(query))
+        return search(self.candidates(query), enough, feasibility or Feasibility(query))
 
     def connect(self, query: MotionQuery, contacts: Sequence[Contact]) -> Choice:
         """Return the quickest motion that ``query`` asks for with ``contacts`` as they
@@ -159,7 +162,7 @@ class Mode(ABC, Generic[D]):
         """
         part = replace(query, modes=(self.name,))
         held = tuple(contacts)
-        found = self.choices(part, 1, Judge(part, held=held, arms=False))
+        found = self.choices(part, 1, Feasibility(part, held=held, arms=False))
         if not found:
             return Choice(self.name, contacts=held, refusal=NO_PLACEMENT)
         return found[0]
@@ -285,7 +288,7 @@ def straight_time(
 
 
 def search(
-    candidates: Iterable[Candidate | Choice], enough: int, judge: Judge
+    candidates: Iterable[Candidate | Choice], enough: int, feasibility: Feasibility
 ) -> list[Choice]:
     """Return the choices that ``candidates`` make, the feasible ones first, the quickest
     first; after ``enough`` feasible ones no other is evaluated.
@@ -294,7 +297,7 @@ def search(
     that is left can be quicker.
     """
     number = count()
-    held = judge.held
+    held = feasibility.held
     waiting: list[tuple[float, bool, int, Candidate | Choice]] = []
     out = []
     for candidate in candidates:
@@ -318,7 +321,7 @@ def search(
                 due = item.least_time if item.ordered else choice.time
                 heappush(waiting, (due, False, next(number), choice))
             continue
-        refusal = judge.refusal(item) if feasible < enough else NOT_EVALUATED
+        refusal = feasibility.refusal(item) if feasible < enough else NOT_EVALUATED
         if refusal is None:
             feasible += 1
             out.append(item)
@@ -358,12 +361,11 @@ def promptness(choice: Choice) -> tuple[bool, float]:
 
 
 @dataclass
-class Judge:
-    """Judges one choice after another by its path: are the arms able to follow it, is
-    it free? With patience, until so many are out of reach that a hold known to the
-    tables has to do for the others, and so many are blocked that no other is looked at.
+class Feasibility:
+    """Evaluates choices one by one: can the arms follow the path, and is it clear?
 
-    In a search over sequences the tables do for all.
+    After many choices out of reach it trusts the reach tables alone; after many blocked
+    ones it stops. In a search over sequences the tables decide for all.
     """
 
     query: MotionQuery

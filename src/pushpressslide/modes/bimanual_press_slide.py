@@ -90,7 +90,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
     def _pressed(
         self, query: MotionQuery, placed: Choice, path: TwistPath, evaluated: bool
     ) -> list[Choice]:
-        """Judge one pair of contacts but for the arms' reach."""
+        """Evaluate one pair of contacts without the arms' reach."""
         if not (evaluated and placed.feasible):
             return [placed]
         scene = query.scene

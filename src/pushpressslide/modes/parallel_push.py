@@ -133,7 +133,7 @@ class ParallelPush(TwistPushes):
         cars: Cars,
         evaluated: bool,
     ) -> list[Choice]:
-        """Judge contacts on a face but for the arms' reach: one choice for each way to
+        """Evaluate contacts on a face without the arms' reach: one choice for each way to
         give them to arms.
         """
         places = describe_points(contact.point for contact in contacts)

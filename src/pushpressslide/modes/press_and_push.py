@@ -95,7 +95,7 @@ class PressAndPush(Mode[PinnedDrive]):
     def _pushed(
         self, query: MotionQuery, turn: _Turn, lever: Lever, evaluated: bool
     ) -> list[Choice]:
-        """Judge one place to push but for the arms' reach: one choice for each way to
+        """Evaluate one place to push without the arms' reach: one choice for each way to
         give the two contacts to the arms.
         """
         scene = query.scene

@@ -39,7 +39,7 @@ from pushpressslide.modes.base import (
     Allocator,
     Candidate,
     Continuation,
-    Judge,
+    Feasibility,
     Measured,
     Mode,
     promptness,
@@ -107,7 +107,10 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
             return ()
 
     def choices(
-        self, query: MotionQuery, enough: int = ENOUGH, judge: Judge | None = None
+        self,
+        query: MotionQuery,
+        enough: int = ENOUGH,
+        feasibility: Feasibility | None = None,
     ) -> list[Choice]:
         """Return choices, feasible and quick ones first.
 
@@ -117,13 +120,13 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
             placements = press_placements(query)
         except RefusedError as error:
             return [Choice(self.name, refusal=error.refusal)]
-        judge = judge or Judge(query)
-        contacts = _those_held(placements.contacts, judge.held)
+        feasibility = feasibility or Feasibility(query)
+        contacts = _those_held(placements.contacts, feasibility.held)
         if not contacts:
             return [Choice(self.name, refusal=NO_PLACEMENT)]
-        if judge.arms:
+        if feasibility.arms:
             near = _reached if query.searched else _in_span
-            contacts = tuple(c for c in contacts if near(judge, c))
+            contacts = tuple(c for c in contacts if near(feasibility, c))
         if not contacts:
             (arm, *_) = nearest_arms(query.scene, query.body_ends, ORIGIN)
             nearest = replace(placements.contacts[0], arm=arm)
@@ -131,7 +134,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
             return [Choice(self.name, refusal=beyond or UNKNOWN)]
         placements = replace(placements, contacts=contacts)
         found: dict[str, list[Choice]] = {}
-        for kind, choices in self._alternatives(judge, placements, enough):
+        for kind, choices in self._alternatives(feasibility, placements, enough):
             found[kind] = choices
             if any(choice.feasible for choice in choices):
                 break
@@ -143,23 +146,23 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         return sorted([*found["vehicle"], *manoeuvres], key=promptness)
 
     def _alternatives(
-        self, judge: Judge, placements: PressPlacements, enough: int
+        self, feasibility: Feasibility, placements: PressPlacements, enough: int
     ) -> Iterator[tuple[str, list[Choice]]]:
         """Yield what to try, in order: a manoeuvre before or after a path of one vehicle
         that is well steered; last a path of a vehicle however steered.
         """
 
-        query = judge.query
+        query = feasibility.query
 
         def manoeuvres() -> list[Choice]:
             """Return the choices of manoeuvres."""
             return manoeuvre_choices(
-                query, self.name, placements, enough, judge.refusal
+                query, self.name, placements, enough, feasibility.refusal
             )
 
         def vehicles(least: float) -> list[Choice]:
             """Return those of a vehicle that is steered by ``least`` [rad] or more."""
-            return search(_steered(query, straight, least), enough, judge)
+            return search(_steered(query, straight, least), enough, feasibility)
 
         free = query.motion.vehicle is None and query.tool is None
         given = bool(query.motion.contacts)
@@ -508,14 +511,14 @@ def _those_held(
     return tuple(contact for contact in contacts if [contact.point] == points)
 
 
-def _reached(judge: Judge, contact: Contact) -> bool:
+def _reached(feasibility: Feasibility, contact: Contact) -> bool:
     """Return whether some arm reaches a contact at start and goal, as the tables know."""
-    each = (replace(contact, arm=arm) for arm in judge.query.scene.arms)
-    return any(map(judge.reach_ends, each))
+    each = (replace(contact, arm=arm) for arm in feasibility.query.scene.arms)
+    return any(map(feasibility.reach_ends, each))
 
 
-def _in_span(judge: Judge, contact: Contact) -> bool:
+def _in_span(feasibility: Feasibility, contact: Contact) -> bool:
     """Return whether some arm is long enough for a contact at start and goal."""
-    query = judge.query
+    query = feasibility.query
     each = (replace(contact, arm=arm) for arm in query.scene.arms)
     return any(span_refusal(query.scene, one, query.body_ends) is None for one in each)

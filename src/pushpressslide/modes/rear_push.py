@@ -91,7 +91,7 @@ class RearPush(Mode[RearSteerDrive]):
     def _push(
         self, query: MotionQuery, fitted: FittedFace, evaluated: bool
     ) -> list[Choice]:
-        """Judge a push on a face but for the arms' reach."""
+        """Evaluate a push on a face without the arms' reach."""
         scene = query.scene
         face = fitted.face
         height = lone_contact_height(scene, query.motion)

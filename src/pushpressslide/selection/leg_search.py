@@ -57,7 +57,7 @@ HOPELESS = frozenset({"smooth_tip"})
 
 # of a motion by a mode: with the contacts that are held, with whatever contacts where
 # none are
-JudgeMotion = Callable[[MotionQuery, str, Held | None], list[Choice]]
+EvaluateMotion = Callable[[MotionQuery, str, Held | None], list[Choice]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +106,7 @@ class LegSearch:
     ways: WaysTo  # to the goal
     poses: list[Pose2]  # X_WG: start, goal, and those on the way; more as it goes on
     touching: Touching
-    judge: JudgeMotion
+    evaluate: EvaluateMotion
     most: (
         int  # work that may be spent on judging motions; one by a push from behind is 1
     )
@@ -289,7 +289,7 @@ class LegSearch:
             self.judged += 1
             self.spent += 1 if motion.held else MODES[mode].work
             asked = self.query.between(self.poses[begin], self.poses[end])
-            judged = self.judge(asked, mode, held)
+            judged = self.evaluate(asked, mode, held)
             self._found[key] = _best(judged)
             if not self._found[key]:
                 self._note(mode, judged)

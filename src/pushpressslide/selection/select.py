@@ -15,7 +15,7 @@ from pushpressslide.core.scene import ARM_NAMES
 from pushpressslide.core.state import Held
 from pushpressslide.core.task import Task
 from pushpressslide.modes import MODES
-from pushpressslide.modes.base import ENOUGH, Judge, Mode, promptness
+from pushpressslide.modes.base import ENOUGH, Feasibility, Mode, promptness
 from pushpressslide.planning.either_arm import nearest_arms
 from pushpressslide.selection.clearance import path_refusal
 
@@ -76,7 +76,7 @@ def _select_leg(part: MotionQuery, leg: int, enough: int) -> list[Choice]:
     return [of_leg(choice, leg) for choice in _select(part, enough)]
 
 
-def judged_motion(query: MotionQuery, mode: str, held: Held | None) -> list[Choice]:
+def evaluate_motion(query: MotionQuery, mode: str, held: Held | None) -> list[Choice]:
     """Return the choices of a mode for one motion, best first; few are judged. Where
     contacts are ``held``, no others are asked for.
     """
@@ -154,7 +154,9 @@ def _select(
             out.append(Choice(name, refusal=Refusal("support", text)))
         else:
             for part in _by_tip(query, mode):
-                out += mode.choices(part, enough, Judge(part, _blocks(part), held))
+                out += mode.choices(
+                    part, enough, Feasibility(part, _blocks(part), held)
+                )
     return _ranked(out)
 
 

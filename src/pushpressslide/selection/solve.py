@@ -25,7 +25,7 @@ from pushpressslide.selection.preparation import (
 )
 from pushpressslide.selection.searched import Searched
 from pushpressslide.selection.select import (
-    judged_motion,
+    evaluate_motion,
     of_leg,
     placements,
 )
@@ -169,7 +169,7 @@ def _searched(
     (query,) = empty.queries
     ways = free_space(query).ways(query.goal)
     poses = [query.start, query.goal, *waypoints(query, ways)]
-    search = LegSearch(query, ways, poses, Touching(query), judged_motion, JUDGED)
+    search = LegSearch(query, ways, poses, Touching(query), evaluate_motion, JUDGED)
     search.know(choices)
     lacking = ""
     for _ in range(SEQUENCES if empty.restart is None else SEQUENCES_ANEW):

@@ -18,7 +18,7 @@ from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.push_surface import push_surface
 from pushpressslide.modes.base import (
     Continuation,
-    Judge,
+    Feasibility,
     Measured,
     Mode,
     Tracker,
@@ -71,12 +71,12 @@ def within_reach(
     """
     if not query.searched:
         return list(placements)
-    judge = Judge(query)
+    feasibility = Feasibility(query)
 
     def reached(contacts: Sequence[Contact]) -> bool:
         """Return whether two arms reach two contacts."""
         return any(
-            all(map(judge.reach_ends, given_to(contacts, arms)))
+            all(map(feasibility.reach_ends, given_to(contacts, arms)))
             for arms in ((0, 1), (1, 0))
         )
 

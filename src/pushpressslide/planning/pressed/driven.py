@@ -67,7 +67,7 @@ class Press:
 
 
 def driven_choice(query: MotionQuery, mode: str, press: Press) -> Choice:
-    """Judge one press and direction but for the arm's reach."""
+    """Evaluate one press and direction without the arm's reach."""
     contact = press.contact
     how = "pushed" if press.backward else "pulled"
     if query.motion.vehicle == "pivot":
