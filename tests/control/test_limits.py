@@ -171,22 +171,27 @@ def test_an_arm_that_draws_back_is_cramped_before_its_limit_is_broken(
     side: float,
 ) -> None:
     judge = guard()
-    assert not judge.cramped([REST])
+    assert not judge.near_joint_limit([REST])
     inside = margins.ARM.joint_buffer
     assert inside > POSITION_MARGIN
-    for room, cramped in ((inside + 0.001, False), (inside - 0.001, True)):
+    for room, near_joint_limit in ((inside + 0.001, False), (inside - 0.001, True)):
         near = ArmReading(np.array([0.0, side * (2.0 - room)]), np.zeros(2))
-        assert judge.cramped([near]) == cramped
+        assert judge.near_joint_limit([near]) == near_joint_limit
         assert judged(judge, reading=near) is None
 
 
 def test_an_arm_that_begins_to_draw_back_near_a_limit_may_go_on_if_not_nearer() -> None:
     judge = guard()
-    for room, cramped in ((0.02, False), (0.025, False), (0.016, False), (0.014, True)):
+    for room, near_joint_limit in (
+        (0.02, False),
+        (0.025, False),
+        (0.016, False),
+        (0.014, True),
+    ):
         near = ArmReading(np.array([1.0 - room, 0.0]), np.zeros(2))
-        assert judge.cramped([near]) == cramped
+        assert judge.near_joint_limit([near]) == near_joint_limit
     judge.begin()
-    assert not judge.cramped([ArmReading(np.array([0.986, 0.0]), np.zeros(2))])
+    assert not judge.near_joint_limit([ArmReading(np.array([0.986, 0.0]), np.zeros(2))])
 
 
 def count(judge: Guard, readings: ArmReading) -> int | None:
@@ -384,10 +389,10 @@ def test_an_arm_is_cramped_inside_the_buffer_and_not_at_its_edge() -> None:
     middle = ArmReading(np.full(2, 4.0), np.zeros(2))
     edge = ArmReading(np.array([4.0, buffer]), np.zeros(2))
     inside = ArmReading(np.array([4.0, 0.99 * buffer]), np.zeros(2))
-    assert not judge.cramped([middle, middle])
-    assert not judge.cramped([edge, middle])
-    assert judge.cramped([inside, middle])
-    assert judge.cramped([middle, inside])
+    assert not judge.near_joint_limit([middle, middle])
+    assert not judge.near_joint_limit([edge, middle])
+    assert judge.near_joint_limit([inside, middle])
+    assert judge.near_joint_limit([middle, inside])
 
 
 def test_margins_to_limits_are_small_and_times_short() -> None:

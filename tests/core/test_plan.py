@@ -158,7 +158,7 @@ def test_the_choices_that_a_plan_consists_of_are_found_again() -> None:
 
 
 def test_a_choice_says_what_was_decided_of_it_and_why() -> None:
-    good = Choice("held", "face 1", merits="path 1 m")
+    good = Choice("held", "face 1", summary="path 1 m")
     assert (good.feasible, good.evaluated) == (True, True)
     assert (good.verdict, good.reason) == ("possible", "face 1: path 1 m")
     bad = good.refused(Refusal("tipping", "tips at {figure:mm.0f}", 0.2))
@@ -173,7 +173,7 @@ def test_a_choice_says_what_was_decided_of_it_and_why() -> None:
 
 def test_a_reason_has_no_stray_colon() -> None:
     assert Choice("held", "face 1").reason == "face 1"
-    assert Choice("held", merits="path 1 m").reason == "path 1 m"
+    assert Choice("held", summary="path 1 m").reason == "path 1 m"
     assert Choice("held").reason == ""
 
 

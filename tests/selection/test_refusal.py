@@ -15,8 +15,8 @@ def test_reasons_that_differ_in_their_numbers_are_said_once_and_counted() -> Non
         for i in range(4)
     ]
     other = Choice("rear_push", "face 4", refusal=Refusal("tipping", "it tips"))
-    good = Choice("rear_push", "face 5", merits="path 1 m")
-    good_too = Choice("rear_push", "face 6", merits="path 2 m")
+    good = Choice("rear_push", "face 5", summary="path 1 m")
+    good_too = Choice("rear_push", "face 6", summary="path 2 m")
     assert gathered([good, good_too, *far, other]) == [
         (good, "face 5: path 1 m"),
         (good_too, "face 6: path 2 m"),

@@ -77,7 +77,7 @@ class Guard:
     # after a recovery: an arm that begins near a limit may move away from it
     anew: bool = False
     _memories: dict[int, _Memory] = field(default_factory=dict)
-    # [rad] or [m] that each arm's joints had when it was asked first whether it is cramped
+    # [rad] or [m] that each arm's joints had when it was asked first whether it is near a limit
     _first_rooms: list[float] | None = None
     _speeds: list[list[float]] = field(init=False)  # [rad/s] limits of each arm
 
@@ -124,7 +124,7 @@ class Guard:
             found = found or jump
         return found
 
-    def cramped(self, readings: Sequence[ArmReading]) -> bool:
+    def near_joint_limit(self, readings: Sequence[ArmReading]) -> bool:
         """Return whether a joint has come as near to its limit as an arm that draws back
         may bring it: to where it is held off, or nearer than it was at first.
         """

@@ -318,7 +318,7 @@ class RunLoop:
             return self.approach.step(measurement.time)
         if self.state is None:
             self.state = self.controller.init(measurement, self.approach.held)
-        if self.state.phase.name == "release" and self.guard.cramped(readings):
+        if self.state.phase.name == "release" and self.guard.near_joint_limit(readings):
             self.state = self.controller.halted(self.state, measurement)
         step = self.controller.step(self.state, measurement)
         self.state = step.state

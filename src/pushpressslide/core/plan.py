@@ -130,7 +130,7 @@ class Choice:
     contacts: tuple[Contact, ...] = ()
     segments: tuple[Segment, ...] = ()  # empty: no path was found or looked for
     time: float | None = None  # [s] estimated
-    merits: str = ""  # what is good to know of it, in words; nothing reads it again
+    summary: str = ""  # what is good to know of it, in words; nothing reads it again
     refusal: Refusal | None = None  # None: it can do the task
     leg: int = 0  # of the task, that it begins with
 
@@ -145,6 +145,14 @@ class Choice:
         return self.refusal is None or self.refusal.code != SKIPPED
 
     @property
+    def merits(self) -> str:
+        """Old name of ``summary``, with a DeprecationWarning; it goes with 0.6."""
+        import warnings
+
+        warnings.warn("Choice.merits: use summary", DeprecationWarning, stacklevel=2)
+        return self.summary
+
+    @property
     def verdict(self) -> str:
         """What was decided, in a word or two."""
         if self.feasible:
@@ -154,7 +162,7 @@ class Choice:
     @property
     def reason(self) -> str:
         """One line: what it offers, or the number that decides against it."""
-        text = self.merits if self.refusal is None else str(self.refusal)
+        text = self.summary if self.refusal is None else str(self.refusal)
         return f"{self.label}: {text}" if self.label and text else self.label or text
 
     @property

@@ -327,7 +327,7 @@ def search(
             out.append(item)
         else:
             out.append(item.refused(refusal))
-    return sorted(out, key=promptness)
+    return sorted(out, key=ranking_key)
 
 
 def _may_hold(candidate: Candidate | Choice, held: Sequence[Contact]) -> bool:
@@ -354,7 +354,7 @@ def _with_arms(choice: Choice, arms: Sequence[int]) -> Choice:
     return replace(choice, contacts=contacts, segments=segments)
 
 
-def promptness(choice: Choice) -> tuple[bool, float]:
+def ranking_key(choice: Choice) -> tuple[bool, float]:
     """Return the order of choices: the feasible ones, then by time, in milliseconds."""
     time = math.inf if choice.time is None else round(choice.time, 3)
     return not choice.feasible, time

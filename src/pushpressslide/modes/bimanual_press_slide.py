@@ -145,7 +145,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
         )
         margin = utilisation_margin(scene.contact_friction, utilisation)
         piece = segment(query, self.name, contacts, drive, path, cone_margin=margin)
-        merits = (
+        summary = (
             f"{left:.1f} and {right:.1f} N, path {path.distance:.3f} m, centre of "
             f"pressure {cop_fraction(scene, contacts):.2f} of the way from left to "
             f"right, {utilisation:.2f} of the tips' friction used"
@@ -154,7 +154,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
             placed,
             segments=(piece,),
             time=_time(query.motion, path),
-            merits=merits,
+            summary=summary,
             refusal=refusal,
         )
 

@@ -173,9 +173,9 @@ class OrthogonalPush(TwistPushes):
         wrenches = [cone.wrench(*rate) for rate, _ in path.pieces]
         push = max(max(allocate(w.fx, w.fy, w.tau).normals) for w in wrenches)  # [N]
         driven = driven_by_twists(query, placed, path, cone, push)
-        merits = f"{driven.merits}, pushed with up to {push:.1f} N"
+        summary = f"{driven.summary}, pushed with up to {push:.1f} N"
         refusal = push_refusal(push, query.limits, cone.surface.max_force)
-        return replace(driven, merits=merits, refusal=refusal)
+        return replace(driven, summary=summary, refusal=refusal)
 
     def allocator(
         self,

@@ -170,12 +170,12 @@ class ParallelPush(TwistPushes):
         piece = segment(
             query, self.name, choice.contacts, drive, path, cone_margin=margin
         )
-        merits = (
+        summary = (
             f"path {path.length:.3f} m, {tightest / car.tightest:.2f} of the tightest "
             "curve used"
         )
         time = run_time(query.motion, (piece,))
-        return replace(choice, segments=(piece,), time=time, merits=merits)
+        return replace(choice, segments=(piece,), time=time, summary=summary)
 
     def _by_twists(self, query: MotionQuery, choice: Choice) -> Choice:
         """Return the choice to drive twists of the contacts' cone."""

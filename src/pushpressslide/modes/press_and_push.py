@@ -152,7 +152,7 @@ class PressAndPush(Mode[PinnedDrive]):
         margin = utilisation_margin(scene.contact_friction, utilisation)
         drive = _drive(drag, path.radius, contacts)
         piece = segment(query, self.name, contacts, drive, path, cone_margin=margin)
-        merits = (
+        summary = (
             f"{load:.1f} and {drag.forces.normals[1]:.1f} N, lever "
             f"{lever.length * 1e3:.0f} mm, path {path.distance:.3f} m, "
             f"{utilisation:.2f} of the press's friction used"
@@ -161,7 +161,7 @@ class PressAndPush(Mode[PinnedDrive]):
             choice,
             contacts=contacts,
             segments=(piece,),
-            merits=merits,
+            summary=summary,
             refusal=pin_refusal(cap, load, drag, scene.pin_uses[-1]),
         )
 

@@ -42,7 +42,7 @@ from pushpressslide.modes.base import (
     Feasibility,
     Measured,
     Mode,
-    promptness,
+    ranking_key,
     search,
 )
 from pushpressslide.planning.either_arm import either_arm, nearest_arms
@@ -143,7 +143,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         manoeuvres = found.get("manoeuvre", [])
         if "vehicle" not in found:
             return manoeuvres
-        return sorted([*found["vehicle"], *manoeuvres], key=promptness)
+        return sorted([*found["vehicle"], *manoeuvres], key=ranking_key)
 
     def _alternatives(
         self, feasibility: Feasibility, placements: PressPlacements, enough: int
@@ -169,7 +169,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         if free and not given:
             yield "manoeuvre", manoeuvres()
         straight = vehicle_choices(query, self.name, placements)
-        straight.sort(key=promptness)
+        straight.sort(key=ranking_key)
         yield "vehicle", vehicles(margins.CORRECTING)
         if free and given:
             yield "manoeuvre", manoeuvres()

@@ -129,7 +129,7 @@ class RearPush(Mode[RearSteerDrive]):
             cone_margin=margin,
         )
         loop = ", with a loop" if looped else ""
-        merits = (
+        summary = (
             f"path {path.length:.3f} m, tightest radius "
             f"{1.0 / max(high * share, -low * share):.3f} m, "
             f"steering keeps {math.degrees(margin):.1f} deg inside the friction cone"
@@ -139,7 +139,7 @@ class RearPush(Mode[RearSteerDrive]):
             choice,
             segments=(piece,),
             time=run_time(query.motion, (piece,)),
-            merits=merits,
+            summary=summary,
             refusal=turning_refusal(path),
         )
 

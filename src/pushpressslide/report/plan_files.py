@@ -210,7 +210,7 @@ def _choice_to_dict(choice: Choice) -> dict[str, Any]:
         "contacts": [asdict(contact) for contact in choice.contacts],
         "segments": [_segment_to_dict(segment) for segment in choice.segments],
         "time": choice.time,
-        "merits": choice.merits,
+        "merits": choice.summary,
         "refusal": None if choice.refusal is None else asdict(choice.refusal),
         "leg": choice.leg,
     }

@@ -114,7 +114,7 @@ def add_first(
             continue
         if len(problems) >= tries:
             return False
-        key = (choice.mode, choice.contacts, choice.label, choice.merits)
+        key = (choice.mode, choice.contacts, choice.label, choice.summary)
         try:
             if key not in problems:
                 preparation.add(empty.of_choices([choice]).by_placement[0])

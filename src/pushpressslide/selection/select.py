@@ -15,7 +15,7 @@ from pushpressslide.core.scene import ARM_NAMES
 from pushpressslide.core.state import Held
 from pushpressslide.core.task import Task
 from pushpressslide.modes import MODES
-from pushpressslide.modes.base import ENOUGH, Feasibility, Mode, promptness
+from pushpressslide.modes.base import ENOUGH, Feasibility, Mode, ranking_key
 from pushpressslide.planning.either_arm import nearest_arms
 from pushpressslide.selection.clearance import path_refusal
 
@@ -120,7 +120,7 @@ def _ranked(choices: list[Choice]) -> list[Choice]:
     squeeze: dict[str, float] = {}
     for choice in choices:
         squeeze.setdefault(choice.mode, contact_squeeze(choice))
-    return sorted(choices, key=lambda c: (*promptness(c), squeeze[c.mode]))
+    return sorted(choices, key=lambda c: (*ranking_key(c), squeeze[c.mode]))
 
 
 def contact_squeeze(choice: Choice) -> float:

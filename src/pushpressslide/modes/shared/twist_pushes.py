@@ -115,12 +115,12 @@ def driven_by_twists(
     piece = segment(
         query, choice.mode, choice.contacts, drive, path, cone_margin=margin
     )
-    merits = (
+    summary = (
         f"path {path.distance:.3f} m of {len(path.pieces)} twist(s), "
         f"{describe_cone_margin(margin)}"
     )
     time = run_time(query.motion, (piece,))
-    return replace(choice, segments=(piece,), time=time, merits=merits)
+    return replace(choice, segments=(piece,), time=time, summary=summary)
 
 
 def in_free_arms(scene: Scene, choice: Choice) -> list[Choice]:

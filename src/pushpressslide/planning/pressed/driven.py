@@ -89,15 +89,15 @@ def driven_choice(query: MotionQuery, mode: str, press: Press) -> Choice:
     segments = tuple(replace(piece, cone_margin=margin) for piece in segments)
     last = segments[-1]
     distance = math.dist(vehicle.X_BV.position, vehicle.car.cop)
-    merits = (
+    summary = (
         f"{contact.load:.1f} N, path {last.path.length:.3f} m, virtual axle "
         f"{1e3 * distance:.0f} mm from the centre of pressure, {utilisation:.2f} of the "
         "tip's friction used"
     )
     for piece in segments[:-1]:
-        merits += f", {piece.path.length:g} m back first"
+        summary += f", {piece.path.length:g} m back first"
     time = run_time(query.motion, segments, pressed=True)
-    return replace(choice, segments=segments, time=time, merits=merits)
+    return replace(choice, segments=segments, time=time, summary=summary)
 
 
 def _driven_segments(
