@@ -123,7 +123,7 @@ class MyPlant:
     def prepare(self):
         return PlansAlone()
 
-    def hand_over(self, placement, lasting):
+    def hand_over(self, placement, kept_arms):
         raise NotImplementedError("this plant has one placement")
 
 

@@ -320,7 +320,7 @@ def test_an_arm_that_keeps_its_contact_presses_on_unless_something_failed(
     keeps: bool, fails: bool
 ) -> None:
     controller = Controller(pps.plan(pps.load_task(PRESS)))
-    controller.lasting = frozenset({0} if keeps else ())
+    controller.kept_arms = frozenset({0} if keeps else ())
     state = begin(touching(PRESS), "release", measured(PRESS, 0.0, 30.0))
     if fails:
         state = failed(PRESS)

@@ -9,7 +9,7 @@ import pytest
 import pushpressslide as pps
 from pushpressslide.control.execution import USUAL
 from pushpressslide.control.placement import Placement, share_of_tolerance
-from pushpressslide.core.plan import Plan, lasting_arms
+from pushpressslide.core.plan import Plan, arms_kept
 from pushpressslide.core.pose import Pose2
 
 FIT = pps.plan(pps.load_task("press-fit"))
@@ -61,9 +61,9 @@ def test_retries_reach_far_where_nothing_else_can_mend_a_miss(
 
 def test_arms_last_that_have_the_same_contact_in_the_next_placement() -> None:
     first, second = TWO.placements
-    assert placement(TWO).lasting == lasting_arms(first, second)
-    assert placement(TWO, 1).lasting == frozenset()
-    assert placement(PUSH).lasting == frozenset()
+    assert placement(TWO).kept_arms == arms_kept(first, second)
+    assert placement(TWO, 1).kept_arms == frozenset()
+    assert placement(PUSH).kept_arms == frozenset()
 
 
 def test_an_error_is_the_larger_share_of_its_two_tolerances() -> None:

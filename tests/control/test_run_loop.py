@@ -128,8 +128,8 @@ class Diary:
     def diverged(self) -> str | None:
         return "it broke" if self.time > self.breaks_after else None
 
-    def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None:
-        self.handed_over.append((placement, lasting))
+    def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
+        self.handed_over.append((placement, kept_arms))
 
 
 @dataclass(frozen=True)
@@ -169,7 +169,7 @@ class Script:
         self.segments = plan.placements[number]
         self.arms = len(plan.task.robots)
         self.gap = gap
-        self.lasting = frozenset({0})
+        self.kept_arms = frozenset({0})
         self.seen: list[Measurement] = []
         self.held: Commands = ()
         self.made.append(self)

@@ -12,7 +12,7 @@ from pushpressslide.core.plan import (
     Contact,
     Plan,
     Segment,
-    lasting_arms,
+    arms_kept,
     same_places,
 )
 from pushpressslide.core.pose import Point, Pose2
@@ -123,12 +123,12 @@ def test_a_task_goes_on_from_where_it_was_left() -> None:
 
 def test_an_arm_lasts_where_it_goes_on_with_its_contact() -> None:
     first, second, third, last = PLAN.placements
-    assert lasting_arms(first, second) == {0}
-    assert lasting_arms(second, third) == {0, 1}
-    assert lasting_arms(third, last) == {0}
+    assert arms_kept(first, second) == {0}
+    assert arms_kept(second, third) == {0, 1}
+    assert arms_kept(third, last) == {0}
     pushed = made(replace(LEFT, arm=1), RIGHT)
-    assert lasting_arms((pushed,), first) == {1}
-    assert lasting_arms(first, (made(MOVED),)) == frozenset()
+    assert arms_kept((pushed,), first) == {1}
+    assert arms_kept(first, (made(MOVED),)) == frozenset()
 
 
 def test_a_segment_of_another_path_is_driven_at_the_same_speed() -> None:

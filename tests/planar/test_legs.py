@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from pushpressslide.core.errors import InfeasibleTaskError
-from pushpressslide.core.plan import lasting_arms
+from pushpressslide.core.plan import arms_kept
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.run import simulate
 from pushpressslide.report.metrics import result
@@ -156,7 +156,7 @@ def test_an_arm_whose_contact_stays_holds_it_while_the_other_takes_its_own_anew(
     None
 ):
     made, record, _ = simulate(task(HELD), engine="planar")
-    assert lasting_arms(*made.placements) == {0}
+    assert arms_kept(*made.placements) == {0}
     began = int(np.argmax(record.arrays["leg"] == 1.0))
     moved = began + int(np.argmax(record.arrays["phase"][began:] == 2.0))
     press = -record.arrays["measured_force"][began + 1 : moved, 0, 2]
@@ -167,7 +167,7 @@ def test_an_arm_whose_contact_stays_holds_it_while_the_other_takes_its_own_anew(
 def test_an_arm_goes_on_with_its_press_alone_while_the_other_waits() -> None:
     made, record, _ = simulate(task(GOES_ON), engine="planar")
     assert result(task(GOES_ON), made, record, {})["success"]
-    assert lasting_arms(*made.placements) == {0}
+    assert arms_kept(*made.placements) == {0}
     alone = record.arrays["placement"] == 1
     moving = alone & (record.arrays["phase"] == 2)
     press = -record.arrays["measured_force"][alone, 0, 2]

@@ -57,7 +57,7 @@ class ArmPlacements:
         )
         return self._prepared
 
-    def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None:
+    def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
         """Take the next joint paths, from where the arms were read last."""
         self.begin(placement.query, self._postures())
 

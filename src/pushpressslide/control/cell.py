@@ -126,8 +126,8 @@ class Placements(Protocol):
         all that are ahead.
         """
 
-    def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None:
-        """Go on with the next placement; arms in ``lasting`` keep their contacts."""
+    def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
+        """Go on with the next placement; arms in ``kept_arms`` keep their contacts."""
 
 
 class TipsAlone:
@@ -137,7 +137,7 @@ class TipsAlone:
         """A preparation that takes any plan."""
         return PlansAlone()
 
-    def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None:
+    def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
         """Nothing has to be done."""
 
 

@@ -124,7 +124,7 @@ class Controller:
         self.X_BG = self.X_GB.inverse()
         self.robots = query.scene.robots
         self.estimator = estimator(query)
-        self.lasting = self.placement.lasting
+        self.kept_arms = self.placement.kept_arms
         self.touches = _touches(query, first, gap, self.placement.entry)
         self.law = _law(query, execution, self.placement)
         patience = min(
@@ -419,7 +419,7 @@ class Controller:
             self.touches, phase.tips, segment.contacts, strict=True
         ):
             context = instant.context(contact, yaw, progress)
-            if holds or (contact.arm in self.lasting and not failed):
+            if holds or (contact.arm in self.kept_arms and not failed):
                 command = held_at(context, memory.start, push=touch.force_of(contact))
             else:
                 wanted = margins.ARM.retreat if failed else self.back

@@ -9,7 +9,7 @@ from pushpressslide.control.correction import Replanner
 from pushpressslide.control.entry import entry
 from pushpressslide.control.following import Binding, bind
 from pushpressslide.core.motion import Tolerance
-from pushpressslide.core.plan import Plan, Segment, lasting_arms
+from pushpressslide.core.plan import Plan, Segment, arms_kept
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.identification.center import CenterIdentifier
@@ -51,9 +51,9 @@ class Placement:
         self.waits = self.entry is not None or self.holds
         # nothing but a retry can mend a miss
         self.reaches_far = self.waits or self.query.motion.recoveries == 0
-        self.lasting: frozenset[int] = frozenset()
+        self.kept_arms: frozenset[int] = frozenset()
         if not final:
-            self.lasting = lasting_arms(self.segments, placements[number + 1])
+            self.kept_arms = arms_kept(self.segments, placements[number + 1])
 
     def axle_identifier(self, segment: Segment) -> AxleIdentifier | None:
         """Return what identifies the virtual axle in a segment."""

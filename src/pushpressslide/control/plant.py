@@ -72,7 +72,7 @@ class Plant(Protocol):
 
     def prepare(self) -> Preparation: ...  # noqa: D102
 
-    def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None: ...  # noqa: D102
+    def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None: ...  # noqa: D102
 
 
 def cell_of(plant: Plant, arms: int) -> Cell:

@@ -438,13 +438,13 @@ class RunLoop:
 
     def _hand_over(self, tick: Tick, measurement: Measurement) -> None:
         """Begin the next placement; arms that keep their contact go on as commanded."""
-        lasting = self.controller.lasting
+        kept_arms = self.controller.kept_arms
         held = tuple(
-            command if i in lasting and isinstance(command, TipCommand) else None
+            command if i in kept_arms and isinstance(command, TipCommand) else None
             for i, command in enumerate(tick.commands)
         )
         self.number += 1
-        self.cell.placements.hand_over(self.placements[self.number], lasting)
+        self.cell.placements.hand_over(self.placements[self.number], kept_arms)
         self.guard.begin()
         self._begin(held, tick.time, measurement)
         self.recorder.begin(self.plan, self.number)

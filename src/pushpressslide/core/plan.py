@@ -308,7 +308,7 @@ class Plan:
         return html_of(self, "plan_html")
 
 
-def lasting_arms(before: Sequence[Segment], after: Sequence[Segment]) -> frozenset[int]:
+def arms_kept(before: Sequence[Segment], after: Sequence[Segment]) -> frozenset[int]:
     """Return the arms that keep their contact from one placement to the next."""
     return frozenset(
         contact.arm

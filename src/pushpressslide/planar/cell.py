@@ -94,7 +94,7 @@ class PlanarPhysics:
         """A preparation that takes any plan."""
         return PlansAlone()
 
-    def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None:
+    def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
         """Take the contacts of the next placement; the tips stay where they are."""
         self._world = World(placement.task, placement.contacts, self._period)
 

@@ -11,7 +11,7 @@ from pushpressslide.arms.paths.joint_path import ArmPath
 from pushpressslide.arms.paths.library import ArmLibrary
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import InfeasibleTaskError
-from pushpressslide.core.plan import Plan, lasting_arms
+from pushpressslide.core.plan import Plan, arms_kept
 from pushpressslide.planning.free_way import Bounds
 
 ROOM = 0.05  # [m] about the object, for errors
@@ -57,7 +57,7 @@ class PlacementPaths:
         holding = frozenset[int]()
         if plans:
             last = plans[-1]
-            holding = lasting_arms(last.segments, placement.segments)
+            holding = arms_kept(last.segments, placement.segments)
             postures = drawn_back(paths[-1], holding)
         added = joint_paths(
             self.library,
