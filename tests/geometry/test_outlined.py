@@ -133,7 +133,7 @@ def test_a_convex_outline_is_touched_as_a_convex_prism(
         one, other = (s.side(b.point, b.normal, center) for s in (general, plain))
         tip = (a.point[0] - 0.03 * a.normal[0], a.point[1] - 0.03 * a.normal[1])
         assert one.gap(tip, 0.02)[0] == near(other.gap(tip, 0.02)[0], abs=1e-12)
-        assert general.free_way(a.point, a.normal, 0.02, center) == math.inf
+        assert general.free_space(a.point, a.normal, 0.02, center) == math.inf
 
 
 @given(convex_polygons(), st.floats(0.0, 0.8), angles)
@@ -297,9 +297,9 @@ def test_a_face_at_a_reflex_corner_is_touched_from_a_radius_on() -> None:
 
 def test_a_tip_in_a_notch_can_be_drawn_back_to_the_other_wall() -> None:
     shape = notched(0.06, 0.09)
-    way = shape.free_way((0.03, 0.0), (1.0, 0.0), 0.01, (0.0, 0.0))
+    way = shape.free_space((0.03, 0.0), (1.0, 0.0), 0.01, (0.0, 0.0))
     assert way == pytest.approx(0.04, abs=1e-5)
-    assert shape.free_way((0.1, 0.0), (-1.0, 0.0), 0.01, (0.0, 0.0)) == math.inf
+    assert shape.free_space((0.1, 0.0), (-1.0, 0.0), 0.01, (0.0, 0.0)) == math.inf
 
 
 def test_what_remains_of_a_round_part_is_round() -> None:

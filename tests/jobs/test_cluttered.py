@@ -17,7 +17,7 @@ from pushpressslide.jobs.cluttered import (
     cluttered_task,
     started_task,
 )
-from pushpressslide.planning.free_way import FreeSpace, between
+from pushpressslide.planning.free_space import FreeSpace, between
 
 BASES = {1: pps.load_task("rear-push-rear"), 2: pps.load_task("bimanual-slide")}
 SAMPLES = 12

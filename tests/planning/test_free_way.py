@@ -12,7 +12,7 @@ import shapely
 from pushpressslide.core.footprint import gaps
 from pushpressslide.core.pose import Pose2
 from pushpressslide.geometry.shapes import Box, Cylinder, Prism
-from pushpressslide.planning.free_way import FreeSpace, between, convex_parts, moved
+from pushpressslide.planning.free_space import FreeSpace, between, convex_parts, moved
 
 BAR = Box((0.2, 0.1, 0.05))
 CLEARANCE = 0.01

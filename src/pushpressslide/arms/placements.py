@@ -12,7 +12,7 @@ from pushpressslide.arms.torque_arm import TorqueArm
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.query import MotionQuery
-from pushpressslide.planning.free_way import Bounds
+from pushpressslide.planning.free_space import Bounds
 
 
 class ArmPlacements:

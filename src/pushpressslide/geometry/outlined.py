@@ -30,7 +30,7 @@ from pushpressslide.geometry.sides import (
     SidePlace,
     on_arc,
 )
-from pushpressslide.geometry.touchable import free_way, touchable
+from pushpressslide.geometry.touchable import free_space, touchable
 
 if TYPE_CHECKING:
     from shapely import Polygon
@@ -211,14 +211,14 @@ class Outlined(Shape):
                 out.append(_seen(side, point, normal, origin))
         return tuple(out)
 
-    def free_way(
+    def free_space(
         self, point: Point, normal: Point, tip_radius: float, origin: Point
     ) -> float:
         """Return how far [m] a tip can be drawn back from a contact at ``point`` [m] in
         B against its inward ``normal``; infinite where nothing is in its way.
         """
         at = (point[0] + origin[0], point[1] + origin[1])
-        return free_way(self.border, at, normal, tip_radius)
+        return free_space(self.border, at, normal, tip_radius)
 
 
 def _shifted(point: Point, origin: Point) -> Point:

@@ -265,7 +265,7 @@ class Shape:
         """
         return ()
 
-    def free_way(
+    def free_space(
         self, point: Point, normal: Point, tip_radius: float, origin: Point
     ) -> float:
         """Return how far [m] a tip can be drawn back from a contact at ``point`` [m] in

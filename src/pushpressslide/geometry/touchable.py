@@ -54,7 +54,7 @@ def touchable(border: Border, tip_radius: float) -> tuple[Touchable, ...]:
     return tuple(out)
 
 
-def free_way(border: Border, point: Point, normal: Point, tip_radius: float) -> float:
+def free_space(border: Border, point: Point, normal: Point, tip_radius: float) -> float:
     """Return how far [m] a tip that touches a border at ``point`` can be drawn back
     along the inward ``normal`` before it meets the border again; infinite if nowhere.
     """

@@ -25,7 +25,7 @@ from pushpressslide.core.task import (
     Shape,
     Task,
 )
-from pushpressslide.planning.free_way import FreeSpace, between
+from pushpressslide.planning.free_space import FreeSpace, between
 from pushpressslide.robots.reach_map import each_reached
 
 Range = tuple[float, float]

@@ -112,7 +112,7 @@ def room_before(
         return wanted
     radius = scene.robots[contact.arm].tip_radius
     origin = scene.body.X_GB.position
-    way = scene.body.shape.free_way(contact.point, contact.normal, radius, origin)
+    way = scene.body.shape.free_space(contact.point, contact.normal, radius, origin)
     return min(wanted, max(way - clearance, 0.5 * way))
 
 

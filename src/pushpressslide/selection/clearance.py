@@ -20,7 +20,7 @@ from pushpressslide.core.refusal import Refusal, literal
 from pushpressslide.core.scene import Obstacle, Scene
 from pushpressslide.geometry.shapes import Shape
 from pushpressslide.planning.carried import carried_ways
-from pushpressslide.planning.free_way import lengths_from
+from pushpressslide.planning.free_space import lengths_from
 from pushpressslide.planning.swept import SWEEP_STEP, swept
 from pushpressslide.selection.edge import edge_refusal
 from pushpressslide.selection.opening_path import opening_refusal

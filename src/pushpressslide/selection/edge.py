@@ -18,7 +18,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import Scene
 from pushpressslide.mechanics.pressing import resting_cop
-from pushpressslide.planning.free_way import lengths_from
+from pushpressslide.planning.free_space import lengths_from
 from pushpressslide.planning.swept import swept
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from pushpressslide.core.refusal import SKIPPED
 from pushpressslide.core.state import Held
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import straight_time
-from pushpressslide.planning.free_way import WaysTo, alike, moved
+from pushpressslide.planning.free_space import PathsTo, alike, moved
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.selection.searched import (
     DroppedSequence,
@@ -103,7 +103,7 @@ class LegSearch:
     """The search for one motion; it keeps what it has judged."""
 
     query: MotionQuery
-    ways: WaysTo  # to the goal
+    ways: PathsTo  # to the goal
     poses: list[Pose2]  # X_WG: start, goal, and those on the way; more as it goes on
     touching: Touching
     evaluate: EvaluateMotion

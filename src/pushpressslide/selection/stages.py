@@ -27,7 +27,7 @@ from pushpressslide.core.motion import Limits, Tolerance
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.state import WorldState
 from pushpressslide.core.task import Task
-from pushpressslide.planning.free_way import moved
+from pushpressslide.planning.free_space import moved
 from pushpressslide.selection.preparation import PlansAlone, Preparation
 from pushpressslide.selection.put_aside import Moment, in_the_way, spots
 from pushpressslide.selection.solve import Solution, solve

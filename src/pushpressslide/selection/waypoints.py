@@ -20,7 +20,13 @@ from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.scene import Robot, Scene
 from pushpressslide.geometry.shapes import Shape
 from pushpressslide.modes import MODES
-from pushpressslide.planning.free_way import Bounds, FreeSpace, WaysTo, alike, between
+from pushpressslide.planning.free_space import (
+    Bounds,
+    FreeSpace,
+    PathsTo,
+    alike,
+    between,
+)
 from pushpressslide.planning.side_contacts import pushable
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.robots.reach import reachable
@@ -83,7 +89,7 @@ def _within(region: Bounds, allowed: Bounds) -> Bounds:
     )
 
 
-def waypoints(query: MotionQuery, ways: WaysTo) -> list[Pose2]:
+def waypoints(query: MotionQuery, ways: PathsTo) -> list[Pose2]:
     """Return poses X_WG, those that are likely to be of use first; free, and where some
     arm reaches the object. None for an object that is shut in.
 
@@ -107,7 +113,7 @@ def waypoints(query: MotionQuery, ways: WaysTo) -> list[Pose2]:
     return _usable(query, space, [*in_turn, *_sample(query.goal.yaw, space.bounds)])
 
 
-def onward(query: MotionQuery, ways: WaysTo, X: Pose2) -> list[Pose2]:
+def onward(query: MotionQuery, ways: PathsTo, X: Pose2) -> list[Pose2]:
     """Return poses X_WG that one push leads to from ``X``, straight or on an arc, by
     each face; free, and where some arm reaches the object.
     """
@@ -222,7 +228,7 @@ def _handed_over(query: MotionQuery, space: FreeSpace) -> list[Pose2]:
     return _apart(found)
 
 
-def _onward_ways(ways: WaysTo, poses: Sequence[Pose2]) -> list[Pose2]:
+def _onward_ways(ways: PathsTo, poses: Sequence[Pose2]) -> list[Pose2]:
     """Return the places of the ways that lead from ``poses`` to the goal, in turn."""
     found = [ways.way(X) for X in poses]
     each = [way[1:-1] for way in found if way is not None]

@@ -28,7 +28,7 @@ from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
-from pushpressslide.planning.free_way import moved
+from pushpressslide.planning.free_space import moved
 from pushpressslide.sim.surfaces import rigid_properties
 
 RADIUS = 0.02  # [m]

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide_studies.pusht.detours import free_way, nearest_free, way_length
+from pushpressslide_studies.pusht.detours import free_space, nearest_free, way_length
 from pushpressslide_studies.pusht.tee import BODY, CENTER, FACES, PUSHER_RADIUS
 
 MIDDLE = Pose2(256.0, 256.0, 0.9)
@@ -30,7 +30,7 @@ def beside(face: int) -> Point:
 @pytest.mark.parametrize("start", range(len(FACES)))
 @pytest.mark.parametrize("goal", range(len(FACES)))
 def test_a_way_between_faces_keeps_off_the_t(start: int, goal: int) -> None:
-    way = (beside(start), *free_way(MIDDLE, beside(start), beside(goal)))
+    way = (beside(start), *free_space(MIDDLE, beside(start), beside(goal)))
     assert math.dist(way[-1], beside(goal)) < ROUNDING
     for a, b in pairwise(way):
         for part in (0.0, 0.25, 0.5, 0.75, 1.0):
@@ -52,5 +52,5 @@ def test_a_pusher_on_the_t_leaves_it_by_the_nearest_way() -> None:
 def test_there_is_no_way_where_the_pusher_cannot_be_sent() -> None:
     # the bar closes off a corner of the world
     corner = Pose2(66.8, 66.8, -0.25 * math.pi)
-    assert free_way(corner, (250.0, 250.0), (5.0, 5.0)) == ()
+    assert free_space(corner, (250.0, 250.0), (5.0, 5.0)) == ()
     assert math.isinf(way_length(corner, (250.0, 250.0), (5.0, 5.0)))

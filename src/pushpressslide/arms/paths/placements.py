@@ -12,7 +12,7 @@ from pushpressslide.arms.paths.library import ArmLibrary
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan, arms_kept
-from pushpressslide.planning.free_way import Bounds
+from pushpressslide.planning.free_space import Bounds
 
 ROOM = 0.05  # [m] about the object, for errors
 

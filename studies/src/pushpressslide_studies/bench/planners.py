@@ -21,7 +21,7 @@ from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, ObjectModel, Obstacle, Task
 from pushpressslide.modes import MODES
-from pushpressslide.planning.free_way import FreeSpace
+from pushpressslide.planning.free_space import FreeSpace
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.rear_car import axle_ends
 from pushpressslide.rom.drives import RearSteerDrive

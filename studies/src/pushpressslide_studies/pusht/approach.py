@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide_studies.pusht.detours import free_way
+from pushpressslide_studies.pusht.detours import free_space
 from pushpressslide_studies.pusht.pushes import Push
 from pushpressslide_studies.pusht.servo import Pusher
 from pushpressslide_studies.pusht.tee import BODY, CENTER, PUSHER_RADIUS
@@ -31,7 +31,7 @@ def on_way(X_WB: Pose2, pusher: Pusher, push: Push) -> Point:
     The longest of ``STEPS`` on which it does not touch the T, by the exact servo.
     """
     goal = _before(X_WB, push)
-    way = free_way(X_WB, pusher.position, goal) or (goal,)
+    way = free_space(X_WB, pusher.position, goal) or (goal,)
     targets = [_along((pusher.position, *way), step) for step in STEPS]
     for target in targets:
         if _clear(X_WB, pusher, target):

@@ -55,7 +55,7 @@ def nearest_free(point: Point) -> Point:
     return (free.x, free.y)
 
 
-def free_way(X_WB: Pose2, start: Point, goal: Point) -> tuple[Point, ...]:
+def free_space(X_WB: Pose2, start: Point, goal: Point) -> tuple[Point, ...]:
     """Return the shortest way [px] in W, ``start`` left out, round the T at a pose.
 
     It leaves the T to the nearest free place, where the start is beside it, and comes to
@@ -117,8 +117,8 @@ def _shortest(places: Sequence[Point]) -> list[Point]:
 
 
 def way_length(X_WB: Pose2, start: Point, goal: Point) -> float:
-    """Return the length [px] of ``free_way``; infinite where there is none."""
-    way = free_way(X_WB, start, goal)
+    """Return the length [px] of ``free_space``; infinite where there is none."""
+    way = free_space(X_WB, start, goal)
     if not way:
         return math.inf
     ends = (start, *way)

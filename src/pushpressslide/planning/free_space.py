@@ -87,14 +87,14 @@ class FreeSpace:
         apart = gaps(self.shape, poses, self.others).min(1)
         return np.asarray(on & (apart >= self.clearance))
 
-    def ways(self, goal: Pose2) -> WaysTo:
+    def ways(self, goal: Pose2) -> PathsTo:
         """Return the ways to a pose X_WG, which may be nearer to a polygon than the
         clearance.
         """
-        return WaysTo(self, goal)
+        return PathsTo(self, goal)
 
 
-class WaysTo:
+class PathsTo:
     """The shortest free ways from anywhere to one pose of a footprint."""
 
     def __init__(self, space: FreeSpace, goal: Pose2) -> None:
