@@ -41,7 +41,7 @@ def test_nothing_overlaps(tasks: list[Task]) -> None:
                 assert task.object.shape.distance(there) >= BASE_ROOM
 
 
-def test_a_footprint_has_a_free_way(tasks: list[Task]) -> None:
+def test_a_footprint_has_a_free_path(tasks: list[Task]) -> None:
     for task in tasks:
         others = tuple(o.footprint for o in task.obstacles)
         room = 0.3 + task.object.shape.circumradius
