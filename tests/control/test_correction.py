@@ -25,8 +25,11 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Belief, Box, Obstacle, Robot, Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist, Wrench
-from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import Identified
+from pushpressslide.identification.parameter_estimates import (
+    NOTHING,
+    ParameterEstimates,
+)
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Measured
 
@@ -215,13 +218,13 @@ def onward(
     progress: float = 0.0,
     since: float = 9.0,
     touched: tuple[Point, ...] = TOUCHED,
-    findings: Findings = NOTHING,
+    estimates: ParameterEstimates = NOTHING,
 ) -> Replan | None:
     """Return what is made of an object ``aside`` [m] and ``turned`` [rad] of its path."""
     off = guidance(progress, 0.0)._replace(error=(9.0, aside, turned))
     there = SEGMENT.body_pose(progress).compose(Pose2(0.0, 0.002, 0.0))
     return Replanner(TASK.queries()).onward(
-        PLAN.segments, there, touched, off, since, findings
+        PLAN.segments, there, touched, off, since, estimates
     )
 
 
@@ -242,8 +245,8 @@ def test_an_axle_or_a_centre_that_is_found_elsewhere_is_replanned() -> None:
     most = margins.ARM.off_axle
     for off, made in ((0.99, False), (1.01, True), (-1.01, True)):
         axle = Identified(planned + off * most, 0.1, 0.1)
-        assert (onward(findings=Findings(axle=axle)) is not None) == made
-    assert onward(findings=Findings(elsewhere=True)) is not None
+        assert (onward(estimates=ParameterEstimates(axle=axle)) is not None) == made
+    assert onward(estimates=ParameterEstimates(elsewhere=True)) is not None
 
 
 def test_nothing_is_replanned_shortly_before_the_end_or_after_a_replan() -> None:
@@ -324,7 +327,7 @@ def test_an_axle_is_compared_along_the_heading_of_its_vehicle(name: str) -> None
     here = segment.body_pose(0.0)
     most = margins.ARM.off_axle
     for off in (-0.9, 0.9):
-        found = Findings(axle=Identified(planned + off * most, 0.1, 0.1))
+        found = ParameterEstimates(axle=Identified(planned + off * most, 0.1, 0.1))
         replan = Replanner(task.queries()).onward(
             plan.segments, here, touched, calm, 9.0, found
         )

@@ -14,7 +14,7 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.state import OBJECT, WorldState
 from pushpressslide.core.task import Restart
-from pushpressslide.identification.findings import NOTHING
+from pushpressslide.identification.parameter_estimates import NOTHING
 from pushpressslide.selection.preparation import PlansAlone
 
 TASK = pps.load_task("press-slide")

@@ -16,7 +16,7 @@ from pushpressslide.control.state import (
     between,
     by_arm,
     contact_yaw,
-    findings,
+    estimates,
     pressed,
     ramp_time,
     smooth,
@@ -184,10 +184,10 @@ def test_a_contact_that_is_touched_again_is_missing_since_it_was_lost() -> None:
 
 def test_a_rho_that_is_not_identified_now_is_as_it_was_last() -> None:
     state = pressing("move")
-    assert findings(state).rho is None
+    assert estimates(state).rho is None
     told = state._replace(following=state.following._replace(rho=0.08))
-    assert findings(told).rho == 0.08
+    assert estimates(told).rho == 0.08
     found = told.estimate.parameters._replace(rho=0.05)
     now = told._replace(estimate=told.estimate._replace(parameters=found))
-    assert findings(now).rho == 0.05
-    assert findings(now._replace(following=state.following)).rho == 0.05
+    assert estimates(now).rho == 0.05
+    assert estimates(now._replace(following=state.following)).rho == 0.05

@@ -19,7 +19,7 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
-from pushpressslide.identification.findings import NOTHING
+from pushpressslide.identification.parameter_estimates import NOTHING
 from pushpressslide.planar.engine import run
 from pushpressslide.report.metrics import result
 from pushpressslide.report.plan_files import plan_from_dict, plan_to_dict

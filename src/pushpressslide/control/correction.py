@@ -17,8 +17,11 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.scene import ObjectModel
 from pushpressslide.geometry.sides import Side
-from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import Identified
+from pushpressslide.identification.parameter_estimates import (
+    NOTHING,
+    ParameterEstimates,
+)
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Measured
 from pushpressslide.planning.swept import swept
@@ -85,7 +88,7 @@ class Replanner:
         touched: Sequence[Point],
         guidance: Guidance,
         since_last: float,
-        findings: Findings = NOTHING,
+        estimates: ParameterEstimates = NOTHING,
     ) -> Replan | None:
         """Return better segments from here; None if all is well.
 
@@ -100,8 +103,8 @@ class Replanner:
         arm = margins.ARM
         off_path = abs(across) > arm.off_path or abs(heading) > arm.off_heading
         slid = slide(followed.contacts, touched) > arm.slid
-        moved = _axle_error(followed, findings.axle)
-        if not (off_path or slid or moved > arm.off_axle or findings.elsewhere):
+        moved = _axle_error(followed, estimates.axle)
+        if not (off_path or slid or moved > arm.off_axle or estimates.elsewhere):
             return None
         if left < arm.least_left or since_last < arm.replan_pause:
             return None
@@ -111,9 +114,9 @@ class Replanner:
         if moved > arm.off_axle:  # the path of another point has another length
             longest += 2.0 * moved
         rest = (rest_of(followed, guidance.progress), *segments[1:])
-        replanner = self.believing(findings.rho)
+        replanner = self.believing(estimates.rho)
         planned = followed.contacts
-        measured = Measured.touching(X_WB, planned, touched, longest, findings)
+        measured = Measured.touching(X_WB, planned, touched, longest, estimates)
         fresh = replanner.replan(rest, measured)
         if not fresh:
             return None

@@ -20,8 +20,11 @@ from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.twist_path import moved
 from pushpressslide.core.wrench import Twist
 from pushpressslide.identification.center import CenterState
-from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import AxleState
+from pushpressslide.identification.parameter_estimates import (
+    NOTHING,
+    ParameterEstimates,
+)
 from pushpressslide.kernels.leading import corrected
 
 # [m], [rad] of noise that may remain in the object's pose: the mean of as many
@@ -38,7 +41,7 @@ class Estimate(NamedTuple):
     time: float  # [s]
     X_WG: Pose2
     twist: Twist = NO_TWIST  # in B
-    parameters: Findings = NOTHING  # rho only where it is identified now
+    parameters: ParameterEstimates = NOTHING  # rho only where it is identified now
     age: float = 0.0  # [s] of the last pose that was measured
 
 
@@ -75,7 +78,7 @@ class EstimatorState(NamedTuple):
     prediction: Prediction = Prediction()  # that the two next are compared with
     axle: AxleState = AxleState()  # what is identified of the virtual axle
     center: CenterState = CenterState()  # the same of the CoM
-    findings: Findings = NOTHING  # of all that
+    estimates: ParameterEstimates = NOTHING  # of all that
 
 
 class ObjectEstimator:
@@ -103,14 +106,14 @@ class ObjectEstimator:
         predicted = observation.prediction
         axle = state.axle
         center = state.center
-        found = state.findings
+        found = state.estimates
         if predicted is not state.prediction:
             axle, center = _kept(state, predicted)
         if observation.driven:
             X_WB = X_WG.compose(self._X_GB)
             axle, center = _identified(axle, center, X_WB, observation)
         if observation.driven or predicted is not state.prediction:
-            found = _findings(predicted, axle, center)
+            found = _estimates(predicted, axle, center)
         age = time - pose.time
         estimate = Estimate(time, X_WG, observation.led, found, age)
         return estimate, EstimatorState(
@@ -192,7 +195,9 @@ def _identified(
     return axle, center
 
 
-def _findings(predicted: Prediction, axle: AxleState, center: CenterState) -> Findings:
+def _estimates(
+    predicted: Prediction, axle: AxleState, center: CenterState
+) -> ParameterEstimates:
     """What is identified: virtual axle and CoM where they contradict the plan, and rho
     with the axle.
     """
@@ -207,4 +212,4 @@ def _findings(predicted: Prediction, axle: AxleState, center: CenterState) -> Fi
         if not elsewhere:  # the plan is not contradicted
             place = followed
     rho = None if identified is None else identified.rho
-    return Findings(identified, rho, axle.drag, place, elsewhere)
+    return ParameterEstimates(identified, rho, axle.drag, place, elsewhere)

@@ -14,7 +14,10 @@ from pushpressslide.core.record import ReasonCode
 from pushpressslide.core.scene import Scene
 from pushpressslide.core.state import OBJECT, WorldState
 from pushpressslide.core.task import Restart, Task
-from pushpressslide.identification.findings import Findings, dragged_friction
+from pushpressslide.identification.parameter_estimates import (
+    ParameterEstimates,
+    dragged_friction,
+)
 from pushpressslide.modes.base import ENOUGH
 from pushpressslide.selection.preparation import Preparation
 from pushpressslide.selection.solve import solved
@@ -32,17 +35,19 @@ RECOVERABLE: frozenset[ReasonCode] = frozenset(
 """Endings after which arms that have drawn back can begin anew."""
 
 
-def restart(scene: Scene, segment: Segment, pose: Pose2, findings: Findings) -> Restart:
+def restart(
+    scene: Scene, segment: Segment, pose: Pose2, estimates: ParameterEstimates
+) -> Restart:
     """Return where a task in ``scene`` goes on that was left in ``segment`` with the object at
     ``pose``, X_WG.
     """
     x, y = scene.body.center_of_mass
-    dx, dy = findings.center
+    dx, dy = estimates.center
     load = sum(contact.load for contact in segment.contacts)
-    friction = dragged_friction(scene, load, findings.drag)
+    friction = dragged_friction(scene, load, estimates.drag)
     rho = scene.rho
-    if rho is not None and findings.rho is not None:
-        rho = findings.rho
+    if rho is not None and estimates.rho is not None:
+        rho = estimates.rho
     state = WorldState({OBJECT: pose})
     return Restart(state, segment.leg, (x + dx, y + dy), friction, rho)
 

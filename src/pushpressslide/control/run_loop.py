@@ -41,7 +41,7 @@ from pushpressslide.control.state import (
     FREE_DAMPING,
     FREE_STIFFNESS,
     ControllerState,
-    findings,
+    estimates,
     tip_position,
 )
 from pushpressslide.control.stopping import JointWatch, Stop, StopLevel
@@ -66,7 +66,7 @@ from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.record import Ending, Record
 from pushpressslide.core.state import WorldState
 from pushpressslide.core.task import Restart
-from pushpressslide.identification.findings import NOTHING
+from pushpressslide.identification.parameter_estimates import NOTHING
 from pushpressslide.planning.side_contacts import before_contacts
 
 AT_BASE = 0.01  # [m] from its base at which a tip without an arm waits
@@ -495,7 +495,7 @@ class RunLoop:
         found = NOTHING
         if self.state is not None:
             segment = self.state.following.segment
-            found = findings(self.state)
+            found = estimates(self.state)
         elif any(self.approach.held):
             raise InfeasibleTaskError("one arm still holds the object")
         if not scene.carried(pose):

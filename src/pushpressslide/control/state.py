@@ -21,7 +21,7 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.record import ReasonCode
 from pushpressslide.core.wrench import Twist
 from pushpressslide.execution.normal_force import NormalForceState
-from pushpressslide.identification.findings import Findings
+from pushpressslide.identification.parameter_estimates import ParameterEstimates
 
 FREE_STIFFNESS = (1500.0, 1500.0, 3000.0)  # [N/m] of a tip that touches nothing
 FREE_DAMPING = (150.0, 150.0, 250.0)  # [N s/m]
@@ -264,7 +264,7 @@ def begin(
     return state._replace(phase=phase, watches=watches)
 
 
-def findings(state: ControllerState) -> Findings:
+def estimates(state: ControllerState) -> ParameterEstimates:
     """What is identified, with rho as it was last where it is not identified now."""
     found = state.estimate.parameters
     rho = state.following.rho

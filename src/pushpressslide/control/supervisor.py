@@ -29,7 +29,7 @@ from pushpressslide.control.state import (
     Losses,
     Still,
     begin,
-    findings,
+    estimates,
     ramp_time,
 )
 from pushpressslide.core import margins
@@ -37,7 +37,7 @@ from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
-from pushpressslide.identification.findings import Findings
+from pushpressslide.identification.parameter_estimates import ParameterEstimates
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Measured
 from pushpressslide.planning.workspace import poses_along
@@ -283,7 +283,7 @@ class Supervisor:
         """Follow a better plan from here, if there is one."""
         state, instant, touched, guidance = moment
         time = instant.time
-        found = findings(state)
+        found = estimates(state)
         if found.rho != state.following.rho:
             following = state.following._replace(rho=found.rho)
             state = state._replace(following=following)
@@ -327,7 +327,7 @@ class Supervisor:
         )
         X_WB = instant.X_WB
         touched = following.binding.touched(X_WB, instant.tips)
-        found = findings(state)
+        found = estimates(state)
         measured = Measured.touching(X_WB, rest.contacts, touched, longest, found)
         fresh = self.placement.replanner.believing(following.rho).replan(
             (rest, *following.ahead), measured
@@ -381,7 +381,7 @@ class Supervisor:
         touched = following.binding.touched(instant.X_WB, instant.tips)
         replanner = self.placement.replanner.believing(following.rho)
         measured = Measured.touching(
-            instant.X_WB, segment.contacts, touched, findings=findings(state)
+            instant.X_WB, segment.contacts, touched, estimates=estimates(state)
         )
         fresh = replanner.again(segment, measured)
         return fresh if self._can_follow(fresh, instant.time) else ()
@@ -422,7 +422,7 @@ class Supervisor:
         """
         before = state.following
         planned = ahead[0]
-        found = findings(state)._replace(axle=None, rho=before.rho)
+        found = estimates(state)._replace(axle=None, rho=before.rho)
         fresh, center, retries = self._led_on(state, ahead, instant, found)
         joint_start = before.joint_progress(instant.X_WB)
         if before.remade(planned):
@@ -453,7 +453,7 @@ class Supervisor:
         state: ControllerState,
         ahead: tuple[Segment, ...],
         instant: Instant,
-        found: Findings,
+        found: ParameterEstimates,
     ) -> tuple[tuple[Segment, ...], Point, int]:
         """The segments ``ahead`` from where the object is, or the retry that takes their
         place; p_BCom [m] that they are planned with, and how many retries there were.
@@ -478,7 +478,7 @@ class Supervisor:
             return fresh, center, retries + 1
         if retries < RETRIES and mode.misses(part, fresh, X_WB):
             beyond = Measured.touching(
-                X_WB, fresh[-1].contacts, touched, findings=found
+                X_WB, fresh[-1].contacts, touched, estimates=found
             )
             anew = replanner.again(fresh[-1], beyond)
             if anew and self._can_follow(anew, instant.time):

@@ -40,8 +40,11 @@ from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import NOT_EVALUATED, Refusal
 from pushpressslide.core.scene import Scene
 from pushpressslide.identification.center import CenterIdentifier
-from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import AxleIdentifier
+from pushpressslide.identification.parameter_estimates import (
+    NOTHING,
+    ParameterEstimates,
+)
 from pushpressslide.planning.side_contacts import given_to
 from pushpressslide.planning.workspace import poses_along, workspace_refusal
 from pushpressslide.robots.contact_reach import UNKNOWN, contact_refusal
@@ -94,7 +97,7 @@ class Measured:
     X_WB: Pose2
     contacts: tuple[Contact, ...]  # where they really are
     longest: float = math.inf  # [m] that the way may be
-    findings: Findings = NOTHING  # what was identified on the way
+    estimates: ParameterEstimates = NOTHING  # what was identified on the way
 
     @classmethod
     def touching(
@@ -103,7 +106,7 @@ class Measured:
         planned: Sequence[Contact],
         touched: Sequence[Point],
         longest: float = math.inf,
-        findings: Findings = NOTHING,
+        estimates: ParameterEstimates = NOTHING,
     ) -> Self:
         """What was measured where the tips of ``planned`` contacts touch the object at
         the points ``touched`` [m] in B.
@@ -112,7 +115,7 @@ class Measured:
             replace(contact, point=point)
             for contact, point in zip(planned, touched, strict=True)
         )
-        return cls(X_WB, contacts, longest, findings)
+        return cls(X_WB, contacts, longest, estimates)
 
 
 class Continuation(NamedTuple):

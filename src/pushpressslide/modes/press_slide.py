@@ -24,7 +24,6 @@ from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import RefusedError
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.identification.center import CenterIdentifier, doubt
-from pushpressslide.identification.findings import dragged_friction
 from pushpressslide.identification.online import (
     OFF,
     OFF_RHO,
@@ -32,6 +31,7 @@ from pushpressslide.identification.online import (
     Identified,
     window_of,
 )
+from pushpressslide.identification.parameter_estimates import dragged_friction
 from pushpressslide.mechanics.pressing import pressed_cop
 from pushpressslide.modes.base import (
     ENOUGH,
@@ -253,8 +253,8 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         spot, or where the object would tip.
         """
         (contact,) = measured.contacts
-        center = measured.findings.center
-        query = dragged(query, contact, measured.findings.drag)
+        center = measured.estimates.center
+        query = dragged(query, contact, measured.estimates.drag)
         if center != ORIGIN:
             there = _seen_from(query, (segment,), measured)
             made = self._again(there.query, there.segments[0], there.measured)
@@ -284,16 +284,16 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         self, query: MotionQuery, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
         """Return ``segments`` led on: the first one, or all turns of a manoeuvre."""
-        center = measured.findings.center
+        center = measured.estimates.center
         if center != ORIGIN:
             there = _seen_from(query, segments, measured)
             return _shifted(self.replan(*there), center)
         (contact,) = measured.contacts
         if contact.point == ORIGIN:
             return ()
-        query = dragged(query, contact, measured.findings.drag)
+        query = dragged(query, contact, measured.estimates.drag)
         drive = segments[0].drive
-        if isinstance(drive, SpinDrive) and measured.findings.axle is not None:
+        if isinstance(drive, SpinDrive) and measured.estimates.axle is not None:
             spun = self._spun(query, segments, measured)
             if spun:
                 return spun
@@ -324,7 +324,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         first, *others = segments
         drive = first.drive
         assert isinstance(drive, SpinDrive)
-        X_BV = _pivot(drive, measured.findings.axle)
+        X_BV = _pivot(drive, measured.estimates.axle)
         start, goal = ends_onward(query.body, first, measured.X_WB, X_BV)
         if math.dist(start.position, goal.position) <= query.tolerance.position:
             return ()
@@ -350,14 +350,14 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         cop = pressed_cop(contact.point, contact.load, query.scene.weight_on)
         car = replace(drive.car, contact=contact.point, cop=cop)
         if isinstance(drive, SpinDrive):
-            X_BV = _pivot(drive, measured.findings.axle)
+            X_BV = _pivot(drive, measured.estimates.axle)
             ends = ends_onward(query.body, segment, measured.X_WB, X_BV)
             radius = math.dist(contact.point, X_BV.position)
             spin = TwistPath.between(ends, radius)
             return Continuation((contact,), replace(drive, car=car, X_BV=X_BV), spin)
         if isinstance(drive, UnicycleDrive) and query.scene.rho is not None:
             car = replace(car, rho=query.scene.rho)
-        steered = _steered_by(drive, car, measured.findings.axle)
+        steered = _steered_by(drive, car, measured.estimates.axle)
         ends = ends_onward(query.body, segment, measured.X_WB, steered.X_BV)
         path = steered_path(
             query.body, ends, steered, measured.longest, segment.arcs.turning
@@ -436,18 +436,18 @@ def _seen_from(
     query: MotionQuery, segments: Sequence[Segment], measured: Measured
 ) -> _Seen:
     """Return all of it with B at the identified CoM."""
-    x, y = measured.findings.center
+    x, y = measured.estimates.center
     back = (-x, -y)
     scene = query.scene
     gx, gy = scene.body.center_of_mass
     body = replace(scene.body, center_of_mass=(gx + x, gy + y))
-    axle = measured.findings.axle
+    axle = measured.estimates.axle
     if axle is not None:
         drive = segments[0].drive
         assert isinstance(drive, PressedDrive)
         ex, ey = drive.car.axis
         axle = axle._replace(axle=axle.axle - x * ex - y * ey)
-    findings = measured.findings._replace(axle=axle, center=ORIGIN)
+    estimates = measured.estimates._replace(axle=axle, center=ORIGIN)
     return _Seen(
         replace(query, scene=replace(scene, body=body)),
         _shifted(segments, back),
@@ -455,7 +455,7 @@ def _seen_from(
             measured,
             X_WB=measured.X_WB.compose(Pose2(x, y, 0.0)),
             contacts=tuple(contact.shifted(back) for contact in measured.contacts),
-            findings=findings,
+            estimates=estimates,
         ),
     )
 

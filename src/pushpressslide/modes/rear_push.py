@@ -229,7 +229,7 @@ class RearPush(Mode[RearSteerDrive]):
         contact = replace(contact, normal=side.normal_at(contact.point))
         old = planned.car
         try:
-            center = measured.findings.center
+            center = measured.estimates.center
             rho = query.scene.rho or old.rho
             car = replace(
                 old, contact=contact.point, normal=contact.normal, cop=center, rho=rho

@@ -10,7 +10,7 @@ from pushpressslide.core.scene import Scene
 from pushpressslide.identification.online import Identified
 
 
-class Findings(NamedTuple):
+class ParameterEstimates(NamedTuple):
     """What measurements say instead of what was believed."""
 
     axle: Identified | None = None  # None while the plan is not contradicted
@@ -22,7 +22,7 @@ class Findings(NamedTuple):
     )
 
 
-NOTHING = Findings()
+NOTHING = ParameterEstimates()
 """Nothing contradicts what was believed."""
 
 
