@@ -111,14 +111,14 @@ def test_joints_that_time_does_not_lead_follow_the_object() -> None:
 
 
 def test_a_turn_is_remade_only_by_arcs_of_its_own_leg() -> None:
-    assert not following().remade(FIRST)
+    assert not following().replanned_as_arcs(FIRST)
     task = pps.load_task("press-slide-pivot")
     (turn,) = pps.plan(task).segments
     spot = following()._replace(segment=turn)
     arcs = replace(FIRST, leg=turn.leg)
-    assert spot.remade(arcs)
-    assert not spot.remade(turn)
-    assert not spot.remade(replace(arcs, leg=turn.leg + 1))
+    assert spot.replanned_as_arcs(arcs)
+    assert not spot.replanned_as_arcs(turn)
+    assert not spot.replanned_as_arcs(replace(arcs, leg=turn.leg + 1))
 
 
 def test_a_binding_says_where_tips_are_and_touch_the_object() -> None:

@@ -15,10 +15,10 @@ from pushpressslide.control.controller import Controller
 from pushpressslide.control.entry import HOLD_TIME, SEAT_TIME, Entry
 from pushpressslide.control.placement import Placement
 from pushpressslide.control.state import (
+    ContactLosses,
     ControllerState,
     Instant,
-    Losses,
-    Still,
+    StallWatch,
     begin,
     tip_position,
 )
@@ -66,7 +66,7 @@ def moment(name: str, X_WG: Pose2 | None = None) -> Moment:
     state = begin(state, "move", instant._replace(time=BEGAN))
     following = state.following.begun(BEGAN)._replace(clock_start=BEGAN)
     segment = following.segment
-    watches = state.watches._replace(still=Still(X_WB, TIME), replanned=TIME)
+    watches = state.watches._replace(still=StallWatch(X_WB, TIME), replanned=TIME)
     state = state._replace(following=following, watches=watches)
     guidance = following.binding.tracker.step(segment.path, X_WB, 0.0, 0.05, 1.0)
     touched = following.binding.touched(X_WB, instant.tips)
@@ -135,18 +135,18 @@ def test_an_object_far_off_its_path_ends_the_attempt() -> None:
 def test_an_object_that_stands_still_ends_the_attempt() -> None:
     well = moment(PUSH)
     since = TIME - margins.ARM.stall_time - 0.1
-    stalled = watching(well, still=Still(well.instant.X_WB, since))
+    stalled = watching(well, still=StallWatch(well.instant.X_WB, since))
     event, state = after(PUSH, stalled)
     assert event == "stalled"
     assert state.phase.failure is not None
     assert "stood still" in state.phase.failure[1]
     # it does not count from before this phase, nor if it has moved
-    before = watching(well, still=Still(well.instant.X_WB, BEGAN - 1.0))
+    before = watching(well, still=StallWatch(well.instant.X_WB, BEGAN - 1.0))
     assert controller(PUSH).supervisor.step(before).phase.failure is None
-    moved = Still(Pose2(0.0, 0.0, 0.0), since)
+    moved = StallWatch(Pose2(0.0, 0.0, 0.0), since)
     state = controller(PUSH).supervisor.step(watching(well, still=moved))
     assert state.phase.failure is None
-    assert state.watches.still == Still(well.instant.X_WB, TIME)
+    assert state.watches.still == StallWatch(well.instant.X_WB, TIME)
 
 
 def test_a_segment_that_is_over_gives_way_to_the_next() -> None:
@@ -202,19 +202,19 @@ def test_a_contact_that_is_lost_is_touched_where_the_tips_are() -> None:
     assert event == "lost"
     assert state.phase.name == "touch"
     assert not state.phase.align
-    assert state.watches.losses == Losses(well.instant.X_WB, 1)
+    assert state.watches.losses == ContactLosses(well.instant.X_WB, 1)
 
 
 def test_a_contact_that_is_lost_a_seventh_time_in_a_place_ends_the_attempt() -> None:
     patience = controller(PRESS).supervisor.patience
     well = moment(PRESS)
     lost = watching(well, lost=TIME - patience - 1e-3)
-    losses = Losses(well.instant.X_WB, LOSSES)
+    losses = ContactLosses(well.instant.X_WB, LOSSES)
     event, state = after(PRESS, watching(lost, losses=losses))
     assert event == "lost for good"
     assert state.phase.failure is not None
     assert state.phase.failure[0] == "contact_lost"
-    elsewhere = Losses(Pose2(0.0, 0.0, 0.0), LOSSES)
+    elsewhere = ContactLosses(Pose2(0.0, 0.0, 0.0), LOSSES)
     event, _ = after(PRESS, watching(lost, losses=elsewhere))
     assert event == "lost"
 
@@ -304,7 +304,7 @@ def test_an_object_may_stand_still_for_what_is_allowed() -> None:
     well = moment(PUSH)
     X_WB = well.instant.X_WB
     for rests, stalled in ((margins.ARM.stall_time, False), (5.01, True)):
-        still = watching(well, still=Still(X_WB, TIME - rests))
+        still = watching(well, still=StallWatch(X_WB, TIME - rests))
         assert supervisor.stalled(still) == stalled
     assert not supervisor.stalled(watching(well, still=None))
 
@@ -322,7 +322,7 @@ def test_an_object_stands_still_below_a_share_of_its_speed() -> None:
         part = 0.5 * share * way
         for moved, turned in ((2.0 * part, 0.0), (part, part), (0.0, -2.0 * part)):
             before = Pose2(X_WB.x - moved, X_WB.y, X_WB.yaw + turned / radius)
-            rested = watching(well, still=Still(before, since))
+            rested = watching(well, still=StallWatch(before, since))
             watches = made.supervisor.step(rested).watches
             assert watches.still is not None
             assert (watches.still.since == since) == still
@@ -332,17 +332,19 @@ def test_an_object_stands_still_below_a_share_of_its_speed() -> None:
 def test_an_object_may_rest_since_its_phase_began() -> None:
     well = moment(PUSH)
     X_WB = well.instant.X_WB
-    kept = controller(PUSH).supervisor.step(watching(well, still=Still(X_WB, BEGAN)))
+    kept = controller(PUSH).supervisor.step(
+        watching(well, still=StallWatch(X_WB, BEGAN))
+    )
     assert kept.phase.failure is not None  # for 80 s
     anew = controller(PUSH).supervisor.step(watching(well, still=None))
-    assert anew.watches.still == Still(X_WB, TIME)
+    assert anew.watches.still == StallWatch(X_WB, TIME)
 
 
 @pytest.mark.parametrize("waits", [False, True])
 def test_only_an_object_that_is_led_and_not_waited_for_can_stall(waits: bool) -> None:
     placement = controller(PUSH).placement
     well = moment(PUSH)
-    stalled = watching(well, still=Still(well.instant.X_WB, TIME - 60.0))
+    stalled = watching(well, still=StallWatch(well.instant.X_WB, TIME - 60.0))
     before = placement.waits
     placement.waits = waits
     try:
@@ -410,18 +412,18 @@ def test_losses_are_counted_within_a_way_that_includes_turns() -> None:
     for way, same in ((0.99 * within, True), (1.01 * within, False)):
         for moved, turned in ((way, 0.0), (0.0, way), (0.5 * way, -0.5 * way)):
             there = Pose2(X_WB.x, X_WB.y - moved, X_WB.yaw + turned / radius)
-            state = supervisor.step(watching(lost, losses=Losses(there, 2)))
-            counted = Losses(there, 3) if same else Losses(X_WB, 1)
+            state = supervisor.step(watching(lost, losses=ContactLosses(there, 2)))
+            counted = ContactLosses(there, 3) if same else ContactLosses(X_WB, 1)
             assert state.watches.losses == counted
 
 
 @pytest.mark.parametrize(("count", "ends"), [(LOSSES - 1, False), (LOSSES, True)])
 def test_the_attempt_ends_at_the_loss_after_the_sixth(count: int, ends: bool) -> None:
     well = moment(PRESS)
-    lost = watching(well, lost=0.0, losses=Losses(well.instant.X_WB, count))
+    lost = watching(well, lost=0.0, losses=ContactLosses(well.instant.X_WB, count))
     event, state = after(PRESS, lost)
     assert event == ("lost for good" if ends else "lost")
-    assert state.watches.losses == Losses(well.instant.X_WB, count + 1)
+    assert state.watches.losses == ContactLosses(well.instant.X_WB, count + 1)
     assert 3 <= LOSSES <= 10
 
 
@@ -531,7 +533,7 @@ def test_a_retry_ends_in_time_or_is_not_begun() -> None:
     beside = at_the_end(moment(PRESS, Pose2(goal.x, goal.y + off, goal.yaw)), last=True)
     for time, begun in ((TIME, True), (599.5, False)):
         late = beside._replace(instant=beside.instant._replace(time=time))
-        late = watching(late, still=Still(beside.instant.X_WB, time))
+        late = watching(late, still=StallWatch(beside.instant.X_WB, time))
         state = controller(PRESS).supervisor.step(late)
         assert (state.phase.name == "move") == begun
 

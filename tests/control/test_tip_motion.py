@@ -18,8 +18,8 @@ from pushpressslide.control.tip_motion import (
     TIP_ACCELERATION,
     TOOL_ACCELERATION,
     TURNABOUT,
+    ContactKeeping,
     Felt,
-    TipHold,
     TipMover,
     TipTask,
     eased_height,
@@ -94,7 +94,7 @@ def led(
     context = TipContext(contact, state, X_WB, 1.0, 0.004, 0.0, X_WB.yaw)
     mover = TipMover(500.0, 0.7, 0.2, 0.0, NormalForceRegulator(), (RADIUS,))
     ahead = Twist(speed, 0.0, 0.0)
-    task = TipTask(ahead, tip, (0.5, 0.0), 0.5, None, TipHold(tip, 0.4))
+    task = TipTask(ahead, tip, (0.5, 0.0), 0.5, None, ContactKeeping(tip, 0.4))
     memory = TipMemory((x, y, height), velocity=X_WB.rotate((speed, 0.0)))
     command, _, _ = mover.step(memory, context, task)
     vx, vy, _ = command.velocity
@@ -431,11 +431,13 @@ def test_only_tips_that_push_together_are_held_at_their_contacts() -> None:
     holds = made.holds([one, two], [9.0, 1.0])
     least = margins.HELD_SHARE * 10.0
     assert holds == [
-        TipHold(one.tip_place(0.01)[0], pytest.approx(least)),
-        TipHold(two.tip_place(RADIUS)[0], pytest.approx(least)),
+        ContactKeeping(one.tip_place(0.01)[0], pytest.approx(least)),
+        ContactKeeping(two.tip_place(RADIUS)[0], pytest.approx(least)),
     ]
     # at least what counts as a contact
-    assert made.holds([one, two], [0.5, 0.1])[0] == TipHold(one.tip_place(0.01)[0], 0.2)
+    assert made.holds([one, two], [0.5, 0.1])[0] == ContactKeeping(
+        one.tip_place(0.01)[0], 0.2
+    )
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])

@@ -64,14 +64,14 @@ def test_no_model_learns_from_the_motion_of_a_held_out_push(push_set: PushSet) -
 def test_a_fit_is_given_the_pushes_to_fit_and_no_other(push_set: PushSet) -> None:
     seen: list[Pairs] = []
 
-    class Still:
+    class StallWatch:
         def directions(self, wrenches: np.ndarray, heights: np.ndarray) -> np.ndarray:
             assert len(wrenches) == len(heights) == 12
             return np.tile((1.0, 0.0, 0.0), (len(wrenches), 1))
 
-    def fit(pairs: Pairs) -> Still:
+    def fit(pairs: Pairs) -> StallWatch:
         seen.append(pairs)
-        return Still()
+        return StallWatch()
 
     splits = random_splits(24, 0.5, 3, 0)
     result = score(push_set.pairs, {"still": fit}, splits)["still"]

@@ -9,7 +9,7 @@ import pushpressslide as pps
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
-from pushpressslide.selection.touching import Touching, touching
+from pushpressslide.selection.touching import ReachScreen, touching
 from pushpressslide.selection.waypoints import free_space, waypoints
 from pushpressslide.taskfile.load import dump_task, task_from_data
 
@@ -39,7 +39,7 @@ def across() -> Task:
 
 
 def test_no_arm_leads_an_object_from_one_side_to_the_other(across: Task) -> None:
-    asked = Touching(across.query)
+    asked = ReachScreen(across.query)
     poses = [across.start, across.goal, Pose2(0.45, -0.4), Pose2(0.45, 0.4)]
     for mode in ("rear_push", "press_slide"):
         assert not asked.able(mode, poses, 0, 1)
@@ -53,7 +53,7 @@ def test_what_can_be_chosen_is_known_to_be_reached() -> None:
     for name in ("rear-push-rear", "press-slide"):
         task = pps.load_task(name)
         (best,) = [choice for choice in pps.select(task) if choice.feasible][:1]
-        assert Touching(task.query).able(best.mode, [task.start, task.goal], 0, 1)
+        assert ReachScreen(task.query).able(best.mode, [task.start, task.goal], 0, 1)
 
 
 def test_what_was_found_is_written_and_read_again(

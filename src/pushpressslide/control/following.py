@@ -111,13 +111,13 @@ class Following(NamedTuple):
         """
         planned = self.segment
         path = planned.path
-        if self.remade(self.binding.segment):
+        if self.replanned_as_arcs(self.binding.segment):
             assert isinstance(path, TwistPath)
             here = path.nearest(X_WB.compose(planned.X_BV), 0.0)
             return self.joint_start + min(here, path.length)
         return self.joint_start + max(0.0, path.length - self.left)
 
-    def remade(self, segment: Segment) -> bool:
+    def replanned_as_arcs(self, segment: Segment) -> bool:
         """Whether ``segment`` drives along arcs where its leg was planned along
         twists.
         """

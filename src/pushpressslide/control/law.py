@@ -18,7 +18,7 @@ from pushpressslide.control.adaptation import Adaptation
 from pushpressslide.control.entry import Entry
 from pushpressslide.control.following import Following
 from pushpressslide.control.state import Instant, TipMemory
-from pushpressslide.control.tip_motion import Felt, TipHold, TipMover, TipTask
+from pushpressslide.control.tip_motion import ContactKeeping, Felt, TipMover, TipTask
 from pushpressslide.core import margins
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.control import TipCommand
@@ -104,7 +104,7 @@ class Law:
 
     def _holds(
         self, following: Following, allocation: Allocation
-    ) -> list[TipHold | None]:
+    ) -> list[ContactKeeping | None]:
         """What keeps each tip at its planned contact; None where nothing has to."""
         contacts = following.segment.contacts
         if not self.servo:

@@ -66,7 +66,7 @@ class TipMemory(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Still:
+class StallWatch:
     """Where an object has been since a time, but for less than counts as motion."""
 
     pose: Pose2  # X_WB
@@ -74,7 +74,7 @@ class Still:
 
 
 @dataclass(frozen=True, slots=True)
-class Losses:
+class ContactLosses:
     """How often contact was lost about one place."""
 
     pose: Pose2  # X_WB at the first of them
@@ -85,8 +85,8 @@ class Watches(NamedTuple):
     """What is kept an eye on: what goes wrong, and how often it was mended."""
 
     lost: float | None = None  # [s] since when contact is missing
-    losses: Losses | None = None
-    still: Still | None = None  # where the object was when it last moved
+    losses: ContactLosses | None = None
+    still: StallWatch | None = None  # where the object was when it last moved
     replanned: float = 0.0  # [s] of the last replan on the way
     retouches: int = 0
     retries: int = 0
@@ -125,7 +125,7 @@ class ControllerState(NamedTuple):
         watches = self.watches
         still = watches.still
         if still is not None:
-            still = Still(still.pose, still.since + passed)
+            still = StallWatch(still.pose, still.since + passed)
         lost = None if watches.lost is None else watches.lost + passed
         return self._replace(
             phase=phase._replace(since=phase.since + passed, led=NO_TWIST),

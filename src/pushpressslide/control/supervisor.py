@@ -23,11 +23,11 @@ from pushpressslide.control.entry import HOLD_TIME, SEAT_TIME
 from pushpressslide.control.following import Following, Prediction
 from pushpressslide.control.placement import Placement, share_of_tolerance
 from pushpressslide.control.state import (
+    ContactLosses,
     ControllerState,
     Failure,
     Instant,
-    Losses,
-    Still,
+    StallWatch,
     begin,
     estimates,
     ramp_time,
@@ -218,16 +218,16 @@ class Supervisor:
         enough = moment.left > margins.ARM.retouch
         return enough and moment.state.watches.retouches < RETOUCHES
 
-    def _losses(self, moment: Moment) -> Losses:
+    def _losses(self, moment: Moment) -> ContactLosses:
         """How often contact was lost here, with this time."""
         X_WB = moment.instant.X_WB
         before = moment.state.watches.losses
         within = margins.ARM.retouch
         if before is not None and self._way(before.pose, X_WB) <= within:
-            return Losses(before.pose, before.count + 1)
-        return Losses(X_WB, 1)
+            return ContactLosses(before.pose, before.count + 1)
+        return ContactLosses(X_WB, 1)
 
-    def _still(self, state: ControllerState, instant: Instant) -> Still | None:
+    def _still(self, state: ControllerState, instant: Instant) -> StallWatch | None:
         """Return where the object was when it last moved, in this phase; None where it
         may rest, as with a force alone, or at a goal where it is waited for.
         """
@@ -239,7 +239,7 @@ class Supervisor:
             speed = state.following.binding.segment.profile.speed
             if way < margins.STALL * speed * margins.ARM.stall_time:
                 return still
-        return Still(instant.X_WB, instant.time)
+        return StallWatch(instant.X_WB, instant.time)
 
     def _way(self, pose: Pose2, X_WB: Pose2) -> float:
         """Return how far the object has come from ``pose``, X_WB, turns included [m]."""
@@ -425,7 +425,7 @@ class Supervisor:
         found = estimates(state)._replace(axle=None, rho=before.rho)
         fresh, center, retries = self._led_on(state, ahead, instant, found)
         joint_start = before.joint_progress(instant.X_WB)
-        if before.remade(planned):
+        if before.replanned_as_arcs(planned):
             # the joints go on along what was planned of the whole leg
             joint_start = before.joint_start
             planned = before.segment
@@ -490,7 +490,7 @@ def _stopped(moment: Moment, failure: Failure) -> ControllerState:
     return begin(moment.state, "release", moment.instant, failure)
 
 
-def _with_losses(moment: Moment, losses: Losses) -> Moment:
+def _with_losses(moment: Moment, losses: ContactLosses) -> Moment:
     watches = moment.state.watches._replace(losses=losses)
     return moment._replace(state=moment.state._replace(watches=watches))
 

@@ -49,7 +49,7 @@ class Felt(NamedTuple):
     friction_utilisation: float
 
 
-class TipHold(NamedTuple):
+class ContactKeeping(NamedTuple):
     """What keeps a pushing tip at its contact beside another one."""
 
     place: Point  # [m] of the tip's centre, as planned, in B
@@ -65,7 +65,7 @@ class TipTask(NamedTuple):
     load: float  # [N] that a press is to have
     entry_speed: float | None = None  # [m/s] of a press whose object enters an opening
     # where one of several pushing tips is led back to if it slides or parts
-    hold: TipHold | None = None
+    hold: ContactKeeping | None = None
 
 
 class _Normal(NamedTuple):
@@ -108,7 +108,7 @@ class TipMover:
 
     def holds(
         self, planned: Sequence[Contact], normals: Sequence[float]
-    ) -> list[TipHold | None]:
+    ) -> list[ContactKeeping | None]:
         """What keeps each of two pushing tips at its ``planned`` contact, with
         ``normals`` [N] allocated; None of others.
         """
@@ -116,7 +116,7 @@ class TipMover:
             return [None] * len(planned)
         least = max(margins.HELD_SHARE * math.fsum(normals), self.threshold)
         places = (c.tip_place(self.radii[c.arm])[0] for c in planned)
-        return [TipHold(place, least) for place in places]
+        return [ContactKeeping(place, least) for place in places]
 
     def step(
         self, memory: TipMemory, context: TipContext, task: TipTask
@@ -150,7 +150,9 @@ class TipMover:
         vx, vy = velocity
         if task.hold is not None:
             speed = math.hypot(vx, vy)
-            back_x, back_y = _led_back(context, task.hold, normal_force, speed)
+            back_x, back_y = _reseating_velocity(
+                context, task.hold, normal_force, speed
+            )
             vx += back_x
             vy += back_y
         command = TipCommand(
@@ -246,8 +248,8 @@ def _turning(before: float, wanted: float, dt: float) -> tuple[float, float]:
     return turn, (turn - before) / dt if dt > 0.0 else 0.0
 
 
-def _led_back(
-    context: TipContext, hold: TipHold, normal_force: float, speed: float
+def _reseating_velocity(
+    context: TipContext, hold: ContactKeeping, normal_force: float, speed: float
 ) -> Point:
     """Return the velocity [m/s], along the support, that leads a pushing tip back to its
     contact: along the face to where it is planned, and on into a face that it feels

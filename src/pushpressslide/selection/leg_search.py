@@ -27,7 +27,7 @@ from pushpressslide.selection.searched import (
     RefusedMotions,
     Searched,
 )
-from pushpressslide.selection.touching import Touching
+from pushpressslide.selection.touching import ReachScreen
 
 START = 0
 GOAL = 1
@@ -105,7 +105,7 @@ class LegSearch:
     query: MotionQuery
     ways: PathsTo  # to the goal
     poses: list[Pose2]  # X_WG: start, goal, and those on the way; more as it goes on
-    touching: Touching
+    touching: ReachScreen
     evaluate: EvaluateMotion
     most: (
         int  # work that may be spent on judging motions; one by a push from behind is 1

@@ -29,7 +29,7 @@ from pushpressslide.selection.select import (
     of_leg,
     placements,
 )
-from pushpressslide.selection.touching import Touching
+from pushpressslide.selection.touching import ReachScreen
 from pushpressslide.selection.waypoints import free_space, onward, waypoints
 
 TRIES = 4  # single motions whose joint paths are looked for, before sequences are
@@ -169,7 +169,7 @@ def _searched(
     (query,) = empty.queries
     ways = free_space(query).ways(query.goal)
     poses = [query.start, query.goal, *waypoints(query, ways)]
-    search = LegSearch(query, ways, poses, Touching(query), evaluate_motion, JUDGED)
+    search = LegSearch(query, ways, poses, ReachScreen(query), evaluate_motion, JUDGED)
     search.know(choices)
     lacking = ""
     for _ in range(SEQUENCES if empty.restart is None else SEQUENCES_ANEW):

@@ -19,7 +19,7 @@ from pushpressslide.robots.kinematics import arm_kinematics
 Able = NDArray[np.bool_]
 
 
-class Touching:
+class ReachScreen:
     """What the arms of a task reach of its object, at poses that are asked for again and
     again.
     """
