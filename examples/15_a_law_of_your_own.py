@@ -27,14 +27,18 @@ class Proportional:
         self.low, self.high = car.steering_limits
 
     def __call__(
-        self, left_error: float, heading_error: float, curvature: float, grip: float
+        self,
+        left_error: float,
+        heading_error: float,
+        curvature: float,
+        steering_scale: float,
     ) -> tuple[float, bool]:
         """Return the angle [rad] of the force from the heading axis, and whether it was
         clipped. A force to the left turns a rear-steer car to the right.
         """
         turn = math.atan(self.wheelbase * curvature)
         wanted = -(turn + BY_OFFSET * left_error + BY_HEADING * heading_error)
-        angle = min(max(wanted, grip * self.low), grip * self.high)
+        angle = min(max(wanted, steering_scale * self.low), steering_scale * self.high)
         return angle, angle != wanted
 
 

@@ -26,7 +26,7 @@ def test_a_run_is_made_of_the_kernels_of_loop_and_engine():
     assert core_path.trapezoid is path_run.trapezoid
     assert law.paced is path_run.paced is leading.paced
     assert estimator.corrected is path_run.corrected
-    assert adaptation.eased_grip is path_run.eased_grip
+    assert adaptation.eased_steering_scale is path_run.eased_steering_scale
     assert tip_motion.approached is path_run.approached
     assert rear_car.steered_push is path_run.steered_push is tracking.steered_push
     assert rear_stanley.stanley_steering is path_run.stanley_steering

@@ -41,17 +41,17 @@ def errors():
 @pytest.mark.parametrize("feed_forward", [False, True])
 def test_rear_stanley(engine, errors, feed_forward):
     bounds = (-0.5, 0.3)
-    grip = np.random.default_rng(1).uniform(0.1, 1.0, CASES)
+    steering_scale = np.random.default_rng(1).uniform(0.1, 1.0, CASES)
     delta, clipped = rear_stanley(
         *errors,
         wheelbase=0.07,
         steering_bounds=bounds,
         gain=0.8,
         feed_forward=feed_forward,
-        grip=grip,
+        steering_scale=steering_scale,
     )
     steer = single_stanley.rear_stanley(0.07, bounds, 0.8, feed_forward)
-    rows = zip(*(array.tolist() for array in (*errors, grip)), strict=True)
+    rows = zip(*(array.tolist() for array in (*errors, steering_scale)), strict=True)
     single = [steer(*row) for row in rows]
     numbers = ~np.isnan(delta)
     assert np.flatnonzero(~numbers).tolist()[:2] == [10, 11]
@@ -61,7 +61,9 @@ def test_rear_stanley(engine, errors, feed_forward):
 
 
 def test_look_ahead_alignment(engine, errors):
-    turn, clipped = lookahead_curvature(*errors, look_ahead=0.2, limit=3.0, grip=0.9)
+    turn, clipped = lookahead_curvature(
+        *errors, look_ahead=0.2, limit=3.0, steering_scale=0.9
+    )
     law = LookAheadAlignment(0.2, 3.0)
     rows = zip(*(array.tolist() for array in errors), strict=True)
     single = [law.curvature((0.0, 0.0, 0.0), *row, 0.9) for row in rows]
@@ -115,7 +117,7 @@ def test_the_holonomic_law(engine):
         twists[i] = guidance.twist[:3]
         limited[i] = guidance.saturated
     got, flags = holonomic(
-        errors, rates, speed=0.03, decay=0.05, radius=path.radius, grip=0.7
+        errors, rates, speed=0.03, decay=0.05, radius=path.radius, steering_scale=0.7
     )
     np.testing.assert_allclose(got, twists, atol=1e-14)
     assert flags.tolist() == limited.tolist()

@@ -119,10 +119,10 @@ def guided(mode: Mode, made: Plan, rng: random.Random) -> tuple[Guidance, Segmen
         else Pose2()
     )
     X_WB = X_WV.compose(segment.X_BV.inverse())
-    grip = rng.choice([1.0, 0.6])
+    steering_scale = rng.choice([1.0, 0.6])
     speed = rng.uniform(0.005, 0.1)
     tracker = mode.tracker(made.queries[segment.leg], segment)
-    return tracker.step(path, X_WB, s, speed, grip), segment
+    return tracker.step(path, X_WB, s, speed, steering_scale), segment
 
 
 def guided_on_path(

@@ -8,12 +8,12 @@ from pushpressslide.control.adaptation import (
     EFFORT_MOST,
     EFFORT_RISE,
     EFFORT_SHARE,
-    GRIP,
+    STEERING_SCALE,
     Adaptation,
     TipSpeed,
 )
 
-USE, FALL, RISE, LEAST = GRIP
+USE, FALL, RISE, LEAST = STEERING_SCALE
 DT = 0.004
 LED = (0.05, 0.0, 0.0)
 RESTING = [(LED, (0.0, 0.0, 0.0))]
@@ -31,14 +31,14 @@ def after(ticks: int, utilisation: float, speeds: list[TipSpeed]) -> Adaptation:
 
 def test_steering_falls_near_the_edge_of_a_cone_and_rises_inside_it() -> None:
     near = Adaptation().step(1.01 * USE, [], None, DT)
-    assert near.grip == pytest.approx(1.0 - FALL * DT)
+    assert near.steering_scale == pytest.approx(1.0 - FALL * DT)
     back = near.step(0.99 * USE, [], None, DT)
-    assert back.grip == pytest.approx(near.grip + RISE * DT)
+    assert back.steering_scale == pytest.approx(near.steering_scale + RISE * DT)
 
 
 def test_steering_stays_within_its_bounds() -> None:
-    assert after(1000, 1.0, []).grip == LEAST
-    assert after(1000, 0.0, []).grip == 1.0
+    assert after(1000, 1.0, []).steering_scale == LEAST
+    assert after(1000, 0.0, []).steering_scale == 1.0
 
 
 def test_tips_that_rest_push_harder_up_to_a_bound() -> None:

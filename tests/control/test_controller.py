@@ -556,16 +556,16 @@ def test_a_motion_that_cannot_be_planned_anew_goes_on_by_its_clock(
 
 
 def test_the_most_used_contact_decides_how_much_is_steered() -> None:
-    """One of two tips near the edge of its cone eases the grip."""
+    """One of two tips near the edge of its cone eases the steering."""
     controller = made(PAIR)
     state, now = moving(controller, PAIR, 0.0)
-    calm = stepped(controller, state, now)[2].adaptation.grip
+    calm = stepped(controller, state, now)[2].adaptation.steering_scale
     for slipping in range(2):
         tips = list(now.tips)
         x, y, _ = tips[slipping].force
         tips[slipping] = replace(tips[slipping], force=(x - 3.0 * y, y + 3.0 * x, 0.0))
         eased = replace(now, tips=tuple(tips))
-        assert stepped(controller, state, eased)[2].adaptation.grip < calm
+        assert stepped(controller, state, eased)[2].adaptation.steering_scale < calm
 
 
 def test_tips_that_do_not_follow_push_harder_where_a_servo_leads_them() -> None:

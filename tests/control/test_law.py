@@ -80,7 +80,7 @@ def test_contact_forces_follow_the_drag_that_is_measured() -> None:
 def test_an_object_beside_its_path_is_steered_back_with_the_grip_there_is() -> None:
     left, right = (decided("rear-push-rear", aside=y) for y in (0.1, -0.1))
     assert left.guidance.steering * right.guidance.steering < 0.0
-    eased = decided("rear-push-rear", Adaptation(grip=0.4), aside=0.1)
+    eased = decided("rear-push-rear", Adaptation(steering_scale=0.4), aside=0.1)
     share = eased.guidance.steering / left.guidance.steering
     assert 0.0 < share < 0.6
 

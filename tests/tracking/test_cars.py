@@ -71,9 +71,9 @@ FOLLOWERS = {
 every_follower = pytest.mark.parametrize("name", FOLLOWERS)
 
 
-def guidance_at(follower: Follower, s: float, off: Pose2, grip: float = 1.0):
+def guidance_at(follower: Follower, s: float, off: Pose2, steering_scale: float = 1.0):
     X_WB = PATH.pose(s).compose(off).compose(follower.X_BV.inverse())
-    return follower.tracker.step(PATH, X_WB, s, SPEED, grip)
+    return follower.tracker.step(PATH, X_WB, s, SPEED, steering_scale)
 
 
 @every_follower
@@ -168,7 +168,9 @@ def test_less_grip_means_less_steering_of_a_car_that_steers_by_friction(
 def test_a_car_that_is_turned_without_friction_needs_no_grip() -> None:
     off = Pose2(0.0, 0.1, 0.7)
     follower = FOLLOWERS["differential"]
-    full, half = (guidance_at(follower, 0.4, off, grip) for grip in (1.0, 0.5))
+    full, half = (
+        guidance_at(follower, 0.4, off, steering_scale) for steering_scale in (1.0, 0.5)
+    )
     assert full == half
 
 

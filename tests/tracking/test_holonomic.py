@@ -22,7 +22,7 @@ PATH = TwistPath.between((Pose2(), Pose2(0.3, -0.1, 0.5), Pose2(0.5, -0.1, 0.2))
 small = st.floats(-0.01, 0.01)
 
 
-def drive(tracker, path, X_WV, speed=0.05, dt=0.004, grip=1.0):
+def drive(tracker, path, X_WV, speed=0.05, dt=0.004, steering_scale=1.0):
     """Move as the tracker asks for; return way and distance from the path, in its
     metric, per tick.
     """
@@ -30,7 +30,7 @@ def drive(tracker, path, X_WV, speed=0.05, dt=0.004, grip=1.0):
     s = 0.0
     off = []
     while s < path.length:
-        guidance = tracker.step(path, X_WB, s, speed, grip)
+        guidance = tracker.step(path, X_WB, s, speed, steering_scale)
         s = guidance.progress
         along, left, turned = guidance.error
         off.append((s, math.sqrt(along**2 + left**2 + (path.radius * turned) ** 2)))
@@ -81,13 +81,13 @@ def test_a_large_error_is_taken_down_by_half_the_speed_and_by_less_with_less_gri
     None
 ):
     path = TwistPath.between((Pose2(), Pose2(0.5, 0.0, 0.0)), 0.15)
-    for grip in (1.0, 0.4):
+    for steering_scale in (1.0, 0.4):
         guidance = HolonomicTracker(Pose2(), SURFACE, DECAY).step(
-            path, Pose2(0.1, 0.2, 0.0), 0.1, 0.05, grip
+            path, Pose2(0.1, 0.2, 0.0), 0.1, 0.05, steering_scale
         )
         assert guidance.saturated
         assert guidance.twist.vx == pytest.approx(0.05)
-        assert guidance.twist.vy == pytest.approx(-0.5 * grip * 0.05)
+        assert guidance.twist.vy == pytest.approx(-0.5 * steering_scale * 0.05)
 
 
 def test_the_wrench_is_on_the_surface_and_drives_the_twist() -> None:

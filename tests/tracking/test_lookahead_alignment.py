@@ -55,7 +55,10 @@ def test_a_target_fixed_beyond_the_goal_leaves_an_error() -> None:
 def test_bounds_hold_and_are_told() -> None:
     law = LookAheadAlignment(0.1, 2.0)
     assert law.curvature((0.0, 0.0, 0.0), 0.5, 0.0, 0.0) == (2.0, True)
-    assert law.curvature((0.0, 0.0, 0.0), -0.5, 0.0, 0.0, grip=0.5) == (-1.0, True)
+    assert law.curvature((0.0, 0.0, 0.0), -0.5, 0.0, 0.0, steering_scale=0.5) == (
+        -1.0,
+        True,
+    )
     assert law.curvature((0.0, 0.0, 0.0), 0.0, 0.0, 1.5) == (1.5, False)
 
 

@@ -52,7 +52,7 @@ class PathRuns(NamedTuple):
         states[:, 3:6] = poses + (spread[:, None] * draws).T
         states[:, 9] = poses[:, 0] + c * x - s * y
         states[:, 10] = poses[:, 1] + s * x + c * y
-        states[:, 19] = 1.0  # the grip
+        states[:, 19] = 1.0  # the steering scale
         return states
 
     def finish(self, states: Array, truths: Array, rng: np.random.Generator) -> Array:

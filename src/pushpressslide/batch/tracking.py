@@ -47,19 +47,21 @@ def rear_stanley(
     steering_bounds: ArrayLike,
     gain: ArrayLike = 1.0,
     feed_forward: bool = True,
-    grip: ArrayLike = 1.0,
+    steering_scale: ArrayLike = 1.0,
 ) -> tuple[Array, Flags]:
     """Return steering angles (...) [rad], and where they had to be clipped.
 
     Errors ``left`` [m] and ``heading`` [rad], ``curvature`` [1/m] of the path there,
     effective ``wheelbase`` [m], ``steering_bounds`` (..., 2) [rad], ``gain`` and
-    ``grip``, all of any shape. As ``tracking.rear_stanley``; an error that is no number
+    ``steering_scale``, all of any shape. As ``tracking.rear_stanley``; an error that is no number
     gives none.
     """
     bounds, ahead, length = figures(steering_bounds, float(feed_forward), wheelbase)
     check_last(bounds, (2,), "steering_bounds")
     check_positive(length, "wheelbase", "m")
-    side, turned, bend, rate, share = figures(left, heading, curvature, gain, grip)
+    side, turned, bend, rate, share = figures(
+        left, heading, curvature, gain, steering_scale
+    )
     law = prepared(stanley_law, length, *halves(bounds), rate, ahead)
     row = columns_of(side, turned, bend)
     law = beside(figures_of(share), law)
@@ -76,15 +78,15 @@ def lookahead_curvature(
     *,
     look_ahead: ArrayLike,
     limit: ArrayLike,
-    grip: ArrayLike = 1.0,
+    steering_scale: ArrayLike = 1.0,
 ) -> tuple[Array, Flags]:
     """Return the curvatures (...) [1/m] to drive, and where they had to be clipped.
 
     Errors ``left`` [m] and ``heading`` [rad], ``curvature`` [1/m] of the path there,
-    ``look_ahead`` [m], ``limit`` [1/m] and ``grip``, all of any shape. As
+    ``look_ahead`` [m], ``limit`` [1/m] and ``steering_scale``, all of any shape. As
     ``tracking.lookahead_alignment`` with a target that slides along the path.
     """
-    length, most, share = figures(look_ahead, limit, grip)
+    length, most, share = figures(look_ahead, limit, steering_scale)
     check_positive(length, "look_ahead", "m")
     side, turned, bend = figures(left, heading, curvature)
     turned = _angles(turned)
@@ -133,18 +135,18 @@ def holonomic(
     decay: ArrayLike,
     radius: ArrayLike,
     share: ArrayLike = 0.5,
-    grip: ArrayLike = 1.0,
+    steering_scale: ArrayLike = 1.0,
 ) -> tuple[Array, Flags]:
     """Return the twists (..., 3) of V's origin, in V, that lead bodies along their
     paths, and where the pull was limited.
 
     ``errors`` (..., 3): x, y [m] of the wanted pose in V and yaw [rad]; ``rates``
     (..., 3): the path's twist there per metre of its metric, in the wanted pose's axes;
-    ``speed`` [m/s], ``decay`` [m], ``radius`` [m] of the metric, ``share`` and ``grip``
+    ``speed`` [m/s], ``decay`` [m], ``radius`` [m] of the metric, ``share`` and ``steering_scale``
     of the pull, all of any shape. As ``tracking.holonomic``.
     """
     rows, path, v, way, length, part, hold = figures(
-        errors, rates, speed, decay, radius, share, grip
+        errors, rates, speed, decay, radius, share, steering_scale
     )
     check_last(rows, (3,), "errors")
     check_last(path, (3,), "rates")

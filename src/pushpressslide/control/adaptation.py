@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 from pushpressslide.core import margins
 from pushpressslide.core.control import Vector3
-from pushpressslide.kernels.leading import eased_grip
+from pushpressslide.kernels.leading import eased_steering_scale
 
 # of the share of the steering that may be used: its fall and rise [1/s], and the least
-GRIP = (margins.GRIP_USE, 4.0, 0.5, 0.3)
+STEERING_SCALE = (margins.CONE_USE, 4.0, 0.5, 0.3)
 EFFORT_SHARE = 0.5  # of the speed that tips are led with, below which they push harder
 EFFORT_RISE = 1.0  # [1/s] of the factor on their forces, for tips at rest
 EFFORT_MOST = 1.6
@@ -26,7 +26,7 @@ TipSpeed = tuple[Vector3, Vector3]
 class Adaptation(NamedTuple):
     """Factors that follow what the contacts bear, and what the object resists with."""
 
-    grip: float = 1.0  # share of the steering that may be used
+    steering_scale: float = 1.0  # share of the steering that may be used
     effort: float = 1.0  # on the contact forces
     drag: float | None = None  # [N] that slides the object; None: as planned
 
@@ -41,8 +41,10 @@ class Adaptation(NamedTuple):
         ``utilisation`` of all contacts; ``speeds`` are those of tips that a servo leads,
         ``drag`` [N] is identified.
         """
-        grip = eased_grip(self.grip, utilisation, dt, GRIP)
-        return Adaptation(grip, self._effort(speeds, dt), drag)
+        steering_scale = eased_steering_scale(
+            self.steering_scale, utilisation, dt, STEERING_SCALE
+        )
+        return Adaptation(steering_scale, self._effort(speeds, dt), drag)
 
     def force_gain(self, gain: float, planned: float) -> float:
         """Factor on the contact forces, with a ``gain`` of their own and the ``planned``

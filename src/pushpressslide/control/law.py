@@ -67,7 +67,7 @@ class Law:
 
         started = clock()
         guidance = binding.tracker.step(
-            segment.path, X_WB, following.progress, speed, adaptation.grip
+            segment.path, X_WB, following.progress, speed, adaptation.steering_scale
         )
         tracked = clock()
         allocation = binding.allocate(guidance.fx, guidance.fy, guidance.tau)

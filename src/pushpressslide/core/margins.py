@@ -91,7 +91,7 @@ CORRECTION_USE = 0.9
 """Of the friction, that corrections within a cone may use."""
 PREFERRED_USE = 0.8
 """Of the friction, within which forces are kept where the wrench leaves a choice."""
-GRIP_USE = 0.93
+CONE_USE = 0.93
 """Measured utilisation beyond which the steering is eased."""
 HARDER = 1.3
 """Times as hard tips press where the friction turns out too little: two where the

@@ -198,7 +198,7 @@ def _lead(task: Task, drive: RearSteerDrive, noise: Array) -> Lead:
         drive.X_BV.yaw,
         law,
         figures_of_car(car, drive.max_friction),
-        adaptation.GRIP,
+        adaptation.STEERING_SCALE,
     )
 
 

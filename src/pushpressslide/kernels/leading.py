@@ -13,7 +13,7 @@ Pace = tuple[float, float, float, float]
 """What bounds the speed along a path: how fast it may end [m/s] and the most [m/s], its
 acceleration [m/s^2], and the pull of the time reference on the progress [1/s].
 """
-Grip = tuple[float, float, float, float]
+SteeringScale = tuple[float, float, float, float]
 """Friction utilisation above which the share of the steering that may be used falls; how
 fast it falls and rises [1/s]; the least share.
 """
@@ -46,11 +46,13 @@ def paced(
 
 
 @kernel
-def eased_grip(share: float, used: float, dt: float, grip: Grip) -> float:
+def eased_steering_scale(
+    share: float, used: float, dt: float, steering_scale: SteeringScale
+) -> float:
     """Return the share of the steering that may be used after ``dt`` [s] at a friction
     utilisation.
     """
-    use, fall, rise, least = grip
+    use, fall, rise, least = steering_scale
     rate = -fall if used > use else rise
     return min(1.0, max(least, share + rate * dt))
 

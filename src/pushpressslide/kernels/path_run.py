@@ -18,11 +18,11 @@ from pushpressslide.kernels.arc_path import nearest, trapezoid, wrapped
 from pushpressslide.kernels.compliant_tip import side_touch
 from pushpressslide.kernels.kernel import kernel, kernel_apart
 from pushpressslide.kernels.leading import (
-    Grip,
     Pace,
+    SteeringScale,
     approached,
     corrected,
-    eased_grip,
+    eased_steering_scale,
     paced,
 )
 from pushpressslide.kernels.plane import Pose, carried, from_axis, heading, in_axis
@@ -52,9 +52,9 @@ Truth = tuple[float, float, float, Vector]
 """mu_s N [N]; height of the contact over the load [m/N]; friction of the pair tip/body;
 the centre of mass from where it is believed [m], along n and t.
 """
-Lead = tuple[float, Vector, float, Stanley, Car, Grip]
+Lead = tuple[float, Vector, float, Stanley, Car, SteeringScale]
 """Share of a measured pose's error that corrects the predicted one; the virtual front axle
-in B [m]; direction of the car's heading axis in B [rad]; its law and figures, and its grip.
+in B [m]; direction of the car's heading axis in B [rad]; its law and figures, and how its steering is scaled.
 """
 Touch = tuple[Face, Vector, float, float, float, float, float]
 """The face and the tip at it; the tip's centre as planned [m]; friction as believed; force
@@ -120,14 +120,21 @@ def ticked(
     at_tip = from_axis(axis, (vx - w * py, vy + w * px))
     velocity = approached(velocity, at_tip, touch[5] * dt)
     used = abs(force[1]) / (touch[2] * max(force[0], touch[3]))
-    grip = eased_grip(clock[1], used, dt, lead[5])
+    steering_scale = eased_steering_scale(clock[1], used, dt, lead[5])
     led = (tip, velocity, from_axis(axis, wanted))
     pose, tip, twist, force = pushed_on(
         (pose, twist, force), led, truth, touch, base, dt
     )
     apart = clock[2] + dt if force[0] < touch[4] else 0.0
     end = ending(progress, left, apart > touch[6], course)
-    after = (progress, grip, apart, max(abs(left), clock[3]), clock[4] + dt, end)
+    after = (
+        progress,
+        steering_scale,
+        apart,
+        max(abs(left), clock[3]),
+        clock[4] + dt,
+        end,
+    )
     return pose, seen, expected, tip, velocity, twist, force, after
 
 
@@ -154,7 +161,7 @@ def guided(
     """Return what the rear Stanley law asks for at the speed of the moment."""
     pace, length, cruise, easing, _, _, dt, _ = course
     _, axle, bearing, law, car, _ = lead
-    progress, grip, _, _, time, _ = clock
+    progress, steering_scale, _, _, time, _ = clock
     planned = trapezoid(time + dt, length, cruise, pace[2])
     speed = paced(planned, progress, length - progress, pace[0], pace)
     dx, dy = from_axis(axis, axle)
@@ -162,7 +169,7 @@ def guided(
         seen[0] + dx, seen[1] + dy, progress, easing * speed, pieces, bends
     )
     turn = wrapped(yaw - (seen[2] + bearing))
-    delta, _ = stanley_steering(left, turn, curvature, grip, law)
+    delta, _ = stanley_steering(left, turn, curvature, steering_scale, law)
     wrench, (vx, vy, w) = steered_push(delta, speed, car)
     twist = (vx + w * axle[1], vy - w * axle[0], w)
     return progress, left, (wrench[0], wrench[1]), twist

@@ -38,16 +38,20 @@ def stanley_law(
 
 @kernel
 def stanley_steering(
-    left_error: float, heading_error: float, curvature: float, grip: float, law: Stanley
+    left_error: float,
+    heading_error: float,
+    curvature: float,
+    steering_scale: float,
+    law: Stanley,
 ) -> tuple[float, bool]:
     """Return the steering angle [rad], and whether it was clipped."""
     slope, length, low, high = law
     delta = (
         -heading_error - arctangent(slope * left_error) - arctangent(length * curvature)
     )
-    if grip * low <= delta <= grip * high:
+    if steering_scale * low <= delta <= steering_scale * high:
         return delta, False
-    return grip * (low if delta < 0.0 else high), True
+    return steering_scale * (low if delta < 0.0 else high), True
 
 
 @kernel

@@ -65,12 +65,17 @@ class Tracker(Protocol):
     """
 
     def step(
-        self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
+        self,
+        path: MotionPath,
+        X_WB: Pose2,
+        progress: float,
+        speed: float,
+        steering_scale: float,
     ) -> Guidance:
         """Return what the object should do at pose ``X_WB`` when the path is to be
         followed at ``speed`` [m/s].
 
-        ``grip`` in (0, 1] is the share of the mode's steering that may be used: the
+        ``steering_scale`` in (0, 1] is the share of the mode's steering that may be used: the
         contacts are near slipping below 1.
         """
         ...

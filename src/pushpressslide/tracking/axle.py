@@ -39,11 +39,16 @@ class AxleTracker:
         )
 
     def step(
-        self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
+        self,
+        path: MotionPath,
+        X_WB: Pose2,
+        progress: float,
+        speed: float,
+        steering_scale: float,
     ) -> Guidance:
         """Return wrench and twist that follow ``path``, an ArcPath, at ``speed`` [m/s].
 
-        ``grip`` narrows the steering of a car that steers by friction.
+        ``steering_scale`` narrows the steering of a car that steers by friction.
         """
         assert isinstance(path, ArcPath)
         axle, wheelbase, rho_squared, heading, ex, ey, max_friction = self._figures
@@ -52,7 +57,7 @@ class AxleTracker:
         y = X_WB.y + axle * sin(yaw)
         progress, left, direction, curvature = path.nearest(x, y, progress)
         turned = remainder(direction - yaw, TURN)
-        share = grip if wheelbase > 0.0 else 1.0
+        share = steering_scale if wheelbase > 0.0 else 1.0
         turn, saturated = self._curvature((x, y, yaw), left, turned, curvature, share)
         across = -wheelbase * turn  # force to the left per force along
         along = max_friction / sqrt(1.0 + across * across + rho_squared * turn * turn)

@@ -39,20 +39,25 @@ class CarriedTracker:
         self._level = HolonomicTracker(X_BV, surface, decay=decay)
 
     def step(
-        self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
+        self,
+        path: MotionPath,
+        X_WB: Pose2,
+        progress: float,
+        speed: float,
+        steering_scale: float,
     ) -> Guidance:
         """Return the arms' wrench, about the surface's centre, and the twist that
         follow ``path``, a TwistPath, at ``speed`` [m/s] in its own metric.
         """
         if not any(self._weight):
-            return self._level.step(path, X_WB, progress, speed, grip)
+            return self._level.step(path, X_WB, progress, speed, steering_scale)
         wx, wy = X_WB.unrotate(self._weight)
         x, y = self._surface.center
         lifted = replace(
             self._surface, center=(x - self._lever * wx, y - self._lever * wy)
         )
         law = HolonomicTracker(self._X_BV, lifted, decay=self._decay)
-        guidance = law.step(path, X_WB, progress, speed, grip)
+        guidance = law.step(path, X_WB, progress, speed, steering_scale)
         slid = guidance.wrench.moved_to((x, y))
         held = Wrench(wx, wy, 0.0).moved_to((x, y))
         return guidance._replace(

@@ -32,14 +32,21 @@ class EasedTracker:
         self._allocate = allocate
 
     def step(
-        self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
+        self,
+        path: MotionPath,
+        X_WB: Pose2,
+        progress: float,
+        speed: float,
+        steering_scale: float,
     ) -> Guidance:
         """Return wrench and twist that follow ``path`` at ``speed`` [m/s].
 
-        ``grip`` in (0, 1] eases too.
+        ``steering_scale`` in (0, 1] eases too.
         """
         for share in SHARES:
-            guidance = self._law.step(path, X_WB, progress, speed, share * grip)
+            guidance = self._law.step(
+                path, X_WB, progress, speed, share * steering_scale
+            )
             allocation = self._allocate(guidance.fx, guidance.fy, guidance.tau)
             if allocation.status == "ok" and allocation.margin > 0.0:
                 break

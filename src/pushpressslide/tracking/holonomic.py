@@ -52,11 +52,16 @@ class HolonomicTracker:
         self._axes = (cos(X_BV.yaw), sin(X_BV.yaw))
 
     def step(
-        self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
+        self,
+        path: MotionPath,
+        X_WB: Pose2,
+        progress: float,
+        speed: float,
+        steering_scale: float,
     ) -> Guidance:
         """Return wrench and twist that follow ``path``, a TwistPath.
 
-        At ``speed`` [m/s] in its own metric; ``grip`` in (0, 1] eases the pull.
+        At ``speed`` [m/s] in its own metric; ``steering_scale`` in (0, 1] eases the pull.
         """
         assert isinstance(path, TwistPath)
         X_WV = X_WB.compose(self._X_BV)
@@ -66,7 +71,7 @@ class HolonomicTracker:
         x, y = X_WV.unrotate((wanted.x - X_WV.x, wanted.y - X_WV.y))
         turned = remainder(wanted.yaw - X_WV.yaw, TURN)
         # [m] of error that is pulled at in proportion
-        most = grip * self._share * self._decay
+        most = steering_scale * self._share * self._decay
         law = (speed, self._decay, path.radius, most)
         (vx, vy, w), along, limited = pulled_twist(x, y, turned, rate, law)
         size = hypot(*along)

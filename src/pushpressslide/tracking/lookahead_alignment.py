@@ -31,16 +31,16 @@ class LookAheadAlignment:
         left_error: float,
         heading_error: float,
         path_curvature: float,
-        grip: float = 1.0,
+        steering_scale: float = 1.0,
     ) -> tuple[float, bool]:
         """Return the curvature [1/m] to drive and whether it had to be clipped.
 
         ``X_WV`` is the vehicle's pose, ``left_error`` [m] and ``heading_error`` [rad]
         reference minus actual, ``path_curvature`` [1/m] that of the path there;
-        ``grip`` narrows the bounds.
+        ``steering_scale`` narrows the bounds.
         """
         ell = self.look_ahead
-        limit = grip * self.limit
+        limit = steering_scale * self.limit
         if self.fixed is None:
             return look_ahead_curvature(
                 left_error, heading_error, path_curvature, ell, limit

@@ -41,7 +41,12 @@ class RearPushTracker:
         self._law = (steer, car.cop, X_BV.position)
 
     def step(
-        self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
+        self,
+        path: MotionPath,
+        X_WB: Pose2,
+        progress: float,
+        speed: float,
+        steering_scale: float,
     ) -> Guidance:
         """Return wrench and twist that follow ``path`` at ``speed`` [m/s] from pose
         ``X_WB``.
@@ -57,7 +62,7 @@ class RearPushTracker:
             x, y, progress, EASING * speed
         )
         heading_error = wrapped(heading - yaw)
-        delta, saturated = steer(left, heading_error, curvature, grip)
+        delta, saturated = steer(left, heading_error, curvature, steering_scale)
         wrench, twist = steered_push(delta, speed, self._car)
         fx, fy, tau = wrench
         vx, vy, w = twist  # the axle moves along the heading axis

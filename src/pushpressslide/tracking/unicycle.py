@@ -42,11 +42,16 @@ class UnicycleTracker:
         self._press = (rx, ry, inverse, car.cop, drive.max_friction, drive.stiffness)
 
     def step(
-        self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
+        self,
+        path: MotionPath,
+        X_WB: Pose2,
+        progress: float,
+        speed: float,
+        steering_scale: float,
     ) -> Guidance:
         """Return the wrench (about the CoP) and the twist that follow ``path``.
 
-        At ``speed`` [m/s]. ``grip`` has no part: a turn takes less of the press's friction than straight
+        At ``speed`` [m/s]. ``steering_scale`` has no part: a turn takes less of the press's friction than straight
         sliding.
         """
         assert isinstance(path, ArcPath)
@@ -101,7 +106,12 @@ class PivotTracker:
         self._X_BV = drive.X_BV
 
     def step(
-        self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
+        self,
+        path: MotionPath,
+        X_WB: Pose2,
+        progress: float,
+        speed: float,
+        steering_scale: float,
     ) -> Guidance:
         """Return wrench (about the centre of pressure) and twist that turn along
         ``path`` at ``speed``.

@@ -82,5 +82,5 @@ def _forces(plan: Plan, contact: Contact) -> tuple[float, float]:
     index = contacts.index(contact)
     load = max(segment.contacts[index].load for segment in plan.segments)
     presses = math.fsum(c.load for c in contacts)
-    grip = plan.task.scene.contact_friction * load
-    return load, min(grip, drag * contact.load / presses)
+    steering_scale = plan.task.scene.contact_friction * load
+    return load, min(steering_scale, drag * contact.load / presses)

@@ -158,7 +158,7 @@ def _experiment(experiment: Experiment, evidence: Evidence, page: Path) -> str:
         f"<p>{escape(experiment.source)}. {escape(experiment.claim)}</p>",
         *(_picture(runs[title], title) for title in pictured if title in runs),
         _figures(experiment, evidence, page),
-        _estimates(experiment, evidence),
+        _findings(experiment, evidence),
         _plots(experiment, runs, titles),
     ]
     if len(runs) > 1:
@@ -169,7 +169,7 @@ def _experiment(experiment: Experiment, evidence: Evidence, page: Path) -> str:
     return "".join(parts)
 
 
-def _estimates(experiment: Experiment, evidence: Evidence) -> str:
+def _findings(experiment: Experiment, evidence: Evidence) -> str:
     sentences = findings(experiment, evidence)
     items = "".join(f"<li>{escape(sentence)}</li>" for sentence in sentences)
     listed = f"<ul>{items}</ul>" if items else ""
