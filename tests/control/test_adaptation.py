@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from pushpressslide.control.adaptation import (
-    EFFORT_MOST,
-    EFFORT_RISE,
-    EFFORT_SHARE,
+    FORCE_SCALE_RISE,
+    MOST_FORCE_SCALE,
+    SLOW_SHARE,
     STEERING_SCALE,
     Adaptation,
     TipSpeed,
@@ -43,20 +43,20 @@ def test_steering_stays_within_its_bounds() -> None:
 
 def test_tips_that_rest_push_harder_up_to_a_bound() -> None:
     once = Adaptation().step(0.0, RESTING, None, DT)
-    assert once.effort == pytest.approx(1.0 + EFFORT_RISE * EFFORT_SHARE * DT)
-    assert after(1000, 0.0, RESTING).effort == EFFORT_MOST
+    assert once.force_scale == pytest.approx(1.0 + FORCE_SCALE_RISE * SLOW_SHARE * DT)
+    assert after(1000, 0.0, RESTING).force_scale == MOST_FORCE_SCALE
 
 
 def test_tips_that_follow_push_as_planned_again() -> None:
     harder = after(1000, 0.0, RESTING)
-    assert harder.step(0.0, FOLLOWING, None, DT).effort < harder.effort
-    assert after(1000, 0.0, FOLLOWING).effort == 1.0
+    assert harder.step(0.0, FOLLOWING, None, DT).force_scale < harder.force_scale
+    assert after(1000, 0.0, FOLLOWING).force_scale == 1.0
 
 
 @pytest.mark.parametrize("speeds", [[], NOT_LED])
 def test_tips_that_nothing_leads_change_no_force(speeds: list[TipSpeed]) -> None:
-    harder = Adaptation(effort=1.3)
-    assert harder.step(0.0, speeds, None, DT).effort == 1.3
+    harder = Adaptation(force_scale=1.3)
+    assert harder.step(0.0, speeds, None, DT).force_scale == 1.3
 
 
 @pytest.mark.parametrize("share", [0.2, 0.8])
@@ -64,44 +64,44 @@ def test_effort_changes_by_how_far_tips_are_from_half_their_speed(share: float) 
     """However they are led; what they do across that does not count."""
     led = (0.03, -0.04, 0.0)
     moved = (share * 0.03 + 0.04, -share * 0.04 + 0.03, 0.0)
-    before = Adaptation(effort=1.3)
+    before = Adaptation(force_scale=1.3)
     after = before.step(0.0, [(led, moved)], None, DT)
-    slow = EFFORT_SHARE - share
-    assert after.effort == pytest.approx(1.3 + EFFORT_RISE * slow * DT)
+    slow = SLOW_SHARE - share
+    assert after.force_scale == pytest.approx(1.3 + FORCE_SCALE_RISE * slow * DT)
 
 
 def test_tips_are_judged_together_each_by_the_square_of_its_speed() -> None:
     fast = ((0.2, 0.0, 0.0), (0.2, 0.0, 0.0))
     slow = ((0.0, 0.1, 0.0), (0.0, 0.0, 0.0))
-    after = Adaptation(effort=1.3).step(0.0, [fast, slow], None, DT)
+    after = Adaptation(force_scale=1.3).step(0.0, [fast, slow], None, DT)
     share = 0.04 / 0.05
-    wanted = 1.3 + EFFORT_RISE * (EFFORT_SHARE - share) * DT
-    assert after.effort == pytest.approx(wanted)
+    wanted = 1.3 + FORCE_SCALE_RISE * (SLOW_SHARE - share) * DT
+    assert after.force_scale == pytest.approx(wanted)
 
 
 def test_tips_that_are_led_at_all_count() -> None:
     """A tenth of a millimetre a second is a motion."""
     crawling = [((0.0, 1.1e-4, 0.0), (0.0, 0.0, 0.0))]
     resting = [((0.0, 0.9e-4, 0.0), (0.0, 0.0, 0.0))]
-    before = Adaptation(effort=1.3)
-    assert before.step(0.0, crawling, None, DT).effort > 1.3
-    assert before.step(0.0, resting, None, DT).effort == 1.3
+    before = Adaptation(force_scale=1.3)
+    assert before.step(0.0, crawling, None, DT).force_scale > 1.3
+    assert before.step(0.0, resting, None, DT).force_scale == 1.3
 
 
 def test_tips_that_rest_push_half_as_hard_again_in_some_seconds() -> None:
     """A bound that no object is thrown by, and a rise that no contact is jerked by."""
     adaptation = Adaptation()
     ticks = 0
-    while adaptation.effort < 1.5:
+    while adaptation.force_scale < 1.5:
         adaptation = adaptation.step(0.0, RESTING, None, DT)
         ticks += 1
     assert 0.5 < ticks * DT < 3.0
-    assert after(10_000, 0.0, RESTING).effort < 2.0
+    assert after(10_000, 0.0, RESTING).force_scale < 2.0
 
 
 def test_forces_follow_gain_effort_and_the_drag_that_is_found() -> None:
     assert Adaptation().force_gain(1.05, 3.0) == 1.05
-    assert Adaptation(effort=1.2).force_gain(1.5, 3.0) == pytest.approx(1.8)
-    found = Adaptation(effort=1.2, drag=3.6)
+    assert Adaptation(force_scale=1.2).force_gain(1.5, 3.0) == pytest.approx(1.8)
+    found = Adaptation(force_scale=1.2, drag=3.6)
     assert found.force_gain(1.5, 3.0) == pytest.approx(1.5 * 1.2 * 1.2)
     assert Adaptation().step(0.0, [], 3.6, DT).drag == 3.6

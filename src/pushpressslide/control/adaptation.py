@@ -13,9 +13,9 @@ from pushpressslide.kernels.leading import eased_steering_scale
 
 # of the share of the steering that may be used: its fall and rise [1/s], and the least
 STEERING_SCALE = (margins.CONE_USE, 4.0, 0.5, 0.3)
-EFFORT_SHARE = 0.5  # of the speed that tips are led with, below which they push harder
-EFFORT_RISE = 1.0  # [1/s] of the factor on their forces, for tips at rest
-EFFORT_MOST = 1.6
+SLOW_SHARE = 0.5  # of the speed that tips are led with, below which they push harder
+FORCE_SCALE_RISE = 1.0  # [1/s] of the factor on their forces, for tips at rest
+MOST_FORCE_SCALE = 1.6
 LED = 1e-4  # [m/s] below which tips are not led anywhere
 
 
@@ -27,7 +27,7 @@ class Adaptation(NamedTuple):
     """Factors that follow what the contacts bear, and what the object resists with."""
 
     steering_scale: float = 1.0  # share of the steering that may be used
-    effort: float = 1.0  # on the contact forces
+    force_scale: float = 1.0  # on the contact forces
     drag: float | None = None  # [N] that slides the object; None: as planned
 
     def step(
@@ -44,7 +44,7 @@ class Adaptation(NamedTuple):
         steering_scale = eased_steering_scale(
             self.steering_scale, utilisation, dt, STEERING_SCALE
         )
-        return Adaptation(steering_scale, self._effort(speeds, dt), drag)
+        return Adaptation(steering_scale, self._force_scale(speeds, dt), drag)
 
     def force_gain(self, gain: float, planned: float) -> float:
         """Factor on the contact forces, with a ``gain`` of their own and the ``planned``
@@ -53,9 +53,9 @@ class Adaptation(NamedTuple):
         ratio = 1.0
         if self.drag is not None:
             ratio = margins.drag_ratio(self.drag, planned)
-        return gain * ratio * self.effort
+        return gain * ratio * self.force_scale
 
-    def _effort(self, speeds: Sequence[TipSpeed], dt: float) -> float:
+    def _force_scale(self, speeds: Sequence[TipSpeed], dt: float) -> float:
         """Factor on the contact forces after a tick: a servo of velocities alone lets
         rest what is held by more than it gives.
         """
@@ -65,6 +65,8 @@ class Adaptation(NamedTuple):
             led += vx * vx + vy * vy
             moved += vx * x + vy * y
         if led < LED * LED:
-            return self.effort
-        slow = EFFORT_SHARE - moved / led
-        return min(EFFORT_MOST, max(1.0, self.effort + EFFORT_RISE * slow * dt))
+            return self.force_scale
+        slow = SLOW_SHARE - moved / led
+        return min(
+            MOST_FORCE_SCALE, max(1.0, self.force_scale + FORCE_SCALE_RISE * slow * dt)
+        )
