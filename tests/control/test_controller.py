@@ -577,7 +577,7 @@ def test_tips_that_do_not_follow_push_harder_where_a_servo_leads_them() -> None:
             estimate=state.estimate._replace(time=now.time - DT),
         )
         _, _, after = stepped(controller, state, now)
-        assert (after.adaptation.effort > 1.0) == harder
+        assert (after.adaptation.force_scale > 1.0) == harder
 
 
 def test_an_object_that_nothing_else_carries_is_held_after_a_failure() -> None:

@@ -127,15 +127,15 @@ def test_on_the_way_only_an_error_is_replanned_and_not_too_often() -> None:
     replanner = Replanner(TASK.queries())
     off = guidance(0.0, 0.004)
     assert (
-        replanner.onward(PLAN.segments, OFF, TOUCHED, guidance(0.0, 0.0), 9.0) is None
+        replanner.improve(PLAN.segments, OFF, TOUCHED, guidance(0.0, 0.0), 9.0) is None
     )
-    assert replanner.onward(PLAN.segments, OFF, TOUCHED, off, 0.1) is None
+    assert replanner.improve(PLAN.segments, OFF, TOUCHED, off, 0.1) is None
     near = guidance(LENGTH - 0.01, 0.004)
-    assert replanner.onward(PLAN.segments, OFF, TOUCHED, near, 9.0) is None
+    assert replanner.improve(PLAN.segments, OFF, TOUCHED, near, 9.0) is None
 
 
 def test_a_replan_on_the_way_begins_at_speed() -> None:
-    made = Replanner(TASK.queries()).onward(
+    made = Replanner(TASK.queries()).improve(
         PLAN.segments, OFF, TOUCHED, guidance(0.0, 0.004), 9.0
     )
     assert made is not None
@@ -212,7 +212,7 @@ def test_an_identified_rho_takes_the_place_of_a_believed_one_only() -> None:
         assert query.scene.rho == rho
 
 
-def onward(
+def improve(
     aside: float = 0.0,
     turned: float = 0.0,
     progress: float = 0.0,
@@ -223,7 +223,7 @@ def onward(
     """Return what is made of an object ``aside`` [m] and ``turned`` [rad] of its path."""
     off = guidance(progress, 0.0)._replace(error=(9.0, aside, turned))
     there = SEGMENT.body_pose(progress).compose(Pose2(0.0, 0.002, 0.0))
-    return Replanner(TASK.queries()).onward(
+    return Replanner(TASK.queries()).improve(
         PLAN.segments, there, touched, off, since, estimates
     )
 
@@ -232,12 +232,12 @@ def onward(
 def test_each_error_above_its_own_bound_is_replanned(side: float) -> None:
     arm = margins.ARM
     for share, made in ((1.0, False), (1.01, True)):
-        assert (onward(aside=side * share * arm.off_path) is not None) == made
-        assert (onward(turned=side * share * arm.off_heading) is not None) == made
+        assert (improve(aside=side * share * arm.off_path) is not None) == made
+        assert (improve(turned=side * share * arm.off_heading) is not None) == made
     ((x, y),) = TOUCHED
     for share, made in ((0.99, False), (1.01, True)):
         slid = ((x, y + side * share * arm.slid),)
-        assert (onward(touched=slid) is not None) == made
+        assert (improve(touched=slid) is not None) == made
 
 
 def test_an_axle_or_a_centre_that_is_found_elsewhere_is_replanned() -> None:
@@ -245,19 +245,19 @@ def test_an_axle_or_a_centre_that_is_found_elsewhere_is_replanned() -> None:
     most = margins.ARM.off_axle
     for off, made in ((0.99, False), (1.01, True), (-1.01, True)):
         axle = Identified(planned + off * most, 0.1, 0.1)
-        assert (onward(estimates=ParameterEstimates(axle=axle)) is not None) == made
-    assert onward(estimates=ParameterEstimates(elsewhere=True)) is not None
+        assert (improve(estimates=ParameterEstimates(axle=axle)) is not None) == made
+    assert improve(estimates=ParameterEstimates(elsewhere=True)) is not None
 
 
 def test_nothing_is_replanned_shortly_before_the_end_or_after_a_replan() -> None:
     arm = margins.ARM
     off = 2.0 * arm.off_path
     for share, made in ((0.99, False), (1.01, True)):
-        assert (onward(off, since=share * arm.replan_pause) is not None) == made
+        assert (improve(off, since=share * arm.replan_pause) is not None) == made
         ends = LENGTH - share * arm.least_left
-        assert onward(off, progress=ends) is None or made
-    assert onward(off, since=arm.replan_pause) is not None
-    half = onward(off, progress=0.5 * LENGTH)
+        assert improve(off, progress=ends) is None or made
+    assert improve(off, since=arm.replan_pause) is not None
+    half = improve(off, progress=0.5 * LENGTH)
     assert half is not None
     rest = half.segments[0].path.length - half.progress
     assert rest == pytest.approx(0.5 * LENGTH, rel=0.1)
@@ -328,7 +328,7 @@ def test_an_axle_is_compared_along_the_heading_of_its_vehicle(name: str) -> None
     most = margins.ARM.off_axle
     for off in (-0.9, 0.9):
         found = ParameterEstimates(axle=Identified(planned + off * most, 0.1, 0.1))
-        replan = Replanner(task.queries()).onward(
+        replan = Replanner(task.queries()).improve(
             plan.segments, here, touched, calm, 9.0, found
         )
         assert replan is None
@@ -336,7 +336,7 @@ def test_an_axle_is_compared_along_the_heading_of_its_vehicle(name: str) -> None
 
 def test_a_motion_begun_anew_has_the_run_up_of_its_speed() -> None:
     """Of a constant acceleration from rest."""
-    made = onward(aside=0.004)
+    made = improve(aside=0.004)
     assert made is not None
     profile = SEGMENT.profile
     speed = profile.speed

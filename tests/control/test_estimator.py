@@ -133,7 +133,7 @@ def test_a_new_prediction_of_the_centre_keeps_what_was_found() -> None:
     center = MODES[segment.mode].center_identifier(PLAN.query, segment, found.center)
     other = before._replace(center=center, followed_center=found.center)
     estimate, anew = estimator.step(state, observed(DT, NOISY.start, prediction=other))
-    assert anew.center == before.center.onward(found)
+    assert anew.center == before.center.carry_over(found)
     assert estimate.parameters.center == found.center
 
 

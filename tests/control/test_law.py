@@ -61,7 +61,7 @@ def test_a_tick_is_a_function_of_what_it_is_given(name: str) -> None:
 @pytest.mark.parametrize("name", ["rear-push-rear", "parallel-push"])
 def test_contact_forces_that_are_commanded_grow_with_the_effort(name: str) -> None:
     once = decided(name)
-    harder = decided(name, Adaptation(effort=1.5))
+    harder = decided(name, Adaptation(force_scale=1.5))
     assert harder.allocation == once.allocation
     for command, before in zip(harder.commands, once.commands, strict=True):
         assert command.force[:2] == pytest.approx([1.5 * f for f in before.force[:2]])

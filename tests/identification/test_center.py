@@ -97,7 +97,7 @@ def test_a_turn_alone_with_the_axle_elsewhere_moves_the_centre_less_than_a_strai
 
 def test_what_was_seen_is_kept_from_one_segment_to_the_next():
     identifier = planned()
-    state = identifier.onward(driven(identifier, 0.008, [0.0] * 3))
+    state = identifier.carry_over(driven(identifier, 0.008, [0.0] * 3))
     assert state.known > 100.0
     again = driven(planned(state.center[1]), 0.008, [10.0], state)
     assert again.center[1] == pytest.approx(0.008, abs=0.001)

@@ -40,7 +40,7 @@ class Unchanging(placement.Replanner):
     def replan(self, *args, **kwargs):
         return ()
 
-    def onward(self, *args, **kwargs):
+    def improve(self, *args, **kwargs):
         return None
 
     def again(self, *args, **kwargs):

@@ -14,8 +14,8 @@ from pushpressslide.planning.in_cone import (
     Inside,
     describe_cone_margin,
     least_cone_margin,
-    path_onward,
     paths_in_cone,
+    resume_path,
 )
 
 RADIUS = 0.15
@@ -124,18 +124,18 @@ def test_as_many_pieces_as_allowed() -> None:
 
 def test_the_rest_of_a_way_goes_well_inside_the_cone_where_it_can() -> None:
     goal = Pose2(0.45, 0.20, 0.0)  # 24 degrees off: 6 inside
-    path = path_onward(Pose2(), goal, CONE, RADIUS, 1.0)
+    path = resume_path(Pose2(), goal, CONE, RADIUS, 1.0)
     assert path is not None
     assert len(path.pieces) == 1
     goal = Pose2(0.45, 0.225, 0.0)  # 26.6 off
-    path = path_onward(Pose2(), goal, CONE, RADIUS, 1.0)
+    path = resume_path(Pose2(), goal, CONE, RADIUS, 1.0)
     assert path is not None
     assert len(path.pieces) > 1
     last, _ = path.pieces[-1]
     assert CONE.cone_margin(*last) >= margins.BENT_MARGIN - 1e-9
     # with no room for a bend it takes what there is
     direct = math.hypot(0.45, 0.225)
-    path = path_onward(Pose2(), goal, CONE, RADIUS, 1.001 * direct)
+    path = resume_path(Pose2(), goal, CONE, RADIUS, 1.001 * direct)
     assert path is not None
     assert least_cone_margin(path, CONE) >= margins.REPLAN_MARGIN - 1e-9
 

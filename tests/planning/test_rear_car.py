@@ -20,8 +20,8 @@ from pushpressslide.planning.rear_car import (
     HARDER,
     axle_ends,
     planned_share,
+    resume_route,
     route,
-    route_onward,
 )
 from pushpressslide.planning.rear_car_fit import (
     ANGLES,
@@ -219,7 +219,7 @@ def test_a_push_that_is_a_little_off_has_a_way_on_to_its_goal(
     drive = RearSteerDrive(car, 3.0, 0.0, curvature_share=0.55, run_in=0.16)
     start = Pose2(0.0, 0.0, 0.0)
     goal = Pose2(ahead, left, math.copysign(math.radians(1.0), left))
-    path = route_onward((start, goal), drive, 1.15 * ahead, 0.0)
+    path = resume_route((start, goal), drive, 1.15 * ahead, 0.0)
     assert path is not None
     end = path.pose(path.length)
     assert (end.x, end.y, end.yaw) == pytest.approx((goal.x, goal.y, goal.yaw))

@@ -81,7 +81,7 @@ class Replanner:
         fresh = tuple(replace(piece, leg=segment.leg) for piece in made)
         return fresh if _free(query, fresh) else ()
 
-    def onward(
+    def improve(
         self,
         segments: Sequence[Segment],
         X_WB: Pose2,

@@ -171,7 +171,7 @@ def _kept(
     if prediction.axle is not before.axle:
         axle = AxleState(drag=axle.drag)
     if prediction.center is not before.center and before.center is not None:
-        center = before.center.onward(center)
+        center = before.center.carry_over(center)
     return axle, center
 
 

@@ -290,7 +290,7 @@ class Supervisor:
         following = state.following
         segments = (following.binding.segment, *following.ahead)
         since = time - state.watches.replanned
-        better = self.placement.replanner.onward(
+        better = self.placement.replanner.improve(
             segments, instant.X_WB, touched, guidance, since, found
         )
         if better is None:

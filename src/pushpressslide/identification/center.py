@@ -176,7 +176,7 @@ class CenterIdentifier:
         aside = math.dist(state.center, followed) / self._lever
         return aside > max(self._off_line, self._sure * state.off)
 
-    def onward(self, state: CenterState) -> CenterState:
+    def carry_over(self, state: CenterState) -> CenterState:
         """Return what stays known when a segment ends."""
         known = state.known
         if state.windows:

@@ -244,11 +244,11 @@ class Mode(ABC, Generic[D]):
         ``measured``; none where there is none, or only a longer one.
         """
         first, *others = segments
-        onward = self.continue_from(query, first, measured)
-        if onward is None or onward.path.length > measured.longest:
+        continuation = self.continue_from(query, first, measured)
+        if continuation is None or continuation.path.length > measured.longest:
             return ()
-        led = replace(first, contacts=onward.contacts, drive=onward.drive)
-        return (led.follows(onward.path), *others)
+        led = replace(first, contacts=continuation.contacts, drive=continuation.drive)
+        return (led.follows(continuation.path), *others)
 
     def again(
         self, query: MotionQuery, segment: Segment, measured: Measured

@@ -41,11 +41,11 @@ from pushpressslide.modes.base import (
     Measured,
     Mode,
 )
-from pushpressslide.planning.held_twist import path_onward, tipping_refusal
+from pushpressslide.planning.held_twist import resume_path, tipping_refusal
 from pushpressslide.planning.overhead import path_time
 from pushpressslide.planning.press_pairs import PlacedPair, placed_pairs
 from pushpressslide.planning.pressed.drag import HeldDrag, held_drag
-from pushpressslide.planning.segments import describe_points, ends_onward, segment
+from pushpressslide.planning.segments import describe_points, remaining_ends, segment
 from pushpressslide.rom.drives import ORIGIN, HeldDrive
 from pushpressslide.tracking.carried import CarriedTracker
 from pushpressslide.tracking.eased import EasedTracker
@@ -195,8 +195,8 @@ class BimanualPressSlide(Mode[HeldDrive]):
     ) -> Continuation | None:
         """Return the continuation by one twist from the object's true pose and contacts."""
         planned = self.drive_of(segment)
-        ends = ends_onward(query.body, segment, measured.X_WB, planned.X_BV)
-        path = path_onward(ends, planned.radius, measured.longest)
+        ends = remaining_ends(query.body, segment, measured.X_WB, planned.X_BV)
+        path = resume_path(ends, planned.radius, measured.longest)
         if path is None:
             return None
         contacts = measured.contacts

@@ -59,7 +59,7 @@ from pushpressslide.planning.pushed_car import (
 )
 from pushpressslide.planning.segments import (
     describe_points,
-    ends_onward,
+    remaining_ends,
     run_time,
     segment,
 )
@@ -244,7 +244,7 @@ class ParallelPush(TwistPushes):
         drive = segment.drive
         if not isinstance(drive, CarDrive):
             return super().continue_from(query, segment, measured)
-        ends = ends_onward(query.body, segment, measured.X_WB, drive.X_BV)
+        ends = remaining_ends(query.body, segment, measured.X_WB, drive.X_BV)
         straight = run_ins(query.motion)
         path = gentle_path(
             ends, drive.curvature, measured.longest, straight, segment.arcs.turning

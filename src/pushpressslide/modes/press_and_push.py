@@ -33,12 +33,12 @@ from pushpressslide.modes.base import (
     Mode,
     in_arms,
 )
-from pushpressslide.planning.held_twist import path_onward
+from pushpressslide.planning.held_twist import resume_path
 from pushpressslide.planning.levers import Lever, levers
 from pushpressslide.planning.overhead import path_time
 from pushpressslide.planning.pressed.drag import PinnedDrag, pinned_drag
 from pushpressslide.planning.pressed.pin import least_pin_load, pin_of, pin_refusal
-from pushpressslide.planning.segments import describe_points, ends_onward, segment
+from pushpressslide.planning.segments import describe_points, remaining_ends, segment
 from pushpressslide.planning.side_contacts import (
     assignments,
     contact_height,
@@ -208,8 +208,8 @@ class PressAndPush(Mode[PinnedDrive]):
         radius = planned.radius
         contacts = measured.contacts
         pin = contacts[0].point
-        ends = ends_onward(query.body, segment, measured.X_WB, Pose2(*pin))
-        path = path_onward(ends, radius, measured.longest)
+        ends = remaining_ends(query.body, segment, measured.X_WB, Pose2(*pin))
+        path = resume_path(ends, radius, measured.longest)
         if path is None:
             return None
         try:

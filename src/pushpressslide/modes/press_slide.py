@@ -57,16 +57,16 @@ from pushpressslide.planning.pressed.manoeuvre import (
     pressed_manoeuvres,
 )
 from pushpressslide.planning.pressed.manoeuvre_choices import manoeuvre_choices
-from pushpressslide.planning.pressed.onward import (
-    pressed_at,
-    run_in_missed,
-    turns_onward,
-)
 from pushpressslide.planning.pressed.placements import (
     PressPlacements,
     press_placements,
 )
-from pushpressslide.planning.segments import ends_onward
+from pushpressslide.planning.pressed.resumed_turns import (
+    pressed_at,
+    resume_turns,
+    run_in_missed,
+)
+from pushpressslide.planning.segments import remaining_ends
 from pushpressslide.robots.contact_reach import UNKNOWN, span_refusal
 from pushpressslide.rom.drives import (
     ORIGIN,
@@ -299,7 +299,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
                 return spun
         if isinstance(drive, TurnDrive) and not drive.last:
             mine, others = _of_first_leg(segments)
-            turns = turns_onward(
+            turns = resume_turns(
                 query.scene, query.motion.speed, mine, measured.X_WB, contact
             )
             return (*turns, *others) if turns[0].path.length <= measured.longest else ()
@@ -325,7 +325,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         drive = first.drive
         assert isinstance(drive, SpinDrive)
         X_BV = _pivot(drive, measured.estimates.axle)
-        start, goal = ends_onward(query.body, first, measured.X_WB, X_BV)
+        start, goal = remaining_ends(query.body, first, measured.X_WB, X_BV)
         if math.dist(start.position, goal.position) <= query.tolerance.position:
             return ()
         X_WB = measured.X_WB
@@ -351,14 +351,14 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         car = replace(drive.car, contact=contact.point, cop=cop)
         if isinstance(drive, SpinDrive):
             X_BV = _pivot(drive, measured.estimates.axle)
-            ends = ends_onward(query.body, segment, measured.X_WB, X_BV)
+            ends = remaining_ends(query.body, segment, measured.X_WB, X_BV)
             radius = math.dist(contact.point, X_BV.position)
             spin = TwistPath.between(ends, radius)
             return Continuation((contact,), replace(drive, car=car, X_BV=X_BV), spin)
         if isinstance(drive, UnicycleDrive) and query.scene.rho is not None:
             car = replace(car, rho=query.scene.rho)
         steered = _steered_by(drive, car, measured.estimates.axle)
-        ends = ends_onward(query.body, segment, measured.X_WB, steered.X_BV)
+        ends = remaining_ends(query.body, segment, measured.X_WB, steered.X_BV)
         path = steered_path(
             query.body, ends, steered, measured.longest, segment.arcs.turning
         )

@@ -28,15 +28,15 @@ from pushpressslide.planning.either_arm import either_arm
 from pushpressslide.planning.rear_car import (
     cone_margin,
     contact_refusal,
+    resume_route,
     route,
-    route_onward,
     shortest_length,
     turning_refusal,
 )
 from pushpressslide.planning.rear_car_fit import FittedFace, fitted_faces
 from pushpressslide.planning.segments import (
     describe_points,
-    ends_onward,
+    remaining_ends,
     run_time,
     segment,
 )
@@ -240,9 +240,9 @@ class RearPush(Mode[RearSteerDrive]):
         if not low < 0.0 < high:
             return None
         drive = replace(planned, car=car)
-        ends = ends_onward(query.body, segment, measured.X_WB, drive.X_BV)
+        ends = remaining_ends(query.body, segment, measured.X_WB, drive.X_BV)
         turning = segment.arcs.turning
-        path = route_onward(ends, drive, measured.longest, turning)
+        path = resume_route(ends, drive, measured.longest, turning)
         return None if path is None else Continuation((contact,), drive, path)
 
 

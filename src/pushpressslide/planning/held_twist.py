@@ -10,7 +10,7 @@ from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.twist_path import TwistPath
 
 
-def path_onward(
+def resume_path(
     ends: tuple[Pose2, Pose2], radius: float, longest: float
 ) -> TwistPath | None:
     """Return the path of V by one twist between its ``ends``, lengths measured with

@@ -112,7 +112,7 @@ def _inside(path: TwistPath, exact: Margin) -> bool:
     return all(exact(rate) >= margins.REPLAN_MARGIN for rate, _ in path.pieces)
 
 
-def path_onward(
+def resume_path(
     start: Pose2, goal: Pose2, cone: Cone, radius: float, longest: float
 ) -> TwistPath | None:
     """Return the shortest of ``paths_in_cone`` as far inside as a plan has to be, else

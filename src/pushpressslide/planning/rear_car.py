@@ -153,7 +153,7 @@ def _looped(radius: float, path: ArcPath) -> bool:
     return path.length > longest_way(radius, direct)
 
 
-def route_onward(
+def resume_route(
     ends: tuple[Pose2, Pose2], drive: RearSteerDrive, longest: float, turning: float
 ) -> ArcPath | None:
     """Return the first path of the virtual front axle between its ``ends`` that is no

@@ -43,7 +43,7 @@ def run_time(
     return moving + overhead(motion, pressed)
 
 
-def ends_onward(
+def remaining_ends(
     body: ObjectModel, segment: Segment, X_WB: Pose2, X_BV: Pose2
 ) -> tuple[Pose2, Pose2]:
     """Return V at the object's pose and at a segment's goal."""

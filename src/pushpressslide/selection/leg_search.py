@@ -111,7 +111,7 @@ class LegSearch:
         int  # work that may be spent on judging motions; one by a push from behind is 1
     )
     # where one push may lead from a pose X_WG; None: only to ``poses``
-    onward: Callable[[Pose2], list[Pose2]] | None = None
+    successors: Callable[[Pose2], list[Pose2]] | None = None
     judged: int = 0  # motions
     spent: int = 0  # work on them
     banned: set[tuple[int, int, Held]] = field(default_factory=set)
@@ -204,13 +204,13 @@ class LegSearch:
     def _lead_on(self, here: Reached) -> None:
         """Add the poses that one push may lead to, where two motions may follow."""
         pose = here.node.pose
-        if self.onward is None or pose in self._led_on:
+        if self.successors is None or pose in self._led_on:
             return
         if len(here.steps) + 2 > self.query.limits.legs:
             return
         self._led_on.add(pose)
         known = len(self.poses)
-        for X in self.onward(self.poses[pose]):
+        for X in self.successors(self.poses[pose]):
             if not any(alike(X, other) for other in self.poses[:known]):
                 self.poses.append(X)
 

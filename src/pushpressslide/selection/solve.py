@@ -30,7 +30,7 @@ from pushpressslide.selection.select import (
     placements,
 )
 from pushpressslide.selection.touching import ReachScreen
-from pushpressslide.selection.waypoints import free_space, onward, waypoints
+from pushpressslide.selection.waypoints import free_space, push_successors, waypoints
 
 TRIES = 4  # single motions whose joint paths are looked for, before sequences are
 SEQUENCES = 16  # whose joint paths are looked for
@@ -38,7 +38,7 @@ SEQUENCES = 16  # whose joint paths are looked for
 TRIES_ANEW = 2
 SEQUENCES_ANEW = 6
 JUDGED = 320  # work on motions between two poses in a search
-JUDGED_ONWARD = 640  # more, where pushes from the poses on the way are looked at too
+MOST_FURTHER = 640  # more, where pushes from the poses on the way are looked at too
 
 
 @dataclass
@@ -174,9 +174,9 @@ def _searched(
     lacking = ""
     for _ in range(SEQUENCES if empty.restart is None else SEQUENCES_ANEW):
         steps = search.soonest()
-        if not steps and search.onward is None:
-            search.onward = partial(onward, query, ways)
-            search.most += JUDGED_ONWARD
+        if not steps and search.successors is None:
+            search.successors = partial(push_successors, query, ways)
+            search.most += MOST_FURTHER
             steps = search.soonest()
         if not steps:
             break

@@ -102,7 +102,7 @@ def waypoints(query: MotionQuery, ways: PathsTo) -> list[Pose2]:
     handed_over = _handed_over(query, ways.space)
     kinds = (
         handed_over,
-        _onward_ways(ways, handed_over[:FOLLOWED]),
+        _poses_along(ways, handed_over[:FOLLOWED]),
         way[1:-1],
         _before(query.start, query.goal, axes),
         _gates(way, axes),
@@ -113,7 +113,7 @@ def waypoints(query: MotionQuery, ways: PathsTo) -> list[Pose2]:
     return _usable(query, space, [*in_turn, *_sample(query.goal.yaw, space.bounds)])
 
 
-def onward(query: MotionQuery, ways: PathsTo, X: Pose2) -> list[Pose2]:
+def push_successors(query: MotionQuery, ways: PathsTo, X: Pose2) -> list[Pose2]:
     """Return poses X_WG that one push leads to from ``X``, straight or on an arc, by
     each face; free, and where some arm reaches the object.
     """
@@ -228,7 +228,7 @@ def _handed_over(query: MotionQuery, space: FreeSpace) -> list[Pose2]:
     return _apart(found)
 
 
-def _onward_ways(ways: PathsTo, poses: Sequence[Pose2]) -> list[Pose2]:
+def _poses_along(ways: PathsTo, poses: Sequence[Pose2]) -> list[Pose2]:
     """Return the places of the ways that lead from ``poses`` to the goal, in turn."""
     found = [ways.way(X) for X in poses]
     each = [way[1:-1] for way in found if way is not None]

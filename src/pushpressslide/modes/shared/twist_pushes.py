@@ -28,9 +28,9 @@ from pushpressslide.planning.in_cone import (
     Margin,
     describe_cone_margin,
     least_cone_margin,
-    path_onward,
+    resume_path,
 )
-from pushpressslide.planning.segments import ends_onward, run_time, segment
+from pushpressslide.planning.segments import remaining_ends, run_time, segment
 from pushpressslide.planning.side_contacts import assignments, given_to
 from pushpressslide.rom.drives import CarDrive, TwistDrive
 from pushpressslide.tracking.holonomic import HolonomicTracker
@@ -58,8 +58,8 @@ class TwistPushes(Mode[CarDrive | TwistDrive]):
         assert isinstance(drive, TwistDrive)
         contacts = measured.contacts
         cone = TwistCone(contacts, query.scene.contact_friction, drive.surface)
-        start, goal = ends_onward(query.body, segment, measured.X_WB, drive.X_BV)
-        path = path_onward(start, goal, cone, drive.radius, measured.longest)
+        start, goal = remaining_ends(query.body, segment, measured.X_WB, drive.X_BV)
+        path = resume_path(start, goal, cone, drive.radius, measured.longest)
         return None if path is None else Continuation(contacts, drive, path)
 
 

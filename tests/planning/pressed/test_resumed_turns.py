@@ -11,7 +11,7 @@ from pushpressslide.core.plan import Contact, Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.jobs.sampling import random_task
 from pushpressslide.modes.press_slide import MODE
-from pushpressslide.planning.pressed.onward import turns_onward
+from pushpressslide.planning.pressed.resumed_turns import resume_turns
 from pushpressslide.rom.drives import TurnDrive
 from pushpressslide.selection.solve import plan
 
@@ -23,11 +23,11 @@ def manoeuvre(index: int) -> Plan:
     return made
 
 
-def onward(
+def resumed(
     made: Plan, segments: Sequence[Segment], X_WB: Pose2, contact: Contact
 ) -> tuple[Segment, ...]:
     scene = made.query.scene
-    return turns_onward(scene, made.query.motion.speed, segments, X_WB, contact)
+    return resume_turns(scene, made.query.motion.speed, segments, X_WB, contact)
 
 
 def end(segments: Sequence[Segment], X_WB: Pose2) -> Pose2:
@@ -54,7 +54,7 @@ def test_the_turns_that_are_left_lead_to_the_goal_from_where_the_object_is(
     planned = rest[0].body_pose(0.0)
     off = Pose2(planned.x + 0.003, planned.y - 0.002, planned.yaw + 0.03)
     before = end(rest, off).compose(X_BG)
-    after = end(onward(made, rest, off, made.contacts[0]), off).compose(X_BG)
+    after = end(resumed(made, rest, off, made.contacts[0]), off).compose(X_BG)
     assert math.dist(before.position, goal.position) > 2e-3
     assert math.dist(after.position, goal.position) < 5e-4
     assert abs(math.remainder(after.yaw - goal.yaw, math.tau)) < 5e-3
@@ -65,7 +65,7 @@ def test_another_contact_has_its_own_turns_and_they_lead_to_the_goal_too() -> No
     (contact,) = made.contacts
     crept = replace(contact, point=(contact.point[0] + 1e-3, contact.point[1] + 1e-3))
     X_WB = made.segments[0].body_pose(0.0)
-    fresh = onward(made, made.segments, X_WB, crept)
+    fresh = resumed(made, made.segments, X_WB, crept)
     assert all(segment.contacts == (crept,) for segment in fresh)
     after = end(fresh, X_WB).compose(made.task.object.X_GB.inverse())
     goal = made.task.goal

@@ -65,7 +65,7 @@ def pressed_at(
     return out
 
 
-def turns_onward(
+def resume_turns(
     scene: Scene,
     speed: float,
     segments: Sequence[Segment],
