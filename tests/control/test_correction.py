@@ -92,7 +92,7 @@ def test_another_attempt_is_free_too_and_keeps_its_leg() -> None:
     segment = replace(made.segments[0], leg=0)
     touched = tuple(contact.point for contact in segment.contacts)
     X_WB = segment.body_pose(0.0)
-    (retried,) = Replanner(task.queries()).again(
+    (retried,) = Replanner(task.queries()).retry(
         segment, Measured.touching(X_WB, segment.contacts, touched)
     )
     assert retried.leg == segment.leg
@@ -105,7 +105,7 @@ def test_another_attempt_is_free_too_and_keeps_its_leg() -> None:
     )
     blocked = replace(task, obstacles=(post,))
     assert (
-        Replanner(blocked.queries()).again(
+        Replanner(blocked.queries()).retry(
             segment, Measured.touching(X_WB, segment.contacts, touched)
         )
         == ()

@@ -43,7 +43,7 @@ class Unchanging(placement.Replanner):
     def improve(self, *args, **kwargs):
         return None
 
-    def again(self, *args, **kwargs):
+    def retry(self, *args, **kwargs):
         return ()
 
 

@@ -307,7 +307,7 @@ def test_a_plan_made_anew_leads_from_the_true_pose_and_contacts_to_the_goal() ->
     assert MODE.replan(task.query, made.segments, at_goal) == ()
     X_WB = task.goal.compose(Pose2(0.004, 0.0, 0.0))
     beyond = Measured.touching(X_WB, contacts, touched)
-    assert len(MODE.again(task.query, made.segments[0], beyond)) == 1
+    assert len(MODE.retry(task.query, made.segments[0], beyond)) == 1
 
 
 @cache

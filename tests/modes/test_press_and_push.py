@@ -256,10 +256,10 @@ def test_a_push_cannot_turn_the_object_back() -> None:
     (segment,) = made.segments
     X_WB = turned(task.start, CORNER, 50.0)
     beyond = Measured.touching(X_WB, segment.contacts, touched)
-    assert MODE.again(task.query, segment, beyond) == ()
+    assert MODE.retry(task.query, segment, beyond) == ()
     X_WB = turned(task.start, CORNER, 43.0)
     short = Measured.touching(X_WB, segment.contacts, touched)
-    assert len(MODE.again(task.query, segment, short)) == 1
+    assert len(MODE.retry(task.query, segment, short)) == 1
 
 
 @pytest.mark.long

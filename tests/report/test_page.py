@@ -18,7 +18,7 @@ from pushpressslide.jobs.stages import Done
 from pushpressslide.report import series
 from pushpressslide.report.files import save_run
 from pushpressslide.report.metrics import result
-from pushpressslide.report.page import UNFOLDED, again, search_part, write_report
+from pushpressslide.report.page import UNFOLDED, command_line, search_part, write_report
 from pushpressslide.report.plane import path_figure, plan_figure
 from pushpressslide.report.plots import comparison_plot, figures
 from pushpressslide.report.stages import StageRun
@@ -207,8 +207,8 @@ def test_a_folder_gets_its_replay_under_the_usual_name(run, tmp_path):
 def test_a_run_without_stored_choices_has_no_table_of_them(run, tmp_path):
     saved(tmp_path, run)
     assert "Choice of mode" not in write_report([tmp_path]).read_text()
-    again = save(run, tmp_path / "with")
-    assert "Choice of mode" in write_report([again]).read_text()
+    command_line = save(run, tmp_path / "with")
+    assert "Choice of mode" in write_report([command_line]).read_text()
 
 
 def test_a_long_choice_of_a_mode_is_folded(run, tmp_path):
@@ -339,7 +339,7 @@ def test_the_page_gives_the_command_and_the_versions(run, tmp_path):
     text = write_report([folder]).read_text()
     assert "<code>pps run task.yaml --engine planar --seed 7</code>" in text
     assert f"numpy {np.__version__}" in text
-    told = again({"command": "pps run a <b>", "versions": {"python": "3"}})
+    told = command_line({"command": "pps run a <b>", "versions": {"python": "3"}})
     assert "Made by <code>pps run a &lt;b&gt;</code>" in told
     assert "with python 3" in told
 

@@ -71,13 +71,13 @@ class Replanner:
         fresh = MODES[first.mode].replan(query, segments, measured)
         return fresh if _free(query, fresh) else ()
 
-    def again(self, segment: Segment, measured: Measured) -> tuple[Segment, ...]:
+    def retry(self, segment: Segment, measured: Measured) -> tuple[Segment, ...]:
         """Return the segments of another attempt at a segment's goal; empty if there is
         none.
         """
         query = self.queries[segment.leg]
         mode = MODES[segment.mode]
-        made = mode.again(query, segment, measured)
+        made = mode.retry(query, segment, measured)
         fresh = tuple(replace(piece, leg=segment.leg) for piece in made)
         return fresh if _free(query, fresh) else ()
 

@@ -383,7 +383,7 @@ class Supervisor:
         measured = Measured.touching(
             instant.X_WB, segment.contacts, touched, estimates=estimates(state)
         )
-        fresh = replanner.again(segment, measured)
+        fresh = replanner.retry(segment, measured)
         return fresh if self._can_follow(fresh, instant.time) else ()
 
     def _can_follow(self, segments: Sequence[Segment], time: float) -> bool:
@@ -480,7 +480,7 @@ class Supervisor:
             beyond = Measured.touching(
                 X_WB, fresh[-1].contacts, touched, estimates=found
             )
-            anew = replanner.again(fresh[-1], beyond)
+            anew = replanner.retry(fresh[-1], beyond)
             if anew and self._can_follow(anew, instant.time):
                 return anew, found.center, retries + 1
         return fresh, center, retries

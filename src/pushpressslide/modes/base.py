@@ -7,6 +7,7 @@ move the object, and its closed-form laws. Search and replan are the same for al
 from __future__ import annotations
 
 import math
+import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
@@ -131,6 +132,9 @@ class Continuation(NamedTuple):
     path: MotionPath
 
 
+OLD_NAMES = {"drafts": "candidates", "course": "continue_from", "again": "retry"}
+
+
 class Mode(ABC, Generic[D]):
     """One contact topology, whose segments have drives ``D``."""
 
@@ -149,6 +153,14 @@ class Mode(ABC, Generic[D]):
     pushed_faces: ClassVar[int | None]
     drives: ClassVar[tuple[type[Drive], ...]]  # the classes of its segments' drives
     vehicles: ClassVar[tuple[Vehicle, ...]] = ()  # that ``motion.vehicle`` may name
+
+    def __init_subclass__(cls) -> None:
+        """Take methods by their names of version 0.4, with a warning, until 0.6."""
+        for old, new in OLD_NAMES.items():
+            if old in vars(cls) and new not in vars(cls):
+                text = f"{cls.__name__}.{old}: call it {new}"
+                warnings.warn(text, DeprecationWarning, stacklevel=2)
+                setattr(cls, new, vars(cls)[old])
 
     def choices(
         self,
@@ -250,7 +262,7 @@ class Mode(ABC, Generic[D]):
         led = replace(first, contacts=continuation.contacts, drive=continuation.drive)
         return (led.follows(continuation.path), *others)
 
-    def again(
+    def retry(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
         """The segments of another attempt at the goal, with the same contacts, from near

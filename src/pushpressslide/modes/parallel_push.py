@@ -225,7 +225,7 @@ class ParallelPush(TwistPushes):
             rho = 0.5 * math.dist(*points)
         return parallel_push_allocator(points, contacts[0].normal, friction, rho)
 
-    def again(
+    def retry(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
         """Return the segment for what is left; none where that is not within the cone,
@@ -233,7 +233,7 @@ class ParallelPush(TwistPushes):
         """
         if isinstance(segment.drive, CarDrive):
             return ()
-        return super().again(query, segment, measured)
+        return super().retry(query, segment, measured)
 
     def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured

@@ -48,7 +48,7 @@ from pushpressslide.modes.base import (
 from pushpressslide.planning.either_arm import either_arm, nearest_arms
 from pushpressslide.planning.pressed.driven import (
     DIRECTIONS,
-    driven_again,
+    driven_anew,
     steered_path,
     vehicle_choices,
     with_turns,
@@ -246,7 +246,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
             window_of(query.sensing, segment.profile.speed, math.hypot(*contact.point)),
         )
 
-    def again(
+    def retry(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
         """Return segments that go back and then to the goal; none for a turn on the
@@ -257,11 +257,11 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         query = dragged(query, contact, measured.estimates.drag)
         if center != ORIGIN:
             there = _seen_from(query, (segment,), measured)
-            made = self._again(there.query, there.segments[0], there.measured)
+            made = self._retry(there.query, there.segments[0], there.measured)
             return _shifted(made, center)
-        return self._again(query, segment, measured)
+        return self._retry(query, segment, measured)
 
-    def _again(
+    def _retry(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
         drive = self.drive_of(segment)
@@ -271,7 +271,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         here = replace(query, start=X_WB.compose(query.X_GB.inverse()))
         (contact,) = measured.contacts
         if isinstance(drive, UnicycleDrive):
-            choice = driven_again(here, self.name, contact, drive)
+            choice = driven_anew(here, self.name, contact, drive)
             if choice.feasible:
                 return choice.segments
         for swing in RETRY_SWINGS:

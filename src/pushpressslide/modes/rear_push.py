@@ -207,7 +207,7 @@ class RearPush(Mode[RearSteerDrive]):
             rho = 0.5 * math.hypot(*point)
         return one_contact_allocator(point, contact.normal, friction, rho)
 
-    def again(
+    def retry(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
         """Return nothing: a push does not go back."""

@@ -145,7 +145,7 @@ def _run_section(run: Run, page: Path, name: str) -> str:
     text = run.task.description
     single = not run.task.goals
     stages = [_stage_parts(run, number) for number in range(len(run.begun))]
-    about = f"<h3>Task</h3>{task_table(run.task, run.result)}{again(run.result)}"
+    about = f"<h3>Task</h3>{task_table(run.task, run.result)}{command_line(run.result)}"
     parts = [
         f"<h2>{escape(name)}</h2>" if name else "",
         verdict(run.result),
@@ -233,7 +233,7 @@ def pictures(folder: Path) -> str:
     return f'<div class="pictures">{"".join(made)}</div>' if made else ""
 
 
-def again(result: Mapping[str, Any]) -> str:
+def command_line(result: Mapping[str, Any]) -> str:
     """Return the command that made a run, or makes it again, and the versions."""
     command = result.get("command")
     words = "Made by"

@@ -276,7 +276,7 @@ def with_turns(query: MotionQuery, choice: Choice, least: float) -> Choice:
     return driven_choice(query, choice.mode, press)
 
 
-def driven_again(
+def driven_anew(
     query: MotionQuery, mode: str, contact: Contact, drive: UnicycleDrive
 ) -> Choice:
     """Return the choice to go back first and then to the goal as one vehicle, with the
