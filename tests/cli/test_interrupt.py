@@ -67,7 +67,7 @@ def test_while_planning_nothing_is_left(
 ) -> None:
     patch = (
         f"{press}import pushpressslide.selection.solve as r\n"
-        "r.select = pressed_after(r.select)"
+        "r._selected = pressed_after(r._selected)"
     )
     out = tmp_path / "out"
     check(pps(tmp_path, patch, command, "rear-push-rear", "--out", str(out)))
@@ -144,13 +144,13 @@ def test_an_error_that_ctrl_c_turned_into_is_still_an_interruption(
 ) -> None:
     patch = """
 import pushpressslide.selection.solve as r
-def select(task, enough, first=0):
+def selected(empty, enough):
     try:
         press()
         while True: pass
     except KeyboardInterrupt:
         raise ImportError("initialization failed")
-r.select = select
+r._selected = selected
 """
     check(pps(tmp_path, patch, "run", "rear-push-rear", "--out", str(tmp_path / "out")))
 

@@ -54,7 +54,7 @@ def test_nothing_is_refused_that_selection_could_do() -> None:
     for x in (0.60, 0.68, 0.76, 0.84, 0.92, 1.0, 1.2):
         moved = replace(task, start=Pose2(x - 0.2, 0.05, 0.0), goal=Pose2(x, 0.05, 0.0))
         try:
-            check_reach(moved)
+            check_reach(moved.query, moved.object)
             loaded += 1
         except TaskError:
             assert not select(moved)[0].feasible, x

@@ -46,8 +46,8 @@ VALID = (
 )
 HOT = {"Pose2"}
 """Built at every tick and every step of a search: a check would cost as much as they."""
-# results, and what a caller asks of a run: not made of measures
-RESULTS = {"Choice", "Plan", "Record", "RunOptions"}
+# results, what a run is done with, and what a caller asks of it: no measures
+RESULTS = {"Cell", "Choice", "Plan", "Record", "RunOptions"}
 
 
 def spoilt(value, bad):

@@ -112,7 +112,9 @@ def _selected(empty: Plan, enough: int) -> list[Choice]:
 def _solved(
     preparation: Preparation, empty: Plan, enough: int, force: bool, clock: _Clock
 ) -> Solution:
-    """Return how the task of a plan is done that is ``empty`` so far; ``clock`` takes the time of each stage."""
+    """Return how the task of a plan is done that is ``empty`` so far; ``clock`` takes
+    the time of each stage.
+    """
     choices = _selected(empty, enough)
     clock.lap("selection")
     if force or not searchable(empty.task):
