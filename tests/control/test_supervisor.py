@@ -700,7 +700,7 @@ def test_a_motion_that_would_miss_its_goal_is_tried_again_at_once(
     assert supervisor.go_on(end).watches.retries == 0
     again = (controller(TWO).segments[-1],)
     replanner = type(supervisor.placement.replanner)
-    monkeypatch.setattr(replanner, "again", lambda *_: again)
+    monkeypatch.setattr(replanner, "retry", lambda *_: again)
     missing_its_goal(monkeypatch)
     for retries, then in ((0, 1), (RETRIES - 1, RETRIES), (RETRIES, RETRIES)):
         state = supervisor.go_on(watching(end, retries=retries))
@@ -717,10 +717,10 @@ def test_a_motion_that_would_miss_goes_on_for_want_of_better(
     supervisor = controller(TWO).supervisor
     replanner = type(supervisor.placement.replanner)
     missing_its_goal(monkeypatch)
-    monkeypatch.setattr(replanner, "again", lambda *_: ())
+    monkeypatch.setattr(replanner, "retry", lambda *_: ())
     assert supervisor.go_on(end).watches.retries == 0
     again = (controller(TWO).segments[-1],)
-    monkeypatch.setattr(replanner, "again", lambda *_: again)
+    monkeypatch.setattr(replanner, "retry", lambda *_: again)
     over = end._replace(instant=end.instant._replace(time=599.9))
     assert supervisor.go_on(over).watches.retries == 0
 
