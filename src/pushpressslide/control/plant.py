@@ -41,38 +41,50 @@ class PlantRow:
 class Plant(Protocol):
     """An object on its support with the arms at it, as one object.
 
-    ``control.cell.Cell`` takes its place. Members as they are told of there.
+    ``control.cell.Cell`` takes its place.
     """
 
     name: str
 
     @property
-    def time(self) -> float: ...  # noqa: D102
+    def time(self) -> float:
+        """Time [s] since the start."""
 
     @property
-    def joint_paths(self) -> tuple[JointPath, ...]: ...  # noqa: D102
+    def joint_paths(self) -> tuple[JointPath, ...]:
+        """Joint path of each arm; empty where tips move without arms."""
 
     @property
-    def meta(self) -> Mapping[str, Any]: ...  # noqa: D102
+    def meta(self) -> Mapping[str, Any]:
+        """Facts about the whole run."""
 
     @property
-    def arm_limits(self) -> tuple[ArmLimits, ...]: ...  # noqa: D102
+    def arm_limits(self) -> tuple[ArmLimits, ...]:
+        """Joint limits of each arm."""
 
-    def readings(self) -> tuple[ArmReading, ...]: ...  # noqa: D102
+    def readings(self) -> tuple[ArmReading, ...]:
+        """Joints of each arm at the last measurement."""
 
-    def measure(self) -> Measurement: ...  # noqa: D102
+    def measure(self) -> Measurement:
+        """The truth at this time."""
 
-    def apply(self, commands: Commands) -> None: ...  # noqa: D102
+    def apply(self, commands: Commands) -> None:
+        """Command every arm until the next call."""
 
-    def advance(self) -> None: ...  # noqa: D102
+    def advance(self) -> None:
+        """Let one control period pass."""
 
-    def row(self) -> PlantRow: ...  # noqa: D102
+    def row(self) -> PlantRow:
+        """What is recorded of the tick."""
 
-    def diverged(self) -> str | None: ...  # noqa: D102
+    def diverged(self) -> str | None:
+        """Why the run cannot go on; None while it can."""
 
-    def prepare(self) -> Preparation: ...  # noqa: D102
+    def prepare(self) -> Preparation:
+        """An empty preparation from where the arms are."""
 
-    def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None: ...  # noqa: D102
+    def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
+        """Go on with the next placement."""
 
 
 def cell_of(plant: Plant, arms: int) -> Cell:

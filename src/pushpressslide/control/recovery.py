@@ -38,8 +38,8 @@ RECOVERABLE: frozenset[ReasonCode] = frozenset(
 def restart(
     scene: Scene, segment: Segment, pose: Pose2, estimates: ParameterEstimates
 ) -> Restart:
-    """Return where a task in ``scene`` goes on that was left in ``segment`` with the object at
-    ``pose``, X_WG.
+    """Return where a task in ``scene`` goes on that was left in ``segment`` with the
+    object at ``pose``, X_WG.
     """
     x, y = scene.body.center_of_mass
     dx, dy = estimates.center
@@ -55,8 +55,8 @@ def restart(
 def planned_anew(
     plan: Plan, begin: Restart, prepare: Callable[[], Preparation]
 ) -> Plan:
-    """Return the plan of what is left of the task of ``plan``, in a preparation that ``prepare``
-    returns empty.
+    """Return the plan of what is left of the task of ``plan``, in a preparation that
+    ``prepare`` returns empty.
 
     Where that cannot be done as the task names it, with free contacts. Where what was
     identified leads nowhere, by the friction that was believed: an object that jams
