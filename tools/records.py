@@ -67,7 +67,7 @@ def plan_facts(plan: pps.Plan) -> list[Facts]:
             "mode": segment.mode,
             "points": [list(contact.point) for contact in segment.contacts],
             "loads": [contact.load for contact in segment.contacts],
-            "pieces": [str(piece) for piece in segment.path.pieces],
+            "pieces": [str(piece) for piece in segment.path.sections],
             "length": segment.path.length,
             "goal": [segment.goal.x, segment.goal.y, segment.goal.yaw],
         }

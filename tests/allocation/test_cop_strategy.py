@@ -62,7 +62,7 @@ def test_left_and_right_leave_the_lighter_contact_just_what_a_turn_on_the_spot_t
 ):
     for cop in ("left", "right"):
         loads = loads_with(presses(), cop, 40.0)
-        turn = presses().at(loads, Twist(0.0, 0.0, 1.0, cop_of(loads)))
+        turn = presses().loads_for(loads, Twist(0.0, 0.0, 1.0, cop_of(loads)))
         assert turn.status == "ok"
         assert 0.0 < turn.margin < 0.1 * MU_A * min(loads)
 
@@ -80,7 +80,7 @@ def test_balanced_loads_drive_every_twist_with_the_share_of_friction_that_was_as
     use = next(u for u in USES if presses(u).press_for_every_twist() <= 2.0 * 60.0)
     rng = np.random.default_rng(0)
     margins = [
-        presses(use).at(loads, Twist(*rng.normal(size=2), rng.normal() / RHO))
+        presses(use).loads_for(loads, Twist(*rng.normal(size=2), rng.normal() / RHO))
         for _ in range(500)
     ]
     assert all(found.status == "ok" for found in margins)
@@ -117,7 +117,7 @@ def test_a_fraction_stays_where_it_is_when_its_loads_are_raised_to_be_felt() -> 
         assert min(least_loads(light, 0.42, twist)) < 2.0
         assert min(loads) == pytest.approx(2.0)
         assert (loads[1] + 1.5) / (3.0 + sum(loads)) == pytest.approx(0.42)
-        assert light.at(loads, twist).status == "ok"
+        assert light.loads_for(loads, twist).status == "ok"
 
 
 def test_a_fraction_that_needs_a_pull_has_no_loads_and_the_possible_ones_are_an_interval() -> (

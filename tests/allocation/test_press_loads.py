@@ -106,9 +106,12 @@ def test_more_press_can_hurt_where_it_moves_the_centre_of_pressure_and_enough_is
     loads = presses.for_share(share, twist)
     assert loads.status == "ok"
     assert loads.normals[1] == pytest.approx(share * sum(loads.normals))
-    assert presses.at(tuple(1.01 * n for n in loads.normals), twist).status == "ok"
     assert (
-        presses.at(tuple(2.0 * n for n in loads.normals), twist).status == "infeasible"
+        presses.loads_for(tuple(1.01 * n for n in loads.normals), twist).status == "ok"
+    )
+    assert (
+        presses.loads_for(tuple(2.0 * n for n in loads.normals), twist).status
+        == "infeasible"
     )
 
 

@@ -38,7 +38,9 @@ def test_a_thousand_paths_are_the_single_ones(engine, size):
     lengths = [path.length for path in expected]
     np.testing.assert_allclose(paths.length, lengths, rtol=0.0, atol=NEAR)
     np.testing.assert_allclose(paths.lengths.sum(axis=-1), lengths, atol=NEAR)
-    words = np.array(["".join(letter(k) for k, _ in path.pieces) for path in expected])
+    words = np.array(
+        ["".join(letter(k) for k, _ in path.sections) for path in expected]
+    )
     got = np.array(WORDS)[paths.word]
     full = np.array([len(word) == 3 for word in words])
     assert (got[full] == words[full]).all()

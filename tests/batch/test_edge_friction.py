@@ -14,7 +14,11 @@ from pushpressslide.batch.rows import answers, spread
 from pushpressslide.batch.support import exact_support, polygon_support
 from pushpressslide.core.task import Box, Cylinder, Prism
 from pushpressslide.geometry.quadrature import polygon_rule
-from pushpressslide.kernels.edge_friction import far, near, polygon_friction
+from pushpressslide.kernels.edge_friction import (
+    far_center_friction,
+    near,
+    polygon_friction,
+)
 from pushpressslide.kernels.exact_surface import sampled_friction
 from pushpressslide.kernels.support_friction import CREEP
 from pushpressslide.mechanics.face_pressure import face_pressure
@@ -175,7 +179,7 @@ def test_series_and_edges_agree_where_they_meet(face):
         for sign in (-1.0, 1.0):
             v = (math.cos(angle), math.sin(angle), sign * plane[3])
             one = np.array(near(*v, plane, edges))
-            other = np.array(far(*v, series))
+            other = np.array(far_center_friction(*v, series))
             assert one[:3] / scale == pytest.approx(other[:3] / scale, abs=1e-9)
             rows = np.array((1.0, 1.0, face.rho, 1.0, face.rho, face.rho**2))
             assert one[3:] / rows == pytest.approx(other[3:] / rows, abs=1e-5)

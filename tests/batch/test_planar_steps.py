@@ -69,7 +69,7 @@ def one_tick(name, count, rows):
     turned = np.concatenate(
         [c * v[..., :1] - s * v[..., 1:], s * v[..., :1] + c * v[..., 1:]], axis=-1
     )
-    states = bodies.begin(poses, places)._replace(
+    states = bodies.initial_states(poses, places)._replace(
         twists=rng.normal(size=(rows, 3)) * (0.05, 0.05, 0.5)
     )
     return bodies.step(states, turned, 0.5 * rng.normal(size=(rows, count, 2)))

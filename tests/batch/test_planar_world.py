@@ -122,7 +122,7 @@ def test_bodies_go_as_one_on_the_planar_engine(engine, chosen):
     turned = rotations(poses[:, 2])
     velocities = np.einsum("nij,nkj->nki", turned, velocities)
     starts = poses[:, None, :2] + np.einsum("nij,nkj->nki", turned, places)
-    states = world.begin(poses, starts)
+    states = world.initial_states(poses, starts)
     many = []
     for _ in range(TICKS):
         states = world.step(states, velocities)
@@ -195,7 +195,7 @@ def test_opposite_tips_beside_the_centre_turn_a_body_on_the_spot(engine):
 def test_two_tips_that_slip_push_along_the_edges_of_their_cones(engine):
     tips = Tips(RADIUS, 0.2, DAMPING)
     world = PlanarWorld(ellipsoid_support(3.0, 0.06), faces((REAR, REAR)), tips, DT)
-    states = world.begin((0.0, 0.0, 0.0), [[-0.095, -0.03], [-0.095, 0.03]])
+    states = world.initial_states((0.0, 0.0, 0.0), [[-0.095, -0.03], [-0.095, 0.03]])
     after = world.step(states, [[[0.05, 0.2]] * 2, [[0.05, -0.2]] * 2])
     assert after.kinds.tolist() == [[SLIP_LEFT] * 2, [SLIP_RIGHT] * 2]
     ratios = after.forces[..., 1] / after.forces[..., 0]
@@ -253,7 +253,7 @@ def test_any_leading_shape_gives_the_answer_row_by_row(engine):
     assert world.shape == (2, 3)
     velocities = rng.normal(size=(4, 1, 1, 2, 2)) * 0.05 + 0.05
     tips_at = [[-0.095, 0.01], [0.02, -0.07]]
-    states = world.step(world.begin((0.0, 0.0, 0.0), tips_at), velocities)
+    states = world.step(world.initial_states((0.0, 0.0, 0.0), tips_at), velocities)
     states = world.step(states, velocities)
     assert states.poses.shape == (4, 2, 3, 3)
     assert states.forces.shape == (4, 2, 3, 2, 2)
@@ -264,7 +264,7 @@ def test_any_leading_shape_gives_the_answer_row_by_row(engine):
             Tips(RADIUS, float(friction[j, 0, 0]), DAMPING),
             DT,
         )
-        alone = one.begin((0.0, 0.0, 0.0), tips_at)
+        alone = one.initial_states((0.0, 0.0, 0.0), tips_at)
         for _ in range(2):
             alone = one.step(alone, velocities[i, 0, 0])
         np.testing.assert_allclose(states.poses[i, j, k], alone.poses, atol=1e-12)

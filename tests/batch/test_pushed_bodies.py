@@ -7,7 +7,7 @@ import pytest
 
 from pushpressslide.batch.pushed_bodies import PushedBodies
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.twist_path import moved
+from pushpressslide.core.twist_path import integrate
 from pushpressslide.mechanics.friction import push_outcome
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 
@@ -30,7 +30,7 @@ def test_bodies_go_as_one_by_the_single_form(engine):
     velocities = 0.05 * np.stack([np.cos(headings), np.sin(headings)], axis=1)
     bodies = PushedBodies(feet, normals, (-1.0, 1.0), friction, rho)
     start = np.column_stack([rng.normal(size=(BODIES, 2)), yaws])
-    pushes = bodies.begin(start, places)
+    pushes = bodies.initial_states(start, places)
     for _ in range(STEPS):
         pushes = bodies.advance(pushes, velocities, DT)
     kinds = set()
@@ -47,7 +47,7 @@ def test_bodies_go_as_one_by_the_single_form(engine):
                 break
             kinds.add(out.kind)
             twist = out.twist
-            X = moved(X, (twist.vx, twist.vy, twist.w), DT)
+            X = integrate(X, (twist.vx, twist.vy, twist.w), DT)
             place += out.slip_velocity * DT
         else:
             x, y, yaw = pushes.poses[i]
@@ -60,7 +60,7 @@ def test_bodies_go_as_one_by_the_single_form(engine):
 
 def test_a_body_rests_until_its_pusher_has_come(engine):
     bodies = PushedBodies((-0.1, 0.0), (1.0, 0.0), (-0.05, 0.05), 0.4, 0.07)
-    pushes = bodies.begin((0.0, 0.0, 0.0), gaps=[0.004, 0.02])
+    pushes = bodies.initial_states((0.0, 0.0, 0.0), gaps=[0.004, 0.02])
     pushes = bodies.advance(pushes, (0.1, 0.0), 0.1)
     np.testing.assert_allclose(pushes.poses[:, 0], [0.006, 0.0], atol=1e-12)
     np.testing.assert_allclose(pushes.gaps, [0.0, 0.01], atol=1e-12)
@@ -71,7 +71,9 @@ def test_a_body_rests_until_its_pusher_has_come(engine):
 
 def test_a_pusher_that_comes_beside_the_face_passes_the_body(engine):
     bodies = PushedBodies((-0.1, 0.0), (1.0, 0.0), (-0.05, 0.05), 0.4, 0.07)
-    pushes = bodies.begin((0.0, 0.0, 0.0), places=[0.06, -0.06, 0.0], gaps=0.005)
+    pushes = bodies.initial_states(
+        (0.0, 0.0, 0.0), places=[0.06, -0.06, 0.0], gaps=0.005
+    )
     for _ in range(3):
         pushes = bodies.advance(pushes, (0.1, 0.0), 0.1)
     assert np.isinf(pushes.gaps).tolist() == [True, True, False]
@@ -81,7 +83,7 @@ def test_a_pusher_that_comes_beside_the_face_passes_the_body(engine):
 
 def test_a_pusher_that_slips_over_an_edge_leaves_the_body(engine):
     bodies = PushedBodies((-0.1, 0.0), (1.0, 0.0), (-0.05, 0.05), 0.0, 0.07)
-    pushes = bodies.begin((0.0, 0.0, 0.0), places=0.045)
+    pushes = bodies.initial_states((0.0, 0.0, 0.0), places=0.045)
     ways = []
     for _ in range(20):
         before = pushes.poses
@@ -97,7 +99,7 @@ def test_half_the_step_has_half_the_error(engine):
     bodies = PushedBodies((-0.1, 0.0), (1.0, 0.0), (-1.0, 1.0), 5.0, 0.07)
 
     def end(steps: int) -> np.ndarray:
-        pushes = bodies.begin((0.0, 0.0, 0.3), places=0.03)
+        pushes = bodies.initial_states((0.0, 0.0, 0.3), places=0.03)
         for _ in range(steps):
             pushes = bodies.advance(pushes, (0.05, 0.02), 1.0 / steps)
         return pushes.poses
@@ -119,7 +121,9 @@ def test_shapes_and_figures_are_checked():
 def test_results_are_taken_up_as_they_lie_or_copied_alike(engine):
     bodies = PushedBodies((-0.1, 0.0), (1.0, 0.0), (-0.05, 0.05), 0.4, 0.06)
     rng = np.random.default_rng(1)
-    first = bodies.begin(rng.normal(size=(200, 3)), rng.uniform(-0.04, 0.04, 200))
+    first = bodies.initial_states(
+        rng.normal(size=(200, 3)), rng.uniform(-0.04, 0.04, 200)
+    )
     one = bodies.advance(first, (0.05, 0.01), DT)
     velocities = np.tile((0.04, -0.02), (200, 1))
     lying = bodies.advance(one, np.broadcast_to((0.04, -0.02), (200, 2)), DT)

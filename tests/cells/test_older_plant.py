@@ -6,7 +6,7 @@ import warnings
 import pushpressslide as pps
 from pushpressslide.control.plant import PlantRow
 from pushpressslide.core.control import Measurement, TipState
-from pushpressslide.core.twist_path import moved
+from pushpressslide.core.twist_path import integrate
 from pushpressslide.mechanics.friction import push_outcome
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 from pushpressslide.mechanics.pressure import support_pressure
@@ -83,7 +83,7 @@ class MyPlant:
                 held = (0.5 * (held[0] + force[0]), 0.5 * (held[1] + force[1]))
                 self.twist = (out.twist.vx, out.twist.vy, out.twist.w)
             self.force = (*held, 0.0)
-        self.X = moved(self.X, self.twist, dt)
+        self.X = integrate(self.X, self.twist, dt)
         x, y, _ = self.place
         height = self.command.position[2]
         self.place = (x + velocity[0] * dt, y + velocity[1] * dt, height)

@@ -21,7 +21,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.task import Robot, Task
-from pushpressslide.core.twist_path import moved
+from pushpressslide.core.twist_path import integrate
 from pushpressslide.execution.arm import ArmDynamics
 from pushpressslide.mechanics.friction import push_outcome
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
@@ -191,7 +191,7 @@ class World:
         out = push_outcome(self.surface, touched, (nx, ny), mu, led)
         twist = out.twist.moved_to((0.0, 0.0))
         self.spin = twist.w
-        self.X = moved(self.X, (twist.vx, twist.vy, twist.w), dt)
+        self.X = integrate(self.X, (twist.vx, twist.vy, twist.w), dt)
         return np.array([*self.X.rotate(out.force), 0.0])
 
 
@@ -202,7 +202,7 @@ def cell_of(plan: pps.Plan) -> Cell:
     world = World(plan.task, plan, model)
     arm = TorqueArm(model, world)
     placements = ArmPlacements(DRAKE, [arm], joint_paths_of(plan))
-    placements.begin(plan.query)
+    placements.begin_placement(plan.query)
     start = arm.path.approach[0]
     world.x = np.concatenate([start, np.zeros_like(start)])
     world.torque = model.state_at(world.x).bias

@@ -161,7 +161,7 @@ def exact_motion(
 
 def angle_between(one: Twist, other: Twist, length: float) -> float:
     """Return the angle [deg] of two twists; ``length`` [m] weighs their turns."""
-    at = other.moved_to(one.of)
+    at = other.moved_to(one.point)
     a = (one.vx, one.vy, length * one.w)
     b = (at.vx, at.vy, length * at.w)
     product = sum(p * q for p, q in zip(a, b, strict=True))
@@ -337,7 +337,7 @@ def on_main_twist(segment: Segment, progress: float) -> bool:
     path = segment.path
     if not isinstance(path, TwistPath):
         return path.eased(progress, EASING * SPEED) == (0.0, 0.0)
-    longest, _ = max(path.pieces, key=lambda piece: piece[1])
+    longest, _ = max(path.sections, key=lambda piece: piece[1])
     return path.rate(progress) == longest
 
 

@@ -57,9 +57,9 @@ def test_a_tip_travels_over_the_object_at_a_finite_speed() -> None:
 def test_the_velocity_of_a_travel_is_the_derivative_of_its_place() -> None:
     path = tip_path(BEGIN, END, ABOVE)
     for t in np.linspace(0.05, path.duration - 0.05, 17):
-        before = np.array(path.at(t - 1e-5)[0])
-        after = np.array(path.at(t + 1e-5)[0])
-        assert np.array(path.at(t)[1]) == pytest.approx(
+        before = np.array(path.state_at(t - 1e-5)[0])
+        after = np.array(path.state_at(t + 1e-5)[0])
+        assert np.array(path.state_at(t)[1]) == pytest.approx(
             (after - before) / 2e-5, abs=1e-4
         )
 
@@ -125,17 +125,17 @@ def test_a_tip_that_begins_or_ends_higher_travels_there(high: int) -> None:
 def test_a_tip_that_is_there_already_needs_no_time() -> None:
     path = tip_path(BEGIN, BEGIN, 0.0)
     assert path.duration == 0.0
-    assert path.at(0.0) == (BEGIN, (0.0, 0.0, 0.0))
-    assert path.at(9.0) == (BEGIN, (0.0, 0.0, 0.0))
+    assert path.state_at(0.0) == (BEGIN, (0.0, 0.0, 0.0))
+    assert path.state_at(9.0) == (BEGIN, (0.0, 0.0, 0.0))
 
 
 def test_a_travel_passes_its_corners_at_rest() -> None:
     path = tip_path(BEGIN, END, ABOVE)
     first = 1.875 * (ABOVE - BEGIN[2]) / TRAVEL_SPEED
-    place_, velocity = path.at(first)
+    place_, velocity = path.state_at(first)
     assert place_ == pytest.approx(path.corners[1])
     assert velocity == pytest.approx((0.0, 0.0, 0.0))
-    middle, velocity = path.at(0.5 * first)
+    middle, velocity = path.state_at(0.5 * first)
     assert middle[2] == pytest.approx(0.5 * (BEGIN[2] + ABOVE))
     assert velocity == pytest.approx((0.0, 0.0, TRAVEL_SPEED))
 

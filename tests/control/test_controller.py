@@ -15,8 +15,8 @@ from pushpressslide.control.execution import Execution
 from pushpressslide.control.state import (
     ControllerState,
     Failure,
-    begin,
     contact_yaw,
+    enter_phase,
     ramp_time,
     smooth,
     tip_position,
@@ -208,7 +208,7 @@ def test_a_goal_is_missed_by_nearly_its_tolerance(
 def failed(name: str) -> ControllerState:
     """Return the state in which the tips stop and draw back after a failure."""
     count = len(made(name).segments[0].contacts)
-    state = begin(touching(name), "move", measured(name, 0.0, *[3.0] * count))
+    state = enter_phase(touching(name), "move", measured(name, 0.0, *[3.0] * count))
     now = measured(name, 0.0, *[3.0] * count)
     return made(name).stop(state, now, FAILURE)
 
@@ -239,7 +239,7 @@ def test_tips_draw_back_along_what_they_pushed_smoothly(name: str) -> None:
     retreat = margins.ARM.retreat
     duration = ramp_time(retreat)
     count = len(made(name).segments[0].contacts)
-    calm = begin(touching(name), "release", measured(name, 0.0, *[3.0] * count))
+    calm = enter_phase(touching(name), "release", measured(name, 0.0, *[3.0] * count))
     shares = (0.0, 0.25, 0.5, 0.9, 1.0, 1.3)
     ways = [retreat * smooth(share) for share in shares]
     times = [share * duration for share in shares]
@@ -251,7 +251,7 @@ def test_tips_draw_back_along_what_they_pushed_smoothly(name: str) -> None:
 
 def test_a_way_back_is_told_with_its_velocity_and_acceleration() -> None:
     controller = made(PRESS)
-    state = begin(touching(PRESS), "release", measured(PRESS, 0.0, 30.0))
+    state = enter_phase(touching(PRESS), "release", measured(PRESS, 0.0, 30.0))
     h = 1e-4
     for time in (0.2, 0.5, 0.9):
         at = []
@@ -282,7 +282,7 @@ def test_a_release_is_over_when_the_tips_have_drawn_back(name: str) -> None:
     """After a failure once they rest too, or have had long enough."""
     drawn = ramp_time(margins.ARM.retreat)
     count = len(made(name).segments[0].contacts)
-    calm = begin(touching(name), "release", measured(name, 0.0, *[3.0] * count))
+    calm = enter_phase(touching(name), "release", measured(name, 0.0, *[3.0] * count))
     assert drawn < ends(name, calm) < drawn + 0.5
     assert ends(name, calm, 1.0) == ends(name, calm)
     after = ends(name, failed(name))
@@ -321,7 +321,7 @@ def test_an_arm_that_keeps_its_contact_presses_on_unless_something_failed(
 ) -> None:
     controller = Controller(pps.plan(pps.load_task(PRESS)))
     controller.kept_arms = frozenset({0} if keeps else ())
-    state = begin(touching(PRESS), "release", measured(PRESS, 0.0, 30.0))
+    state = enter_phase(touching(PRESS), "release", measured(PRESS, 0.0, 30.0))
     if fails:
         state = failed(PRESS)
     time = margins.ARM.rest_time + ramp_time(margins.ARM.retreat)
@@ -343,7 +343,7 @@ def test_after_a_failure_tips_draw_back_as_far_as_there_is_room() -> None:
     plan = pps.plan(pps.load_task(PRESS))
     near = Controller(plan, back=0.02)
     late = margins.ARM.rest_time + ramp_time(margins.ARM.retreat)
-    calm = begin(touching(PRESS), "release", measured(PRESS, 0.0, 30.0))
+    calm = enter_phase(touching(PRESS), "release", measured(PRESS, 0.0, 30.0))
     start = measured(PRESS, 0.0, 30.0).tips[0].position[2]
     for state, way in ((calm, 0.02), (failed(PRESS), margins.ARM.retreat)):
         (command,), _, _ = stepped(near, state, measured(PRESS, late, 0.0))
@@ -352,7 +352,7 @@ def test_after_a_failure_tips_draw_back_as_far_as_there_is_room() -> None:
 
 
 def test_joints_are_led_on_beyond_the_end_as_the_tips_draw_back() -> None:
-    state = begin(touching(PRESS), "release", measured(PRESS, 0.0, 30.0))
+    state = enter_phase(touching(PRESS), "release", measured(PRESS, 0.0, 30.0))
     for share in (0.0, 0.5, 1.0):
         time = share * ramp_time(margins.ARM.retreat)
         (command,), _, _ = stepped(made(PRESS), state, measured(PRESS, time, 0.0))
@@ -369,10 +369,10 @@ def test_a_tip_halted_twice_stays_where_it_was_halted_first() -> None:
     state = failed(PUSH)
     rest = margins.ARM.rest_time
     half = made(PUSH).halted(state, measured(PUSH, rest + 0.4, 0.0))
-    assert 0.0 < half.phase.drawn < 1.0
+    assert 0.0 < half.phase.retreat_fraction < 1.0
     later = made(PUSH).halted(half, measured(PUSH, rest + 0.6, 0.0))
-    assert later.phase.drawn == half.phase.drawn
-    way = margins.ARM.retreat * half.phase.drawn
+    assert later.phase.retreat_fraction == half.phase.retreat_fraction
+    way = margins.ARM.retreat * half.phase.retreat_fraction
     assert heights(PUSH, half, rest + 0.4, 3.0) == pytest.approx([way, way])
 
 
@@ -383,12 +383,12 @@ def test_a_tick_is_logged_with_what_was_planned_for_its_time() -> None:
     _, log, _ = stepped(controller, state, measured(PUSH, 5.0, 0.0))
     start = controller.placement.query.start
     assert log.thought().reference.position == pytest.approx(start.position)
-    moving = begin(state, "move", measured(PUSH, 5.0, 3.0))
+    moving = enter_phase(state, "move", measured(PUSH, 5.0, 3.0))
     following = moving.following.begun(5.0)._replace(clock_start=5.0)
     moving = moving._replace(following=following)
     time = 5.0 + 0.4 * segment.profile.duration
     _, log, _ = stepped(controller, moving, measured(PUSH, time, 3.0))
-    way = segment.profile.at(time - 5.0)[0]
+    way = segment.profile.state_at(time - 5.0)[0]
     planned = segment.body_pose(way).compose(controller.X_BG)
     assert log.phase == "move"
     assert log.thought().reference.position == pytest.approx(planned.position)
@@ -450,7 +450,7 @@ def moving(
     pose = X_WB.compose(controller.X_BG)
     count = len(controller.segments[0].contacts)
     now = Measurement(0.5, pose, tips_of(controller, [3.0] * count, pose=pose))
-    state = begin(touching(name), "move", now)
+    state = enter_phase(touching(name), "move", now)
     following = state.following.begun(0.0)._replace(progress=0.05)
     return state._replace(following=following), now
 
@@ -498,13 +498,16 @@ def test_arms_that_have_not_let_go_go_on_with_their_commands() -> None:
     (command, *_), _, _ = stepped(controller, touching(PAIR), now)
     state = controller.init(now, (command, None))
     held = {
-        contact.arm: memory.held
+        contact.arm: memory.held_command
         for contact, memory in zip(
             controller.segments[0].contacts, state.phase.tips, strict=True
         )
     }
     assert held == {0: command, 1: None}
-    assert [memory.held for memory in controller.init(now).phase.tips] == [None, None]
+    assert [memory.held_command for memory in controller.init(now).phase.tips] == [
+        None,
+        None,
+    ]
 
 
 def touched_at(name: str, *, lost: float | None, begun: bool) -> ControllerState:
@@ -593,7 +596,7 @@ def test_an_object_that_nothing_else_carries_is_held_after_a_failure() -> None:
     late = margins.ARM.rest_time + ramp_time(margins.ARM.retreat)
     for pose, holds in ((carried, False), (falls, True)):
         now = measured(name, 0.0, 60.0, 60.0, pose=pose)
-        state = begin(touching(name), "move", now)
+        state = enter_phase(touching(name), "move", now)
         estimate = state.estimate._replace(X_WG=pose)
         state = controller.stop(state._replace(estimate=estimate), now, FAILURE)
         later = replace(now, time=late)
@@ -617,7 +620,7 @@ def test_a_release_that_was_planned_lets_go_of_an_object() -> None:
     start = controller.placement.query.start
     falls = Pose2(start.x, start.y + 0.4, start.yaw)
     now = measured(name, 0.0, 60.0, 60.0, pose=falls)
-    state = begin(touching(name), "release", now)
+    state = enter_phase(touching(name), "release", now)
     later = replace(now, time=ramp_time(margins.ARM.retreat))
     commands, _, _ = stepped(controller, state, later)
     for command, tip in zip(commands, now.tips, strict=True):

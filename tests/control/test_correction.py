@@ -141,7 +141,7 @@ def test_a_replan_on_the_way_begins_at_speed() -> None:
     assert made is not None
     (segment,) = made.segments
     profile = segment.profile
-    assert profile.at(made.clock) == pytest.approx((made.progress, profile.speed))
+    assert profile.state_at(made.clock) == pytest.approx((made.progress, profile.speed))
     here = segment.body_pose(made.progress)
     assert here.position == pytest.approx(OFF.position)
     assert here.yaw == pytest.approx(OFF.yaw)

@@ -6,12 +6,18 @@ from dataclasses import replace
 import pytest
 
 import pushpressslide as pps
-from pushpressslide.control.entry import BRAKE, LANDING, Entry, braking, entry
+from pushpressslide.control.entry import (
+    BRAKE,
+    LANDING,
+    Insertion,
+    braking,
+    insertion_of,
+)
 from pushpressslide.core.control import TipState
 
 TASK = pps.load_task("press-fit")
 PLAN = pps.plan(TASK)
-ENTRY = Entry(0.15, ((1, 0.27), (0, 0.28)))
+ENTRY = Insertion(0.15, ((1, 0.27), (0, 0.28)))
 # [m] of the tips, 4 mm into the face; that of arm 1 first
 PRESSED = ((0.0, 0.0, 0.266), (0.0, 0.0, 0.276))
 
@@ -28,7 +34,7 @@ def at(left: float, right: float, speed: float = 0.0) -> tuple[TipState, ...]:
 
 def test_the_depth_is_that_of_the_tip_below_where_it_touched() -> None:
     assert ENTRY.depths(at(0.0, 0.13)) == pytest.approx([0.13, 0.0])
-    made = entry(PLAN.task.scene, PLAN.goal, PLAN.contacts)
+    made = insertion_of(PLAN.task.scene, PLAN.goal, PLAN.contacts)
     assert made is not None
     assert (made.stop, made.tips) == (0.15, ((0, 0.27), (1, 0.27)))
 
@@ -115,6 +121,6 @@ def test_beyond_the_back_a_tip_goes_at_the_landing_speed() -> None:
 
 
 def test_a_task_without_an_opening_has_nothing_to_enter() -> None:
-    assert entry(TASK.scene, PLAN.queries[0].goal, PLAN.contacts) is None
+    assert insertion_of(TASK.scene, PLAN.queries[0].goal, PLAN.contacts) is None
     flat = pps.load_task("press-slide")
-    assert entry(flat.scene, flat.goal, pps.plan(flat).contacts) is None
+    assert insertion_of(flat.scene, flat.goal, pps.plan(flat).contacts) is None

@@ -77,7 +77,7 @@ def timed(time: float, progress: float, joint_start: float = 0.0) -> float:
 def test_joints_led_by_time_are_where_they_are_planned_then() -> None:
     duration = FIRST.profile.duration
     for share in (0.3, 0.5, 0.7):
-        planned = FIRST.profile.at(share * duration)[0]
+        planned = FIRST.profile.state_at(share * duration)[0]
         time = 10.0 + share * duration
         assert timed(time, planned) == pytest.approx(planned)
         assert timed(time, planned - 0.01) == pytest.approx(planned)
@@ -86,7 +86,7 @@ def test_joints_led_by_time_are_where_they_are_planned_then() -> None:
 
 def test_joints_led_by_time_keep_near_the_object() -> None:
     middle = 10.0 + 0.5 * FIRST.profile.duration
-    planned = FIRST.profile.at(middle - 10.0)[0]
+    planned = FIRST.profile.state_at(middle - 10.0)[0]
     for off in (1.5, 3.0):
         far = off * JOINT_LEAD
         assert timed(middle, planned - far) == pytest.approx(planned - far + JOINT_LEAD)

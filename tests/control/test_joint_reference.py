@@ -63,7 +63,7 @@ def test_beyond_its_ends_the_path_keeps_its_nearer_end(
 
 def test_beyond_the_end_of_the_path_the_arm_draws_back_as_planned() -> None:
     drawn = np.array([[0.0, 0.0], [0.2, -0.4], [0.4, -0.4]])
-    path = replace(PATH, back=drawn, room=0.06)
+    path = replace(PATH, back=drawn, max_retreat=0.06)
     for i in range(3):
         assert path_reference(path, 0.4 + 0.03 * i) == pytest.approx(drawn[i])
     assert path_reference(path, 0.415) == pytest.approx(drawn[:2].mean(axis=0))
@@ -72,7 +72,7 @@ def test_beyond_the_end_of_the_path_the_arm_draws_back_as_planned() -> None:
 
 
 def test_an_arm_that_cannot_draw_back_stays_at_the_end() -> None:
-    stuck = replace(PATH, back=PATH.move[-1:], room=0.0)
+    stuck = replace(PATH, back=PATH.move[-1:], max_retreat=0.0)
     assert path_reference(stuck, 0.43) == pytest.approx(PATH.move[-1])
 
 
@@ -115,5 +115,5 @@ def test_a_touch_needs_two_samples_to_be_a_line() -> None:
     alone = replace(PATH, touch=before[:1])
     assert path_reference(alone, -0.005) == pytest.approx(PATH.move[0])
     drawn = np.array([[0.0, 0.0], [0.2, -0.4]])
-    back = replace(PATH, back=drawn, room=0.06)
+    back = replace(PATH, back=drawn, max_retreat=0.06)
     assert path_reference(back, 0.43) == pytest.approx(drawn.mean(axis=0))

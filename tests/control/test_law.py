@@ -92,7 +92,7 @@ def test_an_object_behind_its_time_is_led_faster() -> None:
     resting = Measurement(0.0, task.start, (TipState(STILL, STILL, STILL),))
     following = controller.init(resting).following
     late = segment.profile.duration / 2.0
-    there = segment.profile.at(late)[0]
+    there = segment.profile.state_at(late)[0]
     on_time = controller.law.speed(following._replace(progress=there), late)
     behind = controller.law.speed(following._replace(progress=there - 0.01), late)
     assert on_time < behind <= 1.5 * segment.profile.speed
@@ -135,7 +135,7 @@ def test_the_speed_follows_the_profile_and_catches_up_in_proportion() -> None:
     law = controller.law
     profile = segment.profile
     middle = 0.5 * profile.duration
-    there, planned = profile.at(middle)
+    there, planned = profile.state_at(middle)
     for behind in (-0.004, 0.0, 0.004):
         speed = law.speed(following._replace(progress=there - behind), 7.0 + middle)
         assert speed == pytest.approx(planned + CATCH_UP * behind)

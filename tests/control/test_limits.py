@@ -148,7 +148,7 @@ def test_a_reference_may_jump_along_an_axis_that_does_not_hold_the_tip() -> None
 def test_a_new_placement_has_references_of_its_own() -> None:
     judge = guard()
     assert judged(judge, command=moved(0.0)) is None
-    judge.begin()
+    judge.forget_references()
     assert judged(judge, command=moved(1.0)) is None
 
 
@@ -190,7 +190,7 @@ def test_an_arm_that_begins_to_draw_back_near_a_limit_may_go_on_if_not_nearer() 
     ):
         near = ArmReading(np.array([1.0 - room, 0.0]), np.zeros(2))
         assert judge.near_joint_limit([near]) == near_joint_limit
-    judge.begin()
+    judge.forget_references()
     assert not judge.near_joint_limit([ArmReading(np.array([0.986, 0.0]), np.zeros(2))])
 
 

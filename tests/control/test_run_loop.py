@@ -276,14 +276,14 @@ def test_tips_that_draw_back_stay_once_a_joint_is_near_its_limit(
 
 
 def test_the_controller_is_told_how_far_the_arms_can_draw_back(one, scripts) -> None:
-    run_loop(Diary(arms=1, joint_paths=(replace(APPROACH, room=0.02),)), one)
+    run_loop(Diary(arms=1, joint_paths=(replace(APPROACH, max_retreat=0.02),)), one)
     run_loop(Diary(arms=1), one)
     assert [script.back for script in scripts] == [0.02, math.inf]
 
 
 def test_the_arm_with_the_least_room_and_gap_decides_for_both(two, scripts) -> None:
-    near = replace(APPROACH, room=0.02, gap=0.003)
-    far = replace(APPROACH, room=0.05, gap=0.004)
+    near = replace(APPROACH, max_retreat=0.02, gap=0.003)
+    far = replace(APPROACH, max_retreat=0.05, gap=0.004)
     for paths in ((near, far), (far, near)):
         run_loop(Diary(arms=2, joint_paths=paths), two)
     assert {script.back for script in scripts} == {0.02}

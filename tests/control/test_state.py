@@ -12,10 +12,10 @@ from pushpressslide.control.controller import Controller
 from pushpressslide.control.state import (
     ALIGN_SPEED,
     ControllerState,
-    begin,
     between,
     by_arm,
     contact_yaw,
+    enter_phase,
     estimates,
     pressed,
     ramp_time,
@@ -136,7 +136,9 @@ def pressing(name: str) -> ControllerState:
     memory = memory._replace(
         felt=0.2, regulator=NormalForceState(1.5, 20.0), velocity=(0.1, 0.0), turn=0.2
     )
-    phase = state.phase._replace(name=name, tips=(memory,), drawn=0.4, align=False)
+    phase = state.phase._replace(
+        name=name, tips=(memory,), retreat_fraction=0.4, align=False
+    )
     watches = state.watches._replace(lost=0.3, retouches=2)
     return state._replace(phase=phase, watches=watches)
 
@@ -146,10 +148,15 @@ def test_a_phase_begins_where_the_tips_are_and_remembers_no_touch(name: str) -> 
     tip = TipState((0.5, 0.6, 0.7), ZERO, ZERO)
     now = Measurement(3.0, controller().placement.query.start, (tip,))
     before = pressing("touch")
-    state = begin(before, name, now, ("contact_lost", "it is gone"))
+    state = enter_phase(before, name, now, ("contact_lost", "it is gone"))
     phase = state.phase
     (memory,) = phase.tips
-    assert (phase.name, phase.since, phase.align, phase.drawn) == (name, 3.0, True, 1.0)
+    assert (phase.name, phase.since, phase.align, phase.retreat_fraction) == (
+        name,
+        3.0,
+        True,
+        1.0,
+    )
     assert phase.failure == ("contact_lost", "it is gone")
     assert memory.start == tip.position
     assert (memory.felt, memory.velocity, memory.turn) == (None, None, 0.0)
@@ -161,7 +168,7 @@ def test_a_press_that_goes_on_keeps_what_its_regulator_knows() -> None:
     tip = TipState((0.5, 0.6, 0.7), ZERO, ZERO)
     now = Measurement(3.0, controller().placement.query.start, (tip,))
     kept = {
-        name: begin(pressing("touch"), name, now).phase.tips[0].regulator
+        name: enter_phase(pressing("touch"), name, now).phase.tips[0].regulator
         for name in ("touch", "move", "release")
     }
     none = NormalForceState()
@@ -176,7 +183,7 @@ def test_a_contact_that_is_touched_again_is_missing_since_it_was_lost() -> None:
     tip = TipState((0.5, 0.6, 0.7), ZERO, ZERO)
     now = Measurement(3.0, controller().placement.query.start, (tip,))
     lost = {
-        name: begin(pressing("move"), name, now).watches.lost
+        name: enter_phase(pressing("move"), name, now).watches.lost
         for name in ("touch", "move", "release")
     }
     assert lost == {"touch": 0.3, "move": None, "release": None}

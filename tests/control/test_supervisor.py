@@ -12,14 +12,14 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.control.controller import Controller
-from pushpressslide.control.entry import HOLD_TIME, SEAT_TIME, Entry
+from pushpressslide.control.entry import HOLD_TIME, SEAT_TIME, Insertion
 from pushpressslide.control.placement import Placement
 from pushpressslide.control.state import (
     ContactLosses,
     ControllerState,
     Instant,
     StallWatch,
-    begin,
+    enter_phase,
     tip_position,
 )
 from pushpressslide.control.supervisor import (
@@ -63,7 +63,7 @@ def moment(name: str, X_WG: Pose2 | None = None) -> Moment:
     tip = TipState(tip_position(contact, X_WB, radius), ZERO, ZERO)
     state = made.init(Measurement(BEGAN, pose, (tip,)))
     instant = Instant(TIME, 0.004, pose, X_WB, (tip,))
-    state = begin(state, "move", instant._replace(time=BEGAN))
+    state = enter_phase(state, "move", instant._replace(time=BEGAN))
     following = state.following.begun(BEGAN)._replace(clock_start=BEGAN)
     segment = following.segment
     watches = state.watches._replace(still=StallWatch(X_WB, TIME), replanned=TIME)
@@ -554,7 +554,7 @@ def test_a_better_plan_is_led_on_at_the_speed_there_is() -> None:
     beside = moment(PUSH, Pose2(start.x, start.y + 0.01, start.yaw))
     following = after(PUSH, watching(beside, replanned=0.0))[1].following
     profile = following.binding.segment.profile
-    way, speed = profile.at(TIME - following.clock_start)
+    way, speed = profile.state_at(TIME - following.clock_start)
     assert way == pytest.approx(following.progress)
     assert speed == pytest.approx(profile.speed)
     assert following.segment is beside.state.following.segment
@@ -590,8 +590,8 @@ def test_the_axle_is_looked_for_anew_about_a_centre_that_is_found() -> None:
 def test_ways_are_beside_the_planned_one_that_come_near_it_everywhere() -> None:
     supervisor = controller(PUSH).supervisor
     (segment,) = supervisor.placement.segments
-    assert supervisor._beside((segment,))
-    near = margins.ARM.beside
+    assert supervisor._is_near_plan((segment,))
+    near = margins.ARM.near_plan
     for offset, beside in (
         (Pose2(0.0, 0.98 * near, 0.0), True),
         (Pose2(0.0, 1.5 * near, 0.0), False),
@@ -599,8 +599,8 @@ def test_ways_are_beside_the_planned_one_that_come_near_it_everywhere() -> None:
     ):
         path = segment.path
         aside = segment.follows(replace(path, start=path.start.compose(offset)))
-        assert supervisor._beside((aside,)) == beside
-        assert supervisor._beside((segment, aside)) == beside
+        assert supervisor._is_near_plan((aside,)) == beside
+        assert supervisor._is_near_plan((segment, aside)) == beside
 
 
 @pytest.fixture
@@ -650,7 +650,7 @@ def test_an_object_in_an_opening_has_arrived_when_it_is_seated(
     supervisor = Supervisor(waiting, True, 1.0)
     end = late(left(moment(PUSH), 0.0), 0.1)
     height = end.instant.tips[0].position[2]
-    waiting.entry = Entry(0.1, ((0, height + deep),))
+    waiting.entry = Insertion(0.1, ((0, height + deep),))
     assert supervisor.arrived(end) == over
     assert supervisor.arrived(late(end, 1.01 * SEAT_TIME))
     assert not supervisor.arrived(late(left(end, 0.01), 0.1))
@@ -678,7 +678,7 @@ def test_in_an_opening_a_smaller_miss_is_tried_again(waiting: Placement) -> None
             task.goal.x, task.goal.y + share * task.tolerance.position, task.goal.yaw
         )
         end = left(moment(PUSH, off), 0.0)
-        waiting.entry = Entry(0.1, ((0, 9.0),))
+        waiting.entry = Insertion(0.1, ((0, 9.0),))
         seated = supervisor._retry(end.state, end.instant)
         waiting.entry = None
         assert supervisor._retry(end.state, end.instant) == ()

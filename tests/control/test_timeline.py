@@ -15,10 +15,10 @@ TIMELINE = Timeline(PLAN.segments)
 def test_segments_follow_each_other_without_a_pause() -> None:
     over = FIRST.profile.duration
     for time in (0.0, 0.3 * over, 0.99 * over):
-        way = FIRST.profile.at(time)[0]
+        way = FIRST.profile.state_at(time)[0]
         assert TIMELINE.body_pose(time) == FIRST.body_pose(way)
     assert TIMELINE.body_pose(over) == LAST.body_pose(0.0)
-    way = LAST.profile.at(1.0)[0]
+    way = LAST.profile.state_at(1.0)[0]
     assert way > 0.0
     here = TIMELINE.body_pose(over + 1.0)
     assert here.position == pytest.approx(LAST.body_pose(way).position)

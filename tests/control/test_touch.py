@@ -82,7 +82,7 @@ def pressed_at(
     x, y, z = tip_position(ABOVE, START, RADIUS, 0.0)
     tip = TipState((x, y, z + height), (0.0, 0.0, 0.0), (0.6, 0.0, -0.5))
     context = TipContext(ABOVE, tip, START, 1.0, DT, 0.0, 0.4)
-    memory = TipMemory((x, y, z), found=START, felt=felt)
+    memory = TipMemory((x, y, z), advance_start=START, felt=felt)
     return touch.step(memory, context, 1.0, aligned).problem
 
 
@@ -292,7 +292,7 @@ def test_joints_are_led_by_what_is_left_to_the_touch() -> None:
         left = max(GAP - speed * after, 0.0)
         assert step.command.progress == pytest.approx(-left)
     # once it is felt, by where it was felt
-    felt = memory._replace(felt=0.9, found=START, touch_depth=0.03)
+    felt = memory._replace(felt=0.9, advance_start=START, touch_depth=0.03)
     step = touch.step(felt, at(before, time=1.0), 9.0, 1.0)
     assert step.command.progress == pytest.approx(0.03 - GAP)
     # on the way the joints are where the object is
@@ -302,7 +302,7 @@ def test_joints_are_led_by_what_is_left_to_the_touch() -> None:
 
 def test_an_arm_that_holds_its_contact_goes_on_with_its_command() -> None:
     command = made().step(TipMemory(ZERO), at(ZERO), 0.1, 1.0).command
-    memory = TipMemory(ZERO, held=command)
+    memory = TipMemory(ZERO, held_command=command)
     step = made().step(memory, at((9.0, 9.0, 9.0)), 3.0, 1.0)
     assert step.command is command
     assert step.done
@@ -320,7 +320,7 @@ def test_a_contact_is_felt_above_the_threshold_along_its_normal(
     force = (size * x - 3.0 * y, size * y + 3.0 * x, -5.0)
     step = made().step(TipMemory(before), at(before, force), 2.0, 1.0)
     assert (step.memory.felt is not None) == here
-    assert step.memory.found == START
+    assert step.memory.advance_start == START
     if here:
         depth = margins.ARM.touch_speed * 1.0
         assert step.memory.felt == 1.0
@@ -334,7 +334,7 @@ def test_a_contact_that_was_felt_is_kept_at_half_the_threshold(
     before = tip_position(BEHIND, START, RADIUS, GAP)
     x, y, _ = BEHIND.direction(START)
     force = (share * 0.25 * x, share * 0.25 * y, 0.0)
-    memory = TipMemory(before, found=START, felt=0.5, touch_depth=GAP)
+    memory = TipMemory(before, advance_start=START, felt=0.5, touch_depth=GAP)
     step = made().step(memory, at(before, force), 2.0, 1.0)
     assert (step.memory.absent is None) == kept
     assert step.memory.felt == 0.5
@@ -343,7 +343,7 @@ def test_a_contact_that_was_felt_is_kept_at_half_the_threshold(
 def test_a_knock_is_no_touch_and_a_loss_takes_its_time() -> None:
     before = tip_position(BEHIND, START, RADIUS, GAP)
     arm = margins.ARM
-    memory = TipMemory(before, found=START, felt=1.0, touch_depth=GAP)
+    memory = TipMemory(before, advance_start=START, felt=1.0, touch_depth=GAP)
     knock = made().step(memory, at(before, time=1.0 + 0.9 * arm.felt_time), 3.0, 1.0)
     assert knock.memory.felt is None
     gone = made().step(memory, at(before, time=1.5), 3.0, 1.0)
@@ -357,7 +357,7 @@ def test_a_knock_is_no_touch_and_a_loss_takes_its_time() -> None:
     assert again.memory.absent is None
     assert again.memory.resumed == late.time
     assert again.memory.start == (1.0, 2.0, 3.0)
-    assert again.memory.found == Pose2()
+    assert again.memory.advance_start == Pose2()
     assert again.command.position == (1.0, 2.0, 3.0)
     assert again.command.velocity == ZERO
     x, y, _ = BEHIND.direction(START)
@@ -373,7 +373,7 @@ def test_a_touch_is_done_once_its_force_has_been_reached_and_held(
     before = tip_position(contact, START, RADIUS, GAP)
     n = contact.direction(START)
     force: Vector3 = (5.0 * n[0], 5.0 * n[1], 5.0 * n[2])
-    memory = TipMemory(before, found=START, felt=1.0, touch_depth=GAP)
+    memory = TipMemory(before, advance_start=START, felt=1.0, touch_depth=GAP)
     arm = margins.ARM
     wanted = touch.force_of(contact)
     settled = arm.felt_time + arm.settle_time + wanted / touch.regulator.ramp
@@ -394,7 +394,7 @@ def test_a_touching_tip_presses_along_its_normal_and_is_held_across(
     before = tip_position(contact, START, RADIUS, GAP)
     n = contact.direction(START)
     force: Vector3 = (5.0 * n[0], 5.0 * n[1], 5.0 * n[2])
-    memory = TipMemory(before, found=START, felt=0.0, touch_depth=0.02)
+    memory = TipMemory(before, advance_start=START, felt=0.0, touch_depth=0.02)
     step = touch.step(memory, at(before, force, contact), 3.0, 1.0)
     push, state = touch.regulator.step(
         memory.regulator, touch.force_of(contact), 5.0, DT
@@ -432,7 +432,7 @@ def test_a_touch_tried_again_and_again_is_given_up() -> None:
     before = tip_position(BEHIND, START, RADIUS, GAP)
     arm = margins.ARM
     most = (GAP + arm.touch_depth) / arm.touch_speed + arm.longest_touch
-    memory = TipMemory(before, found=START, resumed=0.99)
+    memory = TipMemory(before, advance_start=START, resumed=0.99)
     for elapsed, over in ((0.999 * most, False), (1.001 * most, True)):
         step = made().step(memory, at(before), 1.0 + elapsed, 1.0)
         assert (step.problem is not None) == over
@@ -455,7 +455,7 @@ def test_a_tip_that_goes_on_from_where_it_is_advances_from_there(
         contact_place[1] + ahead * y + aside * x,
         contact_place[2],
     )
-    memory = TipMemory(start, found=START, resumed=1.0 if aligned else None)
+    memory = TipMemory(start, advance_start=START, resumed=1.0 if aligned else None)
     duration = 0.2
     context = at(start, time=1.0 + duration)
     step = made().step(memory, context, aligned + duration, aligned)
@@ -471,7 +471,7 @@ def test_a_tip_that_begins_beyond_the_contact_counts_from_the_contact() -> None:
     before = tip_position(BEHIND, START, RADIUS, GAP)
     x, y, _ = BEHIND.direction(START)
     start = (before[0] + 2.0 * GAP * x, before[1] + 2.0 * GAP * y, before[2])
-    memory = TipMemory(start, found=START)
+    memory = TipMemory(start, advance_start=START)
     arm = margins.ARM
     most = arm.touch_depth / arm.touch_speed
     for elapsed, over in ((0.99 * most, False), (1.01 * most, True)):
@@ -494,14 +494,14 @@ def test_an_object_that_moved_before_its_tip_is_pushed(
     )
     touching = tip_position(BEHIND, X_WB, RADIUS)
     place = tuple(t - apart * SEEN * d for t, d in zip(touching, n, strict=True))
-    memory = TipMemory(place, found=START)
+    memory = TipMemory(place, advance_start=START)
     step = made().step(memory, at(place, X_WB=X_WB), 2.0, 1.0)
     assert (step.memory.felt is not None) == pushes
 
 
 def test_an_object_pressed_from_above_is_not_seen_pushed() -> None:
     moved = Pose2(START.x + 1.0, START.y, START.yaw)
-    memory = TipMemory(ZERO, found=START)
+    memory = TipMemory(ZERO, advance_start=START)
     place = tip_position(ABOVE, moved, RADIUS)
     step = made().step(memory, at(place, contact=ABOVE, X_WB=moved), 2.0, 1.0)
     assert step.memory.felt is None
@@ -511,7 +511,9 @@ def test_a_tip_on_top_that_lost_its_touch_looks_where_it_is() -> None:
     """One that goes on from where it is may have slid off, too."""
     rests = tip_position(ABOVE, START, RADIUS)
     low = (rests[0], rests[1], rests[2] - 1.1 * margins.ARM.sunk)
-    step = made().step(TipMemory(low, found=START), at(low, contact=ABOVE), 0.1, 0.0)
+    step = made().step(
+        TipMemory(low, advance_start=START), at(low, contact=ABOVE), 0.1, 0.0
+    )
     assert step.problem is not None
     assert not step.done
     assert step.command.position == low
@@ -522,7 +524,7 @@ def test_a_tip_on_top_that_lost_its_touch_looks_where_it_is() -> None:
 
 def test_a_tip_that_lines_up_does_so_where_the_object_was_found() -> None:
     there = Pose2(0.0, 0.0, 0.0)
-    memory = TipMemory(ZERO, found=there)
+    memory = TipMemory(ZERO, advance_start=there)
     before = tip_position(BEHIND, there, RADIUS, GAP)
     wanted = 1.875 * math.hypot(*before) / 0.1
     assert made().align_time(memory, BEHIND, START) == pytest.approx(wanted, abs=0.2)
@@ -534,7 +536,7 @@ def test_a_touch_is_believed_from_its_time_on() -> None:
     before = tip_position(BEHIND, START, RADIUS, GAP)
     x, y, _ = BEHIND.direction(START)
     arm = margins.ARM
-    memory = TipMemory(before, found=START, felt=0.0, touch_depth=GAP)
+    memory = TipMemory(before, advance_start=START, felt=0.0, touch_depth=GAP)
     force: Vector3 = (x, y, 0.0)
     pressing = made().step(memory, at(before, force, time=arm.felt_time), 3.0, 1.0)
     assert pressing.command.velocity == ZERO
@@ -554,7 +556,7 @@ def test_an_object_has_to_move_by_more_than_what_is_seen() -> None:
     contact = Contact(0, "side", (0.0, 0.0), (1.0, 0.0), 0.03)
     touching = tip_position(contact, moved, 0.0)
     touch = TipTouch(0.0, GAP, 0.4, 0.25, SEEN, NormalForceRegulator())
-    memory = TipMemory(touching, found=first)
+    memory = TipMemory(touching, advance_start=first)
     step = touch.step(memory, at(touching, contact=contact, X_WB=moved), 2.0, 1.0)
     assert step.memory.felt is None
     farther = Pose2(2.0 * SEEN, 0.0, 0.0)

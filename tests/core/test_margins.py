@@ -54,7 +54,7 @@ def test_a_look_ahead_is_never_shorter_than_the_arm_corrects(
 
 def test_a_look_ahead_is_a_share_of_the_length_where_the_arm_allows_it() -> None:
     assert ARM.look_ahead(0.2, 0.05) == pytest.approx(0.07)
-    assert ARM.look_ahead(0.2, 0.05, least=0.09) == pytest.approx(0.09)
+    assert ARM.look_ahead(0.2, 0.05, min_length=0.09) == pytest.approx(0.09)
     assert ARM.look_ahead(math.inf, 0.05) == ARM.longest_look_ahead
 
 

@@ -103,12 +103,14 @@ def test_a_profile_covers_its_length_from_rest_to_rest(length, speed, accelerati
     profile = SpeedProfile(length, speed, acceleration)
     steps = 400
     travelled = sum(
-        profile.at((i + 0.5) * profile.duration / steps)[1] * profile.duration / steps
+        profile.state_at((i + 0.5) * profile.duration / steps)[1]
+        * profile.duration
+        / steps
         for i in range(steps)
     )
     assert abs(travelled - length) < 1e-2 * length
-    assert profile.at(0.0) == (0.0, 0.0)
-    assert profile.at(profile.duration) == (length, 0.0)
+    assert profile.state_at(0.0) == (0.0, 0.0)
+    assert profile.state_at(profile.duration) == (length, 0.0)
 
 
 def test_the_rest_of_a_path_is_where_the_path_is() -> None:

@@ -6,7 +6,7 @@ from pushpressslide import load_task
 from pushpressslide.core.bodies import start_state
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.state import OBJECT, Held, WorldState
+from pushpressslide.core.state import OBJECT, HeldContacts, WorldState
 
 CONTACT = Contact(0, "top", (0.01, 0.0), (0.0, 0.0), 0.1, load=7.0)
 AWAY = Pose2(0.6, 0.2, 0.3)
@@ -22,14 +22,14 @@ def test_a_state_has_every_body_that_can_be_moved() -> None:
 
 def test_what_is_held_is_the_same_however_hard_it_is_pressed() -> None:
     harder = replace(CONTACT, load=9.0)
-    held = Held.by("press_slide", (CONTACT,))
-    assert held == Held.by("press_slide", (harder,))
-    assert held != Held.by("press_slide", (CONTACT.shifted((0.01, 0.0)),))
-    assert held != Held.by("bimanual_press_slide", (CONTACT,))
+    held = HeldContacts.by("press_slide", (CONTACT,))
+    assert held == HeldContacts.by("press_slide", (harder,))
+    assert held != HeldContacts.by("press_slide", (CONTACT.shifted((0.01, 0.0)),))
+    assert held != HeldContacts.by("bimanual_press_slide", (CONTACT,))
 
 
 def test_states_that_are_the_same_are_found_again() -> None:
-    held = Held.by("press_slide", (CONTACT,))
+    held = HeldContacts.by("press_slide", (CONTACT,))
     known = {WorldState({OBJECT: AWAY}, ((0.1, 0.2),), held)}
     assert WorldState({OBJECT: Pose2(0.6, 0.2, 0.3)}, ((0.1, 0.2),), held) in known
     assert WorldState({OBJECT: AWAY}, ((0.1, 0.2),)) not in known
@@ -39,7 +39,7 @@ def test_states_that_are_the_same_are_found_again() -> None:
 def test_a_body_that_is_led_away_is_held_no_more() -> None:
     joints = ((0.1, 0.2),)
     begin = WorldState(
-        {OBJECT: AWAY, "b": Pose2()}, joints, Held("press_slide", (CONTACT,))
+        {OBJECT: AWAY, "b": Pose2()}, joints, HeldContacts("press_slide", (CONTACT,))
     )
     led = begin.led("b", AWAY)
     assert led == WorldState({OBJECT: AWAY, "b": AWAY}, joints)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.twist_path import TwistPath, moved, reached, screw, screws
+from pushpressslide.core.twist_path import TwistPath, integrate, reached, screw, screws
 
 numbers = st.floats(-1.0, 1.0)
 poses = st.builds(Pose2, numbers, numbers, st.floats(-3.0, 3.0))
@@ -19,7 +19,7 @@ def test_logarithm_and_exponential_are_inverse(
     start: Pose2, x: float, y: float, turn: float
 ) -> None:
     end = start.compose(Pose2(x, y, turn))
-    there = moved(start, screw(start, end), 1.0)
+    there = integrate(start, screw(start, end), 1.0)
     assert (there.x, there.y) == pytest.approx((end.x, end.y), abs=1e-9)
     assert math.remainder(there.yaw - end.yaw, 2.0 * math.pi) == pytest.approx(
         0.0, abs=1e-9
@@ -44,7 +44,7 @@ def test_many_twists_lead_where_each_does(
     start: Pose2, twists: list[tuple[float, float, float]]
 ) -> None:
     for row, twist in zip(reached(start, np.array(twists)), twists, strict=True):
-        end = moved(start, twist, 1.0)
+        end = integrate(start, twist, 1.0)
         assert row == pytest.approx((end.x, end.y, end.yaw), abs=1e-9)
 
 
@@ -53,10 +53,10 @@ def test_a_path_goes_through_its_poses_at_unit_speed(
     a: Pose2, b: Pose2, c: Pose2
 ) -> None:
     path = TwistPath.between((a, b, c), radius=0.2)
-    for s, pose in path.starts:
+    for s, pose in path.section_starts:
         assert path.pose(s).position == pytest.approx(pose.position, abs=1e-9)
     assert path.end.position == pytest.approx(c.position, abs=1e-7)
-    for rate, length in path.pieces:
+    for rate, length in path.sections:
         assert math.hypot(rate[0], rate[1], 0.2 * rate[2]) == pytest.approx(1.0)
         assert length > 0.0
 
@@ -64,7 +64,7 @@ def test_a_path_goes_through_its_poses_at_unit_speed(
 @pytest.mark.parametrize("turn", [0.0, 5e-324, 1.2e-161, 1e-15])
 def test_poses_that_are_one_make_no_piece(turn: float) -> None:
     path = TwistPath.between((Pose2(0.1, 0.2, 0.0), Pose2(0.1, 0.2, turn)), radius=0.2)
-    assert path.pieces == ()
+    assert path.sections == ()
     assert path.length == 0.0
     assert path.pose(0.0) == path.start
 

@@ -43,11 +43,11 @@ def check_way_back(plan: Plan, arm: int, path: JointPath) -> None:
     np.testing.assert_allclose(path.back[0], path.move[-1], atol=1e-5)
     kin = arm_kinematics(plan.task.robots[arm])
     ends = kin.tip_pose(path.back[[0, -1]])[1]
-    assert math.dist(*ends) == pytest.approx(path.room, abs=1e-5)
-    assert path.room <= margins.ARM.retreat + 1e-9
+    assert math.dist(*ends) == pytest.approx(path.max_retreat, abs=1e-5)
+    assert path.max_retreat <= margins.ARM.retreat + 1e-9
     assert (kin.joint_margin(path.back[1:]) >= margins.ARM.joint_buffer).all()
     end = [plan.segments[-1].goal] * len(path.back)
-    gap = DrakeClearance(plan, arm).least(path.back, end, touching=True)
+    gap = DrakeClearance(plan, arm).min_distance(path.back, end, touching=True)
     assert gap.distance >= CLEARANCE, gap.pair
 
 
@@ -64,7 +64,7 @@ def check(
         if arm not in moving:
             continue
         np.testing.assert_array_equal(path.approach[0], posture)
-        gap = DrakeClearance(plan, arm).least(
+        gap = DrakeClearance(plan, arm).min_distance(
             path.approach, [plan.task.start] * len(path.approach), touching=False
         )
         assert gap.distance >= CLEARANCE, gap.pair
@@ -213,7 +213,7 @@ def drawn(name: str, index: int, seed: int) -> Plan:
 def test_tips_are_drawn_back_no_farther_than_the_arms_keep_apart() -> None:
     plan = drawn("orthogonal-push", 60, 1203)
     paths = joint_paths(DRAKE, plan)
-    assert all(path.room < margins.ARM.retreat for path, _ in paths)
+    assert all(path.max_retreat < margins.ARM.retreat for path, _ in paths)
     check(plan, paths, tuple(path.approach[0] for path, _ in paths))
     keep_apart(plan, paths)
 

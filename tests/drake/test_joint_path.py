@@ -67,8 +67,10 @@ def check(plan: Plan, path: JointPath, attitude: ToolAttitude) -> None:
     start = plan.task.start
     (segment,) = plan.segments
     objects = [plan.object_pose(segment, float(s)) for s in path.arc_length]
-    assert model.least(path.move, objects, touching=True).distance >= CLEARANCE
-    before = model.least(path.approach, [start] * len(path.approach), touching=False)
+    assert model.min_distance(path.move, objects, touching=True).distance >= CLEARANCE
+    before = model.min_distance(
+        path.approach, [start] * len(path.approach), touching=False
+    )
     assert before.distance >= CLEARANCE
     assert np.abs(np.diff(path.approach, axis=0)).max() < 0.1
     gap = path.gap * np.array(plan.contacts[0].direction(objects[0]))
@@ -115,7 +117,7 @@ def test_the_smooth_distance_is_a_lower_bound_and_its_gradient_is_right() -> Non
         q = path.move[i] + rng.normal(0.0, 0.05, path.move.shape[1])
         pose = plan.object_pose(plan.segments[0], 0.0)
         smooth, gradient = model.smooth_least(q, pose, touching=False)
-        exact = model.least(q[None], [pose], touching=False).distance
+        exact = model.min_distance(q[None], [pose], touching=False).distance
         assert exact - 2e-3 < smooth <= exact
         step = 1e-6
         for joint, slope in enumerate(gradient):

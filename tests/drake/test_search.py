@@ -51,7 +51,7 @@ def counted(push: Plan) -> tuple[list[SearchResult], list[int]]:
     """Return the results, and how many postures were looked at before the first, after
     it and after each other one.
     """
-    least = DrakeClearance.least
+    least = DrakeClearance.min_distance
     postures = 0
 
     def count(model, q, poses, **options):

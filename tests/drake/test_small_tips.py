@@ -53,7 +53,7 @@ def contact_gap(plan: Plan) -> Gap:
     path, _ = joint_path(DRAKE, plan)
     (segment, *_) = plan.segments
     poses = [plan.object_pose(segment, float(s)) for s in path.arc_length]
-    return DrakeClearance(plan, 0).least(path.move, poses, touching=True)
+    return DrakeClearance(plan, 0).min_distance(path.move, poses, touching=True)
 
 
 @pytest.mark.parametrize("radius", RADII)
@@ -77,8 +77,8 @@ def test_before_the_contact_a_small_tips_rod_keeps_the_usual_clearance() -> None
     path, _ = joint_path(DRAKE, plan)
     model = DrakeClearance(plan, 0)
     first = [plan.task.start]
-    assert model.least(path.move[:1], first, touching=False).allowed == CLEARANCE
-    assert model.least(path.move[:1], first, touching=True).allowed < CLEARANCE
+    assert model.min_distance(path.move[:1], first, touching=False).allowed == CLEARANCE
+    assert model.min_distance(path.move[:1], first, touching=True).allowed < CLEARANCE
 
 
 def sunk(radius: float, force: float, height: float) -> float:

@@ -103,13 +103,13 @@ def test_it_keeps_clear_of_what_the_object_pushes() -> None:
     task = load_task("tool-use", [f"robots=[{left}, {right}]", "motion.arm=left"])
     problem = ArmProblem(DRAKE, pps.plan(task), RIGHT)
     home = problem.kin.facts.home
-    stands = problem.clearance.least(
+    stands = problem.clearance.min_distance(
         home[None], problem.object_path.shapes[:1], touching=False
     )
     pushed = problem.waiting_clearance(home)
     assert "cube" in pushed.pair
     assert pushed.distance < stands.distance - 0.01
-    again = problem.clearance.least(
+    again = problem.clearance.min_distance(
         home[None], problem.object_path.shapes[:1], touching=False
     )
     assert again == stands

@@ -90,9 +90,9 @@ def test_springs_and_dampers_weigh_what_they_take_in_a_tick(period: float) -> No
     got = servo(command(stiffness=STIFF, damping=DAMP), REST, REST, period)
     weights = [period * (b + period * k) for k, b in zip(STIFF, DAMP, strict=True)]
     assert got.added == pytest.approx(weights)
-    assert not got.alike
+    assert not got.isotropic
     alike = servo(command(stiffness=(9.0, 9.0, 1.0)), REST, REST, period)
-    assert alike.alike
+    assert alike.isotropic
 
 
 def test_a_servo_at_its_cap_keeps_its_direction() -> None:

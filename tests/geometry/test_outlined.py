@@ -108,7 +108,7 @@ def test_a_convex_outline_answers_as_a_convex_prism(
     assert general.breadth == near(plain.breadth)
     assert general.gauge()(x, y) == near(plain.gauge()(x, y))
     point = np.array([[x, y]])
-    assert general.rooms(point, ORIGIN) == near(plain.rooms(point, ORIGIN), abs=1e-12)
+    assert general.depths(point, ORIGIN) == near(plain.depths(point, ORIGIN), abs=1e-12)
 
 
 @given(convex_polygons(), angles)
@@ -182,7 +182,7 @@ def test_what_tips_is_the_hull(shape: Shape) -> None:
     rng = np.random.default_rng(3)
     points = rng.uniform(-0.2, 0.2, size=(300, 2))
     inside = [hull.contains(shapely.Point(p)) for p in points]
-    assert ((shape.rooms(points, (0.0, 0.0)) > 0.0) == inside).all()
+    assert ((shape.depths(points, (0.0, 0.0)) > 0.0) == inside).all()
     gauge = shape.gauge()
     mx, my = shape.middle
     assert [gauge(x - mx, y - my) < 1.0 for x, y in points] == inside

@@ -123,9 +123,9 @@ def test_bounds_are_those_of_the_placed_footprint(
 @every_shape
 def test_half_widths_are_zero_on_the_outline_and_fall_outwards(shape: Shape) -> None:
     points = np.array(shape.outline()) - np.array(ORIGIN)
-    assert shape.rooms(points, ORIGIN) == pytest.approx(0.0, abs=1e-9)
-    assert (shape.rooms(1.1 * points, ORIGIN) < 0.0).all()
-    assert (shape.rooms(0.9 * points, ORIGIN) > 0.0).all()
+    assert shape.depths(points, ORIGIN) == pytest.approx(0.0, abs=1e-9)
+    assert (shape.depths(1.1 * points, ORIGIN) < 0.0).all()
+    assert (shape.depths(0.9 * points, ORIGIN) > 0.0).all()
 
 
 @every_shape

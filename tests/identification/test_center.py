@@ -9,7 +9,7 @@ import pytest
 
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.scene import ObjectModel, Scene, Support
-from pushpressslide.core.twist_path import moved
+from pushpressslide.core.twist_path import integrate
 from pushpressslide.geometry.shapes import Box
 from pushpressslide.identification.center import (
     HEADING,
@@ -44,7 +44,7 @@ def driven(
         w = speed * curvatures[int(i * DT)]
         vx = speed * math.cos(heading) + w * y
         vy = speed * math.sin(heading) - w * x
-        pose = moved(pose, (vx, vy, w), DT)
+        pose = integrate(pose, (vx, vy, w), DT)
         seen = Pose2(
             pose.x + rng.gauss(0.0, noise),
             pose.y + rng.gauss(0.0, noise),
@@ -127,7 +127,7 @@ def test_a_centre_is_looked_for_as_far_off_as_is_believed_possible():
     got = doubt(scene(center_error=0.01), CONTACT, 0.04, 0.06, 0.08)
     distance = math.hypot(*CONTACT)
     assert got.heading == pytest.approx(0.01 / distance)
-    assert got.most * distance == pytest.approx(0.01 * math.sqrt(2.0))
+    assert got.max_share * distance == pytest.approx(0.01 * math.sqrt(2.0))
     assert got.off_line < doubt(scene(), CONTACT, 0.04, 0.06, 0.08).off_line
     # a heading that would put it 30 mm off is another thing's
     heading = CenterIdentifier(Pose2(AXLE, 0.0, 0.0), CONTACT, (0.0, 0.0), got)

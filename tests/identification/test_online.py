@@ -7,7 +7,7 @@ import pytest
 
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, ObjectModel, Sensing
-from pushpressslide.core.twist_path import moved
+from pushpressslide.core.twist_path import integrate
 from pushpressslide.identification.online import (
     WINDOW,
     WINDOW_WAY,
@@ -54,7 +54,7 @@ def seen(
             pose.x + rng.gauss(0, noise), pose.y + rng.gauss(0, noise), pose.yaw
         )
         state = identifier.step(state, k * DT, measured, force)
-        pose = moved(pose, rate, DT)
+        pose = integrate(pose, rate, DT)
     return identifier.identified(state)
 
 

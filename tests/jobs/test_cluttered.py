@@ -49,7 +49,7 @@ def test_a_footprint_has_a_free_path(tasks: list[Task]) -> None:
         ys = sorted((task.start.y, task.goal.y))
         region = (xs[0] - room, xs[1] + room, ys[0] - room, ys[1] + room)
         space = FreeSpace(task.object.shape, others, FREE, region)
-        assert space.ways(task.goal).way(task.start) is not None
+        assert space.paths_to(task.goal).via_poses(task.start) is not None
 
 
 def test_some_tasks_have_an_obstacle_on_the_straight_way_and_some_have_none(

@@ -76,7 +76,7 @@ def test_the_draws_are_within_what_is_published(name: str) -> None:
                     <= math.dist(place, robot.base[:2])
                     <= TWO_ARM_REACH[1]
                 )
-        assert task.believed.mass == task.object.mass
+        assert task.full_belief.mass == task.object.mass
 
 
 def test_tasks_for_one_of_two_arms_are_drawn_about_either() -> None:
@@ -260,8 +260,8 @@ def test_a_draw_that_finds_nothing_is_an_error(monkeypatch: pytest.MonkeyPatch) 
 def test_an_uncertain_world_differs_from_what_is_believed() -> None:
     known = random_task(load_task("press-slide"), 2, 3)
     uncertain = uncertain_task(known, 2, 3)
-    assert uncertain.believed.support_friction == known.support.friction
-    assert uncertain.believed.mass == known.object.mass
+    assert uncertain.full_belief.support_friction == known.support.friction
+    assert uncertain.full_belief.mass == known.object.mass
     ratio = uncertain.support.friction / known.support.friction
     assert 0.8 <= ratio <= 1.2
     assert ratio != 1.0

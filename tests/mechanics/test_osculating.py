@@ -105,7 +105,7 @@ def test_with_a_believed_rho_and_forces_at_one_height_it_is_the_closed_form_of_t
     None
 ):
     task = load_task("bimanual-slide")
-    task = replace(task, belief=replace(task.believed, rho=0.12))
+    task = replace(task, belief=replace(task.full_belief, rho=0.12))
     height = 0.3
     load = 50.0
     cop = (0.02, -0.01)

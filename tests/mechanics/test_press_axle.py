@@ -93,8 +93,8 @@ def test_drag_at_the_top_of_a_high_object_leaves_its_base() -> None:
     high = Press(
         ObjectModel(Box((0.1, 0.1, 0.2)), 1.0, (0.0, 0.0)), 0.4, (0.03, 0.0), 10.0
     )
-    assert high.room(0.0) < 0.0
-    assert high.room(math.pi) > high.room(0.0)
+    assert high.tipping_margin(0.0) < 0.0
+    assert high.tipping_margin(math.pi) > high.tipping_margin(0.0)
     with pytest.raises(ValueError, match="outline"):
         high.steered(math.radians(20.0), backward=False)
 
@@ -355,5 +355,5 @@ def test_an_object_that_slides_before_it_tips_has_an_axle() -> None:
     body = ObjectModel(Box((0.2, 0.2, 0.28)), 1.0, (0.0, 0.0))
     press = Press(body, 0.4, (0.08, 0.0), 6.0)
     angle = 0.5 * math.pi
-    assert press.room(angle) < -0.1
+    assert press.tipping_margin(angle) < -0.1
     assert press.axle(angle) == pytest.approx(axle_by_search(press, angle), abs=1e-5)

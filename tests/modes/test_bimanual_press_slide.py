@@ -229,7 +229,7 @@ def replace_press(task: Task, force: float) -> Task:
 
 def test_too_little_friction_or_force_is_refused_with_the_number_that_decides() -> None:
     task = slide(contacts=SIDES)
-    smooth = replace(task, belief=replace(task.believed, contact_friction=0.25))
+    smooth = replace(task, belief=replace(task.full_belief, contact_friction=0.25))
     assert "contact friction 0.25 must exceed the support's, 0.3" in refusal(smooth)
     weak = slide(contacts=SIDES, cap=6.0)
     assert "allowed 5.4 N, 0.9 of limits.normal_force" in refusal(weak)
@@ -283,7 +283,7 @@ def test_presses_are_harder_where_the_drags_lever_takes_more_of_their_friction()
 
 def test_an_object_that_would_tip_is_refused() -> None:
     tall = replace(slide(), object=ObjectModel(Box((0.4, 0.2, 0.5)), 2.0, (0.0, 0.0)))
-    rough = replace(tall.believed, support_friction=0.4)
+    rough = replace(tall.full_belief, support_friction=0.4)
     task = replace(tall, goal=Pose2(0.55, 0.2, 0.0), belief=rough)
     assert "it would tip" in refusal(task)
 

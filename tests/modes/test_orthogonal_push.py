@@ -62,7 +62,7 @@ def test_the_shipped_task_is_done_by_one_twist_with_the_left_arm_on_the_left_fac
     assert isinstance(segment.drive, TwistDrive)
     assert segment.drive.radius == pytest.approx(math.hypot(0.2, 0.2))
     assert isinstance(segment.path, TwistPath)
-    assert len(segment.path.pieces) == 1
+    assert len(segment.path.sections) == 1
     assert choice.contacts[0].normal == pytest.approx((0.0, -1.0))
     assert choice.contacts[1].normal == pytest.approx((1.0, 0.0))
 
@@ -128,11 +128,11 @@ def test_a_goal_beside_the_cone_takes_several_twists() -> None:
         if c.segments
     ]
     assert paths
-    assert all(isinstance(path, TwistPath) and len(path.pieces) > 1 for path in paths)
+    assert all(isinstance(path, TwistPath) and len(path.sections) > 1 for path in paths)
 
 
 def test_a_friction_above_one_does_not_make_it_push_backwards() -> None:
-    task = to(-0.3, 0.3, 0.0, belief=replace(SHIPPED.believed, contact_friction=1.5))
+    task = to(-0.3, 0.3, 0.0, belief=replace(SHIPPED.full_belief, contact_friction=1.5))
     assert not any(c.feasible for c in on_rear_and_left(MODE.choices(task.query)))
 
 

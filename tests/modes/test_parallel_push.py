@@ -121,7 +121,7 @@ def test_back_on_the_spot_and_sideways_are_refused_with_the_numbers(goal) -> Non
 
 
 def test_the_differential_car_may_turn_with_w_over_rho_squared() -> None:
-    told = replace(SHIPPED.believed, rho=0.13)
+    told = replace(SHIPPED.full_belief, rho=0.13)
     task = to(0.46, 0.05, 10.0, "differential", belief=told, object=WIDE)
     choices = MODE.choices(task.query)
     assert choices

@@ -136,7 +136,7 @@ def test_a_press_that_may_be_wrong_by_a_fifth_is_harder_and_farther_from_the_com
 ):
     free = replace(BASE, motion=replace(BASE.motion, contacts=None, press_force=None))
     sure = MODE.choices(free.query)[0]
-    told = replace(free.believed, friction_error=0.2, center_error=0.02)
+    told = replace(free.full_belief, friction_error=0.2, center_error=0.02)
     unsure = MODE.choices(replace(free, belief=told).query)
     assert unsure[0].feasible
     for choice in unsure:
@@ -146,7 +146,7 @@ def test_a_press_that_may_be_wrong_by_a_fifth_is_harder_and_farther_from_the_com
 
 
 def test_where_the_com_is_known_too_badly_for_any_press_it_is_said() -> None:
-    told = replace(BASE.believed, center_error=0.1)
+    told = replace(BASE.full_belief, center_error=0.1)
     (choice,) = MODE.choices(replace(BASE, belief=told).query)
     assert choice.refusal is not None
     assert choice.refusal.code == "lever"

@@ -150,8 +150,8 @@ def tasks(name: str) -> Iterator[Task]:
 def pieces(path: ArcPath | TwistPath, k: float) -> list[float]:
     """Return the path's parts, as they would be at k = 1."""
     if isinstance(path, ArcPath):
-        return [x for bent, length in path.pieces for x in (bent * k, length / k)]
-    rates = [(*rate, length) for rate, length in path.pieces]
+        return [x for bent, length in path.sections for x in (bent * k, length / k)]
+    rates = [(*rate, length) for rate, length in path.sections]
     return [x for vx, vy, w, length in rates for x in (vx, vy, w * k, length / k)]
 
 

@@ -9,7 +9,7 @@ import pytest
 import pushpressslide as pps
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Belief, Robot, Task
-from pushpressslide.core.twist_path import moved
+from pushpressslide.core.twist_path import integrate
 from pushpressslide.identification.online import AxleState
 from pushpressslide.modes import MODES
 from pushpressslide.planar.cell import planar_cell
@@ -171,7 +171,7 @@ def test_what_identifies_a_push_finds_the_rho_that_turns_it() -> None:
         state = identifier.step(state, i * dt, X, force)
         lever = -car.lever * (car.axis[0] * force[1] - car.axis[1] * force[0])
         twist = (0.03 * force[0], 0.03 * force[1], 0.03 * lever / rho**2)
-        X = moved(X, twist, dt)
+        X = integrate(X, twist, dt)
     found = identifier.identified(state)
     assert found is not None
     assert found.rho == pytest.approx(rho, rel=0.05)
@@ -186,6 +186,6 @@ def test_a_support_far_rougher_or_smoother_than_believed_is_made_up_for(
     task = handled(name)
     believed = task.support.friction
     rough = replace(task.support, friction=share * believed)
-    told = replace(task.believed, support_friction=believed)
+    told = replace(task.full_belief, support_friction=believed)
     record = pps.run(replace(task, support=rough, belief=told), engine="planar")
     assert record.reason == "goal_reached"

@@ -70,10 +70,10 @@ def test_every_candidate_reaches_the_goal_within_the_limits_and_is_sorted(
         assert reaches(path, goal), word
         signs = {"L": left, "S": 0.0, "R": -right}
         allowed = iter([signs[letter] for letter in word])
-        assert all(any(k == c for c in allowed) for k, _ in path.pieces), (
+        assert all(any(k == c for c in allowed) for k, _ in path.sections), (
             "pieces follow the word's order"
         )
-        assert all(length > 0.0 for _, length in path.pieces)
+        assert all(length > 0.0 for _, length in path.sections)
 
 
 @given(poses, st.floats(1e-9, 1e-5), st.sampled_from(["S", "L", "R"]))
@@ -295,7 +295,7 @@ def test_the_path_moves_with_its_poses(start, goal, left, right, frame):
 @given(poses, curvatures, curvatures)
 def test_from_a_pose_to_itself_there_is_nothing_to_drive(pose, left, right):
     path = shortest_path(pose, pose, left, right)
-    assert path.pieces == ()
+    assert path.sections == ()
     assert path.length == 0.0
     for dx, dy, turn in (
         (0.0, 0.0, 2.0 * math.pi),
@@ -340,7 +340,7 @@ def test_with_a_tie_the_answer_does_not_depend_on_round_off():
     # taken.
     for shift in (0.0, 1e-15, -1e-15):
         path = shortest_path(Pose2(), Pose2(-3.0, shift, math.pi), 1.0, 1.0)
-        assert path.pieces[0][0] == 1.0
+        assert path.sections[0][0] == 1.0
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,12 @@ import shapely
 from pushpressslide.core.footprint import gaps
 from pushpressslide.core.pose import Pose2
 from pushpressslide.geometry.shapes import Box, Cylinder, Prism
-from pushpressslide.planning.free_space import FreeSpace, between, convex_parts, moved
+from pushpressslide.planning.free_space import (
+    FreeSpace,
+    between,
+    convex_parts,
+    displacement,
+)
 
 BAR = Box((0.2, 0.1, 0.05))
 CLEARANCE = 0.01
@@ -27,12 +32,12 @@ def space(*others: object, shape: object = BAR) -> FreeSpace:
 
 
 def test_a_straight_way_is_taken_where_it_is_free() -> None:
-    assert space().ways(GOAL).way(START) == [START, GOAL]
+    assert space().paths_to(GOAL).via_poses(START) == [START, GOAL]
 
 
 @pytest.mark.parametrize("shape", [BAR, Cylinder(0.06, 0.1)])
 def test_every_pose_of_a_way_round_a_post_keeps_its_clearance(shape: object) -> None:
-    way = space(POST, shape=shape).ways(GOAL).way(START)
+    way = space(POST, shape=shape).paths_to(GOAL).via_poses(START)
     assert way is not None
     assert len(way) > 2
     poses = [
@@ -49,7 +54,7 @@ def test_a_way_leads_into_the_notch_of_a_concave_polygon() -> None:
     walls = ((0.7, -0.2), (0.9, -0.2), (0.9, 0.2), (0.5, 0.2), (0.5, 0.15))
     walls = (*walls, (0.85, 0.15), (0.85, -0.15), (0.5, -0.15), (0.5, -0.2))
     fork = Prism(walls, 0.1).placed(Pose2())
-    way = space(fork).ways(Pose2(0.72, 0.0, 0.0)).way(Pose2(0.3, 0.1, 0.4))
+    way = space(fork).paths_to(Pose2(0.72, 0.0, 0.0)).via_poses(Pose2(0.3, 0.1, 0.4))
     assert way is not None
     assert gaps(BAR, way, [fork]).min() >= CLEARANCE
 
@@ -60,7 +65,7 @@ def test_the_centre_of_a_footprint_stays_in_its_region_all_the_way() -> None:
     region = low.union(shapely.box(0.2, -0.4, 0.4, 0.4))
     off = (0.03, 0.02)
     free = FreeSpace(BAR, (), CLEARANCE, REGION, region, off)
-    way = free.ways(Pose2(0.8, -0.3, 1.0)).way(Pose2(0.3, 0.3, 0.0))
+    way = free.paths_to(Pose2(0.8, -0.3, 1.0)).via_poses(Pose2(0.3, 0.3, 0.0))
     assert way is not None
     assert len(way) > 2
     for a, b in pairwise(way):
@@ -73,14 +78,14 @@ def test_the_centre_of_a_footprint_stays_in_its_region_all_the_way() -> None:
 def test_in_a_convex_region_the_straight_way_is_taken() -> None:
     region = shapely.box(0.2, -0.4, 0.9, 0.4)
     free = FreeSpace(BAR, (), CLEARANCE, REGION, region)
-    assert free.ways(GOAL).way(START) == [START, GOAL]
+    assert free.paths_to(GOAL).via_poses(START) == [START, GOAL]
     assert free.free([START, Pose2(0.91, 0.0)]).tolist() == [True, False]
 
 
 def test_there_is_no_way_through_a_wall_that_reaches_from_edge_to_edge() -> None:
     wall = Box((0.05, 2.0, 0.1)).placed(Pose2(0.55, 0.0, 0.0))
-    ways = space(wall).ways(GOAL)
-    assert ways.way(START) is None
+    ways = space(wall).paths_to(GOAL)
+    assert ways.via_poses(START) is None
     assert ways.lengths([START]).tolist() == [math.inf]
 
 
@@ -89,7 +94,9 @@ def test_a_gap_that_only_the_bars_short_side_fits_is_passed_with_that_side() -> 
     upper = Box((0.05, 1.0, 0.1)).placed(Pose2(0.55, 0.5 + 0.5 * gap, 0.0))
     lower = Box((0.05, 1.0, 0.1)).placed(Pose2(0.55, -0.5 - 0.5 * gap, 0.0))
     turned = Pose2(0.35, 0.0, 0.5 * math.pi)
-    way = space(upper, lower).ways(Pose2(0.75, 0.0, 0.5 * math.pi)).way(turned)
+    way = (
+        space(upper, lower).paths_to(Pose2(0.75, 0.0, 0.5 * math.pi)).via_poses(turned)
+    )
     assert way is not None
     inside = [X for X in way if abs(X.x - 0.55) < 0.1]
     sizes = [abs(math.remainder(X.yaw, math.pi)) for X in inside]
@@ -97,10 +104,10 @@ def test_a_gap_that_only_the_bars_short_side_fits_is_passed_with_that_side() -> 
 
 
 def test_ways_are_as_long_as_straight_ones_or_longer() -> None:
-    ways = space(POST).ways(GOAL)
+    ways = space(POST).paths_to(GOAL)
     far = [Pose2(0.35, 0.3, 1.0), Pose2(0.4, -0.3, -2.0), START]
     lengths = ways.lengths(far)
-    direct = [moved(BAR, X, GOAL) for X in far]
+    direct = [displacement(BAR, X, GOAL) for X in far]
     cells = 2.0 * (
         0.7 / 60.0 + 0.11 * math.pi / 24.0
     )  # both ends meet the grid so near

@@ -68,7 +68,7 @@ def test_a_path_leads_to_the_goal_keeps_to_the_cone_and_is_no_longer_than_allowe
     assert math.remainder(path.end.yaw - goal.yaw, 2.0 * math.pi) == pytest.approx(
         0.0, abs=1e-9
     )
-    assert len(path.pieces) <= 3
+    assert len(path.sections) <= 3
     assert path.length <= 0.8 + 1e-9
     assert least_cone_margin(path, CONE) >= LEAST - 1e-9
 
@@ -76,7 +76,7 @@ def test_a_path_leads_to_the_goal_keeps_to_the_cone_and_is_no_longer_than_allowe
 def test_what_one_twist_can_do_is_done_by_one() -> None:
     path = shortest(Pose2(), Pose2(0.3, 0.1, 0.2), 1.0)
     assert path is not None
-    assert len(path.pieces) == 1
+    assert len(path.sections) == 1
 
 
 def test_a_goal_beside_the_cone_is_reached_by_turning_the_cone() -> None:
@@ -84,7 +84,7 @@ def test_a_goal_beside_the_cone_is_reached_by_turning_the_cone() -> None:
     assert CONE.cone_margin(*screw(Pose2(), goal)) < 0.0
     path = shortest(Pose2(), goal, 1.0)
     assert path is not None
-    assert len(path.pieces) > 1
+    assert len(path.sections) > 1
     assert path.pose(0.3 * path.length).yaw > 0.02
 
 
@@ -104,8 +104,8 @@ def test_the_first_piece_may_be_nearer_the_edge_than_the_rest() -> None:
     inside = Inside(0.4, 0.05, 0.2)
     path = shortest(Pose2(), goal, 1.2, inside)
     assert path is not None
-    assert len(path.pieces) > 1
-    first, *rest = (CONE.cone_margin(*rate) for rate, _ in path.pieces)
+    assert len(path.sections) > 1
+    first, *rest = (CONE.cone_margin(*rate) for rate, _ in path.sections)
     assert first >= 0.05 - 1e-9
     assert min(rest) >= 0.2 - 1e-9
     assert first < 0.2
@@ -117,8 +117,8 @@ def test_as_many_pieces_as_allowed() -> None:
     two = shortest(Pose2(), goal, 1.2, Inside(LEAST, LEAST, LEAST, 2))
     assert three is not None
     assert two is not None
-    assert len(three.pieces) == 3
-    assert len(two.pieces) == 2
+    assert len(three.sections) == 3
+    assert len(two.sections) == 2
     assert two.length > three.length
 
 
@@ -126,12 +126,12 @@ def test_the_rest_of_a_way_goes_well_inside_the_cone_where_it_can() -> None:
     goal = Pose2(0.45, 0.20, 0.0)  # 24 degrees off: 6 inside
     path = resume_path(Pose2(), goal, CONE, RADIUS, 1.0)
     assert path is not None
-    assert len(path.pieces) == 1
+    assert len(path.sections) == 1
     goal = Pose2(0.45, 0.225, 0.0)  # 26.6 off
     path = resume_path(Pose2(), goal, CONE, RADIUS, 1.0)
     assert path is not None
-    assert len(path.pieces) > 1
-    last, _ = path.pieces[-1]
+    assert len(path.sections) > 1
+    last, _ = path.sections[-1]
     assert CONE.cone_margin(*last) >= margins.BENT_MARGIN - 1e-9
     # with no room for a bend it takes what there is
     direct = math.hypot(0.45, 0.225)

@@ -23,7 +23,7 @@ TASK = load_task(
     ],
 )
 REAR = next(face for face in faces(TASK.object, 0.01) if face.index == 3)
-TOLD = replace(TASK, belief=replace(TASK.believed, rho=0.13))
+TOLD = replace(TASK, belief=replace(TASK.full_belief, rho=0.13))
 HEIGHT = TASK.motion.contact_height
 HALF = 0.09
 D = 0.2
@@ -67,7 +67,7 @@ def test_the_path_ends_straight_where_there_is_room_and_is_the_shortest_where_th
     None
 ):
     roomy = gentle_path((Pose2(), Pose2(0.6, 0.05, 0.1)), 5.0, 0.7, RUN_INS)
-    assert roomy.pieces[-1] == pytest.approx((0.0, RUN_INS[0]))
+    assert roomy.sections[-1] == pytest.approx((0.0, RUN_INS[0]))
     assert roomy.length <= 0.7
     back = gentle_path((Pose2(), Pose2(-0.3, 0.0, 0.0)), 5.0, 0.7, RUN_INS)
     assert back.length > 0.7 + math.pi / 5.0

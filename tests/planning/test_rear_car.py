@@ -196,7 +196,7 @@ def test_a_way_with_a_loop_ends_on_the_longest_run_in_that_is_no_great_detour() 
         drives[harder] = RearSteerDrive(car, 3.0, shift)
     best, looped = route(task.query, drives)
     assert looped
-    assert best.path.pieces[-1] == (0.0, best.run_in)
+    assert best.path.sections[-1] == (0.0, best.run_in)
     _, high = best.drive.car.curvature_limits
     turn = best.curvature_share * high
     ends = axle_ends(task.query.body_ends, best.drive)
@@ -223,4 +223,4 @@ def test_a_push_that_is_a_little_off_has_a_way_on_to_its_goal(
     assert path is not None
     end = path.pose(path.length)
     assert (end.x, end.y, end.yaw) == pytest.approx((goal.x, goal.y, goal.yaw))
-    assert path.pieces[-1][0] == 0.0
+    assert path.sections[-1][0] == 0.0

@@ -102,7 +102,7 @@ def test_the_ends_of_a_face_is_told_from_the_com() -> None:
 def test_what_stands_against_a_push_is_told_with_the_number() -> None:
     assert drag_refusal(TASK.query, (REAR,), 1, 0.09) is None
     assert "200 mm high" in str(drag_refusal(TASK.query, (REAR,), 1, 0.21))
-    heavy = replace(TASK, belief=replace(TASK.believed, mass=20.0))
+    heavy = replace(TASK, belief=replace(TASK.full_belief, mass=20.0))
     assert "needs 58.9 N" in str(drag_refusal(heavy.query, (REAR,), 1, 0.09))
     tall = replace(TASK, object=replace(TASK.object, shape=Box((0.1, 0.4, 0.9))))
     rear = next(face for face in faces(tall.object, 0.01) if face.index == 3)
@@ -127,7 +127,7 @@ def test_a_tip_may_be_a_little_over_the_edge_and_less_where_it_is_smooth() -> No
 
 def test_a_push_that_is_not_felt_before_the_object_slides_is_refused() -> None:
     """A box of 15 g slides at 0.045 N; a contact is felt from 0.05 N on."""
-    light = replace(TASK, belief=replace(TASK.believed, mass=0.015))
+    light = replace(TASK, belief=replace(TASK.full_belief, mass=0.015))
     refusal = drag_refusal(light.query, (REAR,), 1, 0.09)
     assert refusal is not None
     assert refusal.code == "light"

@@ -67,7 +67,7 @@ def test_what_the_search_dropped_is_told(solution: Solution) -> None:
     """A cylinder too heavy for a press: its motions are refused by their reasons."""
     searched = solution.searched
     assert searched is not None
-    assert searched.judged >= sum(motions.count for motions in searched.refused) > 0
+    assert searched.evaluated >= sum(motions.count for motions in searched.refused) > 0
     assert searched.poses > 0
     for motions in searched.refused:
         assert motions.mode in ("rear_push", "press_slide")

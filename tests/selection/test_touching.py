@@ -42,18 +42,20 @@ def test_no_arm_leads_an_object_from_one_side_to_the_other(across: Task) -> None
     asked = ReachScreen(across.query)
     poses = [across.start, across.goal, Pose2(0.45, -0.4), Pose2(0.45, 0.4)]
     for mode in ("rear_push", "press_slide"):
-        assert not asked.able(mode, poses, 0, 1)
-        assert asked.able(mode, poses, 0, 2)
-        assert asked.able(mode, poses, 3, 1)
-        assert not asked.able(mode, poses, 2, 3)
-    assert not asked.able("bimanual_press_slide", poses, 0, 2)
+        assert not asked.can_reach(mode, poses, 0, 1)
+        assert asked.can_reach(mode, poses, 0, 2)
+        assert asked.can_reach(mode, poses, 3, 1)
+        assert not asked.can_reach(mode, poses, 2, 3)
+    assert not asked.can_reach("bimanual_press_slide", poses, 0, 2)
 
 
 def test_what_can_be_chosen_is_known_to_be_reached() -> None:
     for name in ("rear-push-rear", "press-slide"):
         task = pps.load_task(name)
         (best,) = [choice for choice in pps.select(task) if choice.feasible][:1]
-        assert ReachScreen(task.query).able(best.mode, [task.start, task.goal], 0, 1)
+        assert ReachScreen(task.query).can_reach(
+            best.mode, [task.start, task.goal], 0, 1
+        )
 
 
 def test_what_was_found_is_written_and_read_again(
@@ -67,7 +69,7 @@ def test_what_was_found_is_written_and_read_again(
 
 
 def test_an_object_is_handed_over_where_both_arms_press_it(across: Task) -> None:
-    ways = free_space(across.query).ways(across.goal)
+    ways = free_space(across.query).paths_to(across.goal)
     reached = touching(across.query, "press_slide", waypoints(across.query, ways)).any(
         axis=2
     )

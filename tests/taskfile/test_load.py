@@ -165,7 +165,7 @@ def test_what_a_file_leaves_out_has_the_defaults_of_the_task() -> None:
     assert task.tolerance == Tolerance()
     assert task.start_error == Pose2()
     assert task.belief == Belief()
-    assert task.believed == Belief(0.3, 0.6, 2.0, (0.0, 0.0))
+    assert task.full_belief == Belief(0.3, 0.6, 2.0, (0.0, 0.0))
     assert task.modes is None
     robot = task.robots[0]
     assert robot == type(robot)("panda", (0.0, 0.0, 0.0))
@@ -193,7 +193,7 @@ def test_belief_follows_a_changed_truth_unless_it_was_given(tmp_path: Path) -> N
         dump_task(task_from_data({**MINIMAL, "belief": {"mass": 3}}, "test"))
     )
     task = load_task(file, ["support.friction=0.4", "object.mass=5"])
-    assert task.believed == Belief(0.4, 0.6, 3.0, (0.0, 0.0))
+    assert task.full_belief == Belief(0.4, 0.6, 3.0, (0.0, 0.0))
 
 
 def test_touching_bodies_are_allowed() -> None:
@@ -232,7 +232,7 @@ def test_overrides_make_the_sections_that_the_file_lacks() -> None:
         "rear-push-rear",
         ["belief.mass=2", "limits.time=30", "object.shape={box: [0.1, 0.2, 0.3]}"],
     )
-    assert task.believed.mass == 2.0
+    assert task.full_belief.mass == 2.0
     assert task.limits.time == 30.0
     assert task.object.shape == Box((0.1, 0.2, 0.3))
 

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from pushpressslide.core import task
-from pushpressslide.core.entry import REQUIRED, entry, setting
+from pushpressslide.core.entry import REQUIRED, field_spec, setting
 from pushpressslide.core.errors import TaskError
 from pushpressslide.taskfile import schema
 from pushpressslide.taskfile.kinds import Kind, degrees, nullable, number
@@ -51,7 +51,7 @@ def test_every_field_of_the_data_says_what_the_file_has_of_it(section: Any) -> N
 class Crane:
     """Data that no task has: a new field needs its dataclass alone."""
 
-    height: float = field(metadata=entry("of the hook", "m", "(0, 3]"))
+    height: float = field(metadata=field_spec("of the hook", "m", "(0, 3]"))
     swing: float = setting(math.radians(5.0), "of the load", "deg", "[0, 90)")
     lamp: bool = setting(False, "whether it is on")
     load: tuple[float, float] | None = setting(None, "where it is", "m", "[-1, 1]")

@@ -7,7 +7,7 @@ import pytest
 
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.twist_path import moved
+from pushpressslide.core.twist_path import integrate
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 from pushpressslide.rom.drives import TurnDrive, UnicycleDrive
 from pushpressslide.rom.pushed_car import PushedCar
@@ -136,7 +136,7 @@ def test_whatever_the_error_at_the_start_it_ends_on_the_path(name: str) -> None:
         guidance = follower.tracker.step(PATH, X_WB, 0.0, SPEED, 1.0)
         while guidance.progress < PATH.length - 1e-3:
             twist = guidance.twist.moved_to((0.0, 0.0))
-            X_WB = moved(X_WB, twist[:3], dt)
+            X_WB = integrate(X_WB, twist[:3], dt)
             guidance = follower.tracker.step(PATH, X_WB, guidance.progress, SPEED, 1.0)
         _, left, turned = guidance.error
         assert abs(left) < 1e-4
@@ -209,7 +209,7 @@ def test_a_turn_is_steered_about_the_force_and_the_curvature_that_were_planned()
 
 def test_a_rear_push_heads_into_a_bend_before_it_is_there() -> None:
     follower = rear_push((-0.1, 0.0))
-    bend = PATH.pieces[0][1]
+    bend = PATH.sections[0][1]
     ahead, _ = PATH.eased(bend, EASING * SPEED)
     assert ahead < -0.004  # to the right, from a curve to the left
     X_WB = PATH.pose(bend).compose(follower.X_BV.inverse())

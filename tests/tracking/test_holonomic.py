@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.twist_path import TwistPath, moved
+from pushpressslide.core.twist_path import TwistPath, integrate
 from pushpressslide.core.wrench import Wrench
 from pushpressslide.mechanics.height_term import DraggedSurface
 from pushpressslide.tracking.holonomic import HolonomicTracker
@@ -34,7 +34,7 @@ def drive(tracker, path, X_WV, speed=0.05, dt=0.004, steering_scale=1.0):
         s = guidance.progress
         along, left, turned = guidance.error
         off.append((s, math.sqrt(along**2 + left**2 + (path.radius * turned) ** 2)))
-        X_WB = moved(X_WB, guidance.twist[:3], dt)
+        X_WB = integrate(X_WB, guidance.twist[:3], dt)
     return off
 
 

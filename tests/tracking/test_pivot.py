@@ -5,7 +5,7 @@ import math
 import pytest
 
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.twist_path import TwistPath, moved
+from pushpressslide.core.twist_path import TwistPath, integrate
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 from pushpressslide.rom.drives import SpinDrive
 from pushpressslide.rom.unicycle import Unicycle
@@ -95,6 +95,6 @@ def test_an_error_along_the_axis_is_gone_after_a_turn(turn: float) -> None:
     X_WB = PLACE.compose(Pose2(0.003, 0.0, 0.0)).compose(DRIVE.X_BV.inverse())
     guidance = TRACKER.step(way, X_WB, 0.0, SPEED, 1.0)
     while guidance.progress < way.length - 1e-4:
-        X_WB = moved(X_WB, guidance.twist[:3], 0.01)
+        X_WB = integrate(X_WB, guidance.twist[:3], 0.01)
         guidance = TRACKER.step(way, X_WB, guidance.progress, SPEED, 1.0)
     assert abs(guidance.error[0]) < 1e-3

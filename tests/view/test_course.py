@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pushpressslide.view.course import GOAL_ERROR, MOST_FRAMES, course, frames
+from pushpressslide.view.course import GOAL_ERROR, MOST_FRAMES, frames, run_timeline
 
 
 def test_frames_are_thirty_a_second_with_both_ends():
@@ -23,10 +23,10 @@ def test_a_long_run_has_no_more_frames_than_a_page_holds():
 def test_the_course_ends_at_the_goal_with_the_measured_force(run):
     arrays = run.record.arrays
     ticks = frames(arrays["time"])
-    told = course(run.plan, run.record, ticks)
+    told = run_timeline(run.plan, run.record, ticks)
     assert [span.name for span in told.phases] == ["touch", "move", "release"]
     for before, after in zip(told.phases, told.phases[1:], strict=False):
-        assert before.end == after.begin
+        assert before.end == after.start
     assert told.distance[-1] == pytest.approx(0.0, abs=0.1)
     start, goal = run.task.start, run.task.goal
     apart = np.hypot(start.x - goal.x, start.y - goal.y)
@@ -43,7 +43,7 @@ def test_legs_and_placements_are_marked_once_by_the_larger_part(run):
     placement = leg.copy()
     placement[300:] = 2.0
     record = run.with_arrays(leg=leg, placement=placement).record
-    marks = course(run.plan, record, frames(record.arrays["time"])).marks
+    marks = run_timeline(run.plan, record, frames(record.arrays["time"])).marks
     assert [(mark.name, mark.time) for mark in marks] == [
         ("leg 2", 2.0),
         ("placement 3", 3.0),
@@ -53,6 +53,6 @@ def test_legs_and_placements_are_marked_once_by_the_larger_part(run):
 def test_a_joined_record_brings_the_errors_of_the_body_that_is_moved(run):
     errors = np.tile([0.25, 0.5], (len(run.record.arrays["time"]), 1))
     record = run.with_arrays(**{GOAL_ERROR: errors}).record
-    told = course(run.plan, record, frames(record.arrays["time"]))
+    told = run_timeline(run.plan, record, frames(record.arrays["time"]))
     assert set(told.distance) == {250.0}
     assert set(told.turn) == {28.6}

@@ -6,7 +6,7 @@ from PIL import Image
 
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.view.canvas import Canvas, rgba
-from pushpressslide.view.course import course
+from pushpressslide.view.course import run_timeline
 from pushpressslide.view.film import film_path, film_ticks, moment, write_film
 from pushpressslide.view.planar.video import write_video
 
@@ -46,13 +46,13 @@ def test_pictures_are_taken_at_even_times_to_the_end():
 
 
 def test_the_caption_tells_time_phase_force_and_way_to_the_goal(run):
-    told = course(run.plan, run.record, np.array([0, 200, 449]))
+    told = run_timeline(run.plan, run.record, np.array([0, 200, 449]))
     assert moment(told, 1).startswith("2.0 s   move   force 3.2 N   to the goal ")
     assert moment(told, 2).endswith("to the goal 0 mm, 0°")
 
 
 def test_two_arms_have_their_forces_told_apart(pressed):
-    told = course(pressed.plan, pressed.record, np.array([200]))
+    told = run_timeline(pressed.plan, pressed.record, np.array([200]))
     assert "force left 6.2 N, right 10.2 N" in moment(told, 0)
 
 

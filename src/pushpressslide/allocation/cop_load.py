@@ -43,14 +43,18 @@ class CopFriction:
 
         -inf where one of them cannot give its force across the line.
         """
-        speed_squared = _at(self.speed_squared, u)
+        speed_squared = _polynomial_value(self.speed_squared, u)
         room_left = _squared(self.left, u) * speed_squared
         room_left -= _squared(self.across_left, u)
         room_right = _squared(self.right, u) * speed_squared
         room_right -= _squared(self.across_right, u)
         if not (room_left >= 0.0 and room_right >= 0.0):
             return -math.inf
-        return math.sqrt(room_left) + math.sqrt(room_right) - abs(_at(self.along, u))
+        return (
+            math.sqrt(room_left)
+            + math.sqrt(room_right)
+            - abs(_polynomial_value(self.along, u))
+        )
 
     def edges(self) -> Array:
         """Return every u at which the surplus can change its sign."""
@@ -100,21 +104,21 @@ def cop_friction(
     )
 
 
-def largest_enough(friction: CopFriction, least: float, most: float) -> float | None:
-    """Return the largest u in [``least``, ``most``] with a surplus >= 0; None if none."""
-    if not least <= most:
+def largest_enough(friction: CopFriction, lower: float, upper: float) -> float | None:
+    """Return the largest u in [``lower``, ``upper``] with a surplus >= 0; None if none."""
+    if not lower <= upper:
         return None
-    if friction.surplus(most) >= 0.0:
-        return most
+    if friction.surplus(upper) >= 0.0:
+        return upper
     edges = friction.edges()
-    inside = edges[(edges > least) & (edges < most)]
-    bounds = np.unique(np.concatenate([[least], inside, [most]]))
-    high = most
+    inside = edges[(edges > lower) & (edges < upper)]
+    bounds = np.unique(np.concatenate([[lower], inside, [upper]]))
+    high = upper
     for middle in (0.5 * (bounds[1:] + bounds[:-1]))[::-1].tolist():
         if friction.surplus(middle) >= 0.0:
             return _last_enough(friction, middle, high)
         high = middle
-    return least if friction.surplus(least) >= 0.0 else None
+    return lower if friction.surplus(lower) >= 0.0 else None
 
 
 def _last_enough(friction: CopFriction, low: float, high: float) -> float:
@@ -128,7 +132,7 @@ def _last_enough(friction: CopFriction, low: float, high: float) -> float:
     return low
 
 
-def _at(polynomial: Array, u: float) -> float:
+def _polynomial_value(polynomial: Array, u: float) -> float:
     value = 0.0
     for coefficient in polynomial[::-1].tolist():
         value = value * u + coefficient
@@ -136,7 +140,7 @@ def _at(polynomial: Array, u: float) -> float:
 
 
 def _squared(polynomial: Array, u: float) -> float:
-    value = _at(polynomial, u)
+    value = _polynomial_value(polynomial, u)
     return value * value
 
 

@@ -22,6 +22,7 @@ from pushpressslide.core import margins
 from pushpressslide.core.allocation import AllocationStatus
 from pushpressslide.core.errors import InputError
 from pushpressslide.core.pose import Point
+from pushpressslide.core.renamed import Renamed
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.mechanics.checks import (
     check_force,
@@ -71,6 +72,8 @@ class TwoPresses:
     rho: float  # [m] of the ellipsoid about the centre of pressure
     cap: float  # [N] most that one contact may press
 
+    at = Renamed("loads_for")
+
     def __post_init__(self) -> None:
         check_friction(self.support_friction, "support_friction")
         check_friction(self.contact_friction, "contact_friction")
@@ -109,7 +112,7 @@ class TwoPresses:
             return math.inf
         return asked * self.weight / spare
 
-    def at(
+    def loads_for(
         self, normals: Point, twist: Twist, gravity: Point = (0.0, 0.0)
     ) -> PressLoads:
         """Return what ``normals`` [N] do for ``twist`` (of any body point, in B)."""
@@ -131,8 +134,8 @@ class TwoPresses:
 
         At the cap and "infeasible" if that is not enough.
         """
-        total = min(self._least_total(share, twist, gravity), self._most(share))
-        return self.at(self._shared(share, total), twist, gravity)
+        total = min(self._least_total(share, twist, gravity), self._max_total(share))
+        return self.loads_for(self._shared(share, total), twist, gravity)
 
     def for_share(
         self, share: float | Side, twist: Twist, gravity: Point = (0.0, 0.0)
@@ -165,7 +168,7 @@ class TwoPresses:
         normals = self._normals_for_cop(fraction, twist)
         if normals is None:
             return self._instead(twist, gravity)
-        return self.at(normals, twist)
+        return self.loads_for(normals, twist)
 
     def _normals_for_cop(self, fraction: float, twist: Twist) -> Point | None:
         """Return the least normals [N] with the centre of pressure at ``fraction``.
@@ -260,9 +263,9 @@ class TwoPresses:
             cop, wrench = self._wrench(normals, twist, gravity)
             return total - least_press(line.parts(*wrench, cop), mu, normals[1] / total)
 
-        return _first_enough(surplus, self._most(share))
+        return _first_enough(surplus, self._max_total(share))
 
-    def _most(self, share: float | Side) -> float:
+    def _max_total(self, share: float | Side) -> float:
         """Return the largest sum [N] of normals in a ratio."""
         if isinstance(share, str):
             least = self._least_of_side(share)
@@ -287,16 +290,16 @@ class TwoPresses:
         return min(self.least_fraction + margins.SPARE_LOAD, 0.5)
 
 
-def _first_enough(surplus: Callable[[float], float], most: float) -> float:
-    """Return the least total with surplus(total) >= 0, to ``EXACT`` of ``most``.
+def _first_enough(surplus: Callable[[float], float], upper: float) -> float:
+    """Return the least total with surplus(total) >= 0, to ``EXACT`` of ``upper``.
 
     Inf if there is none. ``surplus`` is nearly linear: false position (Illinois),
     always with a bracket. It may fall again, where more press moves the centre of
     pressure away from where the object is to turn; hence the ``TOPS``.
     """
-    width = EXACT * most
+    width = EXACT * upper
     low = width
-    high = next((part * most for part in TOPS if surplus(part * most) >= 0.0), 0.0)
+    high = next((part * upper for part in TOPS if surplus(part * upper) >= 0.0), 0.0)
     if high == 0.0:
         return math.inf
     at_low = surplus(low)

@@ -84,7 +84,7 @@ def _loads_at_limit(
     if not isinstance(cop, str):
         raise RefusedError(_cop_refusal(presses, cop, twist, allowed))
     normals = loads_with(pair, cop, pair.cap)
-    utilisation = pair.at(normals, twist).needed / sum(normals)
+    utilisation = pair.loads_for(normals, twist).needed / sum(normals)
     limit = f"; allowed {pair.cap:g} N, 0.9 of limits.normal_force"
     return slip_refusal(normals, utilisation, allowed, limit), [normals]
 

@@ -110,8 +110,8 @@ class TwistCone:
             cross(p, first) + cross(q, second),
         )
 
-    def rays(self, least: float) -> list[TwistRate]:
-        """Return twists near the cone's edges and between them, ``least`` [rad] inside."""
+    def rays(self, margin: float) -> list[TwistRate]:
+        """Return twists near the cone's edges and between them, ``margin`` [rad] inside."""
         middle = tuple(0.25 * sum(parts) for parts in zip(*self._edges, strict=True))
         out = []
         for a, b in ((0, 0), (1, 1), (2, 2), (3, 3), *combinations(range(4), 2)):
@@ -123,6 +123,6 @@ class TwistCone:
             out.append((twist.vx, twist.vy, twist.w))
         return [
             ray
-            for ray, margin in zip(out, self.cone_margins(np.array(out)), strict=True)
-            if margin >= least
+            for ray, inside in zip(out, self.cone_margins(np.array(out)), strict=True)
+            if inside >= margin
         ]

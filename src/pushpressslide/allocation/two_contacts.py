@@ -80,7 +80,7 @@ def moving_allocator(
     kernel: Callable[..., Two],
     figures: tuple[Any, Any],
     general: tuple[Linear, Rest],
-    moved: Callable[[float, float, float], Wrench],
+    projected: Callable[[float, float, float], Wrench],
 ) -> Allocator:
     """Return the allocator of a kernel that leaves wrenches outside of the cone to the
     caller: they are moved, and to the nearest of the ``general`` contacts from there.
@@ -91,7 +91,7 @@ def moving_allocator(
         """Return the allocation of a wrench [N, N m]."""
         answer = kernel(fx, fy, tau, first, second)
         if answer[3] == ELSEWHERE:
-            aim = moved(fx, fy, tau)
+            aim = projected(fx, fy, tau)
             answer = nearest_forces((fx, fy, tau), aim, *general)
         forces, normals, margin, status, residual = answer
         words = (forces, normals, margin, STATUSES[status], residual)

@@ -21,10 +21,10 @@ def wall_loads(
     presses: Callable[[float], TwoPresses],
     steps: Sequence[Step],
     uses: Sequence[float],
-    least: float,
+    min_use: float,
 ) -> Point:
     """Return equal loads [N] of the left and right contact that drive every one of
-    ``steps``, each at least ``least`` [N], at the first of the shares ``uses`` of the
+    ``steps``, each at least ``min_use`` [N], at the first of the shares ``uses`` of the
     contact friction that the cap allows.
 
     ``presses(use)`` are those with that share of the friction, on an object that its
@@ -34,13 +34,13 @@ def wall_loads(
     for use in uses:
         pair = presses(use)
         solved = [pair.for_share(0.5, twist, weight) for twist, weight in steps]
-        each = max(least, *(max(loads.normals) for loads in solved))
+        each = max(min_use, *(max(loads.normals) for loads in solved))
         if each <= pair.cap and all(loads.status == "ok" for loads in solved):
             return (each, each)
-    raise ValueError(_problem(presses(uses[-1]), steps, least))
+    raise ValueError(_problem(presses(uses[-1]), steps, min_use))
 
 
-def _problem(presses: TwoPresses, steps: Sequence[Step], least: float) -> str:
+def _problem(presses: TwoPresses, steps: Sequence[Step], min_use: float) -> str:
     """Why no two presses within their cap do it, in one line."""
     mu_a = presses.contact_friction
     mu_w = presses.support_friction
@@ -60,9 +60,9 @@ def _problem(presses: TwoPresses, steps: Sequence[Step], least: float) -> str:
             f"{friction} must exceed "
             f"the wall's, {mu_w:.2f}"
         )
-    if least > max(cap, slide):
+    if min_use > max(cap, slide):
         return (
-            f"carried off its face the object leans over with less than {least:.1f} N "
+            f"carried off its face the object leans over with less than {min_use:.1f} N "
             f"of each arm; {allowed}"
         )
     return f"to carry {weight:.1f} N over the wall takes {slide:.1f} N or more of each arm; {allowed}"

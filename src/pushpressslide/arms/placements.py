@@ -34,7 +34,7 @@ class ArmPlacements:
         self._prepared = PlacementPaths(library)  # of what is ahead
         self._prepared.paths = list(paths)
 
-    def begin(
+    def begin_placement(
         self, query: MotionQuery, postures: Sequence[Array] | None = None
     ) -> None:
         """Give the arms the joint paths of the next placement of ``query``; arms that are
@@ -59,7 +59,7 @@ class ArmPlacements:
 
     def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
         """Take the next joint paths, from where the arms were read last."""
-        self.begin(placement.query, self._postures())
+        self.begin_placement(placement.query, self._postures())
 
     def _postures(self) -> tuple[Array, ...]:
         return tuple(arm.state.q for arm in self._arms)

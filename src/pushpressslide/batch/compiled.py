@@ -178,12 +178,12 @@ def call_of(kernel: Callable[..., Any]) -> Callable[..., Any]:
     for function in KERNELS:
         _register(function)
 
-    def call(*arguments: Any) -> Any:
+    def call_kernel(*arguments: Any) -> Any:
         """Call the kernel."""
         return kernel(*arguments)
 
-    call.__qualname__ = f"call_of_{kernel.__name__}_{_digest()}"
-    out: Callable[..., Any] = numba.njit(cache=True, error_model="numpy")(call)
+    call_kernel.__qualname__ = f"call_of_{kernel.__name__}_{_digest()}"
+    out: Callable[..., Any] = numba.njit(cache=True, error_model="numpy")(call_kernel)
     return out
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pushpressslide.batch.rows import Figures, alike, answers, columns_of, leaves
+from pushpressslide.batch.rows import Figures, answers, columns_of, leaves, map_nested
 from pushpressslide.core.arrays import Array
 from pushpressslide.kernels.path_run import UNDER_WAY, Laws, path_run
 
@@ -26,14 +26,16 @@ END = 23
 class PathRuns(NamedTuple):
     """A planned push, for any bodies."""
 
-    pieces: Array  # (p, 8) of the path: ``kernels.arc_path.Piece``
+    sections: Array  # (p, 8) of the path: ``kernels.arc_path.Piece``
     bends: Array  # (q, 3) of the path: ``kernels.arc_path.Bend``
     laws: Laws
     noise: Array  # (3,) [m], [m], [rad] standard deviations of a measured pose
     # rows that noise is drawn for: what one is given does not depend on how many there are
     width: int
 
-    def begin(self, poses: Array, place: float, rng: np.random.Generator) -> Array:
+    def initial_states(
+        self, poses: Array, place: float, rng: np.random.Generator
+    ) -> Array:
         """Return the states (n, 24) of bodies at ``poses`` (n, 3), X_WB, with the tip in
         contact at ``place`` [m] along the face; what is believed of the poses has been
         filtered.
@@ -63,7 +65,7 @@ class PathRuns(NamedTuple):
         out = states.copy()
         rows = np.arange(len(states))
         numbers = np.array(list(leaves(self.laws)))
-        laws = Figures(numbers, (alike(self.laws, lambda _: 0.0),))
+        laws = Figures(numbers, (map_nested(self.laws, lambda _: 0.0),))
         *_, dt, limit = self.laws[3]
         while len(rows) and states[0, TIME] <= limit - 0.5 * dt:
             noise = self._noise(rng)
@@ -73,7 +75,7 @@ class PathRuns(NamedTuple):
                 Figures(truths[rows], (TRUTH,)),
                 *columns_of(number),
             )
-            arrays = (self.pieces, self.bends, noise)
+            arrays = (self.sections, self.bends, noise)
             states = answers(path_run, row, laws, arrays, columns=WIDTH)
             out[rows] = states
             stay = states[:, END] == UNDER_WAY

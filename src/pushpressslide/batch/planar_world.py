@@ -24,6 +24,7 @@ from pushpressslide.batch.pushing import SEPARATE
 from pushpressslide.batch.rows import Figures, answers, figures, grouped
 from pushpressslide.batch.support import Support
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.renamed import Renamed
 
 NO_FACE = (1.0, 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 1.0)
 """A face that no tip reaches: its right end is to the left of the left one."""
@@ -63,6 +64,8 @@ class WorldStates(NamedTuple):
 class PlanarWorld:
     """Bodies, each with the same number of tips; figures of any leading shape."""
 
+    begin = Renamed("initial_states")
+
     def __init__(self, support: Support, faces: Faces, tips: Tips, dt: float) -> None:
         """Prepare bodies and tips, in ticks of ``dt`` [s].
 
@@ -88,7 +91,7 @@ class PlanarWorld:
         faces_of_kernel = _faces(vectors, numbers, (*shape, count))
         self._figures = _figures(support, faces_of_kernel, dt)
 
-    def begin(self, poses: ArrayLike, tips: ArrayLike) -> WorldStates:
+    def initial_states(self, poses: ArrayLike, tips: ArrayLike) -> WorldStates:
         """Return bodies at rest at ``poses`` (..., 3) X_WB with their tips at ``tips``
         (..., k, 2) [m] in the world.
         """

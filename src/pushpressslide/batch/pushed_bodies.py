@@ -28,7 +28,8 @@ from pushpressslide.batch.rows import (
     halves,
 )
 from pushpressslide.core.arrays import Array
-from pushpressslide.kernels.pushing import pushed_on
+from pushpressslide.core.renamed import Renamed
+from pushpressslide.kernels.pushing import advance_push
 
 
 class Pushes(NamedTuple):
@@ -42,6 +43,8 @@ class Pushes(NamedTuple):
 
 class PushedBodies:
     """Bodies and the faces that they are pushed on; figures of any leading shape."""
+
+    begin = Renamed("initial_states")
 
     def __init__(
         self,
@@ -69,7 +72,7 @@ class PushedBodies:
         self.shape = self._face.shape
         """The leading shape of the bodies."""
 
-    def begin(
+    def initial_states(
         self, poses: ArrayLike, places: ArrayLike = 0.0, gaps: ArrayLike = 0.0
     ) -> Pushes:
         """Return bodies at ``poses`` (..., 3) X_WB with their pushers at ``places``
@@ -93,5 +96,5 @@ class PushedBodies:
         poses, places, gaps = pushes
         columns = columns_of(places, gaps, np.asarray(dt))
         row = (grouped(poses), grouped(rows), *columns)
-        out = answers(pushed_on, row, self._face, columns=5)
+        out = answers(advance_push, row, self._face, columns=5)
         return Pushes(out[..., :3], out[..., 3], out[..., 4])

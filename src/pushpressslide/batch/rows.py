@@ -44,7 +44,7 @@ def figures(*values: ArrayLike) -> tuple[Array, ...]:
 
 def figures_of(*groups: Any) -> Figures:
     """Return nested tuples of arrays (...) as figures of their leading shape."""
-    return Figures(_table(list(leaves(groups))), alike(groups, lambda _: 0.0))
+    return Figures(_table(list(leaves(groups))), map_nested(groups, lambda _: 0.0))
 
 
 def _table(columns: Sequence[ArrayLike]) -> Array:
@@ -74,7 +74,7 @@ def prepared(setup: Kernel, *groups: Any) -> Figures:
     width = given.table.shape[-1]
     first = given.table.reshape(-1, width)[:1].tolist() or [[1.0] * width]
     one = setup(*filled(given.like, first[0]))
-    like = alike(one, lambda _: 0.0)
+    like = map_nested(one, lambda _: 0.0)
     if not given.shape:
         return Figures(_table(list(leaves(one))), like)
     columns = sum(1 for _ in leaves(one))
@@ -93,14 +93,14 @@ def leaves(values: Any) -> Iterator[Any]:
 def filled(like: Any, numbers: Sequence[float]) -> Any:
     """Return numbers as tuples nested as ``like`` is."""
     each = iter(numbers)
-    return alike(like, lambda _: next(each))
+    return map_nested(like, lambda _: next(each))
 
 
-def alike(values: Any, number: Callable[[Any], float]) -> Any:
+def map_nested(values: Any, number: Callable[[Any], float]) -> Any:
     """Return tuples nested as ``values`` are, each member by ``number``."""
     if not isinstance(values, tuple):
         return number(values)
-    parts = [alike(value, number) for value in values]
+    parts = [map_nested(value, number) for value in values]
     make = getattr(type(values), "_make", tuple)
     return make(parts)
 
@@ -125,7 +125,7 @@ def columns_of(*columns: Array) -> tuple[Figures, ...]:
     return tuple(Figures(column[..., None], (0.0,)) for column in columns)
 
 
-def beside(*parts: Figures) -> Figures:
+def stacked_arguments(*parts: Figures) -> Figures:
     """Return arguments of a kernel side by side; they broadcast against each other."""
     columns = [
         c for p in parts for c in p.table.transpose(-1, *range(p.table.ndim - 1))

@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 from pushpressslide.batch.checks import check_last, check_positive
 from pushpressslide.batch.rows import (
     answers,
-    beside,
     columns_of,
     figures,
     figures_of,
@@ -25,6 +24,7 @@ from pushpressslide.batch.rows import (
     halves,
     prepared,
     spread,
+    stacked_arguments,
 )
 from pushpressslide.core.arrays import Array
 from pushpressslide.kernels.tracking import (
@@ -64,7 +64,7 @@ def rear_stanley(
     )
     law = prepared(stanley_law, length, *halves(bounds), rate, ahead)
     row = columns_of(side, turned, bend)
-    law = beside(figures_of(share), law)
+    law = stacked_arguments(figures_of(share), law)
     out = answers(stanley_steering, row, law, columns=2)
     delta = out[..., 0]
     none = np.isnan(side) | np.isnan(turned) | np.isnan(bend)

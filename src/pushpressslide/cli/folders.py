@@ -22,7 +22,7 @@ SHOWN = 8  # names of files in a message
 
 
 @dataclass(frozen=True)
-class _Held:
+class _LockedFolder:
     """A folder that this process writes."""
 
     path: Path  # of the lock
@@ -30,7 +30,7 @@ class _Held:
 
 
 _made: list[Path] = []  # by this command, which are removed if left empty
-_held: list[_Held] = []
+_held: list[_LockedFolder] = []
 
 
 def results_folder(
@@ -76,7 +76,7 @@ def hold(folder: Path, lock: str = LOCK) -> Path:
         raise _in_use(folder, path) from None
     except (OSError, ValueError) as error:
         raise _not_writable(folder, error) from None
-    _held.append(_Held(path, file))
+    _held.append(_LockedFolder(path, file))
     if left and lock == LOCK:
         remove_parts(folder)
     return folder

@@ -38,17 +38,17 @@ def commands() -> dict[str, Any]:
     return {entry.name: _command(entry) for entry in entries()}
 
 
-def _command(entry: EntryPoint) -> Any:
+def _command(entry_point: EntryPoint) -> Any:
     """Return the parser's command of an entry point."""
     try:
-        function = entry.load()
+        function = entry_point.load()
     except (ImportError, AttributeError) as error:
         raise PushPressSlideError(
-            f"{entry.name}: {entry.value} cannot be imported ({error}); install versions of "
+            f"{entry_point.name}: {entry_point.value} cannot be imported ({error}); install versions of "
             "both packages that belong together"
         ) from error
     alone = typer.Typer(add_completion=False, rich_markup_mode=None)
-    alone.command(entry.name)(function)
+    alone.command(entry_point.name)(function)
     return typer.main.get_command(alone)
 
 

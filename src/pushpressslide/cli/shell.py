@@ -118,11 +118,11 @@ class Commands(TyperGroup):
 
 
 def _status_of(
-    call: Callable[[], Any], presses: list[int], as_json: bool, verbose: bool
+    command: Callable[[], Any], presses: list[int], as_json: bool, verbose: bool
 ) -> int:
     """Call a command and return its exit status; a failure is told in one line."""
     try:
-        answer = call()
+        answer = command()
     except Interruption as stopped:
         complain(str(stopped))
         return INTERRUPTED

@@ -46,17 +46,17 @@ class Approach(ABC):
     """
 
     def __init__(
-        self, start: Pose2, held: TipCommands, began: float, duration: float
+        self, start: Pose2, held_commands: TipCommands, began: float, duration: float
     ) -> None:
         """Prepare to move from time ``began`` [s] on, for ``duration`` [s].
 
-        ``start`` is X_WG where the placement is planned to begin; ``held`` has the
+        ``start`` is X_WG where the placement is planned to begin; ``held_commands`` has the
         command of each arm that keeps its contact, None for the others.
         """
         self._began = began
         self._halted: float | None = None  # [s]
         self._log = ControlLog("approach", 0.0, lambda: Thought(start))
-        self.held = held
+        self.held = held_commands
         self.arrival = began + duration  # [s] when the touch begins
 
     def step(self, time: float) -> tuple[Commands, ControlLog]:
@@ -86,7 +86,7 @@ class Approach(ABC):
 
     @abstractmethod
     def _command(
-        self, arm: int, held: TipCommand | None, elapsed: float, rate: float
+        self, arm: int, held_commands: TipCommand | None, elapsed: float, rate: float
     ) -> ArmCommand:
         """Return an arm's command ``elapsed`` [s] on its path, passed at ``rate``."""
 
@@ -100,21 +100,21 @@ class JointApproach(Approach):
         self,
         start: Pose2,
         paths: tuple[JointPath, ...],
-        held: TipCommands,
+        held_commands: TipCommands,
         began: float,
     ) -> None:
         """Prepare to follow ``paths``, one per arm; the others as of an approach."""
         longest = max(float(path.approach_time[-1]) for path in paths)
-        super().__init__(start, held, began, longest + SETTLE)
+        super().__init__(start, held_commands, began, longest + SETTLE)
         self._paths = paths
 
     def _command(
-        self, arm: int, held: TipCommand | None, elapsed: float, rate: float
+        self, arm: int, held_commands: TipCommand | None, elapsed: float, rate: float
     ) -> ArmCommand:
         position, velocity = approach_reference(self._paths[arm], elapsed)
-        if held is None:
+        if held_commands is None:
             return JointCommand(position, rate * velocity)
-        return replace(held, posture=position)
+        return replace(held_commands, posture=position)
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +130,7 @@ class TipPath:
             ramp_time(math.dist(a, b), TRAVEL_SPEED) for a, b in pairwise(self.corners)
         )
 
-    def at(self, elapsed: float) -> tuple[Vector3, Vector3]:
+    def state_at(self, elapsed: float) -> tuple[Vector3, Vector3]:
         """Return place [m] and velocity [m/s] ``elapsed`` [s] after the beginning."""
         for a, b in pairwise(self.corners):
             time = ramp_time(math.dist(a, b), TRAVEL_SPEED)
@@ -150,23 +150,25 @@ class TipApproach(Approach):
         self,
         start: Pose2,
         paths: Sequence[TipPath | None],
-        held: TipCommands,
+        held_commands: TipCommands,
         began: float,
     ) -> None:
         """Prepare to follow ``paths``, one per tip, None for one that stays where it
         is; the others as of an approach.
         """
         longest = max((p.duration for p in paths if p is not None), default=0.0)
-        super().__init__(start, held, began, longest + SETTLE if longest else 0.0)
+        super().__init__(
+            start, held_commands, began, longest + SETTLE if longest else 0.0
+        )
         self._paths = paths
 
     def _command(
-        self, arm: int, held: TipCommand | None, elapsed: float, rate: float
+        self, arm: int, held_commands: TipCommand | None, elapsed: float, rate: float
     ) -> ArmCommand:
         path = self._paths[arm]
-        if held is not None or path is None:
-            return held
-        position, (vx, vy, vz) = path.at(elapsed)
+        if held_commands is not None or path is None:
+            return held_commands
+        position, (vx, vy, vz) = path.state_at(elapsed)
         return free_tip(position, (rate * vx, rate * vy, rate * vz))
 
 
@@ -188,14 +190,14 @@ def free_tip(position: Vector3, velocity: Vector3) -> TipCommand:
     )
 
 
-def tip_path(begin: Vector3, end: Vector3, above: float) -> TipPath:
-    """Return the way from ``begin`` to ``end`` [m] at a height of at least ``above``
+def tip_path(start: Vector3, end: Vector3, above: float) -> TipPath:
+    """Return the way from ``start`` to ``end`` [m] at a height of at least ``above``
     [m].
     """
-    height = max(above, begin[2], end[2])
-    up = (begin[0], begin[1], height)
+    height = max(above, start[2], end[2])
+    up = (start[0], start[1], height)
     over = (end[0], end[1], height)
-    corners = (begin, up, over, end)
+    corners = (start, up, over, end)
     kept = [corners[0]]
     kept += [b for a, b in pairwise(corners) if a != b]
     return TipPath(tuple(kept))

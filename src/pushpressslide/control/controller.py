@@ -21,7 +21,7 @@ from time import perf_counter
 from typing import NamedTuple
 
 from pushpressslide.control.adaptation import TipSpeed
-from pushpressslide.control.entry import Entry
+from pushpressslide.control.entry import Insertion
 from pushpressslide.control.estimator import (
     Estimate,
     Estimator,
@@ -39,8 +39,8 @@ from pushpressslide.control.state import (
     Instant,
     PhaseState,
     TipMemory,
-    begin,
     by_arm,
+    enter_phase,
     pressed,
     ramp_time,
     smooth,
@@ -64,6 +64,7 @@ from pushpressslide.core.plan import Contact, Plan, Segment
 from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.record import Ending
+from pushpressslide.core.renamed import Renamed
 from pushpressslide.core.wrench import Wrench
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 from pushpressslide.modes.base import Tracker
@@ -96,6 +97,8 @@ class Controller:
 
     A run takes a class derived from this one as ``controller``.
     """
+
+    seen = Renamed("filtered_pose")
 
     def __init__(
         self,
@@ -140,17 +143,19 @@ class Controller:
         """
         return self.execution.tracker(query, segment)
 
-    def init(self, measurement: Measurement, held: Commands = ()) -> ControllerState:
+    def init(
+        self, measurement: Measurement, held_commands: Commands = ()
+    ) -> ControllerState:
         """Return the state at the start of the touch.
 
-        ``held`` are the commands of arms that have not let go.
+        ``held_commands`` are the commands of arms that have not let go.
         """
         first, *ahead = self.segments
         tips = tuple(
             TipMemory(
                 measurement.tips[contact.arm].position,
                 regulator=NormalForceState(ramped=contact.load),
-                held=held[contact.arm] if held else None,
+                held_command=held_commands[contact.arm] if held_commands else None,
             )
             for contact in first.contacts
         )
@@ -176,8 +181,8 @@ class Controller:
         slow down, then draw back or hold; tips that were drawing back stay.
         """
         drawn = 0.0 if state.phase.name == "release" else 1.0
-        stopped = begin(state, "release", measurement, failure)
-        return stopped._replace(phase=stopped.phase._replace(drawn=drawn))
+        stopped = enter_phase(state, "release", measurement, failure)
+        return stopped._replace(phase=stopped.phase._replace(retreat_fraction=drawn))
 
     def halted(
         self, state: ControllerState, measurement: Measurement
@@ -189,7 +194,9 @@ class Controller:
         share = _share_back(phase, measurement.time)
         if share == 0.0:
             return state
-        return state._replace(phase=phase._replace(drawn=min(phase.drawn, share)))
+        return state._replace(
+            phase=phase._replace(retreat_fraction=min(phase.retreat_fraction, share))
+        )
 
     def step(self, state: ControllerState, measurement: Measurement) -> Step:
         """Commands, what was decided, the next state, and an event."""
@@ -279,7 +286,7 @@ class Controller:
             )
         return forces
 
-    def seen(self, state: ControllerState) -> Pose2:
+    def filtered_pose(self, state: ControllerState) -> Pose2:
         """Return X_WG at the last tick, freed from noise as far as it can be."""
         return state.estimate.X_WG.compose(self.X_GB).compose(self.X_BG)
 
@@ -319,7 +326,7 @@ class Controller:
         next_state = state._replace(phase=phase._replace(tips=memories))
         if problems:
             failure: Failure = ("contact_lost", problems[-1])
-            next_state = begin(next_state, "release", instant, failure)
+            next_state = enter_phase(next_state, "release", instant, failure)
         commands = tuple(step.command for step in steps)
         settled = not problems and all(step.done for step in steps)
         event = Settled(next_state, instant) if settled else None
@@ -434,7 +441,7 @@ class Controller:
 
 
 def _touches(
-    query: MotionQuery, first: Segment, gap: float | None, into: Entry | None
+    query: MotionQuery, first: Segment, gap: float | None, into: Insertion | None
 ) -> tuple[TipTouch, ...]:
     """Touch of each contact of the ``first`` segment."""
     return tuple(
@@ -478,7 +485,7 @@ def _law(query: MotionQuery, execution: Execution, placement: Placement) -> Law:
     )
 
 
-def _sunk(into: Entry | None) -> float:
+def _sunk(into: Insertion | None) -> float:
     """How much lower than it rests on top a pressing tip has slid off [m]; an object
     that goes down into an opening takes its tips along.
     """
@@ -506,8 +513,8 @@ def _way_back(phase: PhaseState, time: float) -> WayBack:
     ``phase.drawn`` says so.
     """
     share = _share_back(phase, time)
-    if share >= phase.drawn:
-        return WayBack(phase.drawn, 0.0, 0.0)
+    if share >= phase.retreat_fraction:
+        return WayBack(phase.retreat_fraction, 0.0, 0.0)
     u = _ramp_back(phase, time)
     duration = ramp_time(margins.ARM.retreat)
     return WayBack(share, smooth_rate(u) / duration, smooth_change(u) / duration**2)

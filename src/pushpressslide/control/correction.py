@@ -251,5 +251,7 @@ def rest_of(segment: Segment, progress: float) -> Segment:
 def led_in(path: MotionPath, length: float) -> MotionPath:
     """Return ``path`` with ``length`` [m] put before its start."""
     if isinstance(path, ArcPath):
-        return ArcPath(advance(path.start, 0.0, -length), ((0.0, length), *path.pieces))
+        return ArcPath(
+            advance(path.start, 0.0, -length), ((0.0, length), *path.sections)
+        )
     return path.led_in(length)

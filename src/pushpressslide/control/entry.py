@@ -28,7 +28,7 @@ LANDING = 0.05  # [m/s^2] of the tips before the back, [m/s] at which they meet 
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class Insertion:
     """The way into the opening that the goal lies in."""
 
     stop: float  # [m] depth of its back
@@ -72,7 +72,9 @@ def braking(speed: float, allowed: float) -> float:
     return BRAKE * min(1.0, (speed / allowed) ** 2) if speed > 0.0 else 0.0
 
 
-def entry(scene: Scene, goal: Pose2, contacts: Sequence[Contact]) -> Entry | None:
+def insertion_of(
+    scene: Scene, goal: Pose2, contacts: Sequence[Contact]
+) -> Insertion | None:
     """Return how to enter the opening that ``goal``, X_WG, lies in, or None."""
     opening = scene.support.opening
     if opening is None or not scene.enters(goal):
@@ -81,4 +83,4 @@ def entry(scene: Scene, goal: Pose2, contacts: Sequence[Contact]) -> Entry | Non
         (contact.arm, contact.tip_place(scene.robots[contact.arm].tip_radius)[1])
         for contact in contacts
     )
-    return Entry(opening.depth, tips)
+    return Insertion(opening.depth, tips)

@@ -17,7 +17,7 @@ from pushpressslide.core.control import Measurement, TipState
 from pushpressslide.core.motion import Sensing
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.query import MotionQuery
-from pushpressslide.core.twist_path import moved
+from pushpressslide.core.twist_path import integrate
 from pushpressslide.core.wrench import Twist
 from pushpressslide.identification.center import CenterState
 from pushpressslide.identification.online import AxleState
@@ -108,7 +108,7 @@ class ObjectEstimator:
         center = state.center
         found = state.estimates
         if predicted is not state.prediction:
-            axle, center = _kept(state, predicted)
+            axle, center = _carried_over(state, predicted)
         if observation.driven:
             X_WB = X_WG.compose(self._X_GB)
             axle, center = _identified(axle, center, X_WB, observation)
@@ -133,7 +133,7 @@ class ObjectEstimator:
         at_com = observation.led.moved_to((0.0, 0.0))
         dt = observation.time - state.time
         X_WB = before.compose(self._X_GB)
-        predicted = moved(X_WB, (at_com.vx, at_com.vy, at_com.w), dt)
+        predicted = integrate(X_WB, (at_com.vx, at_com.vy, at_com.w), dt)
         if measured is None:
             return predicted.compose(self._X_BG)
         seen = measured.X_WG.compose(self._X_GB)
@@ -161,7 +161,7 @@ def stamped(measurement: Measurement) -> StampedPose:
     )
 
 
-def _kept(
+def _carried_over(
     state: EstimatorState, prediction: Prediction
 ) -> tuple[AxleState, CenterState]:
     """What stays known of virtual axle and CoM where a plan predicts others."""

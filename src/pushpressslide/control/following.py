@@ -136,6 +136,6 @@ class Following(NamedTuple):
         if not timed or reference is None:
             return here
         elapsed = time - self.reference_start
-        planned = reference.profile.at(elapsed)[0] - reference.path.length
+        planned = reference.profile.state_at(elapsed)[0] - reference.path.length
         planned += self.joint_start + self.segment.path.length
         return max(0.0, min(max(planned, here - JOINT_LEAD), here + JOINT_LEAD))

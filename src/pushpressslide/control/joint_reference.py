@@ -38,7 +38,7 @@ def path_reference(path: JointPath, progress: float) -> Array:
     beyond = progress - float(path.arc_length[-1])
     back = path.back
     if beyond > 0.0 and back is not None and len(back) > 1:
-        return _between(np.linspace(0.0, path.room, len(back)), back, beyond)
+        return _between(np.linspace(0.0, path.max_retreat, len(back)), back, beyond)
     if path.arc_length[-1] <= 0.0:  # the goal is the start
         start: Array = path.move[0]
         return start

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from pushpressslide.control.adaptation import Adaptation
-from pushpressslide.control.entry import Entry
+from pushpressslide.control.entry import Insertion
 from pushpressslide.control.following import Following
 from pushpressslide.control.state import Instant, TipMemory
 from pushpressslide.control.tip_motion import ContactKeeping, Felt, TipMover, TipTask
@@ -48,7 +48,7 @@ class Law:
     force_gain: float  # on the contact forces
     servo: bool  # whether a servo adds to them
     tracks_joints: bool  # whether the joints are led by time
-    entry: Entry | None  # into an opening of the support
+    insertion: Insertion | None  # into an opening of the support
     waits: bool  # at the end of the last path, for the object to be seated or at rest
 
     def step(
@@ -95,7 +95,7 @@ class Law:
     def speed(self, following: Following, time: float) -> float:
         """Speed [m/s] along the path: the profile's, and what catches up."""
         profile = following.binding.segment.profile
-        planned = profile.at(time - following.clock_start)
+        planned = profile.state_at(time - following.clock_start)
         left = following.left
         floor = self.floor_speed
         waits = self.waits and not following.ahead and left <= margins.ARM.stop
@@ -115,6 +115,6 @@ class Law:
         self, instant: Instant, tips: Sequence[TipMemory]
     ) -> list[float | None]:
         """Speed [m/s] at which each tip may go into an opening; None where none does."""
-        if self.entry is None:
+        if self.insertion is None:
             return [None] * len(tips)
-        return self.entry.speeds(instant.tips, [memory.start for memory in tips])
+        return self.insertion.speeds(instant.tips, [memory.start for memory in tips])

@@ -16,7 +16,7 @@ from itertools import compress
 import numpy as np
 
 from pushpressslide.core import margins
-from pushpressslide.core.arrays import Array, least
+from pushpressslide.core.arrays import Array, minimum
 from pushpressslide.core.control import (
     ArmCommand,
     Commands,
@@ -63,7 +63,7 @@ class _Memory:
     forces: deque[float]
     overload: int = 0  # ticks so far at which more than its torque was asked
     # [rad] or [m] that its joints have been from their limits, at the farthest
-    room: float | None = None
+    limit_distance: float | None = None
     reference: ArmCommand = None
 
 
@@ -84,18 +84,18 @@ class Guard:
     def __post_init__(self) -> None:
         self._speeds = [arm.velocity.tolist() for arm in self.arms]
 
-    def begin(self) -> None:
+    def forget_references(self) -> None:
         """Forget the references: a new placement begins, with references of its own."""
         self._first_rooms = None
         for memory in self._memories.values():
             memory.reference = None
 
-    def successor(self, normal_force: float, held: Commands) -> Guard:
+    def successor(self, normal_force: float, held_commands: Commands) -> Guard:
         """Guard of what follows a recovery, with another limit of the normal force [N]:
-        it knows the commands that the arms are ``held`` by till then.
+        it knows the commands that the arms are ``held_commands`` by till then.
         """
         other = Guard(normal_force, self.period, self.arms, anew=True)
-        for arm, command in enumerate(held):
+        for arm, command in enumerate(held_commands):
             other._memory(arm).reference = command
         return other
 
@@ -129,7 +129,7 @@ class Guard:
         may bring it: to where it is held off, or nearer than it was at first.
         """
         rooms = [
-            least(_rooms(limits, reading))
+            minimum(_limit_distances(limits, reading))
             for limits, reading in zip(self.arms, readings, strict=True)
         ]
         if self._first_rooms is None:
@@ -174,13 +174,13 @@ class Guard:
 
     def _position(self, arm: int, reading: ArmReading) -> Ending | None:
         memory = self._memory(arm)
-        left = _rooms(self.arms[arm], reading)
+        left = _limit_distances(self.arms[arm], reading)
         worst = int(left.argmin())  # the first that is no number, if one is not
         room = float(left[worst])
-        if memory.room is None:
-            memory.room = room if self.anew else math.inf
-        allowed = min(POSITION_MARGIN, memory.room - POSITION_PLAY)
-        memory.room = max(memory.room, room)
+        if memory.limit_distance is None:
+            memory.limit_distance = room if self.anew else math.inf
+        allowed = min(POSITION_MARGIN, memory.limit_distance - POSITION_PLAY)
+        memory.limit_distance = max(memory.limit_distance, room)
         if room >= allowed:
             return None
         return Ending(
@@ -235,7 +235,7 @@ class Guard:
         )
 
 
-def _rooms(limits: ArmLimits, reading: ArmReading) -> Array:
+def _limit_distances(limits: ArmLimits, reading: ArmReading) -> Array:
     """Return how far each joint is from the nearer end of its range (n,)."""
     out: Array = np.minimum(reading.q - limits.lower, limits.upper - reading.q)
     return out

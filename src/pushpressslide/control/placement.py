@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 from pushpressslide.control.correction import Replanner
-from pushpressslide.control.entry import entry
+from pushpressslide.control.entry import insertion_of
 from pushpressslide.control.following import Binding, bind
 from pushpressslide.core.motion import Tolerance
 from pushpressslide.core.plan import Plan, Segment, arms_kept
@@ -44,7 +44,7 @@ class Placement:
         self.object = self.scene.body
         self.replanner = Replanner(self.queries)
         # into an opening of the support
-        self.entry = entry(self.scene, self.last.goal, self.segments[0].contacts)
+        self.entry = insertion_of(self.scene, self.last.goal, self.segments[0].contacts)
         final = number == len(placements) - 1
         # to the end of the run, since nothing else carries the object at its goal
         self.holds = final and not self.scene.carried(self.last.goal)

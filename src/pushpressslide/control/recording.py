@@ -76,7 +76,7 @@ class Recorder:
     def __len__(self) -> int:
         return len(self._noted)
 
-    def begin(self, plan: Plan, number: int) -> None:
+    def begin_placement(self, plan: Plan, number: int) -> None:
         """Note that the placement of that ``number`` of ``plan`` begins."""
         self._number += 1
         self._earlier = self._number - number

@@ -53,7 +53,7 @@ def restart(
 
 
 def planned_anew(
-    plan: Plan, begin: Restart, prepare: Callable[[], Preparation]
+    plan: Plan, restart_state: Restart, prepare: Callable[[], Preparation]
 ) -> Plan:
     """Return the plan of what is left of the task of ``plan``, in a preparation that
     ``prepare`` returns empty.
@@ -63,11 +63,11 @@ def planned_anew(
     drags too. Raises InfeasibleTaskError where there is none.
     """
     task = plan.task
-    free = replace(begin, free=True)
+    free = replace(restart_state, free=True)
     believed = replace(free, support_friction=task.scene.support.friction)
     tried: list[Task] = []
     refused: InfeasibleTaskError | None = None
-    for one in (begin, free, believed):
+    for one in (restart_state, free, believed):
         rest = task.resumed(one)
         if rest in tried:
             continue
@@ -80,9 +80,9 @@ def planned_anew(
     raise refused
 
 
-def _planned(plan: Plan, begin: Restart, preparation: Preparation) -> Plan:
+def _planned(plan: Plan, restart_state: Restart, preparation: Preparation) -> Plan:
     if plan.searched:  # other motions than those found before may lead on
-        begin = replace(begin, leg=0, legs=())
-    rest = plan.task.resumed(begin)
-    empty = Plan(rest, (), begin, plan.searched, plan.may_push)
+        restart_state = replace(restart_state, leg=0, legs=())
+    rest = plan.task.resumed(restart_state)
+    empty = Plan(rest, (), restart_state, plan.searched, plan.may_push)
     return solved(preparation, empty, ENOUGH).plan

@@ -180,7 +180,7 @@ class RunLoop:
         self.holding: Commands | None = None  # what the arms obey while one plans
         self.log: ControlLog  # of the last tick
         before = self.measure()[0] if goes_on else None
-        self._begin((None,) * arms, cell.clock.time, before)
+        self._begin_placement((None,) * arms, cell.clock.time, before)
 
     def run(self) -> Record:
         """Step to the end and return the record."""
@@ -275,7 +275,7 @@ class RunLoop:
         commands, log = self._decide(measurement, readings)
         sent = self._disturbed(time, commands, log)
         if self.breach is None:
-            breach = _runaway(runaways) or self._judged(measurement, readings, sent)
+            breach = _runaway(runaways) or self._after_tick(measurement, readings, sent)
             if breach is not None:
                 self._stop(breach, measurement, log.phase)
                 commands, log = self._decide(measurement, readings)
@@ -338,18 +338,18 @@ class RunLoop:
             self.state = supervisor.step(event)
             return
         held = still(commands, measurement.tips)
-        state = self._beside(partial(supervisor.step, event), held)
+        state = self._while_holding(partial(supervisor.step, event), held)
         if self.stopping is None:  # or else the stop goes on
             passed = self.cell.clock.time - event.instant.time
             self.state = state.delayed(passed)
 
-    def _beside(self, plan: Callable[[], T], held: Commands) -> T:
+    def _while_holding(self, plan: Callable[[], T], held_commands: Commands) -> T:
         """What a ``plan`` comes to. Where the clock runs the arms are commanded to stay
-        where they are meanwhile, tick by tick, by ``held``.
+        where they are meanwhile, tick by tick, by ``held_commands``.
         """
         if self.cell.clock.simulated:
             return plan()
-        self.holding = held
+        self.holding = held_commands
         pool = ThreadPoolExecutor(1)
         planned = pool.submit(plan)
         pool.shutdown(wait=False)
@@ -365,7 +365,7 @@ class RunLoop:
         watched = zip(self.joint_watches, readings, strict=True)
         return [watch.step(reading.v.tolist()) for watch, reading in watched]
 
-    def _judged(
+    def _after_tick(
         self,
         measurement: Measurement,
         readings: Sequence[ArmReading],
@@ -401,21 +401,23 @@ class RunLoop:
             return commands
         return disturb(time, commands)
 
-    def _begin(
-        self, held: TipCommands, time: float, measurement: Measurement | None
+    def _begin_placement(
+        self, held_commands: TipCommands, time: float, measurement: Measurement | None
     ) -> None:
         """Begin the present placement at ``time`` [s], with the tips as measured."""
         placement = self.placements[self.number]
         query = placement.query
         paths = self.cell.joint_paths
         gap = before_contacts(query.scene, query.motion, placement.contacts)
-        back = min((path.room for path in paths), default=math.inf)
+        back = min((path.max_retreat for path in paths), default=math.inf)
         if paths:  # what the approach really leaves
-            self.approach: Approach = JointApproach(query.start, paths, held, time)
+            self.approach: Approach = JointApproach(
+                query.start, paths, held_commands, time
+            )
             gap = min(gap, *(path.gap for path in paths))
         else:
-            travel = tip_paths(placement, held, measurement)
-            self.approach = TipApproach(query.start, travel, held, time)
+            travel = tip_paths(placement, held_commands, measurement)
+            self.approach = TipApproach(query.start, travel, held_commands, time)
         self.controller = self.options.controller(
             self.plan,
             self.number,
@@ -445,9 +447,9 @@ class RunLoop:
         )
         self.number += 1
         self.cell.placements.hand_over(self.placements[self.number], kept_arms)
-        self.guard.begin()
-        self._begin(held, tick.time, measurement)
-        self.recorder.begin(self.plan, self.number)
+        self.guard.forget_references()
+        self._begin_placement(held, tick.time, measurement)
+        self.recorder.begin_placement(self.plan, self.number)
 
     def _recovers(self, ending: Ending, tick: Tick, measurement: Measurement) -> bool:
         """Plan anew what is left, from where object and arms are, and begin it; return
@@ -461,8 +463,8 @@ class RunLoop:
             return False
         pose = measurement.object_pose
         if self.state is not None:
-            pose = self.controller.seen(self.state)
-        why = self._lacks(self.breach or ending, pose)
+            pose = self.controller.filtered_pose(self.state)
+        why = self._retriable_ending(self.breach or ending, pose)
         if why is None:
             return False
         time = tick.time
@@ -470,7 +472,9 @@ class RunLoop:
             begin = self._restart(pose)
             held = self._hold(tick)
             prepare = self.cell.placements.prepare
-            plan = self._beside(partial(planned_anew, self.plan, begin, prepare), held)
+            plan = self._while_holding(
+                partial(planned_anew, self.plan, begin, prepare), held
+            )
             self._check_in_time(plan)
         except InfeasibleTaskError as error:
             self._note(time, why, str(error))
@@ -479,7 +483,7 @@ class RunLoop:
         self._resume(plan, held)
         return True
 
-    def _lacks(self, ending: Ending, pose: Pose2) -> Ending | None:
+    def _retriable_ending(self, ending: Ending, pose: Pose2) -> Ending | None:
         """Return what went wrong, if arms that have drawn back could begin anew."""
         if ending.code == "goal_reached":
             return self.controller.missed(pose)
@@ -525,21 +529,21 @@ class RunLoop:
                 f"another attempt takes {needed:.0f} s; limits.time leaves {left:.0f} s"
             )
 
-    def _note(self, time: float, why: Ending, lacking: str | None = None) -> None:
+    def _note(self, time: float, why: Ending, missing: str | None = None) -> None:
         """Note what went wrong, and what was lacking for another attempt."""
         self.events.append(
             {
                 "time": time,
                 "code": why.code,
                 "text": why.text,
-                "recovered": lacking is None,
-                "lacking": lacking,
+                "recovered": missing is None,
+                "lacking": missing,
             }
         )
 
-    def _resume(self, plan: Plan, held: Commands) -> None:
+    def _resume(self, plan: Plan, held_commands: Commands) -> None:
         """Begin ``plan`` in place of the rest of the present one, now: planning has
-        taken what it has of the cell's time, under the commands ``held``.
+        taken what it has of the cell's time, under the commands ``held_commands``.
         """
         measurement, _ = self.measure()
         time = measurement.time
@@ -550,10 +554,10 @@ class RunLoop:
         self.recoveries -= 1
         self.breach = None
         self.stopping = None
-        self.guard = self.guard.successor(plan.task.limits.normal_force, held)
+        self.guard = self.guard.successor(plan.task.limits.normal_force, held_commands)
         self.cell.placements.hand_over(self.placements[0], frozenset())
-        self._begin((None,) * len(plan.task.robots), time, measurement)
-        self.recorder.begin(plan, 0)
+        self._begin_placement((None,) * len(plan.task.robots), time, measurement)
+        self.recorder.begin_placement(plan, 0)
 
     def _placement_done(self) -> bool:
         state = self.state
@@ -645,7 +649,7 @@ def _still(command: TipCommand, tip: TipState) -> TipCommand:
 
 
 def tip_paths(
-    placement: Plan, held: TipCommands, measurement: Measurement | None
+    placement: Plan, held_commands: TipCommands, measurement: Measurement | None
 ) -> list[TipPath | None]:
     """Return the way of each tip without an arm, over the object: to before its planned
     contact, or to its robot's base, where a tip waits that has none. None for one that
@@ -667,7 +671,7 @@ def tip_paths(
     for arm, (robot, base) in enumerate(zip(scene.robots, scene.bases, strict=True)):
         begin = measurement.tips[arm].position
         waits = arm not in ends and math.dist(begin, base) < AT_BASE
-        if held[arm] is None and not waits:
+        if held_commands[arm] is None and not waits:
             above = scene.body.shape.height + robot.tip_radius + gap
             paths[arm] = tip_path(begin, ends.get(arm, base), above)
     return paths

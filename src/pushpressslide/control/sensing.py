@@ -145,12 +145,12 @@ class SensedArm:
     def _tip(self, tip: TipState) -> TipState:
         s = self._sensing
         noise = s.tip_noise * self._tip_random.normal(size=3)
-        return replace(tip, position=_moved(tip.position, s.tip_bias, noise))
+        return replace(tip, position=_perturbed(tip.position, s.tip_bias, noise))
 
     def _force(self, force: Vector3) -> Vector3:
         s = self._sensing
         noise = s.force_noise * self._force_random.normal(size=3)
-        return _moved(force, s.force_bias, noise)
+        return _perturbed(force, s.force_bias, noise)
 
 
 class SensedTruth:
@@ -184,6 +184,6 @@ def sensed(cell: Cell, sensing: Sensing, seed: int, dt: float) -> Cell:
     return replace(cell, tracker=tracker, arms=arms, witness=witness)
 
 
-def _moved(value: Vector3, bias: Vector3, noise: np.ndarray) -> Vector3:
+def _perturbed(value: Vector3, bias: Vector3, noise: np.ndarray) -> Vector3:
     x, y, z = (v + b + float(n) for v, b, n in zip(value, bias, noise, strict=True))
     return (x, y, z)

@@ -49,7 +49,9 @@ class TipMemory(NamedTuple):
     """What is remembered of one tip."""
 
     start: Vector3  # [m] where it was when the phase began
-    found: Pose2 | None = None  # X_WB when the tip began to advance in this touch
+    advance_start: Pose2 | None = (
+        None  # X_WB when the tip began to advance in this touch
+    )
     felt: float | None = None  # [s] since when contact is felt in this touch
     absent: float | None = None  # [s] since when it is felt no more
     resumed: float | None = None  # [s] when the tip advanced anew since it was
@@ -62,7 +64,7 @@ class TipMemory(NamedTuple):
     # [N] along the support, world, as last commanded to a pressing tip in this phase
     drag: Point = (0.0, 0.0)
     # of a tip that comes into this placement with the contact it has
-    held: TipCommand | None = None
+    held_command: TipCommand | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +104,9 @@ class PhaseState(NamedTuple):
     align: bool = True
     led: Twist = NO_TWIST  # that the object is led with, in B
     failure: Failure | None = None
-    drawn: float = 1.0  # share of the way back at which the tips stop, in a release
+    retreat_fraction: float = (
+        1.0  # share of the way back at which the tips stop, in a release
+    )
 
 
 class ControllerState(NamedTuple):
@@ -166,16 +170,16 @@ def tip_position(
     return (x, y, height)
 
 
-def sunk(contact: Contact, tip: TipState, radius: float, most: float) -> bool:
+def sunk(contact: Contact, tip: TipState, radius: float, max_depth: float) -> bool:
     """Whether a ``tip`` of ``radius`` [m] that presses on top of an object is beside it:
-    by more than ``most`` [m] lower than it rests there.
+    by more than ``max_depth`` [m] lower than it rests there.
 
     Nothing holds it then: pressed on, it falls beside the object on the support.
     """
     if contact.kind != "top":
         return False
     _, height = contact.tip_place(radius)
-    return tip.position[2] < height - most
+    return tip.position[2] < height - max_depth
 
 
 def contact_yaw(contact: Contact, X_WB: Pose2) -> float:
@@ -223,11 +227,11 @@ def smooth_change(u: float) -> float:
     return 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u)
 
 
-def ramp_time(way: float, speed: float = ALIGN_SPEED) -> float:
-    """Return how long a minimum-jerk move over ``way`` [m] takes at ``speed`` [m/s] at
+def ramp_time(distance: float, speed: float = ALIGN_SPEED) -> float:
+    """Return how long a minimum-jerk move over ``distance`` [m] takes at ``speed`` [m/s] at
     its fastest [s].
     """
-    return 1.875 * math.fabs(way) / speed
+    return 1.875 * math.fabs(distance) / speed
 
 
 def between(a: Vector3, b: Vector3, share: float) -> Vector3:
@@ -239,7 +243,7 @@ def between(a: Vector3, b: Vector3, share: float) -> Vector3:
     )
 
 
-def begin(
+def enter_phase(
     state: ControllerState,
     name: Phase,
     now: Instant | Measurement,

@@ -28,7 +28,7 @@ from pushpressslide.control.state import (
     Failure,
     Instant,
     StallWatch,
-    begin,
+    enter_phase,
     estimates,
     ramp_time,
 )
@@ -153,7 +153,9 @@ class Supervisor:
         retry = self._retry(state, instant)
         if retry:
             return self._next_segment(state, retry, instant)
-        return begin(state, "done" if self.placement.holds else "release", instant)
+        return enter_phase(
+            state, "done" if self.placement.holds else "release", instant
+        )
 
     def lost_for_good(self, moment: Moment) -> bool:
         """Contact is lost once more at a place where it was lost again and again."""
@@ -174,7 +176,7 @@ class Supervisor:
     def touch_again(self, moment: Moment) -> ControllerState:
         """Touch where the tips are."""
         state = _with_losses(moment, self._losses(moment)).state
-        again = begin(state, "touch", moment.instant)
+        again = enter_phase(state, "touch", moment.instant)
         return again._replace(phase=again.phase._replace(align=False))
 
     def crept(self, moment: Moment) -> bool:
@@ -223,7 +225,7 @@ class Supervisor:
         X_WB = moment.instant.X_WB
         before = moment.state.watches.losses
         within = margins.ARM.retouch
-        if before is not None and self._way(before.pose, X_WB) <= within:
+        if before is not None and self._distance_from(before.pose, X_WB) <= within:
             return ContactLosses(before.pose, before.count + 1)
         return ContactLosses(X_WB, 1)
 
@@ -235,13 +237,13 @@ class Supervisor:
             return None
         still = state.watches.still
         if still is not None and still.since >= state.phase.since:
-            way = self._way(still.pose, instant.X_WB)
+            way = self._distance_from(still.pose, instant.X_WB)
             speed = state.following.binding.segment.profile.speed
             if way < margins.STALL * speed * margins.ARM.stall_time:
                 return still
         return StallWatch(instant.X_WB, instant.time)
 
-    def _way(self, pose: Pose2, X_WB: Pose2) -> float:
+    def _distance_from(self, pose: Pose2, X_WB: Pose2) -> float:
         """Return how far the object has come from ``pose``, X_WB, turns included [m]."""
         turned = self.placement.object.radius * abs(wrap_angle(X_WB.yaw - pose.yaw))
         return math.dist(X_WB.position, pose.position) + turned
@@ -277,7 +279,7 @@ class Supervisor:
                 lost=instant.time, retouches=watches.retouches + 1
             ),
         )
-        return begin(again, "touch", instant)
+        return enter_phase(again, "touch", instant)
 
     def replan(self, moment: Moment) -> ControllerState:
         """Follow a better plan from here, if there is one."""
@@ -298,7 +300,9 @@ class Supervisor:
         state = state._replace(watches=state.watches._replace(replanned=time))
         # a turn on the spot that goes on as arcs leads away from its spot
         led = isinstance(following.segment.path, ArcPath)
-        if led and not (self.placement.reaches_far or self._beside(better.segments)):
+        if led and not (
+            self.placement.reaches_far or self._is_near_plan(better.segments)
+        ):
             return state  # asked again after a pause
         first = better.segments[0]
         prediction = following.prediction
@@ -350,7 +354,7 @@ class Supervisor:
             pause = time - (state.watches.lost or time)
             following = following._replace(clock_start=following.clock_start + pause)
         following = following.begun(time)
-        return begin(state._replace(following=following), "move", instant)
+        return enter_phase(state._replace(following=following), "move", instant)
 
     def _arrived(self, following: Following, instant: Instant) -> bool:
         """Whether a segment is over; in an opening, or held, when it rests."""
@@ -391,12 +395,12 @@ class Supervisor:
         way: elsewhere nobody has looked whether the arms can follow.
         """
         return self._in_time(segments, time) and (
-            self.placement.reaches_far or self._beside(segments)
+            self.placement.reaches_far or self._is_near_plan(segments)
         )
 
-    def _beside(self, segments: Sequence[Segment]) -> bool:
+    def _is_near_plan(self, segments: Sequence[Segment]) -> bool:
         """Whether each pose of ``segments`` is near a planned one."""
-        near = margins.ARM.beside
+        near = margins.ARM.near_plan
         turn = margins.ARM.turned_beside
         return all(
             any(
@@ -453,7 +457,7 @@ class Supervisor:
         state: ControllerState,
         ahead: tuple[Segment, ...],
         instant: Instant,
-        found: ParameterEstimates,
+        estimates: ParameterEstimates,
     ) -> tuple[tuple[Segment, ...], Point, int]:
         """The segments ``ahead`` from where the object is, or the retry that takes their
         place; p_BCom [m] that they are planned with, and how many retries there were.
@@ -469,25 +473,27 @@ class Supervisor:
             margins.TOUCH_DETOUR, planned.path.length, self.placement.object.radius
         )
         replanner = self.placement.replanner.believing(following.rho)
-        measured = Measured.touching(X_WB, planned.contacts, touched, longest, found)
+        measured = Measured.touching(
+            X_WB, planned.contacts, touched, longest, estimates
+        )
         fresh = replanner.replan(ahead, measured)
-        center = found.center if fresh else following.prediction.followed_center
+        center = estimates.center if fresh else following.prediction.followed_center
         fresh = fresh or ahead
         retries = state.watches.retries
         if not following.ahead:
             return fresh, center, retries + 1
         if retries < RETRIES and mode.misses(part, fresh, X_WB):
             beyond = Measured.touching(
-                X_WB, fresh[-1].contacts, touched, estimates=found
+                X_WB, fresh[-1].contacts, touched, estimates=estimates
             )
             anew = replanner.retry(fresh[-1], beyond)
             if anew and self._can_follow(anew, instant.time):
-                return anew, found.center, retries + 1
+                return anew, estimates.center, retries + 1
         return fresh, center, retries
 
 
 def _stopped(moment: Moment, failure: Failure) -> ControllerState:
-    return begin(moment.state, "release", moment.instant, failure)
+    return enter_phase(moment.state, "release", moment.instant, failure)
 
 
 def _with_losses(moment: Moment, losses: ContactLosses) -> Moment:

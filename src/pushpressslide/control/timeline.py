@@ -28,4 +28,4 @@ class Timeline:
 
 
 def _pose(segment: Segment, elapsed: float) -> Pose2:
-    return segment.body_pose(segment.profile.at(elapsed)[0])
+    return segment.body_pose(segment.profile.state_at(elapsed)[0])

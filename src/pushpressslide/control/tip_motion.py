@@ -53,7 +53,7 @@ class ContactKeeping(NamedTuple):
     """What keeps a pushing tip at its contact beside another one."""
 
     place: Point  # [m] of the tip's centre, as planned, in B
-    least: float  # [N] of normal force that it is led on to feel
+    min_force: float  # [N] of normal force that it is led on to feel
 
 
 class TipTask(NamedTuple):
@@ -133,7 +133,8 @@ class TipMover:
         mean += (normal_force - mean) / self.samples(contact)
         radius = self.radii[contact.arm]
         felt = Felt(
-            mean < self._least(contact) or sunk(contact, tip, radius, self.sunk),
+            mean < self._loss_threshold(contact)
+            or sunk(contact, tip, radius, self.sunk),
             self._utilisation(tip.force, direction, normal_force),
         )
         force = X_WB.rotate(task.force)
@@ -202,7 +203,7 @@ class TipMover:
         memory = memory._replace(height=height)
         return _Normal(height, HEIGHT_STIFFNESS, HEIGHT_DAMPING), memory
 
-    def _least(self, contact: Contact) -> float:
+    def _loss_threshold(self, contact: Contact) -> float:
         """Return the normal force [N] below which a contact counts as lost."""
         return max(
             margins.KEPT_SHARE * self.threshold, margins.LOSS_SHARE * contact.load
@@ -267,7 +268,7 @@ def _reseating_velocity(
     beyond = max(0.0, abs(slid) - margins.ARM.slid_side)
     back = min(RETURN_RATE * beyond, margins.ARM.return_share * speed)
     along = math.copysign(back, slid)
-    lacking = min(max(1.0 - normal_force / hold.least, 0.0), 1.0)
+    lacking = min(max(1.0 - normal_force / hold.min_force, 0.0), 1.0)
     on = margins.ARM.led_on * lacking
     return (on * nx - along * ny, on * ny + along * nx)
 
@@ -286,12 +287,12 @@ def eased_height(height: float | None, tip: float, wanted: float, dt: float) -> 
     return min(max(height, wanted - HEIGHT_SLACK), wanted + HEIGHT_SLACK)
 
 
-def _within(force: Point, most: float) -> Point:
-    """Return ``force``, no larger than ``most`` [N]."""
+def _within(force: Point, limit: float) -> Point:
+    """Return ``force``, no larger than ``limit`` [N]."""
     size = math.hypot(*force)
-    if size <= most:
+    if size <= limit:
         return force
-    return (force[0] * most / size, force[1] * most / size)
+    return (force[0] * limit / size, force[1] * limit / size)
 
 
 def missing(

@@ -58,14 +58,16 @@ class TipTouch:
     gap: float  # [m] free path before the object
     push: float  # [N] that it presses a side face with in the end
     threshold: float  # [N] that counts as contact
-    seen: float  # [m] that an object has moved by if it is seen to
+    min_displacement: float  # [m] that an object has moved by if it is seen to
     regulator: NormalForceRegulator
     # [m] lower than it rests on top, at which a pressing tip has slid off
     sunk: float = margins.ARM.sunk
 
     def align_time(self, memory: TipMemory, contact: Contact, X_WB: Pose2) -> float:
         """Return how long the tip takes to line up before its contact [s]."""
-        before = tip_position(contact, memory.found or X_WB, self.radius, self.gap)
+        before = tip_position(
+            contact, memory.advance_start or X_WB, self.radius, self.gap
+        )
         return ramp_time(math.dist(before, memory.start)) + 0.1
 
     def step(
@@ -76,8 +78,8 @@ class TipTouch:
         ``elapsed`` [s] since the phase began; ``aligned`` [s] at which the advance
         begins, 0 to go on from where the tip is.
         """
-        if memory.held is not None:
-            return TouchStep(memory.held, memory, True)
+        if memory.held_command is not None:
+            return TouchStep(memory.held_command, memory, True)
         contact = context.contact
         begins = context.joint_progress <= 0.0
         if begins:
@@ -93,8 +95,8 @@ class TipTouch:
             command = held_at(context, context.tip.position)
             return TouchStep(command, memory, False, slid)
         # from here on what the tip does to the object does not lead the tip
-        found = memory.found or context.X_WB
-        memory = memory._replace(found=found)
+        found = memory.advance_start or context.X_WB
+        memory = memory._replace(advance_start=found)
         n = contact.direction(found)
         origin, depth = self._advance(memory, context, found, elapsed, aligned)
         least = self.threshold
@@ -127,23 +129,23 @@ class TipTouch:
         self,
         memory: TipMemory,
         context: TipContext,
-        found: Pose2,
+        advance_start: Pose2,
         elapsed: float,
         aligned: float,
     ) -> tuple[Vector3, float]:
         """Return where the tip's advance counts from [m], and how far it is led [m]: from
-        the free path before the object that was ``found``, X_WB, or from where the tip
+        the free path before the object that was ``advance_start``, X_WB, or from where the tip
         was when it lost its contact.
         """
         contact = context.contact
-        before = tip_position(contact, found, self.radius, self.gap)
+        before = tip_position(contact, advance_start, self.radius, self.gap)
         duration = elapsed - aligned
         if memory.resumed is not None:
             duration = context.time - memory.resumed
         depth = margins.ARM.touch_speed * duration
         if aligned > 0.0 and memory.resumed is None:
             return before, depth
-        n = contact.direction(found)
+        n = contact.direction(advance_start)
         start = memory.start
         ahead = sum((s - b) * d for s, b, d in zip(start, before, n, strict=True))
         return _ahead(start, n, -ahead), depth + min(ahead, self.gap)
@@ -184,21 +186,21 @@ class TipTouch:
             return None
         return f"contact felt and lost again for {most:.1f} s"
 
-    def _pushes(self, context: TipContext, found: Pose2) -> bool:
+    def _pushes(self, context: TipContext, advance_start: Pose2) -> bool:
         """Whether the tip is seen to push the object from the side: it has moved on from
-        where it was ``found``, X_WB, with the tip at its contact.
+        where it was ``advance_start``, X_WB, with the tip at its contact.
         """
         contact = context.contact
         if contact.kind == "top":
             return False
-        x, y, _ = contact.direction(found)
-        there = found.apply(contact.point)
+        x, y, _ = contact.direction(advance_start)
+        there = advance_start.apply(contact.point)
         now = context.X_WB.apply(contact.point)
         moved = (now[0] - there[0]) * x + (now[1] - there[1]) * y
         touching = tip_position(contact, context.X_WB, self.radius, 0.0)
         px, py, _ = context.tip.position
         apart = (touching[0] - px) * x + (touching[1] - py) * y
-        return moved > self.seen and apart < self.seen
+        return moved > self.min_displacement and apart < self.min_displacement
 
 
 def _felt(
@@ -223,7 +225,7 @@ def _felt(
         return memory
     return memory._replace(
         start=context.tip.position,
-        found=context.X_WB,
+        advance_start=context.X_WB,
         felt=None,
         absent=None,
         resumed=time,
@@ -263,12 +265,12 @@ def held_at(
     )
 
 
-def drawn_back(context: TipContext, start: Vector3, way: WayBack) -> TipCommand:
+def drawn_back(context: TipContext, start: Vector3, retreat: WayBack) -> TipCommand:
     """Return the command of a tip that is drawn off its contact from ``start`` [m]."""
     n = context.contact.direction(context.X_WB)
     position, velocity, acceleration = (
         _ahead(origin, n, -moved)
-        for origin, moved in zip((start, STILL, STILL), way, strict=True)
+        for origin, moved in zip((start, STILL, STILL), retreat, strict=True)
     )
     command = held_at(context, position, velocity)
     return replace(command, acceleration=acceleration)

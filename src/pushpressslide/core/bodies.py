@@ -43,19 +43,19 @@ def body_shape(task: Task, body: str) -> Shape:
     return _obstacle(task, body).shape
 
 
-def obstacle_name(body: str, moved: str) -> str:
-    """Return what a body is called in the stage in which ``moved`` is the object."""
-    if body == moved:
+def obstacle_name(body: str, driven_body: str) -> str:
+    """Return what a body is called in the stage in which ``driven_body`` is the object."""
+    if body == driven_body:
         return OBJECT
     return SET_DOWN if body == OBJECT else body
 
 
-def in_stage(state: WorldState, moved: str) -> WorldState:
-    """Return a state with the bodies called as in the stage in which ``moved`` is the
+def in_stage(state: WorldState, driven_body: str) -> WorldState:
+    """Return a state with the bodies called as in the stage in which ``driven_body`` is the
     object.
     """
-    poses = {obstacle_name(body, moved): X for body, X in state.poses.items()}
-    spatial = {obstacle_name(body, moved): q for body, q in state.spatial.items()}
+    poses = {obstacle_name(body, driven_body): X for body, X in state.poses.items()}
+    spatial = {obstacle_name(body, driven_body): q for body, q in state.spatial.items()}
     return replace(state, poses=poses, spatial=spatial)
 
 
@@ -71,15 +71,15 @@ def goal_places(task: Task) -> tuple[tuple[str, Shape, Pose2], ...]:
     return own, (tool.body, body_shape(task, tool.body), tool.goal)
 
 
-def stage_task(task: Task, stage: Stage, begin: WorldState) -> Task:
+def stage_task(task: Task, stage: Stage, start: WorldState) -> Task:
     """Return the ordinary task of a stage that begins in a state.
 
     The body is as the task has it: its own mass and shape, and its own friction with
     the support. What ``motion`` says of face, contacts and height is said of the
     task's object alone.
     """
-    obstacles = [_at(o, begin) for o in task.obstacles if o.name != stage.body]
-    common = replace(task, start=begin.poses[stage.body], goal=stage.goal, goals=())
+    obstacles = [_at_its_pose(o, start) for o in task.obstacles if o.name != stage.body]
+    common = replace(task, start=start.poses[stage.body], goal=stage.goal, goals=())
     common = replace(common, source=f"{task.source or task.name}: {stage.body!r}")
     if stage.aside:
         loose = replace(ON_THE_WAY, bodies=task.tolerance.bodies)
@@ -88,7 +88,7 @@ def stage_task(task: Task, stage: Stage, begin: WorldState) -> Task:
         return replace(common, obstacles=tuple(obstacles))
     moved = _obstacle(task, stage.body)
     shape = moved.shape
-    set_down = _set_down(task, begin.object)
+    set_down = _set_down(task, start.object)
     belief = replace(
         task.belief,
         support_friction=moved.believed_friction,
@@ -111,7 +111,7 @@ def _obstacle(task: Task, name: str) -> Obstacle:
     return next(o for o in task.obstacles if o.name == name)
 
 
-def _at(obstacle: Obstacle, state: WorldState) -> Obstacle:
+def _at_its_pose(obstacle: Obstacle, state: WorldState) -> Obstacle:
     pose = state.poses.get(obstacle.name)
     return obstacle if pose is None else replace(obstacle, pose=pose)
 

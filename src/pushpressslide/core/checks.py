@@ -26,10 +26,10 @@ def check_positive(value: float, name: str, unit: str = "m") -> None:
         _refuse(name, value, unit, POSITIVE)
 
 
-def check_places(points: Sequence[Point], name: str, least: int = 1) -> None:
-    """Raise InputError unless there are ``least`` points [m] or more, all finite."""
-    if len(points) < least:
-        raise InputError(f"{name} of {len(points)} points; must be {least} or more")
+def check_places(points: Sequence[Point], name: str, min_count: int = 1) -> None:
+    """Raise InputError unless there are ``min_count`` points [m] or more, all finite."""
+    if len(points) < min_count:
+        raise InputError(f"{name} of {len(points)} points; must be {min_count} or more")
     for point in points:
         if not all(map(math.isfinite, point)):
             _refuse(name, point, "m", FINITE)

@@ -21,7 +21,7 @@ FRICTIONS = "(0, 2)"
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class FieldSpec:
     """One field of the task file."""
 
     meaning: str
@@ -35,19 +35,19 @@ class Entry:
     is_name: bool = False  # a text that names something: letters, digits, - _ .
 
 
-def entry(
+def field_spec(
     meaning: str, unit: str = "", within: str = "", **details: Any
-) -> Mapping[str, Entry]:
+) -> Mapping[str, FieldSpec]:
     """Return the metadata of a field that the task file has.
 
     ``details`` are those of :class:`Entry`.
     """
-    return {"entry": Entry(meaning, unit, within, **details)}
+    return {"entry": FieldSpec(meaning, unit, within, **details)}
 
 
 def setting(
     default: T, meaning: str, unit: str = "", within: str = "", **details: Any
 ) -> T:
     """Return a field with a default that the task file has."""
-    metadata = entry(meaning, unit, within, **details)
+    metadata = field_spec(meaning, unit, within, **details)
     return field(default=default, metadata=metadata)

@@ -22,7 +22,7 @@ class Guidance(NamedTuple):
     vx: float  # [m/s] the twist, in B: of the body point ``of``
     vy: float  # [m/s]
     w: float  # [rad/s]
-    of: Point  # [m]
+    point: Point  # [m]
     steering: float  # [rad] force angle from the heading axis
     # along [m], left [m], heading [rad]; reference minus actual
     error: tuple[float, float, float]
@@ -36,4 +36,4 @@ class Guidance(NamedTuple):
     @property
     def twist(self) -> Twist:
         """Wanted twist, in B."""
-        return Twist(self.vx, self.vy, self.w, self.of)
+        return Twist(self.vx, self.vy, self.w, self.point)

@@ -360,7 +360,7 @@ class ArmMargins:
     """That a pose on the way may be missed by: the arms still find their next contacts."""
     turned_via: float = field(default=math.radians(5.0), metadata={"unit": "1"})
     """The same of its yaw [rad]."""
-    beside: float = field(default=0.1, metadata={"unit": "m"})
+    near_plan: float = field(default=0.1, metadata={"unit": "m"})
     """Of an object from its planned way, within which the arms' joints can follow."""
     turned_beside: float = field(default=0.4, metadata={"unit": "1"})
     """The same of its yaw [rad]."""
@@ -433,11 +433,11 @@ class ArmMargins:
         """
         return self.push_loss_time if kind == "side" else self.press_loss_time
 
-    def look_ahead(self, length: float, speed: float, least: float = 0.0) -> float:
-        """Return the look-ahead [m] of a vehicle of some ``length`` [m], at ``least``
+    def look_ahead(self, length: float, speed: float, min_length: float = 0.0) -> float:
+        """Return the look-ahead [m] of a vehicle of some ``length`` [m], at ``min_length``
         [m] where that is possible.
         """
-        wanted = max(LOOK_AHEAD * length, least, self.shortest(speed))
+        wanted = max(LOOK_AHEAD * length, min_length, self.shortest(speed))
         return min(wanted, max(self.longest_look_ahead, self.shortest(speed)))
 
 
@@ -450,12 +450,12 @@ def inset(tip_radius: float) -> float:
     return INSET * tip_radius
 
 
-def drag_ratio(measured: float, believed: float) -> float:
-    """Return the drag [N] that was ``measured`` over what was ``believed``, as far as it
+def drag_ratio(measured: float, expected: float) -> float:
+    """Return the drag [N] that was ``measured`` over what was ``expected``, as far as it
     counts.
     """
     least, most = DRAG
-    return min(max(measured / believed, least), most)
+    return min(max(measured / expected, least), most)
 
 
 def longest(detour: tuple[float, float], left: float, radius: float) -> float:

@@ -12,7 +12,7 @@ from typing import Literal
 from pushpressslide.core import margins
 from pushpressslide.core.checks import check_fields
 from pushpressslide.core.control import Vector3
-from pushpressslide.core.entry import entry, setting
+from pushpressslide.core.entry import field_spec, setting
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.scene import ARM_NAMES, ArmName
 
@@ -63,7 +63,7 @@ class ToolUse:
     body: str  # name of a movable obstacle
     goal: Pose2  # of that body's centre, in the world
     face: int = field(
-        metadata=entry(
+        metadata=field_spec(
             "index of the edge of the tool's footprint that pushes, as in motion.face",
             within="[0, 255]",
             default_in_file=1,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.renamed import Renamed
 from pushpressslide.kernels.arc_path import TURN as TURN
 from pushpressslide.kernels.arc_path import eased, nearest, trapezoid
 
@@ -37,15 +38,18 @@ class ArcPath:
     """
 
     start: Pose2
-    pieces: tuple[tuple[float, float], ...]
+    sections: tuple[tuple[float, float], ...]
+
+    pieces = Renamed("sections")
+    starts = Renamed("section_starts")
 
     @cached_property
-    def starts(self) -> tuple[tuple[float, Pose2], ...]:
+    def section_starts(self) -> tuple[tuple[float, Pose2], ...]:
         """Arc length and pose at the start of each piece, and at the end."""
         s = 0.0
         pose = self.start
         out = [(0.0, self.start)]
-        for curvature, length in self.pieces:
+        for curvature, length in self.sections:
             pose = advance(pose, curvature, length)
             s += length
             out.append((s, pose))
@@ -54,7 +58,7 @@ class ArcPath:
     @cached_property
     def length(self) -> float:
         """Total length [m]."""
-        return sum(length for _, length in self.pieces)
+        return sum(length for _, length in self.sections)
 
     @property
     def distance(self) -> float:
@@ -64,43 +68,47 @@ class ArcPath:
     @property
     def turning(self) -> float:
         """Total turn [rad], to the left > 0, whole turns included."""
-        return sum(curvature * length for curvature, length in self.pieces)
+        return sum(curvature * length for curvature, length in self.sections)
 
     @property
     def end(self) -> Pose2:
         """Last pose."""
-        return self.starts[-1][1]
+        return self.section_starts[-1][1]
 
-    def _piece(self, s: float) -> int:
-        for i in range(len(self.pieces) - 1):
-            if s < self.starts[i + 1][0]:
+    def _section_index(self, s: float) -> int:
+        for i in range(len(self.sections) - 1):
+            if s < self.section_starts[i + 1][0]:
                 return i
-        return len(self.pieces) - 1
+        return len(self.sections) - 1
 
     def pose(self, s: float) -> Pose2:
         """Return the pose at arc length ``s`` [m].
 
         Outside [0, length] the path goes on straight.
         """
-        if s < 0.0 or not self.pieces:
+        if s < 0.0 or not self.sections:
             return advance(self.start, 0.0, s)
         if s > self.length:
             return advance(self.end, 0.0, s - self.length)
-        i = self._piece(s)
-        return advance(self.starts[i][1], self.pieces[i][0], s - self.starts[i][0])
+        i = self._section_index(s)
+        return advance(
+            self.section_starts[i][1],
+            self.sections[i][0],
+            s - self.section_starts[i][0],
+        )
 
     def rest(self, s: float) -> ArcPath:
         """Return what of the path comes after arc length ``s`` in [0, length]."""
-        i = self._piece(s)
-        curvature = self.pieces[i][0]
-        end = self.starts[i + 1][0]
-        return ArcPath(self.pose(s), ((curvature, end - s), *self.pieces[i + 1 :]))
+        i = self._section_index(s)
+        curvature = self.sections[i][0]
+        end = self.section_starts[i + 1][0]
+        return ArcPath(self.pose(s), ((curvature, end - s), *self.sections[i + 1 :]))
 
     def curvature(self, s: float) -> float:
         """Return the signed curvature [1/m] at arc length ``s``; zero outside the path."""
-        if s < 0.0 or s > self.length or not self.pieces:
+        if s < 0.0 or s > self.length or not self.sections:
             return 0.0
-        return self.pieces[self._piece(s)][0]
+        return self.sections[self._section_index(s)][0]
 
     @cached_property
     def _bends(self) -> tuple[tuple[float, float, float], ...]:
@@ -108,9 +116,9 @@ class ArcPath:
         nearer end of the path is [m].
         """
         out = []
-        for i in range(1, len(self.pieces)):
-            s = self.starts[i][0]
-            change = self.pieces[i][0] - self.pieces[i - 1][0]
+        for i in range(1, len(self.sections)):
+            s = self.section_starts[i][0]
+            change = self.sections[i][0] - self.sections[i - 1][0]
             out.append((s, change, min(s, self.length - s)))
         return tuple(out)
 
@@ -129,8 +137,10 @@ class ArcPath:
         the end.
         """
         rows = []
-        pieces = (*self.pieces, (0.0, math.inf))
-        for (curvature, length), (s, pose) in zip(pieces, self.starts, strict=True):
+        pieces = (*self.sections, (0.0, math.inf))
+        for (curvature, length), (s, pose) in zip(
+            pieces, self.section_starts, strict=True
+        ):
             x = pose.x
             y = pose.y
             yaw = pose.yaw
@@ -188,6 +198,6 @@ class SpeedProfile:
         v = self.cruise
         return self.length / v + v / self.acceleration
 
-    def at(self, t: float) -> tuple[float, float]:
+    def state_at(self, t: float) -> tuple[float, float]:
         """Return arc length [m] and speed [m/s] at time ``t`` [s], held at the ends."""
         return trapezoid(t, self.length, self.cruise, self.acceleration)

@@ -338,4 +338,4 @@ class JointPath:
     # (b, n) [rad] as the tip is drawn back from the end of the path, evenly spaced, the
     # first in contact; None: not known
     back: NDArray[np.float64] | None = None
-    room: float = math.inf  # [m] of that way
+    max_retreat: float = math.inf  # [m] of that way

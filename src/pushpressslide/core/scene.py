@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 from pushpressslide.core import margins
 from pushpressslide.core.checks import check_fields
 from pushpressslide.core.constants import GRAVITY
-from pushpressslide.core.entry import FRICTIONS, entry, setting
+from pushpressslide.core.entry import FRICTIONS, field_spec, setting
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.renamed import Renamed
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.geometry.shapes import Shape
 
@@ -41,13 +42,13 @@ class Opening:
     """A rectangular opening in a wall, closed at its back."""
 
     size: tuple[float, float] = field(
-        metadata=entry("size along x and y", "m", "(0, 10]")
+        metadata=field_spec("size along x and y", "m", "(0, 10]")
     )
     center: Point = field(
-        metadata=entry("position of its centre", key="pose")
+        metadata=field_spec("position of its centre", key="pose")
     )  # in the wall's plane
     depth: float = field(
-        metadata=entry("distance of its back from the wall's face", "m", "(0, 10]")
+        metadata=field_spec("distance of its back from the wall's face", "m", "(0, 10]")
     )
 
     def __post_init__(self) -> None:
@@ -121,11 +122,13 @@ CENTROID: Point = (math.nan, math.nan)
 class ObjectModel:
     """The object to be moved; without ``center_of_mass`` that of even density."""
 
-    shape: Shape = field(metadata=entry("exactly one shape; it defines the frame G"))
-    mass: float = field(metadata=entry("mass", "kg", "(0, 1000]"))
+    shape: Shape = field(
+        metadata=field_spec("exactly one shape; it defines the frame G")
+    )
+    mass: float = field(metadata=field_spec("mass", "kg", "(0, 1000]"))
     center_of_mass: Point = field(
         default=CENTROID,
-        metadata=entry(
+        metadata=field_spec(
             "centre of mass in G, projected on the support, inside the footprint; null: "
             "the centroid",
             "m",
@@ -160,14 +163,14 @@ class Robot:
     """One arm (or a free tip, ``hand``) and where its base stands."""
 
     model: str = field(
-        metadata=entry(
+        metadata=field_spec(
             "panda, iiwa7, hand (a free force-controlled tip), or the path of a URDF "
             "or SDF file"
         )
     )
     # [m] position in the world
     base: tuple[float, float, float] = field(
-        default=(0.0, 0.0, 0.0), metadata=entry("pose of the base")
+        default=(0.0, 0.0, 0.0), metadata=field_spec("pose of the base")
     )
     base_yaw: float = 0.0  # [rad] in the file part of the base
     tip_frame: str | None = setting(
@@ -191,10 +194,12 @@ class Robot:
 class Obstacle:
     """An upright body in the scene, fixed or free to move."""
 
-    name: str = field(metadata=entry("unique; not 'object'", is_name=True))
-    shape: Shape = field(metadata=entry("exactly one shape; it stands on the support"))
+    name: str = field(metadata=field_spec("unique; not 'object'", is_name=True))
+    shape: Shape = field(
+        metadata=field_spec("exactly one shape; it stands on the support")
+    )
     # in the world (on a wall: in the wall's plane)
-    pose: Pose2 = field(metadata=entry("pose of the shape's frame G"))
+    pose: Pose2 = field(metadata=field_spec("pose of the shape's frame G"))
     movable: bool = setting(False, "whether it can be pushed away; else it is fixed")
     mass: float = setting(1.0, "mass, if movable", "kg", "(0, 1000]")
     friction: float = setting(
@@ -214,6 +219,8 @@ class Obstacle:
         "movable",
     )
 
+    told = Renamed("nominal")
+
     def __post_init__(self) -> None:
         check_fields(self)
 
@@ -223,7 +230,7 @@ class Obstacle:
         return self.shape.placed(self.pose)
 
     @property
-    def told(self) -> Obstacle:
+    def nominal(self) -> Obstacle:
         """The obstacle as planner and controller are told it."""
         return replace(
             self,
@@ -270,9 +277,9 @@ class Belief:
         check_fields(self)
 
 
-def assumption(believed: Value | None, true: Value) -> Value:
+def assumption(belief: Value | None, true: Value) -> Value:
     """Return what is believed; where that is None, what is true."""
-    return true if believed is None else believed
+    return true if belief is None else belief
 
 
 @dataclass(frozen=True, slots=True)

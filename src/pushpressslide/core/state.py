@@ -24,14 +24,14 @@ Joints = tuple[float, ...]  # [rad] of one arm
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
+class HeldContacts:
     """The contacts of a mode, however hard they press."""
 
     mode: str
     contacts: tuple[Contact, ...]  # without loads
 
     @classmethod
-    def by(cls, mode: str, contacts: tuple[Contact, ...]) -> Held:
+    def by(cls, mode: str, contacts: tuple[Contact, ...]) -> HeldContacts:
         """Return contacts of a mode without their loads."""
         return cls(mode, tuple(replace(contact, load=0.0) for contact in contacts))
 
@@ -43,7 +43,7 @@ class WorldState:
     # X_WG of bodies by name; any other is as the task has it
     poses: Mapping[str, Pose2]
     joints: tuple[Joints, ...] = ()  # of each arm; empty: as they come, or no arms
-    held: Held | None = None  # None: the arms have let go
+    held_contacts: HeldContacts | None = None  # None: the arms have let go
     speeds: tuple[Joints, ...] = ()  # [rad/s] of the joints; empty: at rest
     tips: tuple[Vector3, ...] = ()  # [m] centre of each; empty: as they come
     # quaternion (w, x, y, z) and position [m] in Drake's world, (7,), of the same
@@ -57,8 +57,10 @@ class WorldState:
 
     def led(self, body: str, X_WG: Pose2) -> WorldState:
         """Return the state with one body at ``X_WG`` and nothing held."""
-        return replace(self, poses={**self.poses, body: X_WG}, held=None, spatial={})
+        return replace(
+            self, poses={**self.poses, body: X_WG}, held_contacts=None, spatial={}
+        )
 
     def __hash__(self) -> int:
         """Return the hash of what is compared."""
-        return hash((frozenset(self.poses.items()), self.joints, self.held))
+        return hash((frozenset(self.poses.items()), self.joints, self.held_contacts))

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from pushpressslide.core.checks import check_fields
-from pushpressslide.core.entry import FRICTIONS, entry, setting
+from pushpressslide.core.entry import FRICTIONS, field_spec, setting
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.motion import ON_THE_WAY
 from pushpressslide.core.motion import Limits as Limits
@@ -24,6 +24,7 @@ from pushpressslide.core.motion import Tolerance as Tolerance
 from pushpressslide.core.motion import ToolUse as ToolUse
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
+from pushpressslide.core.renamed import Renamed
 from pushpressslide.core.scene import Belief as Belief
 from pushpressslide.core.scene import ObjectModel as ObjectModel
 from pushpressslide.core.scene import Obstacle as Obstacle
@@ -48,15 +49,17 @@ class Leg:
     object.
     """
 
-    mode: str = field(metadata=entry("contact mode", is_name=True))
+    mode: str = field(metadata=field_spec("contact mode", is_name=True))
     goal: Pose2 = field(
-        metadata=entry(
+        metadata=field_spec(
             "pose of G at the end of the leg; null, for the last leg: the goal",
             key="pose",
             default_in_file=None,
         )
     )
-    motion: Motion = field(metadata=entry("fields of `motion` that differ in this leg"))
+    motion: Motion = field(
+        metadata=field_spec("fields of `motion` that differ in this leg")
+    )
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -93,23 +96,25 @@ class Task:
     """One manipulation task, complete and checked."""
 
     name: str = field(
-        metadata=entry("name of the task, and of its folders of results", is_name=True)
+        metadata=field_spec(
+            "name of the task, and of its folders of results", is_name=True
+        )
     )
-    object: ObjectModel = field(metadata=entry("the object to be moved"))
+    object: ObjectModel = field(metadata=field_spec("the object to be moved"))
     # X_WG (on a wall: in the wall's plane)
     start: Pose2 = field(
-        metadata=entry("pose of the shape's frame G at which the plan begins")
+        metadata=field_spec("pose of the shape's frame G at which the plan begins")
     )
     # X_WG; of a tool, where it has the other body at that body's goal; with ``goals``
     # the start
     goal: Pose2 = field(
-        metadata=entry(
+        metadata=field_spec(
             "wanted pose of the shape's frame G; a task has this or `goals`",
             default_in_file=None,
         )
     )
     robots: tuple[Robot, ...] = field(
-        metadata=entry("the arms; of two, the first is the left one", count=(1, 2))
+        metadata=field_spec("the arms; of two, the first is the left one", count=(1, 2))
     )
     support: Support = setting(Support(), "surface on which the object slides")
     contact_friction: float = setting(
@@ -167,6 +172,8 @@ class Task:
     # the file it came from, for messages
     source: str = field(default="", compare=False)
 
+    believed = Renamed("full_belief")
+
     def __post_init__(self) -> None:
         check_fields(self)
 
@@ -177,7 +184,7 @@ class Task:
         return f"Task({self.name!r}: {shape} of {self.object.mass:g} kg; {arms})"
 
     @property
-    def believed(self) -> Belief:
+    def full_belief(self) -> Belief:
         """What planner and controller assume, with every field but rho given."""
         scene = self.scene
         return Belief(
@@ -203,7 +210,7 @@ class Task:
             replace(self.support, friction=friction),
             assumption(belief.contact_friction, self.contact_friction),
             self.robots,
-            tuple(obstacle.told for obstacle in self.obstacles),
+            tuple(obstacle.nominal for obstacle in self.obstacles),
             belief.rho,
             belief.friction_error,
             belief.center_error,

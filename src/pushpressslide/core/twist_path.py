@@ -11,6 +11,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
+from pushpressslide.core.renamed import Renamed
 from pushpressslide.core.wrench import Twist
 from pushpressslide.kernels.plane import carried
 
@@ -25,7 +26,7 @@ SHORTEST = 1e-12
 """Two poses that are closer than this [m] are one: less is rounding of their numbers."""
 
 
-def moved(pose: Pose2, rate: TwistRate, length: float) -> Pose2:
+def integrate(pose: Pose2, rate: TwistRate, length: float) -> Pose2:
     """Return the pose reached from ``pose`` after ``length`` [m] at a constant body
     twist: the exponential map.
     """
@@ -62,14 +63,14 @@ def reached(pose: Pose2, twists: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def screws(
-    starts: NDArray[np.float64], ends: NDArray[np.float64]
+    section_starts: NDArray[np.float64], ends: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Return ``screw`` (m, n, 3) of all pairs of m starts and n ends, poses (x, y, yaw)
     as rows.
     """
     import numpy as np
 
-    x0, y0, yaw0 = starts.T[:, :, None]
+    x0, y0, yaw0 = section_starts.T[:, :, None]
     x1, y1, yaw1 = ends.T[:, None, :]
     dx = x1 - x0
     dy = y1 - y0
@@ -93,8 +94,11 @@ class TwistPath:
     """
 
     start: Pose2
-    pieces: tuple[tuple[TwistRate, float], ...]
+    sections: tuple[tuple[TwistRate, float], ...]
     radius: float
+
+    pieces = Renamed("sections")
+    starts = Renamed("section_starts")
 
     @classmethod
     def between(cls, poses: tuple[Pose2, ...], radius: float) -> TwistPath:
@@ -110,54 +114,62 @@ class TwistPath:
         return cls(poses[0], tuple(pieces), radius)
 
     @cached_property
-    def starts(self) -> tuple[tuple[float, Pose2], ...]:
+    def section_starts(self) -> tuple[tuple[float, Pose2], ...]:
         """Arc length and pose at the start of each piece, and at the end."""
         s = 0.0
         pose = self.start
         out = [(0.0, self.start)]
-        for rate, length in self.pieces:
+        for rate, length in self.sections:
             s = s + length
-            pose = moved(pose, rate, length)
+            pose = integrate(pose, rate, length)
             out.append((s, pose))
         return tuple(out)
 
     @property
     def length(self) -> float:
         """Total length [m]."""
-        return self.starts[-1][0]
+        return self.section_starts[-1][0]
 
     @property
     def distance(self) -> float:
         """Distance [m] that the tracking point covers; turns on the spot add nothing."""
-        return sum(math.hypot(vx, vy) * length for (vx, vy, _), length in self.pieces)
+        return sum(math.hypot(vx, vy) * length for (vx, vy, _), length in self.sections)
 
     @property
     def end(self) -> Pose2:
         """Last pose."""
-        return self.starts[-1][1]
+        return self.section_starts[-1][1]
 
-    def _piece(self, s: float) -> int:
-        for i in range(len(self.pieces) - 1):
-            if s < self.starts[i + 1][0]:
+    def _section_index(self, s: float) -> int:
+        for i in range(len(self.sections) - 1):
+            if s < self.section_starts[i + 1][0]:
                 return i
-        return len(self.pieces) - 1
+        return len(self.sections) - 1
 
     def pose(self, s: float) -> Pose2:
         """Return the pose at arc length ``s`` [m].
 
         Beyond the ends of the path the motion goes on with the twist there.
         """
-        if not self.pieces:
+        if not self.sections:
             return self.start
-        i = self._piece(s)
-        return moved(self.starts[i][1], self.pieces[i][0], s - self.starts[i][0])
+        i = self._section_index(s)
+        return integrate(
+            self.section_starts[i][1],
+            self.sections[i][0],
+            s - self.section_starts[i][0],
+        )
 
     def rate(self, s: float) -> TwistRate:
         """Return the twist per metre at arc length ``s`` [m], in V.
 
         It is zero for a path without pieces.
         """
-        return self.pieces[self._piece(s)][0] if self.pieces else (0.0, 0.0, 0.0)
+        return (
+            self.sections[self._section_index(s)][0]
+            if self.sections
+            else (0.0, 0.0, 0.0)
+        )
 
     def initial_twist(self, point: Point) -> Twist:
         """Return the twist per metre with which a path of ``point`` [m] in B begins."""
@@ -184,7 +196,7 @@ class TwistPath:
         """Return the path with ``length`` [m] of the first twist put before its start."""
         rate = self.rate(0.0)
         return TwistPath(
-            moved(self.start, rate, -length),
-            ((rate, length), *self.pieces),
+            integrate(self.start, rate, -length),
+            ((rate, length), *self.sections),
             self.radius,
         )

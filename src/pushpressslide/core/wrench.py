@@ -31,19 +31,19 @@ class Wrench(NamedTuple):
 
 
 class Twist(NamedTuple):
-    """Velocity (vx, vy) [m/s] of the body point ``of`` and angular velocity w [rad/s],
+    """Velocity (vx, vy) [m/s] of the body point ``point`` and angular velocity w [rad/s],
     in one planar frame.
     """
 
     vx: float
     vy: float
     w: float
-    of: Point = (0.0, 0.0)
+    point: Point = (0.0, 0.0)
 
     def moved_to(self, point: Point) -> Twist:
         """Return the same motion as the velocity of another body point: v_p = v_o + w J
         (p - o).
         """
-        rx = point[0] - self.of[0]
-        ry = point[1] - self.of[1]
+        rx = point[0] - self.point[0]
+        ry = point[1] - self.point[1]
         return Twist(self.vx - self.w * ry, self.vy + self.w * rx, self.w, point)

@@ -206,7 +206,7 @@ class ArmExecutor:
         own = servo(command, place, velocity, self.dt)
         force = self.frame.direction(own.force)
         along = J
-        if not (own.alike and self._upright):
+        if not (own.isotropic and self._upright):
             along = np.vstack((J[:3], self._contact_axes(command.normal_yaw) @ J[3:]))
         weights = np.array((*self._turning, *own.added))
         return Impedance(J.T @ (moment + force), (along.T * weights) @ along)

@@ -17,7 +17,7 @@ class Servo(NamedTuple):
     added: Vector3  # [kg] as of ``execution.torque.Impedance``, along n, t and height
 
     @property
-    def alike(self) -> bool:
+    def isotropic(self) -> bool:
         """Whether all directions along the support are the same."""
         return self.added[0] == self.added[1]
 
@@ -65,9 +65,9 @@ def tip_force(command: TipCommand, position: Vector3, velocity: Vector3) -> Vect
     return (x + fx, y + fy, z + fz)
 
 
-def _share_within(size: float, most: float) -> float:
-    """Share of something of a ``size`` that is no larger than ``most``."""
-    return most / size if size > most else 1.0
+def _share_within(size: float, limit: float) -> float:
+    """Share of something of a ``size`` that is no larger than ``limit``."""
+    return limit / size if size > limit else 1.0
 
 
 def rotation_error(R_wanted: Array, R: Array) -> Vector3:

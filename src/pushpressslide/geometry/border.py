@@ -30,7 +30,7 @@ class Edge:
         dy = self.end[1] - self.start[1]
         return turned_left((dx / length, dy / length))
 
-    def at(self, place: float) -> Point:
+    def point_at(self, place: float) -> Point:
         """Return the point ``place`` [m] from its start."""
         share = place / self.length
         return (
@@ -38,7 +38,7 @@ class Edge:
             self.start[1] + share * (self.end[1] - self.start[1]),
         )
 
-    def moved(self, X: Pose2) -> Edge:
+    def transformed(self, X: Pose2) -> Edge:
         """Return the edge in the frame in which its own has the pose ``X``."""
         return Edge(X.apply(self.start), X.apply(self.end))
 
@@ -52,7 +52,7 @@ class Arc:
     start: float  # [rad] direction of its first point from the centre
     sweep: float  # [rad] > 0, counter-clockwise
 
-    def at(self, angle: float) -> Point:
+    def point_at(self, angle: float) -> Point:
         """Return the point in the direction ``angle`` [rad] from the centre."""
         return (
             self.center[0] + self.radius * math.cos(angle),
@@ -64,7 +64,7 @@ class Arc:
         """Whether it is a circle."""
         return self.sweep >= 2.0 * math.pi - 1e-9
 
-    def moved(self, X: Pose2) -> Arc:
+    def transformed(self, X: Pose2) -> Arc:
         """Return the arc in the frame in which its own has the pose ``X``."""
         return Arc(X.apply(self.center), self.radius, self.start + X.yaw, self.sweep)
 
@@ -79,11 +79,11 @@ class Border:
     corners: tuple[Point, ...]  # [m] of the polygon that has chords in place of arcs
     sides: tuple[BorderSide, ...]  # in order; the first begins at the first corner
 
-    def moved(self, X: Pose2) -> Border:
+    def transformed(self, X: Pose2) -> Border:
         """Return the border in the frame in which its own has the pose ``X``."""
         return Border(
             tuple(X.apply(corner) for corner in self.corners),
-            tuple(side.moved(X) for side in self.sides),
+            tuple(side.transformed(X) for side in self.sides),
         )
 
 
@@ -97,4 +97,4 @@ def round_border(radius: float) -> Border:
     """Return the border of a disc about the origin, of ``radius`` [m]."""
     circle = Arc((0.0, 0.0), radius, 0.0, 2.0 * math.pi)
     step = 2.0 * math.pi / CHORDS
-    return Border(tuple(circle.at(i * step) for i in range(CHORDS)), (circle,))
+    return Border(tuple(circle.point_at(i * step) for i in range(CHORDS)), (circle,))

@@ -149,9 +149,9 @@ class Outlined(Shape):
         """Return whether ``point`` [m] in B is ``margin`` [m] inside the footprint."""
         return self.depth((point[0] + origin[0], point[1] + origin[1])) >= margin
 
-    def rooms(self, points: Array, origin: Point) -> Array:
+    def depths(self, points: Array, origin: Point) -> Array:
         """Return how far points (m, 2) [m] in B are inside the hull, in half widths."""
-        return self.hull.rooms(points, origin)
+        return self.hull.depths(points, origin)
 
     def chords(
         self, direction: Point, margin: float, origin: Point
@@ -193,7 +193,7 @@ class Outlined(Shape):
         side = min(
             self.border.sides, key=lambda side: _miss(side, point, normal, origin)
         )
-        return _seen(side, point, normal, origin)
+        return _side_in_contact_frame(side, point, normal, origin)
 
     def walls(self, point: Point, normal: Point, origin: Point) -> tuple[Side, ...]:
         """Return the sides but that of a contact at ``point`` [m] in B."""
@@ -206,9 +206,9 @@ class Outlined(Shape):
                 continue
             if isinstance(side, Edge):
                 at = _shifted(side.start, origin)
-                out.append(_seen(side, at, side.normal, origin))
+                out.append(_side_in_contact_frame(side, at, side.normal, origin))
             else:
-                out.append(_seen(side, point, normal, origin))
+                out.append(_side_in_contact_frame(side, point, normal, origin))
         return tuple(out)
 
     def free_space(
@@ -258,7 +258,9 @@ def _arc_places(
     out = []
     for angle in angles or [arc.start + 0.5 * arc.sweep]:
         normal = (-math.cos(angle), -math.sin(angle))
-        out.append(SidePlace(index, _shifted(arc.at(angle), origin), normal, None))
+        out.append(
+            SidePlace(index, _shifted(arc.point_at(angle), origin), normal, None)
+        )
     return out
 
 
@@ -280,7 +282,9 @@ def _miss(side: BorderSide, point: Point, normal: Point, origin: Point) -> float
     return away + TURNED * math.dist(own, normal)
 
 
-def _seen(side: BorderSide, point: Point, normal: Point, origin: Point) -> Side:
+def _side_in_contact_frame(
+    side: BorderSide, point: Point, normal: Point, origin: Point
+) -> Side:
     """Return a side as a contact at ``point`` [m] in B sees it."""
     if isinstance(side, Arc):
         arc = None if side.whole else (side.start, side.sweep)

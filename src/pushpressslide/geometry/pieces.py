@@ -47,13 +47,13 @@ def triangles(corners: Polygon) -> list[tuple[int, int, int]]:
     return out
 
 
-def _merged_once(pieces: list[Polygon]) -> list[Polygon] | None:
+def _merged_once(polygons: list[Polygon]) -> list[Polygon] | None:
     """Return the pieces, two of them merged over the longest border that they share;
     None where no two make a convex one.
     """
     owner = {
         edge: i
-        for i, piece in enumerate(pieces)
+        for i, piece in enumerate(polygons)
         for edge in zip(piece, piece[1:] + piece[:1], strict=True)
     }
     shared = [
@@ -63,9 +63,9 @@ def _merged_once(pieces: list[Polygon]) -> list[Polygon] | None:
     for a, b in shared:
         i = owner[(a, b)]
         j = owner[(b, a)]
-        whole = _joined(pieces[i], pieces[j], a, b)
+        whole = _joined(polygons[i], polygons[j], a, b)
         if min(turns(whole)) > FLAT:
-            others = [piece for k, piece in enumerate(pieces) if k not in (i, j)]
+            others = [piece for k, piece in enumerate(polygons) if k not in (i, j)]
             return [*others, whole]
     return None
 

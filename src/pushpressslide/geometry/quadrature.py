@@ -76,14 +76,14 @@ def base(corners: tuple[Point, ...]) -> Array:
 @lru_cache(maxsize=64)
 def base_rule(corners: tuple[Point, ...], resolution: int) -> tuple[Array, Array]:
     """Return the rule over an object's outline; read-only."""
-    points, areas = pieces_rule(pieces(corners), resolution)
+    points, areas = pieces_rule(convex_polygons(corners), resolution)
     points.setflags(write=False)
     areas.setflags(write=False)
     return points, areas
 
 
 @lru_cache(maxsize=64)
-def pieces(corners: tuple[Point, ...]) -> tuple[Array, ...]:
+def convex_polygons(corners: tuple[Point, ...]) -> tuple[Array, ...]:
     """Return the convex polygons that make up an object's outline.
 
     Raises ValueError as ``as_polygon``.
@@ -338,7 +338,7 @@ def polygon_pressure(
         points, areas = base_rule(corners, resolution)
         return points, areas, whole[0] + points @ whole[1]
     a, b = _lifting_pressure(corners, cop)
-    loaded = [clipped(piece, a, b) for piece in pieces(corners)]
+    loaded = [clipped(piece, a, b) for piece in convex_polygons(corners)]
     points, areas = pieces_rule([part for part in loaded if len(part) > 2], resolution)
     return points, areas, a + points @ b
 

@@ -166,7 +166,7 @@ class Shape:
             for nx, ny, inside, _ in self._inward_edges(origin)
         )
 
-    def rooms(self, points: Array, origin: Point) -> Array:
+    def depths(self, points: Array, origin: Point) -> Array:
         """Return how far points (m, 2) [m] in B are inside the outline.
 
         In half widths across the nearest edge; < 0 outside. Of shape (m,).

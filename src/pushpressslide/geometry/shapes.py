@@ -212,7 +212,7 @@ class Cylinder(Shape):
             <= self.radius - margin
         )
 
-    def rooms(self, points: Array, origin: Point) -> Array:
+    def depths(self, points: Array, origin: Point) -> Array:
         """Return the depths (m,) of points (m, 2) over the radius."""
         import numpy as np
 
@@ -323,7 +323,7 @@ class Compound(Outlined):
     @cached_property
     def border(self) -> Border:
         """The border of the union in G."""
-        return united([part.shape.border.moved(part.pose) for part in self.parts])
+        return united([part.shape.border.transformed(part.pose) for part in self.parts])
 
     @property
     def description(self) -> str:

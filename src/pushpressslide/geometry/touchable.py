@@ -111,7 +111,7 @@ def _between(edge: Edge, line: LineString, part: LineString) -> Edge:
     from shapely import Point as Place
 
     first, last = sorted(line.project(Place(end)) for end in part.coords)
-    return Edge(edge.at(first), edge.at(min(last, edge.length)))
+    return Edge(edge.point_at(first), edge.point_at(min(last, edge.length)))
 
 
 def _arc_parts(arc: Arc, tip_radius: float, blocked: Area) -> list[Arc]:
@@ -121,7 +121,7 @@ def _arc_parts(arc: Arc, tip_radius: float, blocked: Area) -> list[Arc]:
     steps = max(2, math.ceil(arc.sweep / DEGREE))
     angles = [arc.start + arc.sweep * i / steps for i in range(steps + 1)]
     wide = Arc(arc.center, arc.radius + tip_radius, arc.start, arc.sweep)
-    xs, ys = zip(*map(wide.at, angles), strict=True)
+    xs, ys = zip(*map(wide.point_at, angles), strict=True)
     free = [not inside for inside in contains_xy(blocked, xs, ys)]
     if all(free):
         return [arc]

@@ -96,7 +96,7 @@ def _without_slivers(
 
 def _circle_of(edge: Edge, arcs: Sequence[Arc]) -> Arc | None:
     """Return the circle of which an edge is about a chord, or a part of one; or None."""
-    middle = edge.at(0.5 * edge.length)
+    middle = edge.point_at(0.5 * edge.length)
     for arc in arcs:
         depths = [
             1.0 - math.dist(point, arc.center) / arc.radius

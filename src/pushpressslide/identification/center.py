@@ -56,7 +56,7 @@ class Doubt(NamedTuple):
     axle: float = 0.0  # [m] of the virtual axle's place on the heading
     # [rad] from which on the centre counts as elsewhere
     off_line: float = margins.ARM.off_line
-    most: float = BOUND  # of the lever, that the centre is at most found to be off
+    max_share: float = BOUND  # of the lever, that the centre is at most found to be off
     # standard deviations that it has to be elsewhere by: a belief that says that it is
     # unsure is given up for less
     sure: float = SURE
@@ -130,7 +130,7 @@ class CenterIdentifier:
         self._axle = X_BV.x * self._heading[0] + X_BV.y * self._heading[1]
         self._spread = doubt.axle
         self._prior = 1.0 / doubt.heading**2
-        self._most = doubt.most
+        self._most = doubt.max_share
         self._sure = doubt.sure
 
     def step(

@@ -69,7 +69,7 @@ class _Residuals:
     measured: Array  # (n, 3) unit directions
     sphere: Array  # (k,) coefficients of the sphere
 
-    def at(self, c: Array) -> tuple[Array, Array]:
+    def evaluate(self, c: Array) -> tuple[Array, Array]:
         """Return the residuals (m,) and their derivatives (m, k)."""
         gradients = self.gradients
         g = gradients @ c
@@ -92,12 +92,12 @@ def _least_squares(residuals: _Residuals, c: Array) -> Array:
     """
     from scipy import optimize
 
-    value, slope = residuals.at(c)
+    value, slope = residuals.evaluate(c)
     for _ in range(30):
         step = optimize.nnls(slope, slope @ c - value)[0] - c
         length = 1.0
         while length > 1e-3:
-            new_value, new_slope = residuals.at(c + length * step)
+            new_value, new_slope = residuals.evaluate(c + length * step)
             if new_value @ new_value < value @ value:
                 break
             length *= 0.5

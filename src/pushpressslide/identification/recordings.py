@@ -145,22 +145,22 @@ def _ended(path: Path, rows: Sequence[Row], expected: str) -> PushPressSlideErro
     )
 
 
-def _count(path: Path, rows: Sequence[Row], at: int, what: str) -> int:
-    if at >= len(rows):
+def _count(path: Path, rows: Sequence[Row], index: int, what: str) -> int:
+    if index >= len(rows):
         raise _ended(path, rows, what)
-    word = rows[at][1].strip()
+    word = rows[index][1].strip()
     if not (word.isascii() and word.isdigit() and len(word) < 10):
-        raise _wrong(path, rows[at], what)
+        raise _wrong(path, rows[index], what)
     return int(word)
 
 
-def _block(path: Path, rows: Sequence[Row], at: int, count: int, form: str) -> Array:
+def _block(path: Path, rows: Sequence[Row], first: int, count: int, form: str) -> Array:
     """Return ``count`` lines of numbers as an array.
 
     The first number of ``form`` says how many in each.
     """
     width = int(form[0])
-    lines = rows[at : at + count]
+    lines = rows[first : first + count]
     if len(lines) < count:
         raise _ended(path, rows, f"{count - len(lines)} more lines of {form}")
     if not lines:

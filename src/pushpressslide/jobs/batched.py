@@ -65,7 +65,7 @@ class Truths(NamedTuple):
     contact_friction: Array  # (n,)
     mass: Array  # (n,) [kg]
     centers: Array  # (n, 2) [m] centres of mass in G
-    starts: Array  # (n, 3) X_WG: x, y [m] and yaw [rad]
+    start_poses: Array  # (n, 3) X_WG: x, y [m] and yaw [rad]
     noise: Array  # (3,) [m], [m], [rad] standard deviations of a measured pose
 
 
@@ -117,7 +117,7 @@ def batched(plan: Plan, truths: Truths, seed: int = 0) -> Outcomes:
     for first in range(0, len(starts), AT_ONCE):
         chosen = slice(first, first + AT_ONCE)
         rng = np.random.default_rng([seed, first])
-        states = runs.begin(starts[chosen], place, rng)
+        states = runs.initial_states(starts[chosen], place, rng)
         parts.append(runs.finish(states, bodies[chosen], rng))
     return _outcomes(plan, np.concatenate(parts), place)
 
@@ -276,12 +276,12 @@ def _bodies(plan: Plan, truths: Truths) -> tuple[Array, Array, float]:
     )
     return (
         np.column_stack(columns),
-        _moved(truths.starts, X_GB.position),
+        _displaced(truths.start_poses, X_GB.position),
         nx * py - ny * px,
     )
 
 
-def _moved(poses: Array, offset: tuple[float, float]) -> Array:
+def _displaced(poses: Array, offset: tuple[float, float]) -> Array:
     """Return poses (n, 3) with their origins ``offset`` [m] further on, in their own
     frames.
     """
@@ -295,7 +295,7 @@ def _moved(poses: Array, offset: tuple[float, float]) -> Array:
 def _outcomes(plan: Plan, states: Array, place: float) -> Outcomes:
     task = plan.task
     dx, dy = task.X_GB.position
-    poses = _moved(states[:, :3], (-dx, -dy))
+    poses = _displaced(states[:, :3], (-dx, -dy))
     (contact,) = plan.contacts
     nx, ny = contact.normal
     x, y, yaw = states[:, :3].T

@@ -71,7 +71,7 @@ def cluttered_task(base: Task, index: int, seed: int) -> Task:
         goal = _pose(rng, base.robots, arms)
         obstacles = _obstacles(rng, base.robots, (start, goal), count, blocked)
         ends = (start, goal)
-        able = _in_reach(base.robots, body.shape, ends) and _apart(obstacles)
+        able = _in_reach(base.robots, body.shape, ends) and _are_separated(obstacles)
         if able and _fits(base, body, ends, obstacles):
             break
     else:
@@ -211,7 +211,7 @@ def _obstacles(
     return tuple(out)
 
 
-def _apart(obstacles: Sequence[Obstacle]) -> bool:
+def _are_separated(obstacles: Sequence[Obstacle]) -> bool:
     """Return whether obstacles stand apart from each other."""
     others = [obstacle.footprint for obstacle in obstacles]
     for i, obstacle in enumerate(obstacles[1:], start=1):
@@ -251,4 +251,4 @@ def _fits(
     space = FreeSpace(body.shape, others, FREE, region, on, body.center_of_mass)
     if on is not None and not space.free(ends).all():
         return False
-    return space.ways(goal).way(start) is not None
+    return space.paths_to(goal).via_poses(start) is not None

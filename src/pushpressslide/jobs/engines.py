@@ -60,10 +60,10 @@ class Engine(Protocol):
     # a plan needs joint paths; a run can be watched live and filmed
     has_arms: bool
 
-    def preparation(self, force: bool, begin: WorldState | None = None) -> Preparation:
+    def preparation(self, force: bool, start: WorldState | None = None) -> Preparation:
         """Return an empty preparation; with ``force`` it takes the best there is.
 
-        The arms are as in ``begin``, where that has their joints, else in their ready
+        The arms are as in ``start``, where that has their joints, else in their ready
         postures.
         """
 
@@ -81,16 +81,16 @@ class Engine(Protocol):
 class _Drake:
     has_arms = True
 
-    def preparation(self, force: bool, begin: WorldState | None = None) -> Preparation:
+    def preparation(self, force: bool, start: WorldState | None = None) -> Preparation:
         """Return the search for joint paths."""
         import numpy as np
 
         from pushpressslide.arms.paths.placements import PlacementPaths
         from pushpressslide.sim.arm_library import DRAKE
 
-        if begin is None or not begin.joints:
+        if start is None or not start.joints:
             return PlacementPaths(DRAKE, force)
-        return PlacementPaths(DRAKE, force, tuple(map(np.array, begin.joints)))
+        return PlacementPaths(DRAKE, force, tuple(map(np.array, start.joints)))
 
     def run(self, plan: Plan, options: RunOptions, arms: ArmOptions) -> Record:
         """Run a plan and return its record."""
@@ -133,7 +133,7 @@ class _Drake:
 class _Planar:
     has_arms = False
 
-    def preparation(self, force: bool, begin: WorldState | None = None) -> Preparation:
+    def preparation(self, force: bool, start: WorldState | None = None) -> Preparation:
         """Return the plans alone."""
         from pushpressslide.selection.preparation import PlansAlone
 

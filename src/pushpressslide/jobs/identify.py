@@ -67,12 +67,12 @@ def identify(
 def _overall(progress: Progress | None, done: int, sets: int) -> Progress:
     """Return what adds the progress within a set to that over the ``sets``."""
 
-    def moved(part: float, parts: float) -> None:
+    def report_progress(part: float, parts: float) -> None:
         """Report progress within the present set."""
         if progress is not None:
             progress(done + part / parts, sets)
 
-    return moved
+    return report_progress
 
 
 def _figures(one: Identification) -> dict[str, Any]:

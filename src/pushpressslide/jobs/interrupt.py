@@ -36,7 +36,7 @@ class Interrupt:
         self._asked = True
 
     @contextmanager
-    def held(self) -> Iterator[None]:
+    def defer(self) -> Iterator[None]:
         """Keep Ctrl-C back inside the block.
 
         In the main thread only, as others get no signals.

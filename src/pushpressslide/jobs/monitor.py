@@ -21,9 +21,9 @@ class Monitor:
     # Ctrl-C ends the run at its next tick, with reason "interrupted"; None: it raises
     interrupt: Interrupt | None = None
 
-    def held(self) -> AbstractContextManager[None]:
+    def deferred_interrupt(self) -> AbstractContextManager[None]:
         """Return the block inside of which Ctrl-C waits for the next tick."""
-        return nullcontext() if self.interrupt is None else self.interrupt.held()
+        return nullcontext() if self.interrupt is None else self.interrupt.defer()
 
 
 @dataclass(frozen=True, slots=True)

@@ -108,12 +108,12 @@ class Rows:
 
     def read(self, count: int) -> Iterator[Row]:
         """Yield the rows of the first ``count`` samples in their order."""
-        yield from self._at(self._places[i] for i in range(count))
+        yield from self._rows_at(self._places[i] for i in range(count))
 
     def read_forced(self, count: int) -> Iterator[Row]:
         """Yield the forced runs of the first ``count`` samples in their order."""
         wanted = sorted(key for key in self._forced if key[0] < count)
-        yield from self._at(self._forced[key] for key in wanted)
+        yield from self._rows_at(self._forced[key] for key in wanted)
 
     def _note(self, row: Row, place: int) -> None:
         index = int(row["index"])
@@ -129,7 +129,7 @@ class Rows:
         self._places[index] = place
         self._codes[index] = self._statuses.index(status)
 
-    def _at(self, places: Iterable[int]) -> Iterator[Row]:
+    def _rows_at(self, places: Iterable[int]) -> Iterator[Row]:
         if not self._path.exists():
             return
         with self._path.open("rb") as file:

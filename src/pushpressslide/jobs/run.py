@@ -163,9 +163,9 @@ def run_task(
         clear(out.folder)
     for _ in runner.run():
         if out is not None and not runner.is_over:
-            with interrupt.held():
+            with interrupt.defer():
                 _save(out, runner.so_far())
-    with interrupt.held():
+    with interrupt.defer():
         done = runner.done()
         if out is not None:
             _save(out, done)

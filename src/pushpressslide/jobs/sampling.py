@@ -187,7 +187,7 @@ def varied_task(base: Task, index: int, seed: int) -> Task:
     return replace(
         base,
         name=f"{base.name}-varied-{seed}-{index:03d}",
-        belief=base.believed,
+        belief=base.full_belief,
         support=replace(
             base.support,
             friction=min(1.9, base.support.friction * (1.0 + 0.15 * float(e[0]))),
@@ -219,7 +219,7 @@ def uncertain_task(known: Task, index: int, seed: int) -> Task:
     return replace(
         known,
         belief=replace(
-            known.believed,
+            known.full_belief,
             center_of_mass=body.center_of_mass,
             friction_error=FRICTION_ERROR,
             center_error=CENTER_ERROR,

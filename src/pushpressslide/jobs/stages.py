@@ -170,22 +170,24 @@ class StageRunner:
         planned.
         """
         planned = self.planned[number]
-        seen = self._seen()
+        seen = self._measured_pose()
         if number == 0 or all(map(self._as_expected, seen.poses, seen.poses.values())):
             return planned
         preparation = self.engine.preparation(self.options.force, seen)
         return plan_stage(self.task, planned.stage, seen, preparation, self.enough)
 
-    def _as_expected(self, body: str, seen: Pose2) -> bool:
+    def _as_expected(self, body: str, pose: Pose2) -> bool:
         within = self._within.get(body, self.task.tolerance)
-        return is_there(seen, self._expected.poses[body], within)
+        return is_there(pose, self._expected.poses[body], within)
 
-    def _seen(self) -> WorldState:
+    def _measured_pose(self) -> WorldState:
         """Return the state with the bodies where they are seen at rest: noise averages
         out, a bias stays.
         """
         sensing = self.task.sensing
-        poses = {body: _seen(X, sensing) for body, X in self._state.poses.items()}
+        poses = {
+            body: _measured_pose(X, sensing) for body, X in self._state.poses.items()
+        }
         return replace(self._state, poses=poses)
 
     def _record(self, planned: PlannedStage, number: int) -> Record:
@@ -194,7 +196,7 @@ class StageRunner:
         goes_on = number > 0
         preparation: Preparation = planned.preparation
         plan = self._as_it_is(planned)
-        with monitor.held():
+        with monitor.deferred_interrupt():
             record = self.engine.run(
                 plan,
                 replace(
@@ -223,13 +225,13 @@ class StageRunner:
         if not self.task.goals:
             return plan
         task = plan.task
-        others = self._seen() if self.runs else self._state
+        others = self._measured_pose() if self.runs else self._state
         true = self._state.poses[planned.stage.body]
         turn = np.arctan2(
             np.sin(true.yaw - task.start.yaw), np.cos(true.yaw - task.start.yaw)
         )
         error = Pose2(true.x - task.start.x, true.y - task.start.y, float(turn))
-        obstacles = tuple(_at(obstacle, others) for obstacle in task.obstacles)
+        obstacles = tuple(_at_its_pose(obstacle, others) for obstacle in task.obstacles)
         limits = replace(task.limits, time=self.task.limits.time - self._time)
         belief = self._learnt.get(planned.stage.body, task.belief)
         task = replace(
@@ -282,12 +284,12 @@ def _of_arms(record: Record, name: str) -> tuple[Joints, ...]:
     return tuple(tuple(arrays[key][-1].tolist()) for key in keys if key in arrays)
 
 
-def _at(obstacle: Obstacle, state: WorldState) -> Obstacle:
+def _at_its_pose(obstacle: Obstacle, state: WorldState) -> Obstacle:
     body = OBJECT if obstacle.name == SET_DOWN else obstacle.name
     return replace(obstacle, pose=state.poses.get(body, obstacle.pose))
 
 
-def _seen(X: Pose2, sensing: Sensing) -> Pose2:
+def _measured_pose(X: Pose2, sensing: Sensing) -> Pose2:
     dx, dy = sensing.position_bias
     return Pose2(X.x + dx, X.y + dy, X.yaw + sensing.yaw_bias).wrapped
 

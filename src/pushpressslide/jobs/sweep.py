@@ -171,7 +171,7 @@ def _draw(
     """Run samples until there are enough; return how many are counted."""
     running: set[Future[Row]] = set()
     numbers = count()
-    drawn = _Drawn(options, rows)
+    drawn = _CompleteSamples(options, rows)
     while not drawn.complete():
         while len(running) < processes:
             index = next(i for i in numbers if i not in rows)
@@ -190,7 +190,7 @@ def _draw(
     return drawn.number
 
 
-class _Drawn:
+class _CompleteSamples:
     """The samples that count: from the first on without a gap, as many as asked for."""
 
     def __init__(self, options: SweepOptions, rows: Rows) -> None:
@@ -229,10 +229,10 @@ class _Drawn:
 
 
 def _check_refusals(
-    pool: Executor, task: Task, options: SweepOptions, rows: Rows, drawn: int
+    pool: Executor, task: Task, options: SweepOptions, rows: Rows, sample_count: int
 ) -> None:
     """Run the best choices of the first refused samples all the same."""
-    refused = [i for i in range(drawn) if rows.status(i) == "refused"]
+    refused = [i for i in range(sample_count) if rows.status(i) == "refused"]
     work = [
         partial(run_forced, task, options, index, rank)
         for index in refused[: options.check_refusals]
@@ -252,7 +252,7 @@ def _in_order(pool: Executor, work: Sequence[Work]) -> Iterator[Row]:
 
 
 def _write_results(
-    out: Path, task: Task, options: SweepOptions, rows: Rows, drawn: int
+    out: Path, task: Task, options: SweepOptions, rows: Rows, sample_count: int
 ) -> dict[str, Any]:
     """Write table and result, and return the summary."""
     summary = {
@@ -262,10 +262,12 @@ def _write_results(
         "vary": options.vary,
         "draw": options.draw,
         "world": options.world,
-        **summarise(rows.read(drawn), rows.read_forced(drawn)),
+        **summarise(rows.read(sample_count), rows.read_forced(sample_count)),
         "source": source_hash(),
         "versions": installed_versions(),
     }
-    write_table(out / "table.md", rows.read(drawn), rows.read_forced(drawn))
+    write_table(
+        out / "table.md", rows.read(sample_count), rows.read_forced(sample_count)
+    )
     write_whole(out / "result.json", json.dumps(summary, indent=1).encode())
     return summary

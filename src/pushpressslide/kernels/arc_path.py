@@ -65,7 +65,7 @@ def nearest(
     y: float,
     s: float,
     half: float,
-    pieces: Sequence[Sequence[float]],
+    sections: Sequence[Sequence[float]],
     bends: Sequence[Sequence[float]],
 ) -> Nearest:
     """Return where a path is nearest to (x, y) [m], on the piece of arc length ``s`` or
@@ -75,7 +75,7 @@ def nearest(
     left = inf
     yaw = 0.0
     bent = 0.0
-    for row in pieces:
+    for row in sections:
         start, end, curvature, yaw_0, a, b, c, d = piece_of(row)
         if s > end:
             continue

@@ -73,7 +73,7 @@ def polygon_friction(
     if turn > plane[3] * plane[3] * square:
         return near(vx, vy, w, plane, edges, sloped)
     if square > 0.0:
-        return far(vx, vy, w, series)
+        return far_center_friction(vx, vy, w, series)
     return 0.0, 0.0, 0.0, STILL, 0.0, 0.0, STILL, 0.0, STILL * plane[4]
 
 
@@ -242,7 +242,7 @@ def turning_slope(
 
 
 @kernel
-def far(vx: float, vy: float, w: float, series: Series) -> Friction:
+def far_center_friction(vx: float, vy: float, w: float, series: Series) -> Friction:
     """Return wrench and slope of a twist that turns little, v not zero.
 
     With v = V e and z = x + i y a point moves at V |1 + i (w / V) z / e|: the power is

@@ -20,29 +20,29 @@ fast it falls and rises [1/s]; the least share.
 
 
 @kernel
-def corrected(predicted: Pose, seen: Pose, gain: float) -> Pose:
+def corrected(predicted: Pose, measured: Pose, gain: float) -> Pose:
     """Return a predicted pose, corrected by a share of what a measured one is off."""
-    turn = wrapped(seen[2] - predicted[2])
+    turn = wrapped(measured[2] - predicted[2])
     return (
-        predicted[0] + gain * (seen[0] - predicted[0]),
-        predicted[1] + gain * (seen[1] - predicted[1]),
+        predicted[0] + gain * (measured[0] - predicted[0]),
+        predicted[1] + gain * (measured[1] - predicted[1]),
         predicted[2] + gain * turn,
     )
 
 
 @kernel
 def paced(
-    planned: Vector, progress: float, left: float, least: float, pace: Pace
+    planned: Vector, progress: float, left: float, min_speed: float, pace: Pace
 ) -> float:
     """Return the speed [m/s] along a path: the profile's, and what catches up.
 
     ``planned`` are progress [m] and speed [m/s] of the profile, ``left`` is how much of
-    the path there is [m], ``least`` the least speed.
+    the path there is [m], ``min_speed`` the least speed.
     """
     floor, most, acceleration, catch_up = pace
     wanted = planned[1] + catch_up * (planned[0] - progress)
     braking = floor + sqrt(acceleration * max(left, 0.0))
-    return min(max(wanted, least), most, braking)
+    return min(max(wanted, min_speed), most, braking)
 
 
 @kernel

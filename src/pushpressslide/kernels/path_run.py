@@ -83,7 +83,7 @@ def path_run(
     truth: Truth,
     number: float,
     laws: Laws,
-    pieces: Rows,
+    sections: Rows,
     bends: Rows,
     noise: Rows,
 ) -> State:
@@ -98,13 +98,13 @@ def path_run(
         if clock[5] != UNDER_WAY or clock[4] > course[7] - 0.5 * dt:
             break
         error = (errors[3 * tick], errors[3 * tick + 1], errors[3 * tick + 2])
-        state = ticked(state, truth, error, laws, pieces, bends)
+        state = ticked(state, truth, error, laws, sections, bends)
     return state
 
 
 @kernel_apart
 def ticked(
-    state: State, truth: Truth, error: Pose, laws: Laws, pieces: Rows, bends: Rows
+    state: State, truth: Truth, error: Pose, laws: Laws, sections: Rows, bends: Rows
 ) -> State:
     """Return the state after one tick."""
     pose, believed, expected, tip, velocity, twist, force, clock = state
@@ -113,7 +113,7 @@ def ticked(
     measured = (pose[0] + error[0], pose[1] + error[1], pose[2] + error[2])
     seen = corrected(carried(believed, expected, dt), measured, lead[0])
     axis = heading(seen[2])
-    guide = guided(seen, axis, clock, lead, course, pieces, bends)
+    guide = guided(seen, axis, clock, lead, course, sections, bends)
     progress, left, wanted, expected = guide
     vx, vy, w = expected
     px, py = touch[1]
@@ -122,7 +122,7 @@ def ticked(
     used = abs(force[1]) / (touch[2] * max(force[0], touch[3]))
     steering_scale = eased_steering_scale(clock[1], used, dt, lead[5])
     led = (tip, velocity, from_axis(axis, wanted))
-    pose, tip, twist, force = pushed_on(
+    pose, tip, twist, force = pushed_body(
         (pose, twist, force), led, truth, touch, base, dt
     )
     apart = clock[2] + dt if force[0] < touch[4] else 0.0
@@ -139,36 +139,36 @@ def ticked(
 
 
 @kernel
-def ending(progress: float, left: float, parted: bool, course: Course) -> float:
+def ending(progress: float, left: float, parted: bool, path_data: Course) -> float:
     """Return how a run stands."""
-    if abs(left) > course[5]:
+    if abs(left) > path_data[5]:
         return ASTRAY
     if parted:
         return LEFT_FACE
-    return ARRIVED if course[1] - progress <= course[4] else UNDER_WAY
+    return ARRIVED if path_data[1] - progress <= path_data[4] else UNDER_WAY
 
 
 @kernel
 def guided(
-    seen: Pose,
+    measured: Pose,
     axis: Vector,
     clock: Clock,
     lead: Lead,
-    course: Course,
-    pieces: Rows,
+    path_data: Course,
+    sections: Rows,
     bends: Rows,
 ) -> Guide:
     """Return what the rear Stanley law asks for at the speed of the moment."""
-    pace, length, cruise, easing, _, _, dt, _ = course
+    pace, length, cruise, easing, _, _, dt, _ = path_data
     _, axle, bearing, law, car, _ = lead
     progress, steering_scale, _, _, time, _ = clock
     planned = trapezoid(time + dt, length, cruise, pace[2])
     speed = paced(planned, progress, length - progress, pace[0], pace)
     dx, dy = from_axis(axis, axle)
     progress, left, yaw, curvature = nearest(
-        seen[0] + dx, seen[1] + dy, progress, easing * speed, pieces, bends
+        measured[0] + dx, measured[1] + dy, progress, easing * speed, sections, bends
     )
-    turn = wrapped(yaw - (seen[2] + bearing))
+    turn = wrapped(yaw - (measured[2] + bearing))
     delta, _ = stanley_steering(left, turn, curvature, steering_scale, law)
     wrench, (vx, vy, w) = steered_push(delta, speed, car)
     twist = (vx + w * axle[1], vy - w * axle[0], w)
@@ -176,7 +176,7 @@ def guided(
 
 
 @kernel
-def pushed_on(
+def pushed_body(
     body: tuple[Pose, Triple, Vector],
     led: tuple[Vector, Vector, Vector],
     truth: Truth,

@@ -127,12 +127,12 @@ def with_side(low: float, high: float, slack: float, slope: float) -> Vector:
 
 
 @kernel
-def least_along(low: float, high: float, middle: float, room: float) -> float:
+def least_along(low: float, high: float, middle: float, tolerance: float) -> float:
     """Return the least part of the push along the line, in [low, high], that is within
-    ``room`` of ``middle``; the nearest to that where none is.
+    ``tolerance`` of ``middle``; the nearest to that where none is.
     """
-    least = max(low, middle - room)
-    most = min(high, middle + room)
+    least = max(low, middle - tolerance)
+    most = min(high, middle + tolerance)
     if least <= most:
         return min(max(0.0, least), most)
     return min(max(middle, low), high)

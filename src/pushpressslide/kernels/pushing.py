@@ -130,7 +130,7 @@ def quick_heading(yaw: float) -> Vector:
 
 
 @kernel
-def pushed_on(
+def advance_push(
     pose: Pose, velocity: Vector, place: float, gap: float, dt: float, face: Face
 ) -> Pushed:
     """Return body and pusher after ``dt`` [s] in which the pusher moves at a velocity

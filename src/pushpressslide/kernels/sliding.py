@@ -82,11 +82,11 @@ def let_go(contacts: Sequence[Any], support: Support, laws: Laws) -> Triple:
     twist = REST
     drag = support[1] / DRAG_SPEED
     for _ in range(TRIALS):
-        found, moved = solved(twist, (drag, twist), contacts, support, laws)
+        found, stepped = solved(twist, (drag, twist), contacts, support, laws)
         if not found:
             drag = 4.0 * drag
             continue
-        twist = moved
+        twist = stepped
         drag = 0.5 * drag
         found, balanced = solved(twist, FREED, contacts, support, laws)
         if found:
@@ -109,7 +109,7 @@ def solved(
         regular, step = newton_step(slope, force)
         if not regular:
             return False, twist
-        end = moved(twist, step, 1.0)
+        end = stepped(twist, step, 1.0)
         if size < CLOSE * limit:
             found, last = ended(end, (size, slope), drag, contacts, support, laws)
             if found:
@@ -248,7 +248,7 @@ def ended(
     regular, step = newton_step(slope, ahead)
     if not regular:
         return False, twist
-    end = moved(twist, step, 1.0)
+    end = stepped(twist, step, 1.0)
     return statuses_of(end, contacts, laws[1]) == statuses, end
 
 
@@ -271,7 +271,7 @@ def shortened(
     twist = end
     for _ in range(HALVINGS):
         share = 0.5 * (low + high)
-        twist = moved(end, step, share)
+        twist = stepped(end, step, share)
         ahead, _ = left_over(twist, drag, contacts, support, laws)
         if too_far(ahead, force, step, rho):
             high = share
@@ -323,7 +323,7 @@ def dot(a: Triple, b: Triple) -> float:
 
 
 @kernel
-def moved(twist: Triple, step: Triple, share: float) -> Triple:
+def stepped(twist: Triple, step: Triple, share: float) -> Triple:
     """Return the twist after a share of a step."""
     return (
         twist[0] + share * step[0],

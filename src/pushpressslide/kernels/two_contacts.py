@@ -123,14 +123,14 @@ def cone_sides(line: Line, normals: Points, friction: float) -> Sides:
     """Return how the sides of both cones bound a force along the line."""
     n1e, n1m = in_axes(line, normals[0])
     n2e, n2m = in_axes(line, normals[1])
-    a1, a2 = apart(friction * n1e + n1m, friction * n1e - n1m)
-    a3, a4 = apart(-friction * n2e - n2m, -friction * n2e + n2m)
+    a1, a2 = nonzero_slopes(friction * n1e + n1m, friction * n1e - n1m)
+    a3, a4 = nonzero_slopes(-friction * n2e - n2m, -friction * n2e + n2m)
     inverse = (against(a1), against(a2), against(a3), against(a4))
     return (line[0], line[1]), (n1e, n2e), (a1, a2, a3, a4), inverse
 
 
 @kernel
-def apart(a: float, b: float) -> Vector:
+def nonzero_slopes(a: float, b: float) -> Vector:
     """Return the slopes of a cone's sides, none of them zero.
 
     A side along the line of contacts bounds nothing if its slack is >= 0, and else
@@ -182,11 +182,11 @@ def two_contacts(fx: float, fy: float, tau: float, linear: Linear, rest: Rest) -
         return outside((fx, fy, tau), linear, rest)
     forces = ((f1x, f1y), (f2x, f2y))
     pushes = (mu * f1n, mu * f2n, f1n, f2n)
-    return moved((fx, fy, tau), forces, pushes, (f1t, f2t), linear, rest)
+    return projected((fx, fy, tau), forces, pushes, (f1t, f2t), linear, rest)
 
 
 @kernel
-def moved(
+def projected(
     wrench: Wrench,
     forces: Points,
     pushes: Four,
@@ -261,7 +261,7 @@ def capped(wrench: Wrench, linear: Linear, rest: Rest) -> Two:
     if not least <= most:
         d, scale = best_scaled((low, high), (f1n, f2n), (n1e, n2e), caps)
     forces = ((f1x + d * ex, f1y + d * ey), (f2x - d * ex, f2y - d * ey))
-    return judged(wrench, forces, scale, linear, rest)
+    return allocation_of(wrench, forces, scale, linear, rest)
 
 
 @kernel
@@ -333,11 +333,11 @@ def nearest_forces(wanted: Wrench, aim: Wrench, linear: Linear, rest: Rest) -> T
     first = (k1 * a[0] + k2 * b[0], k1 * a[1] + k2 * b[1])
     second = (k3 * c[0] + k4 * d[0], k3 * c[1] + k4 * d[1])
     scale = kept_part(k1 + k2, k3 + k4, caps)
-    return judged(wanted, (first, second), scale, linear, rest)
+    return allocation_of(wanted, (first, second), scale, linear, rest)
 
 
 @kernel
-def judged(
+def allocation_of(
     wanted: Wrench, forces: Points, scale: float, linear: Linear, rest: Rest
 ) -> Two:
     """Return ``scale`` times two forces, beside the wrench that was wanted."""

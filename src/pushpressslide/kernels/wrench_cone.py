@@ -115,35 +115,35 @@ def nearest_edge(wrench: Wrench, edges: Edges, ons: Parts) -> tuple[float, Parts
 
 @kernel
 def nearest_facet(
-    wrench: Wrench, cone: Cone, ons: Parts, least: float, parts: Parts
+    wrench: Wrench, cone: Cone, ons: Parts, min_error: float, parts: Parts
 ) -> Parts:
     """Return the parts of the nearest wrench between two edges, or ``parts`` where none
-    is nearer than ``least``.
+    is nearer than ``min_error``.
     """
     (a, b, c, d), (ab, ac, ad, bc, bd, cd) = cone
     on_a, on_b, on_c, on_d = ons
     distance, k, m = between(wrench, a, b, (on_a, on_b), ab)
-    if distance < least:
-        least = distance
+    if distance < min_error:
+        min_error = distance
         parts = (k, m, 0.0, 0.0)
     distance, k, m = between(wrench, a, c, (on_a, on_c), ac)
-    if distance < least:
-        least = distance
+    if distance < min_error:
+        min_error = distance
         parts = (k, 0.0, m, 0.0)
     distance, k, m = between(wrench, a, d, (on_a, on_d), ad)
-    if distance < least:
-        least = distance
+    if distance < min_error:
+        min_error = distance
         parts = (k, 0.0, 0.0, m)
     distance, k, m = between(wrench, b, c, (on_b, on_c), bc)
-    if distance < least:
-        least = distance
+    if distance < min_error:
+        min_error = distance
         parts = (0.0, k, m, 0.0)
     distance, k, m = between(wrench, b, d, (on_b, on_d), bd)
-    if distance < least:
-        least = distance
+    if distance < min_error:
+        min_error = distance
         parts = (0.0, k, 0.0, m)
     distance, k, m = between(wrench, c, d, (on_c, on_d), cd)
-    if distance < least:
+    if distance < min_error:
         parts = (0.0, 0.0, k, m)
     return parts
 

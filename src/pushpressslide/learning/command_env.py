@@ -123,7 +123,7 @@ class CommandEnv(gymnasium.Env):
         while self.loop.approaching:
             self.loop.step()
         measurement, _ = self.loop.measure()
-        return self._told(measurement)
+        return self._observe(measurement)
 
     def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Command the tips for one control period."""
@@ -133,13 +133,13 @@ class CommandEnv(gymnasium.Env):
             for arm, row in enumerate(rows)
         )
         measurement = self.loop.drive(commands)
-        observation, info = self._told(measurement)
+        observation, info = self._observe(measurement)
         reward = -info["distance"] - self._rho * info["angle"]
         over = info["success"] or self.loop.cell.clock.failure() is not None
         late = measurement.time >= self.task.limits.time
         return observation, reward, over, late, info
 
-    def _told(self, measurement: Measurement) -> tuple[Array, dict[str, Any]]:
+    def _observe(self, measurement: Measurement) -> tuple[Array, dict[str, Any]]:
         """Return an observation, inside its bounds, and what is known of it."""
         space = self.observation_space
         row = observation_row(measurement, self.task.goal)

@@ -48,11 +48,11 @@ class ExactPushing:
         start = push.task.true_start
         self.place(np.zeros(1, dtype=np.intp), (start.x, start.y, start.yaw))
 
-    def place(self, rows: Indices, starts: ArrayLike) -> None:
-        """Begin an episode with the object at ``starts`` (..., 3) X_WG and the tip at
+    def place(self, rows: Indices, start_poses: ArrayLike) -> None:
+        """Begin an episode with the object at ``start_poses`` (..., 3) X_WG and the tip at
         the middle of its face; ``rows`` is that one object.
         """
-        x, y, yaw = np.reshape(np.asarray(starts, dtype=np.float64), 3).tolist()
+        x, y, yaw = np.reshape(np.asarray(start_poses, dtype=np.float64), 3).tolist()
         X_WG = Pose2(x, y, yaw)
         self._now = self._world.start(X_WG, X_WG, 0.0)
         self._steps = 0

@@ -46,20 +46,20 @@ class Pushing:
             push.foot, push.normal, push.ends, friction, push.rho
         )
         self._goal = goal_of(push)
-        self._pushes = self._bodies.begin(np.zeros((count, 3)))
+        self._pushes = self._bodies.initial_states(np.zeros((count, 3)))
         self._tips = np.zeros((count, 2))
         self._steps = np.zeros(count, dtype=np.intp)
         start = push.task.true_start
         everyone = np.arange(count, dtype=np.intp)
         self.place(everyone, np.array([start.x, start.y, start.yaw]))
 
-    def place(self, rows: Indices, starts: ArrayLike) -> None:
-        """Begin episodes of ``rows`` with the objects at ``starts`` (..., 3) X_WG and
+    def place(self, rows: Indices, start_poses: ArrayLike) -> None:
+        """Begin episodes of ``rows`` with the objects at ``start_poses`` (..., 3) X_WG and
         the tips at the middle of their faces.
         """
         poses = np.array(self._pushes.poses)
-        X_WG = np.asarray(starts, dtype=np.float64)
-        poses[rows] = moved(X_WG, self.push.center, 1.0)
+        X_WG = np.asarray(start_poses, dtype=np.float64)
+        poses[rows] = displaced(X_WG, self.push.center, 1.0)
         places = np.array(self._pushes.places)
         gaps = np.array(self._pushes.gaps)
         places[rows] = 0.0
@@ -71,7 +71,7 @@ class Pushing:
     def observations(self) -> Array:
         """Return what is observed of each object (n, 8)."""
         out = np.empty((self.count, len(OBSERVATION)))
-        out[:, :3] = moved(self._pushes.poses, self.push.center, -1.0)
+        out[:, :3] = displaced(self._pushes.poses, self.push.center, -1.0)
         out[:, 2] = wrapped(out[:, 2])
         out[:, 3:6] = self._goal
         out[:, 6:] = self._tips
@@ -145,12 +145,12 @@ def drawn_start(push: PushTask, rng: np.random.Generator) -> Array:
     return np.array([start.x, start.y, start.yaw]) + offset
 
 
-def checked_starts(starts: ArrayLike, count: int) -> Array:
+def checked_starts(start_poses: ArrayLike, count: int) -> Array:
     """Return starts (count, 3) X_WG as asked for.
 
     Raises ValueError for another shape, and for what is not in the field.
     """
-    X = np.asarray(starts, dtype=np.float64)
+    X = np.asarray(start_poses, dtype=np.float64)
     if X.shape not in ((3,), (count, 3)):
         raise ValueError(f"start of shape {X.shape} is not allowed; allowed: x, y, yaw")
     if not (np.isfinite(X).all() and (np.abs(X[..., :2]) <= FIELD).all()):
@@ -175,7 +175,7 @@ def wrapped(angles: Array) -> Array:
     return out
 
 
-def moved(poses: Array, offset: tuple[float, float], sign: float) -> Array:
+def displaced(poses: Array, offset: tuple[float, float], sign: float) -> Array:
     """Return poses (..., 3) with their origins moved by ``sign`` times ``offset`` [m],
     in their own axes.
     """

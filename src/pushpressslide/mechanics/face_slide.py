@@ -11,7 +11,7 @@ import math
 from functools import cached_property
 
 from pushpressslide.core.wrench import Twist, Wrench
-from pushpressslide.kernels.edge_friction import far, near
+from pushpressslide.kernels.edge_friction import far_center_friction, near
 from pushpressslide.kernels.exact_surface import across
 from pushpressslide.kernels.support_friction import Friction
 from pushpressslide.mechanics.face_pressure import FacePressure
@@ -45,7 +45,7 @@ class FaceSurface:
         vx, vy, w = twist
         if abs(w) > self._plane[3] * math.hypot(vx, vy):
             return near(vx, vy, w, self._plane, self._edges)
-        return far(vx, vy, w, self._series)
+        return far_center_friction(vx, vy, w, self._series)
 
     def slide(self, wrench: Wrench, guess: Twist | None = None) -> tuple[Twist, float]:
         """Return the direction of sliding under ``wrench``, as a twist of its point,
@@ -66,19 +66,19 @@ class FaceSurface:
             nu = (vx, vy, rho * w)
             unit = max(_dot(target, nu), SLOWEST * math.hypot(*nu))
             twist = (nu[0] / unit, nu[1] / unit, nu[2] / unit)
-        (vx, vy, w), power = self._least(twist, target)
+        (vx, vy, w), power = self._least_power_twist(twist, target)
         norm = math.hypot(vx, vy, w)
         found = Twist(vx / norm, vy / norm, w / (norm * rho), wrench.about)
         return found, size / power
 
-    def _least(self, twist: Triple, target: Triple) -> tuple[Triple, float]:
+    def _least_power_twist(self, twist: Triple, target: Triple) -> tuple[Triple, float]:
         """Return the twist of least friction power of unit power of the unit wrench
         ``target``, and that power: by Newton steps that are halved until the power, or
         at the end its gradient, falls.
         """
         a, b = across(target)
         off = 1.0 - _dot(target, twist)
-        twist = _moved(twist, off, target)
+        twist = _stepped(twist, off, target)
         at = _Power(self._friction(twist), twist, a, b)
         for _ in range(STEPS):
             if at.steepest < FLAT:
@@ -87,7 +87,7 @@ class FaceSurface:
             slope = at.ga * p + at.gb * q
             share = 1.0
             while True:
-                ahead = _moved(_moved(twist, share * p, a), share * q, b)
+                ahead = _stepped(_stepped(twist, share * p, a), share * q, b)
                 trial = _Power(self._friction(ahead), ahead, a, b)
                 falls = trial.value <= at.value + DOWN * share * slope
                 if falls or trial.steepest < 0.5 * at.steepest:
@@ -149,9 +149,9 @@ def _dot(a: Triple, b: Triple) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def _moved(place: Triple, way: float, direction: Triple) -> Triple:
+def _stepped(place: Triple, step: float, direction: Triple) -> Triple:
     return (
-        place[0] + way * direction[0],
-        place[1] + way * direction[1],
-        place[2] + way * direction[2],
+        place[0] + step * direction[0],
+        place[1] + step * direction[1],
+        place[2] + step * direction[2],
     )

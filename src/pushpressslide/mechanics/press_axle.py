@@ -91,7 +91,7 @@ class Press:
         """Return the pressure under the object, whose centre is ``cop`` [m] in B."""
         return face_pressure(self.body.shape, self.body.center_of_mass, cop)
 
-    def room(self, angle: float) -> float:
+    def tipping_margin(self, angle: float) -> float:
         """Return the tipping margin [half widths] under drag at ``angle`` [rad]; < 0:
         it tips.
         """
@@ -121,7 +121,7 @@ class Press:
         )
 
     def _ellipsoid_twist(self, rho: float, angle: float) -> Twist:
-        if self.room(angle) < 0.0:
+        if self.tipping_margin(angle) < 0.0:
             raise ValueError("the centre of pressure leaves the base: the object tips")
         one = (np.array([p]) for p in (self.cop, self.contact, self.along(angle)))
         vx, vy, w = DraggedEllipsoid(rho, self.shift).slide(*one).twists[0]

@@ -39,15 +39,15 @@ def least_load(
     weight: float,
     mu_support: float,
     mu_contact: float,
-    use: float = 1.0,
+    share: float = 1.0,
     pushed: float = 0.0,
 ) -> float:
-    """Return the least press N_a [N] that drags in every direction with ``use`` of its
+    """Return the least press N_a [N] that drags in every direction with ``share`` of its
     friction.
 
     (mu_s N_o + pushed) / (use mu_a - mu_s); infinite where no press is hard enough.
     """
-    room = use * mu_contact - mu_support
+    room = share * mu_contact - mu_support
     if room <= 0.0:
         return math.inf
     return (mu_support * weight + pushed) / room
@@ -57,12 +57,12 @@ def press_loads(
     weight: float,
     mu_support: float,
     mu_contact: float,
-    most: float,
+    max_force: float,
     wanted: float | None = None,
     pushed: float = 0.0,
     uses: Sequence[float] = margins.FRICTION_USES,
 ) -> list[float]:
-    """Return the loads [N] to try, up to ``most`` [N], the safest first.
+    """Return the loads [N] to try, up to ``max_force`` [N], the safest first.
 
     ``wanted`` [N] is the only one where it is given. ``pushed`` [N] is the drag of a
     body that the object pushes; ``uses`` are the shares of friction to try, the best
@@ -70,7 +70,7 @@ def press_loads(
     """
     if wanted is not None:
         used = friction_use(wanted, weight, mu_support, mu_contact, pushed)
-        _check_press(wanted, most, used, uses[-1], mu_contact)
+        _check_press(wanted, max_force, used, uses[-1], mu_contact)
         return [wanted]
     loads = [
         max(
@@ -79,12 +79,12 @@ def press_loads(
         )
         for use in uses
     ]
-    if loads[-1] <= most:
-        return sorted({load for load in loads if load <= most}, reverse=True)
+    if loads[-1] <= max_force:
+        return sorted({load for load in loads if load <= max_force}, reverse=True)
     if mu_contact <= mu_support:
         raise RefusedError(no_drag(mu_contact, mu_support))
     text = f"needs a press of {{figure:N.1f}}, {FORCE_ALLOWED}"
-    raise RefusedError(Refusal("normal_force", text, loads[-1], most, "N"))
+    raise RefusedError(Refusal("normal_force", text, loads[-1], max_force, "N"))
 
 
 def no_drag(mu_contact: float, mu_support: float) -> Refusal:
@@ -99,14 +99,14 @@ def no_drag(mu_contact: float, mu_support: float) -> Refusal:
 
 
 def _check_press(
-    wanted: float, most: float, used: float, allowed: float, mu_contact: float
+    wanted: float, max_force: float, used: float, allowed: float, mu_contact: float
 ) -> None:
-    """Raise RefusedError where a press of ``wanted`` [N] is harder than ``most`` [N], or
+    """Raise RefusedError where a press of ``wanted`` [N] is harder than ``max_force`` [N], or
     where more than the ``allowed`` share of its friction is ``used``.
     """
-    if wanted > most:
+    if wanted > max_force:
         text = f"motion.press_force of {{figure:Ng}}, {FORCE_ALLOWED}"
-        raise RefusedError(Refusal("normal_force", text, wanted, most, "N"))
+        raise RefusedError(Refusal("normal_force", text, wanted, max_force, "N"))
     if used > allowed:
         needed = mu_contact * used / allowed
         text = (

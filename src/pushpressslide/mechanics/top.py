@@ -34,7 +34,7 @@ def room_inside(body: ObjectModel, point: Point) -> float:
 
 def rooms_inside(body: ObjectModel, points: Array) -> Array:
     """Return ``room_inside`` (m,) of ``points`` (m, 2)."""
-    return body.shape.rooms(points, body.center_of_mass)
+    return body.shape.depths(points, body.center_of_mass)
 
 
 def top_places(body: ObjectModel, margin: float) -> list[Point]:

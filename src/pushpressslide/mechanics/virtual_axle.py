@@ -108,20 +108,20 @@ def sliding(
     return _balanced(slide, mu)
 
 
-def _balanced(slide: Callable[[float, Twist | None], Slide], most: float) -> Slide:
-    """Return the slide without surplus, of a force over the load in [0, ``most``].
+def _balanced(slide: Callable[[float, Twist | None], Slide], max_force: float) -> Slide:
+    """Return the slide without surplus, of a force over the load in [0, ``max_force``].
 
     Raises the ValueError of ``slide`` where the surplus is positive as far as there is a
     pressure.
     """
-    interval = _Interval(0.0, most)
-    ratio = most
+    interval = _Interval(0.0, max_force)
+    ratio = max_force
     guess = None
     while True:
         try:
             found = slide(ratio, guess)
         except ValueError:
-            if interval.width < EDGE * most:
+            if interval.width < EDGE * max_force:
                 raise
             interval.high = ratio
             ratio = interval.middle

@@ -182,7 +182,7 @@ class Mode(ABC, Generic[D]):
         """
         part = replace(query, modes=(self.name,))
         held = tuple(contacts)
-        found = self.choices(part, 1, Feasibility(part, held=held, arms=False))
+        found = self.choices(part, 1, Feasibility(part, held_contacts=held, arms=False))
         if not found:
             return Choice(self.name, contacts=held, refusal=NO_PLACEMENT)
         return found[0]
@@ -317,7 +317,7 @@ def search(
     that is left can be quicker.
     """
     number = count()
-    held = feasibility.held
+    held = feasibility.held_contacts
     waiting: list[tuple[float, bool, int, Candidate | Choice]] = []
     out = []
     for candidate in candidates:
@@ -350,14 +350,14 @@ def search(
     return sorted(out, key=ranking_key)
 
 
-def _may_hold(candidate: Candidate | Choice, held: Sequence[Contact]) -> bool:
-    """Return whether a candidate may have a choice with the contacts ``held``, by whichever
+def _may_hold(candidate: Candidate | Choice, held_contacts: Sequence[Contact]) -> bool:
+    """Return whether a candidate may have a choice with the contacts ``held_contacts``, by whichever
     arms; a choice that stands for all placements may.
     """
     if not candidate.contacts:
         return True
     mine = {replace(contact, arm=0, load=0.0) for contact in candidate.contacts}
-    return mine == {replace(contact, arm=0, load=0.0) for contact in held}
+    return mine == {replace(contact, arm=0, load=0.0) for contact in held_contacts}
 
 
 def in_arms(choice: Choice, assigned: Iterable[Sequence[int]]) -> list[Choice]:
@@ -390,7 +390,9 @@ class Feasibility:
 
     query: MotionQuery
     blocks: Callable[[Choice], Refusal | None] | None = None  # what is in the way
-    held: tuple[Contact, ...] | None = None  # the only contacts that are asked for
+    held_contacts: tuple[Contact, ...] | None = (
+        None  # the only contacts that are asked for
+    )
     arms: bool = True  # whether the arms are asked at all
     unreached: int = 0  # choices out of reach so far
     blocked: int = 0  # choices with something in the way so far

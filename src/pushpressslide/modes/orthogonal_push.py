@@ -170,7 +170,7 @@ class OrthogonalPush(TwistPushes):
         placed = Choice(self.name, f"{names} at {places}", cone.contacts)
         friction = query.scene.contact_friction
         allocate = self.allocator(cone.contacts, friction, cone.surface.rho)
-        wrenches = [cone.wrench(*rate) for rate, _ in path.pieces]
+        wrenches = [cone.wrench(*rate) for rate, _ in path.sections]
         push = max(max(allocate(w.fx, w.fy, w.tau).normals) for w in wrenches)  # [N]
         driven = driven_by_twists(query, placed, path, cone, push)
         summary = f"{driven.summary}, pushed with up to {push:.1f} N"

@@ -163,7 +163,7 @@ class ParallelPush(TwistPushes):
         """Return the choice to push as a car. Raises ValueError where there is none."""
         curvature = query.motion.curvature_margin * car.tightest
         path = car_path(query, car, curvature)
-        tightest = max((abs(k) for k, _ in path.pieces), default=0.0)
+        tightest = max((abs(k) for k, _ in path.sections), default=0.0)
         mu = query.scene.contact_friction
         margin = atan(mu) - atan(car.effective_wheelbase * tightest)
         drive = CarDrive(car, query.scene.max_friction(), curvature)

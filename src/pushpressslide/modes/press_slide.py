@@ -121,7 +121,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         except RefusedError as error:
             return [Choice(self.name, refusal=error.refusal)]
         feasibility = feasibility or Feasibility(query)
-        contacts = _those_held(placements.contacts, feasibility.held)
+        contacts = _those_held(placements.contacts, feasibility.held_contacts)
         if not contacts:
             return [Choice(self.name, refusal=NO_PLACEMENT)]
         if feasibility.arms:
@@ -139,7 +139,10 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
             if any(choice.feasible for choice in choices):
                 break
         else:
-            found = {k: _told(query.scene.rho, choices) for k, choices in found.items()}
+            found = {
+                k: _name_believed_rho(query.scene.rho, choices)
+                for k, choices in found.items()
+            }
         manoeuvres = found.get("manoeuvre", [])
         if "vehicle" not in found:
             return manoeuvres
@@ -160,9 +163,9 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
                 query, self.name, placements, enough, feasibility.refusal
             )
 
-        def vehicles(least: float) -> list[Choice]:
-            """Return those of a vehicle that is steered by ``least`` [rad] or more."""
-            return search(_steered(query, straight, least), enough, feasibility)
+        def vehicles(min_angle: float) -> list[Choice]:
+            """Return those of a vehicle that is steered by ``min_angle`` [rad] or more."""
+            return search(_steered(query, straight, min_angle), enough, feasibility)
 
         free = query.motion.vehicle is None and query.tool is None
         given = bool(query.motion.contacts)
@@ -374,7 +377,7 @@ def _of_first_leg(
     return mine, tuple(segments[len(mine) :])
 
 
-def _told(rho: float | None, choices: Sequence[Choice]) -> list[Choice]:
+def _name_believed_rho(rho: float | None, choices: Sequence[Choice]) -> list[Choice]:
     """Return refused choices that say with which believed rho they are refused."""
     if rho is None:
         return list(choices)
@@ -388,15 +391,15 @@ def _told(rho: float | None, choices: Sequence[Choice]) -> list[Choice]:
 
 
 def _steered(
-    query: MotionQuery, straight: Sequence[Choice], least: float
+    query: MotionQuery, straight: Sequence[Choice], min_angle: float
 ) -> list[Candidate | Choice]:
     """Return choices to be planned with the axle of their turns, in order; refused
-    those that are steered like a unicycle by less than ``least`` [rad].
+    those that are steered like a unicycle by less than ``min_angle`` [rad].
     """
 
     def make(choice: Choice, evaluated: bool) -> list[Choice]:
         """Return a choice as it is steered, by either arm."""
-        steered = with_turns(query, choice, least) if evaluated else choice
+        steered = with_turns(query, choice, min_angle) if evaluated else choice
         return either_arm(query.scene, query.body_ends, steered)
 
     return [
@@ -424,7 +427,7 @@ def dragged(query: MotionQuery, contact: Contact, drag: float | None) -> MotionQ
     return replace(query, scene=replace(scene, support=support))
 
 
-class _Seen(NamedTuple):
+class _MeasuredLeg(NamedTuple):
     """A query, segments and what was measured, about the CoM where it was identified."""
 
     query: MotionQuery
@@ -434,7 +437,7 @@ class _Seen(NamedTuple):
 
 def _seen_from(
     query: MotionQuery, segments: Sequence[Segment], measured: Measured
-) -> _Seen:
+) -> _MeasuredLeg:
     """Return all of it with B at the identified CoM."""
     x, y = measured.estimates.center
     back = (-x, -y)
@@ -448,7 +451,7 @@ def _seen_from(
         ex, ey = drive.car.axis
         axle = axle._replace(axle=axle.axle - x * ex - y * ey)
     estimates = measured.estimates._replace(axle=axle, center=ORIGIN)
-    return _Seen(
+    return _MeasuredLeg(
         replace(query, scene=replace(scene, body=body)),
         _shifted(segments, back),
         replace(
@@ -502,12 +505,12 @@ allocator = MODE.allocator
 
 
 def _those_held(
-    contacts: tuple[Contact, ...], held: Sequence[Contact] | None
+    contacts: tuple[Contact, ...], held_contacts: Sequence[Contact] | None
 ) -> tuple[Contact, ...]:
-    """Return the places that are ``held``; all if it is None."""
-    if held is None:
+    """Return the places that are ``held_contacts``; all if it is None."""
+    if held_contacts is None:
         return contacts
-    points = [contact.point for contact in held]
+    points = [contact.point for contact in held_contacts]
     return tuple(contact for contact in contacts if [contact.point] == points)
 
 

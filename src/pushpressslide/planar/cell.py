@@ -21,11 +21,11 @@ from pushpressslide.selection.preparation import PlansAlone, Preparation
 TIPPING_TIME = 0.1  # [s] of load off the base that ends a run
 
 
-def planar_cell(plan: Plan, begin: WorldState | None = None) -> Cell:
+def planar_cell(plan: Plan, start: WorldState | None = None) -> Cell:
     """Cell with the object of ``plan`` at its true start, and the tips before their
     contacts or where they are as the run begins.
     """
-    physics = PlanarPhysics(plan, begin)
+    physics = PlanarPhysics(plan, start)
     tips = [PlanarTip(physics, i) for i in range(len(plan.task.robots))]
     return Cell("planar", physics, tips, physics, physics, physics)
 
@@ -35,7 +35,7 @@ class PlanarPhysics:
 
     simulated = True
 
-    def __init__(self, plan: Plan, begin: WorldState | None = None) -> None:
+    def __init__(self, plan: Plan, start: WorldState | None = None) -> None:
         """Put object and tips where a run begins."""
         task = plan.task
         query = plan.query
@@ -49,8 +49,8 @@ class PlanarPhysics:
         self._world = World(task, plan.contacts, self._period)
         gap = before_contacts(query.scene, query.motion, plan.contacts)
         self.now = self._world.start(plan.true_start, query.start, gap)
-        if begin is not None:
-            self.now = self.now._replace(tips=tuple(map(resting, begin.tips)))
+        if start is not None:
+            self.now = self.now._replace(tips=tuple(map(resting, start.tips)))
         self._before = self.now  # one tick ago
         self._X_WG = self.now.X_WB.compose(self._X_BG)
         self._X_WG_before = self._X_WG

@@ -87,7 +87,7 @@ class FreeSpace:
         apart = gaps(self.shape, poses, self.others).min(1)
         return np.asarray(on & (apart >= self.clearance))
 
-    def ways(self, goal: Pose2) -> PathsTo:
+    def paths_to(self, goal: Pose2) -> PathsTo:
         """Return the ways to a pose X_WG, which may be nearer to a polygon than the
         clearance.
         """
@@ -111,19 +111,19 @@ class PathsTo:
             return lengths_from(self.space.shape, self.goal, poses)
         return np.array([self._grid.length(X) for X in poses])
 
-    def way(self, start: Pose2) -> list[Pose2] | None:
+    def via_poses(self, start: Pose2) -> list[Pose2] | None:
         """Return poses X_WG from ``start`` to the goal between which straight ways are
         free, as few as a look ahead finds; None where the grid has none.
         """
         if self._grid is None or self.space.straight(start, self.goal):
             return [start, self.goal]
-        cells = self._grid.way(start)
+        cells = self._grid.via_poses(start)
         if cells is None:
             return None
         return _shortened(self.space, [start, *cells, self.goal])
 
 
-def moved(shape: Shape, X: Pose2, Y: Pose2) -> float:
+def displacement(shape: Shape, X: Pose2, Y: Pose2) -> float:
     """Return how far [m] a footprint is moved from one pose to another, turns included."""
     turn = abs(math.remainder(Y.yaw - X.yaw, 2.0 * math.pi))
     return math.dist(X.position, Y.position) + shape.circumradius * turn
@@ -137,7 +137,7 @@ def lengths_from(shape: Shape, X: Pose2, poses: Sequence[Pose2]) -> Array:
     return out
 
 
-def alike(X: Pose2, Y: Pose2) -> bool:
+def same_pose(X: Pose2, Y: Pose2) -> bool:
     """Return whether two poses are one on the way."""
     turn = math.remainder(Y.yaw - X.yaw, 2.0 * math.pi)
     return math.dist(X.position, Y.position) < ALIKE and abs(turn) < TURNED_ALIKE
@@ -194,7 +194,7 @@ class _Grid:
         """Return how long [m] the way from a pose is; infinite where there is none."""
         return self._first(start)[1]
 
-    def way(self, start: Pose2) -> list[Pose2] | None:
+    def via_poses(self, start: Pose2) -> list[Pose2] | None:
         """Return the poses of the free cells that lead from next to ``start`` to next
         to the goal.
         """

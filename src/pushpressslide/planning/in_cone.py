@@ -34,7 +34,7 @@ class Inside:
     straight: float  # of a way of one twist
     first: float  # of the first of several
     rest: float  # of each after it
-    pieces: int = 3  # that there may be
+    max_sections: int = 3  # that there may be
 
 
 # The preferred first. Under way the rest is planned anew from where the body is, so that
@@ -66,8 +66,8 @@ class Cone(Protocol):
         """Return ``cone_margin`` (m,) of twists (m, 3)."""
         ...
 
-    def rays(self, least: float) -> list[TwistRate]:
-        """Return some twists all round the cone, that are ``least`` [rad] inside."""
+    def rays(self, margin: float) -> list[TwistRate]:
+        """Return some twists all round the cone, that are ``margin`` [rad] inside."""
         ...
 
 
@@ -102,14 +102,14 @@ class ConeGoal:
                 self.start, self.goal, cone, inside, self.radius, self.longest
             )
             for path in islice(paths, TRIED):
-                direct = len(path.pieces) == 1
+                direct = len(path.sections) == 1
                 if exact is None or direct or _inside(path, exact):
                     return path
         return None
 
 
 def _inside(path: TwistPath, exact: Margin) -> bool:
-    return all(exact(rate) >= margins.REPLAN_MARGIN for rate, _ in path.pieces)
+    return all(exact(rate) >= margins.REPLAN_MARGIN for rate, _ in path.sections)
 
 
 def resume_path(
@@ -159,7 +159,7 @@ def paths_in_cone(
     needed[0, 1:] = inside.first
     found = cone.cone_margins(middles.reshape(-1, 3)).reshape(lengths.shape)
     lengths[found < needed] = math.inf
-    if inside.pieces < 3:
+    if inside.max_sections < 3:
         lengths[1:, 1:] = math.inf
     for best in np.argsort(lengths, axis=None, kind="stable"):
         i, j = divmod(int(best), len(lasts))
@@ -170,14 +170,14 @@ def paths_in_cone(
 
 
 def _edge_pieces(
-    cone: Cone, least: float, whole: float, scale: NDArray[np.float64]
+    cone: Cone, margin: float, whole: float, scale: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return twists (k, 3) of pieces along the rays of ``cone`` that are ``least`` [rad]
+    """Return twists (k, 3) of pieces along the rays of ``cone`` that are ``margin`` [rad]
     inside, and their lengths (k,) [m]; first that of no piece.
 
     Lengths are shares of ``whole`` [m], by the norm of a twist times ``scale`` (3,).
     """
-    rays = np.array(cone.rays(least)).reshape(-1, 3)
+    rays = np.array(cone.rays(margin)).reshape(-1, 3)
     rays /= np.linalg.norm(rays * scale, axis=1, keepdims=True)
     along = np.repeat(SHARES, len(rays)) * whole
     twists = along[:, None] * np.tile(rays, (len(SHARES), 1))
@@ -186,7 +186,7 @@ def _edge_pieces(
 
 def least_cone_margin(path: TwistPath, cone: Cone) -> float:
     """Return how far inside the cone the worst piece of a path lies."""
-    return min((cone.cone_margin(*rate) for rate, _ in path.pieces), default=math.inf)
+    return min((cone.cone_margin(*rate) for rate, _ in path.sections), default=math.inf)
 
 
 def describe_cone_margin(margin: float, required: float = margins.CONE_MARGIN) -> str:

@@ -24,10 +24,10 @@ class Lever:
 
 
 def levers(
-    scene: Scene, held: Point, side: float, face: int | None = None
+    scene: Scene, pivot: Point, side: float, face: int | None = None
 ) -> list[Lever]:
     """Return places to push that turn the object to ``side`` (1 left, -1 right) about
-    ``held`` [m] in B, the longest lever first; only those of the face with index
+    ``pivot`` [m] in B, the longest lever first; only those of the face with index
     ``face`` if that is given.
     """
     body = scene.body
@@ -44,7 +44,7 @@ def levers(
             ]
         for point in points:
             length = side * cross(
-                (point[0] - held[0], point[1] - held[1]), candidate.normal
+                (point[0] - pivot[0], point[1] - pivot[1]), candidate.normal
             )
             out.append(Lever(candidate, point, length))
     longest = max((lever.length for lever in out), default=0.0)

@@ -103,7 +103,7 @@ def route(
         most = margins.LOOP_FOR_RUN_IN * min(one.path.length for one in routes)
         loops = [one for one in routes if one.path.length <= most]
         best = max(loops, key=lambda one: (one.run_in, -one.path.length))
-    turns = [abs(k) for k, _ in best.path.pieces if k]
+    turns = [abs(k) for k, _ in best.path.sections if k]
     if turns:
         best = best._replace(speed=min(best.speed, margins.ARM.turn_rate / max(turns)))
     return best, _looped(radius, best.path)
@@ -174,13 +174,13 @@ def resume_route(
 def cone_margin(car: RearSteerCar, path: ArcPath) -> float:
     """Return how far inside the friction cone the path's forces stay [rad]."""
     low, high = car.steering_limits
-    steering = [car.steering(curvature) for curvature, _ in path.pieces] or [0.0]
+    steering = [car.steering(curvature) for curvature, _ in path.sections] or [0.0]
     return min(min(high - angle, angle - low) for angle in steering)
 
 
 def turning_refusal(path: ArcPath) -> Refusal | None:
     """What stands against following the path's arcs."""
-    turning = sum(abs(curvature) * length for curvature, length in path.pieces)
+    turning = sum(abs(curvature) * length for curvature, length in path.sections)
     if turning <= TURNING_LIMIT:
         return None
     text = "the path turns by {figure:deg.0f}, allowed {allowed:deg.0f}"

@@ -32,7 +32,8 @@ def with_run_in(
         alike = (p for p in others if abs(p.turning - turning) <= math.pi)
         path = next(alike, path)
     return ArcPath(
-        start, tuple(piece for piece in (*path.pieces, (0.0, run_in)) if piece[1] > 0.0)
+        start,
+        tuple(piece for piece in (*path.sections, (0.0, run_in)) if piece[1] > 0.0),
     )
 
 
@@ -43,7 +44,7 @@ def longest_way(radius: float, direct: float) -> float:
     return margins.LOOP_RATIO * direct + margins.LOOP_SLACK * radius
 
 
-def room(start: Pose2, goal: Pose2, curvature: float) -> float:
+def loop_free_length(start: Pose2, goal: Pose2, curvature: float) -> float:
     """Return the length [m] up to which a path of that ``curvature`` [1/m] counts as
     one without a loop.
     """
@@ -68,10 +69,10 @@ def gentlest(
     least = run_ins[-1]
     # tighter turns and a shorter run-in can do all that the others can: none is shorter
     shortest = with_run_in(ends, tightest, tightest, least, turning)
-    if shortest.length > _most(ends, curvatures[0], longest):
+    if shortest.length > _max_length(ends, curvatures[0], longest):
         return least, tightest, shortest
     for curvature in curvatures:
-        most = _most(ends, curvature, longest)
+        most = _max_length(ends, curvature, longest)
         if with_run_in(ends, curvature, curvature, least, turning).length > most:
             continue
         for run_in in run_ins:
@@ -81,6 +82,8 @@ def gentlest(
     return least, tightest, shortest
 
 
-def _most(ends: tuple[Pose2, Pose2], curvature: float, longest: float | None) -> float:
+def _max_length(
+    ends: tuple[Pose2, Pose2], curvature: float, longest: float | None
+) -> float:
     """Return what counts as room [m] for a path of a curvature [1/m]."""
-    return room(*ends, curvature) if longest is None else longest
+    return loop_free_length(*ends, curvature) if longest is None else longest

@@ -47,14 +47,14 @@ def _upright(scene: Scene) -> float:
     return scene.body.shape.height + margins.ARM.wrist_gap - reach
 
 
-def _height(scene: Scene, motion: Motion, least: float) -> float:
-    """Return the height [m] of contacts that are to be at ``least`` [m]."""
+def _height(scene: Scene, motion: Motion, min_height: float) -> float:
+    """Return the height [m] of contacts that are to be at ``min_height`` [m]."""
     if motion.contact_height is not None:
         return motion.contact_height
     height = scene.body.shape.height
     radius = max(robot.tip_radius for robot in scene.tips)
     arm = margins.ARM
-    low = max(radius + arm.tool_gap, least)
+    low = max(radius + arm.tool_gap, min_height)
     inside = min(max(low, min(arm.low, 0.5 * height)), height - 0.5 * radius)
     return max(inside, radius + arm.table_gap)
 

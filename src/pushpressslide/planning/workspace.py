@@ -14,10 +14,10 @@ from pushpressslide.core.scene import ObjectModel
 STEP = 0.03  # [m] of path between the places that are checked
 
 
-def poses_along(piece: Segment) -> list[Pose2]:
+def poses_along(segment: Segment) -> list[Pose2]:
     """Return X_WB along a segment, at most STEP apart."""
-    path = piece.path
-    X_VB = piece.X_BV.inverse()
+    path = segment.path
+    X_VB = segment.X_BV.inverse()
     steps = max(3, math.ceil(path.length / STEP))
     return [path.pose(path.length * i / steps).compose(X_VB) for i in range(steps + 1)]
 

@@ -201,12 +201,15 @@ def _stages(
 
 
 def _run(
-    entry: Mapping[str, Any], stage: Stage, record: Record, choices: tuple[Choice, ...]
+    figures: Mapping[str, Any],
+    stage: Stage,
+    record: Record,
+    choices: tuple[Choice, ...],
 ) -> StageRun:
     """Return a stage that was begun, of what plan.json has of it."""
-    state = WorldState({body: Pose2(**X) for body, X in entry["poses"].items()})
-    anew = entry["planned_anew"]
-    return StageRun(stage, record.plan, choices, record, entry["began"], state, anew)
+    state = WorldState({body: Pose2(**X) for body, X in figures["poses"].items()})
+    anew = figures["planned_anew"]
+    return StageRun(stage, record.plan, choices, record, figures["began"], state, anew)
 
 
 def _older_run(

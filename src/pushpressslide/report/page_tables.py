@@ -36,7 +36,7 @@ class Row:
 
     def cell(self, result: Mapping[str, Any]) -> str:
         """Return the figure as a table cell, marked if a tolerance judges it."""
-        return f'<td class="n {_judged(result, self.key)}">{self.text(result)}</td>'
+        return f'<td class="n {_tolerance_class(result, self.key)}">{self.text(result)}</td>'
 
 
 Groups = tuple[tuple[str, tuple[Row, ...]], ...]
@@ -297,7 +297,7 @@ def _asked(result: Mapping[str, Any], row: Row) -> str:
     return sign + row.text(result, key)
 
 
-def _judged(result: Mapping[str, Any], key: str) -> str:
+def _tolerance_class(result: Mapping[str, Any], key: str) -> str:
     """CSS class of a figure that has a tolerance: met or not."""
     limit = ASKED.get(key, "")
     value = lookup(result, key)

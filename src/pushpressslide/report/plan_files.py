@@ -281,9 +281,9 @@ def _path_to_dict(path: MotionPath) -> dict[str, Any]:
     if isinstance(path, ArcPath):
         return {
             "start": _pose_to_list(path.start),
-            "pieces": [list(piece) for piece in path.pieces],
+            "pieces": [list(piece) for piece in path.sections],
         }
-    pieces = [[*rate, length] for rate, length in path.pieces]
+    pieces = [[*rate, length] for rate, length in path.sections]
     return {"start": _pose_to_list(path.start), "pieces": pieces, "radius": path.radius}
 
 

@@ -61,11 +61,11 @@ def staged_result(
     stages: Sequence[Stage],
     runs: Sequence[StageRun],
     results: Sequence[Figures],
-    lacking: Ending | None,
+    shortfall: Ending | None,
 ) -> dict[str, Any]:
     """Return the contents of result.json of a run of a task with goals, in ``stages``.
 
-    ``runs`` are those that were begun and ``results`` theirs; ``lacking`` says why one
+    ``runs`` are those that were begun and ``results`` theirs; ``shortfall`` says why one
     was not. Of several stages a figure is the sum, the worst or the mean over the time
     in contact; what only a single motion has stands with its stage alone.
     """
@@ -75,7 +75,7 @@ def staged_result(
     out |= _combined(results)
     bodies = _bodies(task, runs)
     worst = _worst(task, bodies)
-    ended = _ending(task, runs, results, bodies, lacking)
+    ended = _ending(task, runs, results, bodies, shortfall)
     out |= {
         "task": task.name,
         "modes": [m for m, _ in groupby(m for r in results for m in r["modes"])],
@@ -190,11 +190,11 @@ def _ending(
     runs: Sequence[StageRun],
     results: Sequence[Figures],
     bodies: Mapping[str, Figures],
-    lacking: Ending | None,
+    shortfall: Ending | None,
 ) -> Ending:
     """Return why the whole run ended, and whether it is a success."""
-    if lacking is not None:
-        return lacking
+    if shortfall is not None:
+        return shortfall
     for number, (run, result) in enumerate(zip(runs, results, strict=True)):
         code = result["reason"]["code"]
         # where other bodies end is judged at the end; one put aside may be anywhere
@@ -220,18 +220,18 @@ def _ending(
     return Ending("goal_reached", place)
 
 
-def _within(entry: Figures, tolerance: Tolerance) -> bool:
-    near: bool = entry["position_error"] <= tolerance.position
-    turned: bool = entry["yaw_error"] <= tolerance.yaw
+def _within(figures: Figures, tolerance: Tolerance) -> bool:
+    near: bool = figures["position_error"] <= tolerance.position
+    turned: bool = figures["yaw_error"] <= tolerance.yaw
     return near and turned
 
 
-def _place(name: str, entry: Figures) -> str:
-    if "goal" not in entry:
-        return f"{name!r} was moved by {entry['displacement'] * 1e3:.1f} mm"
+def _place(name: str, figures: Figures) -> str:
+    if "goal" not in figures:
+        return f"{name!r} was moved by {figures['displacement'] * 1e3:.1f} mm"
     return (
-        f"{name!r} ended {entry['position_error'] * 1e3:.1f} mm and "
-        f"{math.degrees(entry['yaw_error']):.2f} deg from its goal"
+        f"{name!r} ended {figures['position_error'] * 1e3:.1f} mm and "
+        f"{math.degrees(figures['yaw_error']):.2f} deg from its goal"
     )
 
 

@@ -223,11 +223,11 @@ def _renumbered(run: StageRun, number: int, first: _Counts) -> dict[str, Array]:
     return arrays
 
 
-def _own_name(body: str, moved: str) -> str:
-    """Return the array of a body's positions in the stage in which ``moved`` is the
+def _own_name(body: str, driven_body: str) -> str:
+    """Return the array of a body's positions in the stage in which ``driven_body`` is the
     object.
     """
-    name = obstacle_name(body, moved)
+    name = obstacle_name(body, driven_body)
     return "object_pose_3d" if name == OBJECT else f"body_{name}"
 
 

@@ -56,10 +56,10 @@ def _frictions(task: Task) -> str:
     return f"{task.support.kind} {support}, end effector {tip}"
 
 
-def _with_belief(true: float, believed: float, unit: str = "") -> str:
+def _with_belief(true: float, belief: float, unit: str = "") -> str:
     text = f"{true:g}{unit}"
-    if believed != true:
-        text += f" (believed {believed:g}{unit})"
+    if belief != true:
+        text += f" (believed {belief:g}{unit})"
     return text
 
 

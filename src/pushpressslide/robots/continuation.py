@@ -57,7 +57,7 @@ class Continuation:
     @property
     def lost(self) -> bool:
         """Whether the tip is far off somewhere."""
-        return bool(_far(self.position_residual, self.angle_residual).any())
+        return bool(_is_lost(self.position_residual, self.angle_residual).any())
 
     @property
     def joint_margin(self) -> float:
@@ -166,12 +166,12 @@ def _followed(
         distance[:, i], angle[:, i] = _reach_sample(
             kin, q, p[:, i], R[:, i], elbow, iterations, lost
         )
-        lost |= _far(distance[:, i], angle[:, i])
+        lost |= _is_lost(distance[:, i], angle[:, i])
         path[:, i] = q
     return path, distance, angle
 
 
-def _far(distance: Array, angle: Array) -> NDArray[np.bool_]:
+def _is_lost(distance: Array, angle: Array) -> NDArray[np.bool_]:
     """Return whether what samples miss by, [m] and [rad], is no near miss."""
     return (angle > LOST_ANGLE) | (distance > LOST_DISTANCE)
 

@@ -186,20 +186,20 @@ def _angles(values: Any) -> tuple[float, float, float]:
     return (roll, pitch, yaw)
 
 
-def _link(entry: Mapping[str, Any]) -> LinkFacts:
-    if "mass" not in entry:
-        return LinkFacts(entry["name"])
+def _link(data: Mapping[str, Any]) -> LinkFacts:
+    if "mass" not in data:
+        return LinkFacts(data["name"])
     inertia = tuple(
-        float(entry["inertia"][key])
+        float(data["inertia"][key])
         for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
     )
-    com = _triple(entry["com"])
-    rpy = _angles(entry.get("rpy", (0, 0, 0)))
-    return LinkFacts(entry["name"], float(entry["mass"]), com, rpy, inertia)
+    com = _triple(data["com"])
+    rpy = _angles(data.get("rpy", (0, 0, 0)))
+    return LinkFacts(data["name"], float(data["mass"]), com, rpy, inertia)
 
 
-def _joint(entry: Mapping[str, Any]) -> JointFacts:
-    fields = dict(entry)
+def _joint(data: Mapping[str, Any]) -> JointFacts:
+    fields = dict(data)
     fields["kind"] = fields.pop("type")
     fields["xyz"], fields["rpy"] = _triple(fields["xyz"]), _angles(fields["rpy"])
     fields["axis"] = _triple(fields.get("axis", (0, 0, 1)))

@@ -29,24 +29,26 @@ def triple(
     text: str | None,
     place: str,
     default: Triple = (0.0, 0.0, 0.0),
-    most: float = math.inf,
+    limit: float = math.inf,
 ) -> Triple:
-    """Three finite numbers, none beyond ``most``.
+    """Three finite numbers, none beyond ``limit``.
 
     Raises UnfitValue for others.
     """
     if text is None:
         return default
     values = tuple(_float(part) for part in text.split())
-    bound = "" if math.isinf(most) else f" in [-{most:g}, {most:g}]"
-    if len(values) != 3 or not all(math.isfinite(v) and abs(v) <= most for v in values):
+    bound = "" if math.isinf(limit) else f" in [-{limit:g}, {limit:g}]"
+    if len(values) != 3 or not all(
+        math.isfinite(v) and abs(v) <= limit for v in values
+    ):
         raise UnfitValue(place, Shown(f"'{text.strip()}'"), f"3 finite numbers{bound}")
     return values
 
 
 def place_of(text: str | None, place: str) -> Triple:
     """Position [m] of an origin."""
-    return triple(text, place, most=FARTHEST)
+    return triple(text, place, limit=FARTHEST)
 
 
 def number(

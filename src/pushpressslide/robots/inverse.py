@@ -45,7 +45,7 @@ class IkSearch:
     # take the first posture found for a target, its margin as it is
     first_found: bool = False
     # after so many iterations, how many starts of each target are followed further
-    kept: tuple[tuple[int, int], ...] = ((12, 6), (24, 3))
+    stages: tuple[tuple[int, int], ...] = ((12, 6), (24, 3))
 
 
 THOROUGH = IkSearch()
@@ -259,22 +259,22 @@ def _targets(
     p: Array,
     attitude: ToolAttitude | Array,
     tool_yaw: Array | float | None,
-    starts: int,
+    start_count: int,
 ) -> _Targets:
     """Return the targets of ``solve_ik``, each as often as it has starts."""
     m = len(p)
     R = None
     if isinstance(attitude, ToolAttitude):
-        axes = np.broadcast_to(attitude.axis, (m * starts, 3))
+        axes = np.broadcast_to(attitude.axis, (m * start_count, 3))
         if tool_yaw is not None:
             yaws = np.broadcast_to(np.asarray(tool_yaw, dtype=np.float64), (m,))
-            R = np.repeat(attitude.rotation(yaws), starts, axis=0)
+            R = np.repeat(attitude.rotation(yaws), start_count, axis=0)
     elif attitude.ndim == 3:
-        axes = np.repeat(attitude[..., 2], starts, axis=0)
-        R = np.repeat(attitude, starts, axis=0)
+        axes = np.repeat(attitude[..., 2], start_count, axis=0)
+        R = np.repeat(attitude, start_count, axis=0)
     else:
-        axes = np.repeat(attitude, starts, axis=0)
-    return _Targets(np.repeat(p, starts, axis=0), axes, R)
+        axes = np.repeat(attitude, start_count, axis=0)
+    return _Targets(np.repeat(p, start_count, axis=0), axes, R)
 
 
 def _descent(
@@ -283,11 +283,11 @@ def _descent(
     q: Array,
     joint_margin: float,
     search: IkSearch,
-    starts: int,
+    start_count: int,
 ) -> tuple[Array, Array]:
     """Return postures (k, n) and their errors (k, 6) after damped steps from ``q``.
 
-    ``starts`` rows in turn belong to one target.
+    ``start_count`` rows in turn belong to one target.
     """
     room = 0.5 * (kin.facts.upper - kin.facts.lower)
     inset = np.minimum(joint_margin, 0.99 * room)
@@ -297,15 +297,19 @@ def _descent(
     e, J = targets.error(kin, q)
     errors = e
     active = np.arange(len(q))
-    kept = {} if search.first_found else dict(search.kept)
+    kept = {} if search.first_found else dict(search.stages)
     for i in range(search.iterations):
-        if kept.get(i, starts) < starts:
-            best = _best(kin, q[active], e, len(active) * starts // len(q), kept[i])
+        if kept.get(i, start_count) < start_count:
+            best = _best(
+                kin, q[active], e, len(active) * start_count // len(q), kept[i]
+            )
             active = active[best]
             e = e[best]
             J = J[best]
         if search.first_found:
-            met = np.repeat(_solved(errors).reshape(-1, starts).any(axis=1), starts)
+            met = np.repeat(
+                _solved(errors).reshape(-1, start_count).any(axis=1), start_count
+            )
             unmet = ~met[active]
             if not unmet.any():
                 break
@@ -326,17 +330,17 @@ def _descent(
 
 
 def _best(
-    kin: ArmKinematics, q: Array, e: Array, starts: int, count: int
+    kin: ArmKinematics, q: Array, e: Array, start_count: int, count: int
 ) -> NDArray[np.intp]:
     """Return the rows of the ``count`` postures of each target that are nearest to it
-    or, of those that are there, farthest from the joint limits; ``starts`` rows in turn
+    or, of those that are there, farthest from the joint limits; ``start_count`` rows in turn
     belong to one target.
     """
     off = np.linalg.norm(e, axis=-1)
     score = np.where(off < NEARLY, kin.joint_margin(q), -off)
-    order = np.argsort(-score.reshape(-1, starts), axis=1, kind="stable")
+    order = np.argsort(-score.reshape(-1, start_count), axis=1, kind="stable")
     best = np.sort(order[:, :count], axis=1)
-    out: NDArray[np.intp] = (best + starts * np.arange(len(best))[:, None]).ravel()
+    out: NDArray[np.intp] = (best + start_count * np.arange(len(best))[:, None]).ravel()
     return out
 
 

@@ -106,7 +106,7 @@ def reachable(
 def first_look(
     kin: ArmKinematics,
     p: Array,
-    held: ToolAttitude | Array,
+    targets: ToolAttitude | Array,
     joint_margin: float = REACH_MARGIN,
 ) -> Reach:
     """Return which points (m, 3) [m] a short search finds reached: most that are, in any
@@ -115,7 +115,7 @@ def first_look(
     held: one attitude, or tool axes (m, 3), or rotations (m, 3, 3).
     """
     starts = default_seeds(kin, p)[:, FIRST_SEEDS]
-    return _reach(solve_ik(kin, p, held, None, starts, joint_margin, FIRST))
+    return _reach(solve_ik(kin, p, targets, None, starts, joint_margin, FIRST))
 
 
 def _reach(solution: IkSolution) -> Reach:
@@ -145,11 +145,11 @@ def held_somehow_problem(
     far = np.hypot(p[:, 0] - robot.base[0], p[:, 1] - robot.base[1])
     hardest = sorted({0, len(p) - 1, int(np.argmin(far)), int(np.argmax(far))})
     along = _PathReach(kin, p, hardest)
-    first = _held(*holds[0], len(p))
+    first = _tool_targets(*holds[0], len(p))
     places, found = along.first_search(first)
     if found.ok.all():
         return None
-    others = sorted((_held(*hold, len(p)) for hold in holds[1:]), key=np.ndim)
+    others = sorted((_tool_targets(*hold, len(p)) for hold in holds[1:]), key=np.ndim)
     near = [one for one in (first, *others) if (along.short(one) <= 0.0).all()]
     if near:
         worst = places[_worst(found)]
@@ -170,38 +170,38 @@ class _PathReach:
     p: Array  # (m, 3) [m]
     hardest: list[int]  # indices of the places that are looked at first
 
-    def short(self, held: Array) -> Array:
+    def short(self, targets: Array) -> Array:
         """Return ``short_by`` of the hardest places."""
-        return short_by(self.kin, self.p[self.hardest], held[self.hardest])
+        return short_by(self.kin, self.p[self.hardest], targets[self.hardest])
 
-    def first_search(self, held: Array) -> tuple[list[int], Reach]:
+    def first_search(self, targets: Array) -> tuple[list[int], Reach]:
         """Return the places that were looked at, and what is reached of them.
 
         All places, if nothing is in the way at the hardest ones.
         """
-        short = self.short(held)
+        short = self.short(targets)
         postures = np.zeros((len(self.hardest), self.kin.facts.size))
         found = Reach(short <= 0.0, np.zeros_like(short), short, postures)
         if found.ok.all():
-            found = self._look(held)
+            found = self._look(targets)
         if not found.ok.all():
             return self.hardest, found
-        everywhere = _all_along(self.kin, self.p, held, self.hardest, found)
+        everywhere = _all_along(self.kin, self.p, targets, self.hardest, found)
         return list(range(len(self.p))), everywhere
 
-    def reached(self, held: Array, *, patient: bool = False) -> bool:
+    def reached(self, targets: Array, *, patient: bool = False) -> bool:
         """Return whether all points are reached; ``patient``: by a second search."""
-        found = self._look(held)
+        found = self._look(targets)
         if patient:
             hardest = self.hardest
-            found = _retried(self.kin, self.p[hardest], held[hardest], found)
+            found = _retried(self.kin, self.p[hardest], targets[hardest], found)
         if not found.ok.all():
             return False
-        everywhere = _all_along(self.kin, self.p, held, self.hardest, found)
+        everywhere = _all_along(self.kin, self.p, targets, self.hardest, found)
         return bool(everywhere.ok.all())
 
-    def _look(self, held: Array) -> Reach:
-        return first_look(self.kin, self.p[self.hardest], held[self.hardest])
+    def _look(self, targets: Array) -> Reach:
+        return first_look(self.kin, self.p[self.hardest], targets[self.hardest])
 
 
 def _some_hold(along: _PathReach, holds: list[Array], worst: int) -> tuple[bool, Reach]:
@@ -221,7 +221,7 @@ def _some_hold(along: _PathReach, holds: list[Array], worst: int) -> tuple[bool,
     return reached, able
 
 
-def _held(hold: ToolAttitude, yaws: Array | None, count: int) -> Array:
+def _tool_targets(hold: ToolAttitude, yaws: Array | None, count: int) -> Array:
     """Return the tool's axes (count, 3) for any yaw, or with ``yaws`` its rotations
     (count, 3, 3).
     """
@@ -230,68 +230,68 @@ def _held(hold: ToolAttitude, yaws: Array | None, count: int) -> Array:
     return hold.rotation(yaws)
 
 
-def _axes(held: Array) -> Array:
-    if held.ndim == 2:
-        return held
-    axes: Array = held[..., 2]
+def _axes(targets: Array) -> Array:
+    if targets.ndim == 2:
+        return targets
+    axes: Array = targets[..., 2]
     return axes
 
 
-def _worst(found: Reach) -> int:
-    return int(np.argmax(np.where(found.ok, -1.0, found.miss)))
+def _worst(reach: Reach) -> int:
+    return int(np.argmax(np.where(reach.ok, -1.0, reach.miss)))
 
 
-def short_by(kin: ArmKinematics, p: Array, held: Array) -> Array:
+def short_by(kin: ArmKinematics, p: Array, targets: Array) -> Array:
     """Return by how much [m] the stretched links are too short for points (m, 3), < 0
     within their span.
     """
     shoulder, wrist, span = kin.span
-    out: Array = np.linalg.norm(p - wrist * _axes(held) - shoulder, axis=-1) - span
+    out: Array = np.linalg.norm(p - wrist * _axes(targets) - shoulder, axis=-1) - span
     return out
 
 
 def _all_along(
-    kin: ArmKinematics, p: Array, held: Array, known: Sequence[int], there: Reach
+    kin: ArmKinematics, p: Array, targets: Array, known: Sequence[int], there: Reach
 ) -> Reach:
     """Return which points are reached, searched from the postures ``there`` at the
     points ``known``.
     """
     nearest = np.linalg.norm(p[:, None] - p[known], axis=-1).argmin(axis=1)
     starts = there.q[nearest][:, None]
-    found = _reach(solve_ik(kin, p, held, None, starts, REACH_MARGIN, FIRST))
-    return _retried(kin, p, held, found)
+    found = _reach(solve_ik(kin, p, targets, None, starts, REACH_MARGIN, FIRST))
+    return _retried(kin, p, targets, found)
 
 
 def _retried(
-    kin: ArmKinematics, p: Array, held: Array, found: Reach, *, each: bool = False
+    kin: ArmKinematics, p: Array, targets: Array, reach: Reach, *, each: bool = False
 ) -> Reach:
     """Return what was found, after another search, which keeps off the limits, for what
     failed but is not farther from the shoulder than the stretched links are long.
     ``each`` counts for itself; else no more is searched once one is hopeless.
     """
-    short = short_by(kin, p, held)
-    near = (short <= 0.0) & ((found.miss < HOPELESS) | (short < -FOLDED))
-    again = np.flatnonzero(~found.ok & near)
-    if len(again) and (each or near[~found.ok].all()):
+    short = short_by(kin, p, targets)
+    near = (short <= 0.0) & ((reach.miss < HOPELESS) | (short < -FOLDED))
+    again = np.flatnonzero(~reach.ok & near)
+    if len(again) and (each or near[~reach.ok].all()):
         starts = default_seeds(kin, p[again])[:, :STRUCTURED_SEEDS]
         better = _reach(
-            solve_ik(kin, p[again], held[again], None, starts, REACH_MARGIN)
+            solve_ik(kin, p[again], targets[again], None, starts, REACH_MARGIN)
         )
-        return found.replaced(again, better)
-    return found
+        return reach.replaced(again, better)
+    return reach
 
 
 def _problem(
     kin: ArmKinematics,
     robot: Robot,
     points: Sequence[tuple[float, float, float]],
-    found: Reach,
+    reach: Reach,
     joint_margin: float,
 ) -> str:
-    worst = _worst(found)
+    worst = _worst(reach)
     x, y, z = (float(v) for v in points[worst])
     far = float(np.hypot(x - robot.base[0], y - robot.base[1]))
-    missed = int((~found.ok).sum())
+    missed = int((~reach.ok).sum())
     return (
         f"{kin.facts.name} cannot bring its tip to ({x:.3f}, {y:.3f}, {z:.3f}), "
         f"{far:.3f} m from its base's "

@@ -106,7 +106,7 @@ def surely_reached(
     for hold in holds:
         lean = hold.azimuth - robot.base_yaw - bearing
         table = _table(standing, height, hold.tilt)
-        if _held(table, _first_joint(standing), distance, bearing, lean):
+        if _reached_with_tilt(table, _first_joint(standing), distance, bearing, lean):
             return True
     return False
 
@@ -143,7 +143,7 @@ def each_reached(robot: Robot, points: Array, azimuths: Array) -> NDArray[np.boo
     return out
 
 
-def _held(
+def _reached_with_tilt(
     table: _Table,
     first_joint: tuple[float, float],
     distance: Array,

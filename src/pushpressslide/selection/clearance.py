@@ -92,7 +92,7 @@ def base_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | None:
         return None
     text = (
         "the object comes within {figure:mm.0f} of an arm's base at "
-        f"{_at(poses[worst])}, allowed from {{allowed:mm.0f}}"
+        f"{_position_text(poses[worst])}, allowed from {{allowed:mm.0f}}"
     )
     least = float(apart[worst, i])
     return Refusal("obstacle", text, least, float(allowed[worst, i]), "m")
@@ -170,7 +170,7 @@ def tips_refusal(
             gap = float(apart[nearest]) - radius
             if gap < 0.0:
                 name = literal(repr(obstacle.name))
-                text = f"the tip runs into obstacle {name} at {_at(poses[nearest])}"
+                text = f"the tip runs into obstacle {name} at {_position_text(poses[nearest])}"
                 return Refusal("obstacle", text, gap, 0.0, "m")
     return None
 
@@ -198,7 +198,7 @@ def _carried_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | No
             if depths[worst] <= 0.0:
                 text = (
                     f"{literal(what)} falls over the edge of support.region at "
-                    f"{_at(way[worst])}"
+                    f"{_position_text(way[worst])}"
                 )
                 refusal = Refusal("edge", text)
         if refusal is not None:
@@ -235,13 +235,13 @@ def _too_near(
             deepest = int(shared.argmax())
             if shared[deepest] > ENTERED * clearance**2:
                 name = literal(repr(obstacle.name))
-                text = f"{literal(what)} runs into obstacle {name} at {_at(poses[deepest])}"
+                text = f"{literal(what)} runs into obstacle {name} at {_position_text(poses[deepest])}"
                 return Refusal("obstacle", text)
         worst = int(lacking.argmax())
         if lacking[worst] > 0.0:
             text = (
                 f"{literal(what)} comes within {{figure:mm.0f}} of obstacle "
-                f"{literal(repr(obstacle.name))} at {_at(poses[worst])}, allowed from "
+                f"{literal(repr(obstacle.name))} at {_position_text(poses[worst])}, allowed from "
                 "{allowed:mm.0f}"
             )
             least = float(apart[worst, i])
@@ -249,7 +249,7 @@ def _too_near(
     return None
 
 
-def _at(pose: Pose2) -> str:
+def _position_text(pose: Pose2) -> str:
     return f"({pose.x:.3f}, {pose.y:.3f})"
 
 

@@ -17,10 +17,10 @@ from pushpressslide.core.plan import Choice
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import SKIPPED
-from pushpressslide.core.state import Held
+from pushpressslide.core.state import HeldContacts
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import straight_time
-from pushpressslide.planning.free_space import PathsTo, alike, moved
+from pushpressslide.planning.free_space import PathsTo, displacement, same_pose
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.selection.searched import (
     DroppedSequence,
@@ -57,7 +57,7 @@ HOPELESS = frozenset({"smooth_tip"})
 
 # of a motion by a mode: with the contacts that are held, with whatever contacts where
 # none are
-EvaluateMotion = Callable[[MotionQuery, str, Held | None], list[Choice]]
+EvaluateMotion = Callable[[MotionQuery, str, HeldContacts | None], list[Choice]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +65,7 @@ class Node:
     """A state of the search: where the object is, and by what it is held there."""
 
     pose: int  # index of the pose X_WG
-    held: Held | None  # None: nothing, at the start
+    held_contacts: HeldContacts | None  # None: nothing, at the start
     since: int  # index of the pose at which it was taken
 
 
@@ -73,7 +73,7 @@ class Node:
 class Step:
     """One motion of a sequence."""
 
-    begin: Node
+    start: Node
     end: Node
     choice: Choice
 
@@ -94,7 +94,7 @@ class Motion:
     before: Reached
     to: int  # index of a pose
     mode: str
-    held: bool  # with the contacts that it has
+    held_contacts: bool  # with the contacts that it has
     timed: bool = False  # whether the mode was asked for its least time
 
 
@@ -103,22 +103,22 @@ class LegSearch:
     """The search for one motion; it keeps what it has judged."""
 
     query: MotionQuery
-    ways: PathsTo  # to the goal
+    free_paths: PathsTo  # to the goal
     poses: list[Pose2]  # X_WG: start, goal, and those on the way; more as it goes on
     touching: ReachScreen
     evaluate: EvaluateMotion
-    most: (
+    max_work: (
         int  # work that may be spent on judging motions; one by a push from behind is 1
     )
     # where one push may lead from a pose X_WG; None: only to ``poses``
     successors: Callable[[Pose2], list[Pose2]] | None = None
-    judged: int = 0  # motions
+    evaluated: int = 0  # motions
     spent: int = 0  # work on them
-    banned: set[tuple[int, int, Held]] = field(default_factory=set)
+    banned: set[tuple[int, int, HeldContacts]] = field(default_factory=set)
     modes: list[str] = field(default_factory=list)
     _refused: dict[tuple[str, str], RefusedMotions] = field(default_factory=dict)
     _dropped: list[DroppedSequence] = field(default_factory=list)
-    _found: dict[tuple[int, int, str, Held | None], list[Choice]] = field(
+    _found: dict[tuple[int, int, str, HeldContacts | None], list[Choice]] = field(
         default_factory=dict
     )
     _lengths: list[float] = field(default_factory=list)
@@ -149,9 +149,9 @@ class LegSearch:
         """Never again do ``steps`` from the ``first`` to the ``last``, of one placement,
         with its contacts.
         """
-        held = steps[last].end.held
+        held = steps[last].end.held_contacts
         assert held is not None
-        self.banned.add((steps[first].begin.pose, steps[last].end.pose, held))
+        self.banned.add((steps[first].start.pose, steps[last].end.pose, held))
         modes = tuple(step.choice.mode for step in steps)
         times = (step.choice.time or 0.0 for step in steps)
         self._dropped.append(DroppedSequence(modes, sum(times), why))
@@ -161,7 +161,7 @@ class LegSearch:
         """What was tried so far."""
         often = sorted(self._refused.values(), key=lambda motions: -motions.count)
         poses = len(self.poses) - 2
-        return Searched(poses, self.judged, tuple(often), tuple(self._dropped))
+        return Searched(poses, self.evaluated, tuple(often), tuple(self._dropped))
 
     def soonest(self) -> tuple[Step, ...]:
         """Return the quickest sequence that is not banned; none where there is none, or
@@ -211,7 +211,7 @@ class LegSearch:
         self._led_on.add(pose)
         known = len(self.poses)
         for X in self.successors(self.poses[pose]):
-            if not any(alike(X, other) for other in self.poses[:known]):
+            if not any(same_pose(X, other) for other in self.poses[:known]):
                 self.poses.append(X)
 
     def _motions(
@@ -225,26 +225,28 @@ class LegSearch:
             return []
         if left == 1:
             targets = (GOAL,)
-        behind = {step.begin.pose for step in here.steps} | {here.node.pose}
-        held = here.node.held
+        behind = {step.start.pose for step in here.steps} | {here.node.pose}
+        held = here.node.held_contacts
         out = []
         for to in targets:
             if to in behind or self._short(here.node.pose, to):
                 continue
             due = here.time + self._ahead(to) + self._straight(here.node.pose, to)
             for mode in self.modes:
-                if not self.touching.able(mode, self.poses, here.node.pose, to):
+                if not self.touching.can_reach(mode, self.poses, here.node.pose, to):
                     continue
                 if held is not None and held.mode == mode:
-                    out.append((due, Motion(here, to, mode, held=True)))
-                out.append((due + self._regrasp, Motion(here, to, mode, held=False)))
+                    out.append((due, Motion(here, to, mode, held_contacts=True)))
+                out.append(
+                    (due + self._regrasp, Motion(here, to, mode, held_contacts=False))
+                )
         return out
 
     def _due(self, motion: Motion) -> float:
         """Return the least time [s] of the sequences that begin with a motion."""
         here = motion.before
-        least = self._least(here.node.pose, motion.to, motion.mode)
-        regrasp = 0.0 if motion.held else self._regrasp
+        least = self._time_estimate(here.node.pose, motion.to, motion.mode)
+        regrasp = 0.0 if motion.held_contacts else self._regrasp
         return here.time + self._ahead(motion.to) + least + regrasp
 
     def _after(self, motion: Motion) -> list[Reached]:
@@ -252,14 +254,14 @@ class LegSearch:
         here = motion.before
         out = []
         for choice in self._choices(motion):
-            contacts = Held.by(choice.mode, choice.contacts)
-            held = contacts == here.node.held
+            contacts = HeldContacts.by(choice.mode, choice.contacts)
+            held = contacts == here.node.held_contacts
             since = here.node.pose
             time = choice.time or 0.0
             if held:
                 since = here.node.since
                 time = max(time - self._regrasp, 0.0)
-            elif motion.held:
+            elif motion.held_contacts:
                 continue
             if (since, motion.to, contacts) in self.banned:
                 continue
@@ -268,10 +270,10 @@ class LegSearch:
             out.append(Reached(end, (*here.steps, step), here.time + time))
         return out
 
-    def _key(self, motion: Motion) -> tuple[int, int, str, Held | None]:
+    def _key(self, motion: Motion) -> tuple[int, int, str, HeldContacts | None]:
         """Return under what the choices of a motion are kept."""
         begin = motion.before.node
-        held = begin.held if motion.held else None
+        held = begin.held_contacts if motion.held_contacts else None
         return (begin.pose, motion.to, motion.mode, held)
 
     def _worth_asking(self, motion: Motion) -> bool:
@@ -279,15 +281,15 @@ class LegSearch:
         key = self._key(motion)
         if key in self._found:
             return bool(self._found[key])
-        return self.spent < self.most and motion.mode in self.modes
+        return self.spent < self.max_work and motion.mode in self.modes
 
     def _choices(self, motion: Motion) -> list[Choice]:
         """Return the feasible choices of a motion, judged the first time."""
         key = self._key(motion)
         begin, end, mode, held = key
         if key not in self._found:
-            self.judged += 1
-            self.spent += 1 if motion.held else MODES[mode].work
+            self.evaluated += 1
+            self.spent += 1 if motion.held_contacts else MODES[mode].work
             asked = self.query.between(self.poses[begin], self.poses[end])
             judged = self.evaluate(asked, mode, held)
             self._found[key] = _best(judged)
@@ -297,9 +299,9 @@ class LegSearch:
                 self.modes.remove(mode)
         return self._found[key]
 
-    def _note(self, mode: str, judged: Sequence[Choice]) -> None:
+    def _note(self, mode: str, evaluated: Sequence[Choice]) -> None:
         """Count a motion that ``mode`` cannot do, by the first reason against it."""
-        refusals = (choice.refusal for choice in judged)
+        refusals = (choice.refusal for choice in evaluated)
         first = next((r for r in refusals if r is not None and r.code != SKIPPED), None)
         if first is None:
             return
@@ -309,30 +311,30 @@ class LegSearch:
         motions = RefusedMotions(mode, first.code, count + 1, text)
         self._refused[mode, first.code] = motions
 
-    def _short(self, begin: int, end: int) -> bool:
+    def _short(self, start: int, end: int) -> bool:
         """Return whether a motion is not worth its price: one on the way that leads
         nowhere.
         """
         if end == GOAL:
             return False
         shape = self.query.body.shape
-        return moved(shape, self.poses[begin], self.poses[end]) < SHORTEST
+        return displacement(shape, self.poses[start], self.poses[end]) < SHORTEST
 
-    def _straight(self, begin: int, end: int) -> float:
+    def _straight(self, start: int, end: int) -> float:
         """Return a time [s] that no motion between two poses is below."""
-        ends = (self.poses[begin], self.poses[end])
+        ends = (self.poses[start], self.poses[end])
         center = self.query.body.center_of_mass
         return straight_time(*ends, center, self._radius, self.query.motion)
 
-    def _least(self, begin: int, end: int, mode: str) -> float:
+    def _time_estimate(self, start: int, end: int, mode: str) -> float:
         """Return about the least time [s] of a motion between two poses, contacts held;
         more where the straight way is not free.
         """
-        key = (begin, end, mode)
+        key = (start, end, mode)
         if key not in self._least_times:
-            ends = (self.poses[begin], self.poses[end])
+            ends = (self.poses[start], self.poses[end])
             least = MODES[mode].least_time(self.query.between(*ends))
-            if not self.ways.space.straight(*ends):
+            if not self.free_paths.space.straight(*ends):
                 least = BLOCKED * least + self._regrasp
             self._least_times[key] = least
         return self._least_times[key]
@@ -343,7 +345,7 @@ class LegSearch:
         """
         while len(self._lengths) < len(self.poses):
             some = self.poses[len(self._lengths) :]
-            self._lengths += self.ways.lengths(some).tolist()
+            self._lengths += self.free_paths.lengths(some).tolist()
         return EAGER * self._lengths[pose] / self.query.motion.speed
 
     @property
@@ -352,16 +354,16 @@ class LegSearch:
         return overhead(self.query.motion)
 
 
-def _hopeless(judged: Sequence[Choice]) -> bool:
-    """Whether a mode that ``judged`` is of can never move the object."""
-    refusals = (choice.refusal for choice in judged)
+def _hopeless(evaluated: Sequence[Choice]) -> bool:
+    """Whether a mode that ``evaluated`` is of can never move the object."""
+    refusals = (choice.refusal for choice in evaluated)
     return any(r is not None and r.code in HOPELESS for r in refusals)
 
 
 def _best(choices: Sequence[Choice]) -> list[Choice]:
     """Return the feasible choices of some placements, the quickest one of each."""
-    out: dict[Held, Choice] = {}
+    out: dict[HeldContacts, Choice] = {}
     for choice in choices:
         if choice.feasible and len(out) < KEPT:
-            out.setdefault(Held.by(choice.mode, choice.contacts), choice)
+            out.setdefault(HeldContacts.by(choice.mode, choice.contacts), choice)
     return list(out.values())

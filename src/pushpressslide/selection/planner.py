@@ -26,18 +26,18 @@ def usable(
 
 
 def infeasible(
-    empty: Plan, choices: Sequence[Choice], searched: str = "", lacking: str = ""
+    empty: Plan, choices: Sequence[Choice], searched: str = "", shortfall: str = ""
 ) -> InfeasibleTaskError:
     """Return the error that says why no choice can do the task.
 
     ``searched`` says that several motions cannot, where they were searched for, and
-    ``lacking`` what the last of them lack.
+    ``shortfall`` what the last of them lack.
     """
     _, refused = _refused(empty.queries, choices)
     brief = f"{empty.task.name}: no mode can do this task{searched}"
     if refused:
         brief += f"; {refused[0].mode}: {refused[0].refusal}"
-    message = refusal(empty.queries, choices) + searched + lacking
+    message = refusal(empty.queries, choices) + searched + shortfall
     return InfeasibleTaskError(message, brief, refused)
 
 

@@ -53,7 +53,7 @@ class Moment:
         shape = body_shape(self.task, body)
         return [shape.placed(goal) for goal in self.goals.get(body, ())]
 
-    def way(self, body: str) -> BaseGeometry:
+    def swept_area(self, body: str) -> BaseGeometry:
         """Return what a body sweeps that goes straight by the goals that it has left."""
         from shapely import union_all
 
@@ -68,7 +68,7 @@ def in_the_way(moment: Moment) -> list[str]:
     task = moment.task
     room = 2.0 * max(robot.tip_radius for robot in task.robots)
     ways = {
-        body: moment.way(body).buffer(room + task.motion.clearance)
+        body: moment.swept_area(body).buffer(room + task.motion.clearance)
         for body, goals in moment.goals.items()
         if goals
     }
@@ -94,7 +94,7 @@ def spots(moment: Moment, body: str) -> list[Pose2]:
     stage = stage_task(moment.task, Stage(body, here), moment.state).query
     shape = stage.scene.body.shape
     others = [other for other in moment.goals if other != body]
-    ways = [moment.way(other) for other in others if moment.goals[other]]
+    ways = [moment.swept_area(other) for other in others if moment.goals[other]]
     kept = []
     for number, ring in enumerate(RINGS):
         ranked = []

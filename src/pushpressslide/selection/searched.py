@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +30,12 @@ class Searched:
     """What a search has tried."""
 
     poses: int  # on the way
-    judged: int  # motions
+    evaluated: int  # motions
     refused: tuple[RefusedMotions, ...] = ()  # the most frequent first
     dropped: tuple[DroppedSequence, ...] = ()  # in their order
+
+    @property
+    def notes(self) -> dict[str, Any]:
+        """What a record keeps of it, by the keys of result.json."""
+        data = asdict(self)
+        return {"judged" if key == "evaluated" else key: data[key] for key in data}

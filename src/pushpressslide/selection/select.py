@@ -12,7 +12,7 @@ from pushpressslide.core.plan import Choice, Contact, MotionPath, same_places
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import ARM_NAMES
-from pushpressslide.core.state import Held
+from pushpressslide.core.state import HeldContacts
 from pushpressslide.core.task import Task
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import ENOUGH, Feasibility, Mode, ranking_key
@@ -76,12 +76,14 @@ def _select_leg(part: MotionQuery, leg: int, enough: int) -> list[Choice]:
     return [of_leg(choice, leg) for choice in _select(part, enough)]
 
 
-def evaluate_motion(query: MotionQuery, mode: str, held: Held | None) -> list[Choice]:
+def evaluate_motion(
+    query: MotionQuery, mode: str, held_contacts: HeldContacts | None
+) -> list[Choice]:
     """Return the choices of a mode for one motion, best first; few are judged. Where
-    contacts are ``held``, no others are asked for.
+    contacts are ``held_contacts``, no others are asked for.
     """
     part = replace(query, modes=(mode,), searched=True)
-    return _select(part, 2, None if held is None else held.contacts)
+    return _select(part, 2, None if held_contacts is None else held_contacts.contacts)
 
 
 def of_leg(choice: Choice, leg: int) -> Choice:
@@ -133,7 +135,7 @@ def contact_squeeze(choice: Choice) -> float:
 
 
 def _select(
-    query: MotionQuery, enough: int, held: tuple[Contact, ...] | None = None
+    query: MotionQuery, enough: int, held_contacts: tuple[Contact, ...] | None = None
 ) -> list[Choice]:
     """Return all choices for one motion, best first."""
     out: list[Choice] = []
@@ -155,7 +157,7 @@ def _select(
         else:
             for part in _by_tip(query, mode):
                 out += mode.choices(
-                    part, enough, Feasibility(part, _blocks(part), held)
+                    part, enough, Feasibility(part, _blocks(part), held_contacts)
                 )
     return _ranked(out)
 

@@ -5,7 +5,7 @@ for, each placement with what its arms need.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import chain
 from time import perf_counter
@@ -53,7 +53,7 @@ class Solution:
     @property
     def notes(self) -> dict[str, Any]:
         """What a record keeps of it."""
-        searched = None if self.searched is None else asdict(self.searched)
+        searched = None if self.searched is None else self.searched.notes
         return {"planning_time": self.planning_time, "search": searched}
 
 
@@ -169,7 +169,7 @@ def _searched(
     Raises InfeasibleTaskError where none was found.
     """
     (query,) = empty.queries
-    ways = free_space(query).ways(query.goal)
+    ways = free_space(query).paths_to(query.goal)
     poses = [query.start, query.goal, *waypoints(query, ways)]
     search = LegSearch(query, ways, poses, ReachScreen(query), evaluate_motion, JUDGED)
     search.know(choices)
@@ -178,7 +178,7 @@ def _searched(
         steps = search.soonest()
         if not steps and search.successors is None:
             search.successors = partial(push_successors, query, ways)
-            search.most += MOST_FURTHER
+            search.max_work += MOST_FURTHER
             steps = search.soonest()
         if not steps:
             break
@@ -236,17 +236,17 @@ def joined(preparation: Preparation, empty: Plan) -> Plan:
 
 
 def _infeasible(
-    empty: Plan, choices: Sequence[Choice], search: LegSearch, lacking: str
+    empty: Plan, choices: Sequence[Choice], search: LegSearch, shortfall: str
 ) -> InfeasibleTaskError:
     """Return the error that says why neither one motion nor several do the task."""
     refused = [choice for choice in choices if not choice.feasible]
     searched = (
         f"; nor do several motions by way of {len(search.poses) - 2} poses "
-        f"({search.judged} judged)"
+        f"({search.evaluated} judged)"
     )
     last = ""
-    if lacking:
-        last = f", the last of {len(search.banned)} that might: {lacking}"
+    if shortfall:
+        last = f", the last of {len(search.banned)} that might: {shortfall}"
     return infeasible(empty, refused or choices, searched, last)
 
 

@@ -27,7 +27,7 @@ from pushpressslide.core.motion import Limits, Tolerance
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.state import WorldState
 from pushpressslide.core.task import Task
-from pushpressslide.planning.free_space import moved
+from pushpressslide.planning.free_space import displacement
 from pushpressslide.selection.preparation import PlansAlone, Preparation
 from pushpressslide.selection.put_aside import Moment, in_the_way, spots
 from pushpressslide.selection.solve import Solution, solve
@@ -82,7 +82,7 @@ def plan_stages(
 def plan_stage(
     task: Task,
     stage: Stage,
-    begin: WorldState,
+    start: WorldState,
     preparation: Preparation,
     enough: int,
     *,
@@ -92,7 +92,7 @@ def plan_stage(
 
     Raises InfeasibleTaskError where nothing leads to its goal.
     """
-    solution = solve(preparation, stage_task(task, stage, begin), enough, force=force)
+    solution = solve(preparation, stage_task(task, stage, start), enough, force=force)
     return PlannedStage(stage, solution, preparation)
 
 
@@ -125,7 +125,7 @@ def estimate(task: Task, order: Sequence[Stage]) -> tuple[int, float]:
     before: Pose2 | None = None
     for stage in order:
         here = state.poses[stage.body]
-        far = moved(body_shape(task, stage.body), here, stage.goal)
+        far = displacement(body_shape(task, stage.body), here, stage.goal)
         if before is not None:
             far += math.dist(before.position, here.position)
         time += far / task.motion.speed + margins.ARM.regrasp
@@ -256,7 +256,7 @@ class _OrderSearch:
     def _plan(
         self,
         key: tuple[Stage, ...],
-        begin: WorldState,
+        start: WorldState,
         preparation: Preparation,
         thorough: bool,
     ) -> None:
@@ -274,7 +274,7 @@ class _OrderSearch:
             planned = plan_stage(
                 replace(task, limits=limits),
                 key[-1],
-                begin,
+                start,
                 preparation,
                 self.enough,
                 force=self.force,

@@ -30,21 +30,23 @@ class ReachScreen:
         self._spans: list[Able] = []  # (arms,) at each pose
         self._contacts: dict[str, list[Able]] = {}  # (arms, places) at each pose
 
-    def able(self, mode: str, poses: Sequence[Pose2], begin: int, end: int) -> bool:
+    def can_reach(
+        self, mode: str, poses: Sequence[Pose2], start: int, end: int
+    ) -> bool:
         """Return whether ``mode`` may lead the object from one of ``poses`` X_WG to
         another, contacts kept; ``poses`` only grow. What is not able is out of reach.
         """
         new = poses[len(self._spans) :]
         if new:
             self._spans += list(_in_span(self._query.scene, new))
-        arms = int((self._spans[begin] & self._spans[end]).sum())
+        arms = int((self._spans[start] & self._spans[end]).sum())
         if arms < MODES[mode].arms:
             return False
         known = self._contacts.setdefault(mode, [])
         new = poses[len(known) :]
         if new:
             known += list(touching(self._query, mode, new))
-        return bool((known[begin] & known[end]).any())
+        return bool((known[start] & known[end]).any())
 
 
 def touching(query: MotionQuery, mode: str, poses: Sequence[Pose2]) -> Able:

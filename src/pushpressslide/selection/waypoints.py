@@ -24,8 +24,8 @@ from pushpressslide.planning.free_space import (
     Bounds,
     FreeSpace,
     PathsTo,
-    alike,
     between,
+    same_pose,
 )
 from pushpressslide.planning.side_contacts import pushable
 from pushpressslide.robots.kinematics import arm_kinematics
@@ -89,35 +89,35 @@ def _within(region: Bounds, allowed: Bounds) -> Bounds:
     )
 
 
-def waypoints(query: MotionQuery, ways: PathsTo) -> list[Pose2]:
+def waypoints(query: MotionQuery, free_paths: PathsTo) -> list[Pose2]:
     """Return poses X_WG, those that are likely to be of use first; free, and where some
     arm reaches the object. None for an object that is shut in.
 
-    ``ways`` lead to the goal of ``query``.
+    ``free_paths`` lead to the goal of ``query``.
     """
-    way = ways.way(query.start)
+    way = free_paths.via_poses(query.start)
     if way is None:
         return []
     axes = push_axes(query.scene)
-    handed_over = _handed_over(query, ways.space)
+    handed_over = _handed_over(query, free_paths.space)
     kinds = (
         handed_over,
-        _poses_along(ways, handed_over[:FOLLOWED]),
+        _poses_along(free_paths, handed_over[:FOLLOWED]),
         way[1:-1],
         _before(query.start, query.goal, axes),
         _gates(way, axes),
         _turned(query.start, query.goal, axes),
     )
     in_turn = [X for row in zip_longest(*kinds) for X in row if X is not None]
-    space = ways.space
+    space = free_paths.space
     return _usable(query, space, [*in_turn, *_sample(query.goal.yaw, space.bounds)])
 
 
-def push_successors(query: MotionQuery, ways: PathsTo, X: Pose2) -> list[Pose2]:
+def push_successors(query: MotionQuery, free_paths: PathsTo, X: Pose2) -> list[Pose2]:
     """Return poses X_WG that one push leads to from ``X``, straight or on an arc, by
     each face; free, and where some arm reaches the object.
     """
-    goal = ways.goal
+    goal = free_paths.goal
     radius = ARC * query.body.radius
     out = []
     bearing = math.atan2(goal.y - X.y, goal.x - X.x) - X.yaw
@@ -129,7 +129,7 @@ def push_successors(query: MotionQuery, ways: PathsTo, X: Pose2) -> list[Pose2]:
         lengths = [*ONWARD, abreast] if abreast > ONWARD[0] else ONWARD
         out += [Pose2(X.x + d * c, X.y + d * s, X.yaw) for d in lengths]
         out += [_on_arc(X, heading, radius, turn) for turn in TURNS]
-    return _usable(query, ways.space, out)
+    return _usable(query, free_paths.space, out)
 
 
 def _on_arc(X: Pose2, heading: float, radius: float, turn: float) -> Pose2:
@@ -145,15 +145,15 @@ def push_axes(scene: Scene) -> list[float]:
     return [math.atan2(-y, -x) for face in pushable(scene) for x, y in [face.foot]]
 
 
-def _gates(way: Sequence[Pose2], axes: Sequence[float]) -> list[Pose2]:
+def _gates(path: Sequence[Pose2], axes: Sequence[float]) -> list[Pose2]:
     """Return the places of a way, and the middles of its pieces, with the object turned
     so that it is pushed along the way there; turned as little as possible.
     """
-    middles = [between(*ends, 0.5) for ends in pairwise(way)]
+    middles = [between(*ends, 0.5) for ends in pairwise(path)]
     out = []
-    for (before, after), middle in zip(pairwise(way), middles, strict=True):
+    for (before, after), middle in zip(pairwise(path), middles, strict=True):
         out += _pushed_along(before, after, middle, axes)
-    for before, here, after in zip(way, way[1:], way[2:], strict=False):
+    for before, here, after in zip(path, path[1:], path[2:], strict=False):
         out += _pushed_along(before, after, here, axes)
     return middles + out
 
@@ -225,17 +225,17 @@ def _handed_over(query: MotionQuery, space: FreeSpace) -> list[Pose2]:
         return []
     found = [X for X, free in zip(found, space.free(found), strict=True) if free]
     found.sort(key=lambda X: sum(math.dist(X.position, end.position) for end in ends))
-    return _apart(found)
+    return _without_near_duplicates(found)
 
 
-def _poses_along(ways: PathsTo, poses: Sequence[Pose2]) -> list[Pose2]:
+def _poses_along(free_paths: PathsTo, poses: Sequence[Pose2]) -> list[Pose2]:
     """Return the places of the ways that lead from ``poses`` to the goal, in turn."""
-    found = [ways.way(X) for X in poses]
+    found = [free_paths.via_poses(X) for X in poses]
     each = [way[1:-1] for way in found if way is not None]
     return [X for row in zip_longest(*each) for X in row if X is not None]
 
 
-def _apart(poses: Sequence[Pose2]) -> list[Pose2]:
+def _without_near_duplicates(poses: Sequence[Pose2]) -> list[Pose2]:
     """Return the first poses that are apart from each other."""
     out: list[Pose2] = []
     for X in poses:
@@ -275,7 +275,7 @@ def _usable(
     out: list[Pose2] = []
     for X, fit in zip(inside, able, strict=True):
         if fit and not any(
-            alike(X, other) for other in (*out, query.start, query.goal)
+            same_pose(X, other) for other in (*out, query.start, query.goal)
         ):
             out.append(X)
     return out

@@ -42,10 +42,10 @@ class DrakeLibrary:
         path: TipPath,
         guess: Posture,
         margin: float,
-        least: float,
+        min_distance: float,
     ) -> Posture | None:
         """Return a posture that trajectory optimisation finds near a guess, or None."""
-        return refined_move(kinematics, clearance, path, guess, margin, least)
+        return refined_move(kinematics, clearance, path, guess, margin, min_distance)
 
 
 DRAKE = DrakeLibrary()

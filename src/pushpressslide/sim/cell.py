@@ -41,12 +41,12 @@ def drake_cell(
     station: Station,
     paths: Sequence[tuple[ArmPath, ...]],
     models: str = "generated",
-    begin: WorldState | None = None,
+    start: WorldState | None = None,
     spare: Callable[[], Station] | None = None,
     joint_stiffness: float = 0.0,
 ) -> Cell:
     """Cell with the arms of ``station`` where the first of ``paths`` begins, or arms and
-    bodies as ``begin`` has them.
+    bodies as ``start`` has them.
 
     There is one set of joint paths for each placement. ``spare`` makes a station that
     takes over where the solver of ``station`` does not converge; ``joint_stiffness``
@@ -63,9 +63,9 @@ def drake_cell(
         for i, robot in enumerate(query.scene.robots)
     ]
     placements = ArmPlacements(DRAKE, arms, paths, station.scene.bounds)
-    postures = None if begin is None else [np.array(q) for q in begin.joints]
-    placements.begin(query, postures)
-    physics.put(arms, begin)
+    postures = None if start is None else [np.array(q) for q in start.joints]
+    placements.begin_placement(query, postures)
+    physics.put(arms, start)
     physics.facts.update(_path_facts(paths), models=models)
     physics.facts["start_tips"] = [
         arm.model.state_at(at_rest(arm.path.approach[-1])).position for arm in arms
@@ -121,8 +121,8 @@ class DrakePhysics:
         self._ticks = 0
         self._failure: str | None = None
 
-    def put(self, arms: Sequence[TorqueArm], begin: WorldState | None) -> None:
-        """Put ``arms`` where their joint paths begin, or arms and bodies as ``begin``
+    def put(self, arms: Sequence[TorqueArm], start: WorldState | None) -> None:
+        """Put ``arms`` where their joint paths begin, or arms and bodies as ``start``
         has them; and begin to simulate.
         """
         station = self.station
@@ -131,10 +131,10 @@ class DrakePhysics:
         instances = [robot.model_instance for robot in station.scene.robots]
         for instance, arm in zip(instances, arms, strict=True):
             plant.SetPositions(context, instance, arm.path.approach[0])
-        if begin is not None:
-            for instance, speed in zip(instances, begin.speeds, strict=True):
+        if start is not None:
+            for instance, speed in zip(instances, start.speeds, strict=True):
                 plant.SetVelocities(context, instance, np.array(speed))
-            station.put(begin.spatial)
+            station.put(start.spatial)
         station.simulator.Initialize()
         self._arms = arms
         self._look()

@@ -159,7 +159,7 @@ class DrakeClearance:
         allowed = {shape: ROD_ROOM * least for shape, least in left.items()}
         return {shape: a for shape, a in allowed.items() if 0.0 < a < CLEARANCE}
 
-    def least(
+    def min_distance(
         self,
         postures: Array,
         object_poses: Sequence[Pose2],

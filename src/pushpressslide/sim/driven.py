@@ -53,9 +53,9 @@ def clearance_driven(record: Record) -> tuple[float, str]:
         for ticks, shapes in ((touches, model.sphere), (~touches, set())):
             near, between = model.least_in_space(
                 q[ticks],
-                _at(poses["object_pose_3d"], ticks),
+                _poses_at(poses["object_pose_3d"], ticks),
                 shapes,
-                {name: _at(way, ticks) for name, way in body_poses.items()},
+                {name: _poses_at(way, ticks) for name, way in body_poses.items()},
             )
             if near < least:
                 least = near
@@ -78,7 +78,9 @@ def _touching(plan: Plan) -> list[frozenset[int]]:
     ]
 
 
-def _at(poses: list[RigidTransform], ticks: NDArray[np.bool_]) -> list[RigidTransform]:
+def _poses_at(
+    poses: list[RigidTransform], ticks: NDArray[np.bool_]
+) -> list[RigidTransform]:
     return [pose for pose, taken in zip(poses, ticks, strict=True) if taken]
 
 

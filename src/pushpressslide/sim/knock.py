@@ -28,7 +28,7 @@ from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
-from pushpressslide.planning.free_space import moved
+from pushpressslide.planning.free_space import displacement
 from pushpressslide.sim.surfaces import rigid_properties
 
 RADIUS = 0.02  # [m]
@@ -131,10 +131,10 @@ class Knocker:
     def _decide(self, place: Array, pose: Pose2, t: float) -> None:
         """Go on to the next phase where it is time."""
         if self._phase == "waiting" and self._share(pose) >= self.knock.share:
-            self._begin("coming", t)
+            self._enter_phase("coming", t)
         elif self._phase == "coming":
             if float(np.linalg.norm(self._errand(pose) - place)) < NEAR:
-                self._begin("pushing", t)
+                self._enter_phase("pushing", t)
         elif self._phase == "pushing":
             self._push(place, pose, t)
 
@@ -160,7 +160,7 @@ class Knocker:
         )
         if enough or t - self._since > LONGEST:
             self.knocked = Knocked(self._since, along, turned)
-            self._begin("leaving", t)
+            self._enter_phase("leaving", t)
 
     def _motion(self, pose: Pose2, t: float) -> tuple[Point, float]:
         """Return how the object moves without the ball, [m/s] and [rad/s]."""
@@ -171,7 +171,7 @@ class Knocker:
         velocity = ((pose.x - last.x) / dt, (pose.y - last.y) / dt)
         return velocity, wrap_angle(pose.yaw - last.yaw) / dt
 
-    def _begin(self, phase: str, t: float) -> None:
+    def _enter_phase(self, phase: str, t: float) -> None:
         self._phase = phase
         self._since = t
 
@@ -179,8 +179,8 @@ class Knocker:
         """Return how much of the direct way the object has come."""
         task = self.plan.task
         shape = task.object.shape
-        whole = moved(shape, task.true_start, task.goal)
-        return moved(shape, task.true_start, pose) / whole
+        whole = displacement(shape, task.true_start, task.goal)
+        return displacement(shape, task.true_start, pose) / whole
 
     def _aim(self) -> tuple[Point, Point]:
         """Return a spot in G [m] on the long side that is farthest from all contacts,
@@ -195,7 +195,9 @@ class Knocker:
         longest = max(float(np.linalg.norm(b - a)) for a, b in sides)
         a, b = max(
             (side for side in sides if np.linalg.norm(side[1] - side[0]) > longest / 2),
-            key=lambda side: _apart(0.5 * (side[0] + side[1]), contacts, X_BG),
+            key=lambda side: _distance_to_contacts(
+                0.5 * (side[0] + side[1]), contacts, X_BG
+            ),
         )
         length = float(np.linalg.norm(b - a))
         along = (b - a) / length
@@ -240,7 +242,7 @@ def _add_ball(plant: MultibodyPlant) -> RigidBody:
     return body
 
 
-def _apart(middle: Array, contacts: list[Point], X_BG: Pose2) -> float:
+def _distance_to_contacts(middle: Array, contacts: list[Point], X_BG: Pose2) -> float:
     """Return how far a side's middle [m] in G is from the nearest contact in B."""
     here = X_BG.apply((float(middle[0]), float(middle[1])))
     return min((math.dist(here, contact) for contact in contacts), default=0.0)

@@ -228,13 +228,13 @@ def _add_plane(
     plant: MultibodyPlant,
     task: model.Task,
     frictions: SurfaceFrictions,
-    moved: RigidBody,
+    driven_body: RigidBody,
     bodies: Mapping[str, RigidBody],
 ) -> Plane:
     """Add a support without edges, and the bases of all bodies that move."""
     shape = task.object.shape
     plane = add_plane(plant, task.support.frame, frictions.support)
-    plane.stand(plant, moved, shape, frictions.object)
+    plane.stand(plant, driven_body, shape, frictions.object)
     for obstacle in task.obstacles:
         if obstacle.movable:
             friction = frictions.obstacle(obstacle.friction)

@@ -152,15 +152,15 @@ def obj_mesh(
     faces: Sequence[Tile],
     name: str,
     *,
-    drawn: bool = False,
+    visual: bool = False,
 ) -> InMemoryMesh:
     """Return a surface of ``faces``, counter-clockwise seen from outside, by the numbers
-    of ``vertices`` [m]; with normals if it is to be ``drawn``.
+    of ``vertices`` [m]; with normals if it is to be ``visual``.
     """
     lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices]
     for k, face in enumerate(faces):
         normal = ""
-        if drawn:  # what draws pictures asks for normals
+        if visual:  # what draws pictures asks for normals
             x, y, z = _normal(*(vertices[i] for i in face[:3]))
             lines.append(f"vn {x:.6g} {y:.6g} {z:.6g}")
             normal = f"//{k + 1}"
@@ -326,7 +326,7 @@ def drawn_shape(shape: model.Shape) -> DrakeShape:
     if shape.convex:
         return _convex_prism(shape.corners, shape.height)
     caps = triangles(shape.corners)
-    return Mesh(_prism_mesh(shape.corners, shape.height, caps, drawn=True))
+    return Mesh(_prism_mesh(shape.corners, shape.height, caps, visual=True))
 
 
 def convex_shapes(shape: model.Shape) -> list[DrakeShape]:
@@ -396,7 +396,7 @@ def _prism_mesh(
     height: float,
     caps: Sequence[Tile],
     *,
-    drawn: bool = False,
+    visual: bool = False,
 ) -> InMemoryMesh:
     """Return the surface of a prism; ``caps`` make up its top by numbers of corners."""
     n = len(corners)
@@ -405,4 +405,4 @@ def _prism_mesh(
     faces: list[Tile] = [tuple(reversed(cap)) for cap in caps]
     faces += [tuple(n + i for i in cap) for cap in caps]
     faces += [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
-    return obj_mesh(vertices, faces, "prism.obj", drawn=drawn)
+    return obj_mesh(vertices, faces, "prism.obj", visual=visual)

@@ -289,10 +289,10 @@ def _near_edge(
     shape: Shape,
     X_WG: Pose2,
     center: Point,
-    least: float,
+    min_margin: float,
     region: tuple[Point, ...],
 ) -> Iterator[Fault]:
-    """Yield a pose at which a body's ``center`` [m] in G is not ``least`` [m] or more
+    """Yield a pose at which a body's ``center`` [m] in G is not ``min_margin`` [m] or more
     inside the edge of a region.
     """
     import numpy as np
@@ -300,10 +300,10 @@ def _near_edge(
 
     place = np.array([X_WG.apply(center)])
     depth = float(edge_depths(shape, [X_WG], place, Polygon(region))[0])
-    if depth > 0.0 and depth >= least:
+    if depth > 0.0 and depth >= min_margin:
         return
-    inside = f"{1e3 * least:.1f} mm or more inside the edge of support.region"
-    if least == 0.0:
+    inside = f"{1e3 * min_margin:.1f} mm or more inside the edge of support.region"
+    if min_margin == 0.0:
         inside = "over what support.region carries of the base"
     where = f"{1e3 * abs(depth):.1f} mm {'inside' if depth > 0.0 else 'beyond'}"
     yield name, pose_text(X_WG), f"allowed: centre of mass {inside}, here {where}"

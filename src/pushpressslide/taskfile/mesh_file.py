@@ -70,14 +70,14 @@ def _read(path: str, scale: float, changed: int, size: int) -> MeshSolid:
     height = high - low
     if height < TOLERANCE * extent:
         raise ValueError(f"its height {height:.3g} m is below 1 % of its size")
-    whole = _seen(mesh.triangles, mesh.face_normals[:, 2] > 0.0, extent)
+    whole = _top_view(mesh.triangles, mesh.face_normals[:, 2] > 0.0, extent)
     if not isinstance(whole, Polygon):
         raise ValueError("its footprint is not one piece")
     if _holes(whole, extent):
         raise ValueError("its footprint has a hole")
     for name, level in (("base", low), ("top", high)):
         near = abs(mesh.triangles[:, :, 2] - level).max(axis=1) < TOLERANCE * height
-        _check_flat(name, _seen(mesh.triangles, near, extent), whole, extent)
+        _check_flat(name, _top_view(mesh.triangles, near, extent), whole, extent)
     _check_upright(float(mesh.volume), whole.area * height)
     simple = Polygon(whole.exterior).simplify(DETAIL * extent)
     assert isinstance(simple, Polygon)
@@ -162,12 +162,12 @@ def _check_size(mesh: Trimesh, scale: float) -> None:
         )
 
 
-def _seen(triangles: Array, kept: NDArray[np.bool_], extent: float) -> Area:
+def _top_view(triangles: Array, mask: NDArray[np.bool_], extent: float) -> Area:
     """Return the union of some triangles (m, 3, 3) as seen from above."""
     import numpy as np
     import shapely
 
-    flat = triangles[kept][:, :, :2]
+    flat = triangles[mask][:, :, :2]
     u = flat[:, 1] - flat[:, 0]
     v = flat[:, 2] - flat[:, 0]
     area = 0.5 * np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])

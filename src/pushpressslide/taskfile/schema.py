@@ -8,7 +8,7 @@ from dataclasses import Field as DataField
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from pushpressslide.core.entry import REQUIRED, Entry
+from pushpressslide.core.entry import REQUIRED, FieldSpec
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import (
     BodyGoal,
@@ -143,15 +143,15 @@ def _section(data: Any) -> Kind:
     return with_one_shape(kind) if data is Obstacle else kind
 
 
-def _field(field: DataField[Any], entry: Entry, kind: Kind) -> Field:
-    default = entry.default_in_file
+def _field(field: DataField[Any], spec: FieldSpec, kind: Kind) -> Field:
+    default = spec.default_in_file
     if default is REQUIRED and field.default is None:
         default = None
     elif default is REQUIRED and field.default is not MISSING and not kind.fields:
         default = kind.encode(field.default)
     if default is None:
         kind = kinds.nullable(kind)
-    return Field(kind, entry.meaning, default, field.name)
+    return Field(kind, spec.meaning, default, field.name)
 
 
 def _wrapped(key: str, field: Field, meaning: str) -> Field:
@@ -164,10 +164,10 @@ def _wrapped(key: str, field: Field, meaning: str) -> Field:
     return Field(alone, meaning, name=field.name)
 
 
-def _kind(hint: Any, entry: Entry) -> Kind:
+def _kind(hint: Any, spec: FieldSpec) -> Kind:
     """Return the kind of a field by its type; None in a union only makes it nullable."""
     if hint in _KINDS:
-        return kinds.NAME if entry.is_name else _KINDS[hint]
+        return kinds.NAME if spec.is_name else _KINDS[hint]
     union = get_origin(hint) in (Union, UnionType)
     members = get_args(hint) if union else (hint,)
     words = tuple(w for m in members if get_origin(m) is Literal for w in get_args(m))
@@ -176,25 +176,25 @@ def _kind(hint: Any, entry: Entry) -> Kind:
         return kinds.choice(*words)
     (only,) = types
     if only in (int, float):
-        return kinds.number(entry.unit, entry.within, words, only is int)
+        return kinds.number(spec.unit, spec.within, words, only is int)
     if get_origin(only) is tuple:
-        return _array(get_args(only), entry)
+        return _array(get_args(only), spec)
     if is_dataclass(only):
         return _section(only)
-    return _kind(only, entry)
+    return _kind(only, spec)
 
 
-def _array(items: tuple[Any, ...], entry: Entry) -> Kind:
+def _array(items: tuple[Any, ...], spec: FieldSpec) -> Kind:
     """Return the kind of a tuple: of so many numbers, or of any number of items."""
-    low, high = entry.count
+    low, high = spec.count
     if items[-1] is not ...:
         low = high = len(items)
-        return kinds.array(_kind(float, entry), low, high)
+        return kinds.array(_kind(float, spec), low, high)
     if items[0] is str:
         return kinds.array(kinds.text("a name", "names"), low, high)
     if get_origin(items[0]) is tuple:
-        return kinds.array(kinds.point(entry.unit, entry.within), low, high)
-    return kinds.array(_kind(items[0], entry), low, high)
+        return kinds.array(kinds.point(spec.unit, spec.within), low, high)
+    return kinds.array(_kind(items[0], spec), low, high)
 
 
 SCHEMA = _section(Task)

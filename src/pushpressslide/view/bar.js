@@ -14,14 +14,14 @@ function playBar(course, show) {
     }
     return low;
   }
-  function lastBegun(parts, begin) {
-    return parts.reduce((found, p) => p[begin] <= now + 1e-9 ? p : found, null);
+  function lastBegun(parts, key) {
+    return parts.reduce((found, p) => p[key] <= now + 1e-9 ? p : found, null);
   }
   function draw() {
     seek.value = now;
     part("time").textContent = now.toFixed(2) + " of " + end.toFixed(2) + " s";
     if (!count) { part("phase").textContent = "no ticks were recorded"; return; }
-    const frame = frameAt(now), phase = lastBegun(course.phases, "begin"), mark = lastBegun(course.marks, "time");
+    const frame = frameAt(now), phase = lastBegun(course.phases, "start"), mark = lastBegun(course.marks, "time");
     const words = [phase ? phase.name : "", mark ? mark.name : ""];
     if (frame === count - 1) words.push(course.ending);
     part("phase").textContent = words.filter(Boolean).join(", ");
@@ -45,16 +45,16 @@ function playBar(course, show) {
     last = stamp;
     requestAnimationFrame(tick);
   }
-  function span(css, title, begin) {
+  function span(css, title, start) {
     const made = document.createElement("div");
-    made.className = css; made.title = title; made.style.left = 100 * begin / (end || 1) + "%";
+    made.className = css; made.title = title; made.style.left = 100 * start / (end || 1) + "%";
     phases.append(made);
     return made;
   }
   const names = [];
   for (const p of course.phases) {
-    const made = span("phase " + p.name, p.name, p.begin);
-    made.style.width = 100 * (p.end - p.begin) / (end || 1) + "%";
+    const made = span("phase " + p.name, p.name, p.start);
+    made.style.width = 100 * (p.end - p.start) / (end || 1) + "%";
     names.push([made, p.name]);
   }
   function nameThese() {  // where a name fits

@@ -7,9 +7,9 @@ from importlib import resources
 from typing import Any
 
 
-def part(name: str, room: str = "pushpressslide.view") -> str:
+def part(name: str, package: str = "pushpressslide.view") -> str:
     """Return a text file of a room of the package."""
-    return resources.files(room).joinpath(name).read_text("utf-8")
+    return resources.files(package).joinpath(name).read_text("utf-8")
 
 
 def filled(template: str, values: dict[str, str]) -> str:

@@ -27,10 +27,10 @@ PARTS = ("stage", "leg", "placement")
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """A phase that lasts from ``begin`` to ``end`` [s] of the replay."""
+    """A phase that lasts from ``start`` to ``end`` [s] of the replay."""
 
     name: str
-    begin: float
+    start: float
     end: float
 
 
@@ -43,7 +43,7 @@ class Mark:
 
 
 @dataclass(frozen=True, slots=True)
-class Course:
+class RunTimeline:
     """What a replay shows beside its pictures, in F frames."""
 
     time: tuple[float, ...]  # (F,) [s] since the first tick
@@ -85,7 +85,7 @@ def still_ticks(phase: Array) -> dict[str, int]:
     return named
 
 
-def course(plan: Plan, record: Record, ticks: NDArray[np.intp]) -> Course:
+def run_timeline(plan: Plan, record: Record, ticks: NDArray[np.intp]) -> RunTimeline:
     """Return the course of a run at ``ticks`` (F,) of its record."""
     arrays = record.arrays
     time = arrays["time"] - arrays["time"][:1].sum()
@@ -93,7 +93,7 @@ def course(plan: Plan, record: Record, ticks: NDArray[np.intp]) -> Course:
     forces = np.nan_to_num(arrays["measured_force"][ticks])
     sizes = np.round(np.linalg.norm(forces, axis=2), 2)
     count = len(plan.task.robots)
-    return Course(
+    return RunTimeline(
         time=_row(time[ticks], 3),
         phases=_phases(time, arrays["phase"]),
         marks=_marks(record, time),

@@ -14,7 +14,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.whole_file import whole, write_whole
 from pushpressslide.view.canvas import Canvas, rgba
-from pushpressslide.view.course import Course, still_ticks
+from pushpressslide.view.course import RunTimeline, still_ticks
 
 SIZE = (1280, 720)  # [pixels] width and height
 FRAMES_PER_SECOND = 15.0
@@ -29,7 +29,7 @@ ROOM = 12.0  # [pixels] about words
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class LegendEntry:
     """A colour and what it stands for."""
 
     color: str  # #rrggbb
@@ -122,39 +122,39 @@ def write_stills(
     return paths
 
 
-def caption(canvas: Canvas, title: str, course: Course, frame: int) -> None:
+def caption(canvas: Canvas, title: str, timeline: RunTimeline, frame: int) -> None:
     """Write title, time, phase, force and way to the goal along the lower edge."""
     width, height = canvas.size
     top = height - 34.0
     canvas.panel((0.0, top), (float(width), float(height)))
     canvas.text((ROOM, top + 8.0), title)
-    words = moment(course, frame)
+    words = moment(timeline, frame)
     canvas.text((width - canvas.width_of(words) - ROOM, top + 8.0), words)
 
 
-def moment(course: Course, frame: int) -> str:
+def moment(timeline: RunTimeline, frame: int) -> str:
     """Return what the course says of a frame, in a line."""
-    time = course.time[frame]
+    time = timeline.time[frame]
     phase = next(
-        (span.name for span in reversed(course.phases) if span.begin <= time), ""
+        (span.name for span in reversed(timeline.phases) if span.start <= time), ""
     )
     parts = [f"{time:.1f} s", phase]
-    parts += [mark.name for mark in course.marks if mark.time <= time][-1:]
-    many = len(course.arms) > 1
+    parts += [mark.name for mark in timeline.marks if mark.time <= time][-1:]
+    many = len(timeline.arms) > 1
     forces = [
         f"{name.removesuffix(' arm')} {row[frame]:.1f} N"
         if many
         else f"{row[frame]:.1f} N"
-        for name, row in zip(course.arms, course.force, strict=True)
+        for name, row in zip(timeline.arms, timeline.force, strict=True)
     ]
     parts.append("force " + ", ".join(forces))
     parts.append(
-        f"to the goal {course.distance[frame]:.0f} mm, {course.turn[frame]:.0f}°"
+        f"to the goal {timeline.distance[frame]:.0f} mm, {timeline.turn[frame]:.0f}°"
     )
     return "   ".join(part for part in parts if part)
 
 
-def legend(canvas: Canvas, entries: Iterable[Entry]) -> None:
+def legend(canvas: Canvas, entries: Iterable[LegendEntry]) -> None:
     """Write what the colours mean into the upper left corner."""
     rows = list(entries)
     width = max(canvas.width_of(entry.text, 13.0) for entry in rows) + 40.0

@@ -10,7 +10,7 @@ from pushpressslide.mechanics.line_push import FlatFinger
 from pushpressslide_studies.bench.sticking import (
     Case,
     distance,
-    drawn,
+    random_case,
     scores,
     sticks_on_the_engine,
 )
@@ -45,7 +45,7 @@ def test_away_from_its_limits_the_prediction_is_right():
     judged = 0
     stuck = 0
     for _ in range(30):
-        push = drawn(rng)
+        push = random_case(rng)
         predicted = push.predicted()
         if distance(predicted) < CLEAR:
             continue

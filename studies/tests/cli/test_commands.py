@@ -77,7 +77,7 @@ def test_the_shell_is_offered(line: str, expected: list[str], tmp_path: Path) ->
 
 
 @pytest.fixture
-def held(tmp_path: Path) -> Iterator[Path]:
+def locked_folder(tmp_path: Path) -> Iterator[Path]:
     """A folder of results that is locked."""
     folder = tmp_path / "out"
     folder.mkdir()
@@ -87,8 +87,10 @@ def held(tmp_path: Path) -> Iterator[Path]:
 
 
 @pytest.mark.parametrize("words", [("bench", "start"), ("reproduce",), ("gym-pusht",)])
-def test_a_folder_in_use_is_refused(words: tuple[str, ...], held: Path) -> None:
-    result = CliRunner().invoke(app, [*words, "--out", str(held)])
+def test_a_folder_in_use_is_refused(
+    words: tuple[str, ...], locked_folder: Path
+) -> None:
+    result = CliRunner().invoke(app, [*words, "--out", str(locked_folder)])
     assert result.exit_code == 2
     (line,) = result.stderr.splitlines()
     assert "is writing in it" in line

@@ -31,7 +31,7 @@ def tool(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 
 
 @pytest.fixture
-def drawn(
+def rows_tool(
     tool: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> ModuleType:
     """The tool with rows in a folder of its own: none yet."""
@@ -83,94 +83,107 @@ def test_every_table_has_a_seed_of_its_own(tool: ModuleType) -> None:
 
 
 def test_rows_by_another_contact_solver_say_so_wherever_they_count(
-    drawn: ModuleType,
+    rows_tool: ModuleType,
 ) -> None:
-    today, older = drawn.KNOWN[:2]
-    draw(drawn, today, drawn.contact_solver(), "reached")
-    draw(drawn, older, "kOther", "reached")
-    for lines in (drawn.lines_of((today, older)), drawn.short()):
+    today, older = rows_tool.KNOWN[:2]
+    draw(rows_tool, today, rows_tool.contact_solver(), "reached")
+    draw(rows_tool, older, "kOther", "reached")
+    for lines in (rows_tool.lines_of((today, older)), rows_tool.short()):
         fresh, old = [line for line in lines if "0123456" in line]
         assert "older contact solver" not in fresh
         assert old.endswith("0123456 of 2026-11-26, older contact solver |")
-    (note, _) = drawn.on_older_sources()
+    (note, _) = rows_tool.on_older_sources()
     assert note.startswith("**1 of 2 tables are by an older contact solver.**")
     assert "`kOther`" in note
 
 
 def test_nothing_is_said_of_older_solvers_where_there_are_none(
-    drawn: ModuleType,
+    rows_tool: ModuleType,
 ) -> None:
-    draw(drawn, drawn.KNOWN[0], drawn.contact_solver(), "reached")
-    assert drawn.on_older_sources() == []
-    assert drawn.by_older(drawn.KNOWN) == ""
+    draw(rows_tool, rows_tool.KNOWN[0], rows_tool.contact_solver(), "reached")
+    assert rows_tool.on_older_sources() == []
+    assert rows_tool.by_older(rows_tool.KNOWN) == ""
 
 
-def test_rows_without_a_note_are_of_unknown_sources(drawn: ModuleType) -> None:
-    table = drawn.KNOWN[0]
-    draw(drawn, table, "kOther", "reached")
-    (drawn.DATA / "sources.json").unlink()
-    assert drawn.named(drawn.sources_of(table)) == "unknown"
+def test_rows_without_a_note_are_of_unknown_sources(rows_tool: ModuleType) -> None:
+    table = rows_tool.KNOWN[0]
+    draw(rows_tool, table, "kOther", "reached")
+    (rows_tool.DATA / "sources.json").unlink()
+    assert rows_tool.named(rows_tool.sources_of(table)) == "unknown"
 
 
-def test_a_note_is_that_of_its_rows_and_no_others(drawn: ModuleType) -> None:
-    table = drawn.KNOWN[0]
-    draw(drawn, table, "kOther", "reached")
-    drawn.note(table, drawn.Sources(table.name, "7654321", "2026-11-27", "kOther"))
-    assert drawn.sources_of(table).commit == "0123456"
-    drawn.note(table, drawn.Sources("another", "7654321", "2026-11-27", "kOther"))
-    assert drawn.sources_of(table) is None
+def test_a_note_is_that_of_its_rows_and_no_others(rows_tool: ModuleType) -> None:
+    table = rows_tool.KNOWN[0]
+    draw(rows_tool, table, "kOther", "reached")
+    rows_tool.note(
+        table, rows_tool.Sources(table.name, "7654321", "2026-11-27", "kOther")
+    )
+    assert rows_tool.sources_of(table).commit == "0123456"
+    rows_tool.note(
+        table, rows_tool.Sources("another", "7654321", "2026-11-27", "kOther")
+    )
+    assert rows_tool.sources_of(table) is None
 
 
 def test_a_rate_is_of_the_attempted_with_the_refused_beside(
-    drawn: ModuleType,
+    rows_tool: ModuleType,
 ) -> None:
-    table = drawn.KNOWN[0]
-    draw(drawn, table, "kOther", "refused", "reached", "missed", "refused", "reached")
-    cells = drawn.short_line("these", (table,)).split(" | ")
+    table = rows_tool.KNOWN[0]
+    draw(
+        rows_tool, table, "kOther", "refused", "reached", "missed", "refused", "reached"
+    )
+    cells = rows_tool.short_line("these", (table,)).split(" | ")
     assert cells[1:5] == ["5", "2", "3: 60 %", "2: 67 % of the attempted"]
-    draw(drawn, drawn.KNOWN[-1], "kOther", "refused", "reached")
-    assert "Of 2 random tasks with no mode given, 1 were attempted" in drawn.fact()
+    draw(rows_tool, rows_tool.KNOWN[-1], "kOther", "refused", "reached")
+    assert "Of 2 random tasks with no mode given, 1 were attempted" in rows_tool.fact()
 
 
-def test_tables_together_show_the_worst_of_them(drawn: ModuleType) -> None:
-    one, other = drawn.UNCERTAIN[:2]
-    draw(drawn, one, "kOther", "reached", "reached")
-    draw(drawn, other, "kOther", "missed", "reached")
-    assert "3: 75 % of the attempted; each 1 to 2 of 2" in drawn.short_line(
+def test_tables_together_show_the_worst_of_them(rows_tool: ModuleType) -> None:
+    one, other = rows_tool.UNCERTAIN[:2]
+    draw(rows_tool, one, "kOther", "reached", "reached")
+    draw(rows_tool, other, "kOther", "missed", "reached")
+    assert "3: 75 % of the attempted; each 1 to 2 of 2" in rows_tool.short_line(
         "both", (one, other)
     )
 
 
-def test_a_table_that_was_not_drawn_says_so(drawn: ModuleType) -> None:
-    for lines in (drawn.lines_of(drawn.KNOWN), drawn.lines_of_all(drawn.KNOCKS)):
+def test_a_table_that_was_not_drawn_says_so(rows_tool: ModuleType) -> None:
+    for lines in (
+        rows_tool.lines_of(rows_tool.KNOWN),
+        rows_tool.lines_of_all(rows_tool.KNOCKS),
+    ):
         head, _, *rest = lines
         assert rest
         for line in rest:
             assert "not drawn yet" in line
             assert line.count("|") == head.count("|")
-    head, _, *rest = drawn.short()
+    head, _, *rest = rows_tool.short()
     assert all("not drawn yet" in line for line in rest)
     assert {line.count("|") for line in rest} == {head.count("|")}
 
 
 def test_a_run_publishes_rows_with_their_sources(
-    drawn: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    rows_tool: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    table = drawn.KNOWN[0]
+    table = rows_tool.KNOWN[0]
 
     def sweep(task: object, options: object, folder: Path) -> None:
         row = {"key": "new", "index": 0, "task": f"-{table.seed}-", "status": "refused"}
         with (folder / "rows.jsonl").open("a") as file:
             file.write(json.dumps(row) + "\n")
 
-    draw(drawn, table, "kOther", "reached")
-    monkeypatch.setattr(drawn, "WORK", tmp_path / "work")
-    monkeypatch.setattr(drawn, "commit_of_sources", lambda: ("7654321", "2026-11-27"))
+    draw(rows_tool, table, "kOther", "reached")
+    monkeypatch.setattr(rows_tool, "WORK", tmp_path / "work")
+    monkeypatch.setattr(
+        rows_tool, "commit_of_sources", lambda: ("7654321", "2026-11-27")
+    )
     monkeypatch.setattr("pushpressslide.jobs.sweep.sweep", sweep)
-    drawn.run(table, 1)
-    made = drawn.sources_of(table)
-    assert made == drawn.Sources("new", "7654321", "2026-11-27", drawn.contact_solver())
-    assert [row["status"] for row in drawn.read(table)[0]] == ["refused"]
+    rows_tool.run(table, 1)
+    made = rows_tool.sources_of(table)
+    assert made == rows_tool.Sources(
+        "new", "7654321", "2026-11-27", rows_tool.contact_solver()
+    )
+    assert [row["status"] for row in rows_tool.read(table)[0]] == ["refused"]
 
 
 @pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")

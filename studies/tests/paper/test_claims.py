@@ -46,7 +46,7 @@ def made_up(
     }
 
 
-def judged(experiment: Experiment, results, **digests: str) -> dict[str, Claim]:
+def claims_of(experiment: Experiment, results, **digests: str) -> dict[str, Claim]:
     """Return the claims by their words; a result that is a text is a failure."""
     outcomes = {}
     for name, result in results.items():
@@ -90,7 +90,7 @@ def test_a_run_that_missed_gives_no_figure_but_a_lower_bound_on_time() -> None:
 
 def test_a_slow_baseline_is_not_reproduced_by_a_fast_run() -> None:
     results = {v.name: made_up(36.7) for v in JOINT_TRACKING.variants}
-    told = judged(JOINT_TRACKING, results)
+    told = claims_of(JOINT_TRACKING, results)
     assert told["Force equal to friction, alone: time"].verdict is BAD
 
 
@@ -102,7 +102,7 @@ def test_every_run_has_to_give_a_figure_that_several_share(
         "rear": made_up(0.001),
         "left": made_up(0.001, worst <= 0.015, final_position_error=worst),
     }
-    (claim,) = judged(REAR_PUSH, results).values()
+    (claim,) = claims_of(REAR_PUSH, results).values()
     assert claim.words == "Every run: distance from the goal"
     assert claim.paper == "≤ 15.0 mm, ≤ 2.00°"
     assert claim.measured == f"2 runs, at worst {1e3 * worst:.1f} mm, 0.06°"
@@ -111,19 +111,19 @@ def test_every_run_has_to_give_a_figure_that_several_share(
 
 def test_a_motion_that_is_run_twice_counts_once() -> None:
     results = {"rear": made_up(0.001), "left": made_up(0.001)}
-    (claim,) = judged(REAR_PUSH, results, rear="same", left="same").values()
+    (claim,) = claims_of(REAR_PUSH, results, rear="same", left="same").values()
     assert claim.measured == "1.0 mm, 0.06°"
 
 
 def test_a_run_that_is_refused_reproduces_nothing() -> None:
     results = {"rear": made_up(0.001), "left": "no path"}
-    (claim,) = judged(REAR_PUSH, results).values()
+    (claim,) = claims_of(REAR_PUSH, results).values()
     assert claim.verdict is BAD
     assert "no path" in claim.why
 
 
 def test_what_was_not_run_is_no_verdict() -> None:
-    (claim,) = judged(REAR_PUSH, {"rear": made_up(0.001)}).values()
+    (claim,) = claims_of(REAR_PUSH, {"rear": made_up(0.001)}).values()
     assert claim.verdict is Verdict.not_run
 
 
@@ -133,26 +133,26 @@ def test_experiments_without_figures_are_judged_by_all_their_goals() -> None:
         "heavy": made_up(0.003),
         "aside": made_up(0.002),
     }
-    (claim,) = judged(TOOL_USE, results).values()
+    (claim,) = claims_of(TOOL_USE, results).values()
     assert claim.words == "Every run: the goal is reached"
     assert claim.verdict is GOOD
     assert claim.measured.startswith("3 runs, at worst 3.0 mm")
     results["heavy"] = made_up(0.03, success=False)
-    (claim,) = judged(TOOL_USE, results).values()
+    (claim,) = claims_of(TOOL_USE, results).values()
     assert claim.verdict is BAD
     assert "30 mm off" in claim.why
 
 
 @pytest.mark.parametrize("experiment", [PIVOT_AND_MOVE, PRESS_FIT, JOINT_TRACKING])
 def test_what_the_paper_does_not_say_cannot_be_judged(experiment: Experiment) -> None:
-    told = judged(experiment, {})
+    told = claims_of(experiment, {})
     unstated = [c for c in told.values() if c.verdict is Verdict.unstated]
     assert unstated
     assert all("The paper" in claim.why for claim in unstated)
 
 
 def test_what_the_paper_does_not_claim_is_not_judged() -> None:
-    assert judged(IDENTIFIED_RHO, {"turn": made_up(0.1)}) == {}
+    assert claims_of(IDENTIFIED_RHO, {"turn": made_up(0.1)}) == {}
 
 
 @pytest.mark.parametrize(
@@ -165,7 +165,7 @@ def test_the_joint_term_is_judged_at_a_force_equal_to_friction_alone(
     # the other forces gain without bound
     results |= {"less": made_up(1e4), "more": made_up(1e4)}
     results |= {"force": made_up(101.0), "force-joint": made_up(joined)}
-    claim = judged(JOINT_TRACKING, results)["With the joint term a push is faster"]
+    claim = claims_of(JOINT_TRACKING, results)["With the joint term a push is faster"]
     assert claim.verdict is verdict
     assert claim.measured.startswith(f"101.0 s to {joined:.1f} s")
     assert "with 3 % less: 10000.0 s to 10.0 s" in claim.why
@@ -174,7 +174,7 @@ def test_the_joint_term_is_judged_at_a_force_equal_to_friction_alone(
 def test_a_joint_term_that_misses_the_goal_gains_nothing() -> None:
     results = {v.name: made_up(10.0) for v in JOINT_TRACKING.variants}
     results |= {"force": made_up(101.0), "force-joint": made_up(1.0, success=False)}
-    claim = judged(JOINT_TRACKING, results)["With the joint term a push is faster"]
+    claim = claims_of(JOINT_TRACKING, results)["With the joint term a push is faster"]
     assert claim.verdict is BAD
     assert "1.0 s (goal missed)" in claim.measured
 
@@ -185,7 +185,7 @@ def test_the_fixed_target_is_held_against_what_is_asked_of_the_others(
 ) -> None:
     results = {"fixed-target": made_up(0.001, final_position_error=error)}
     words = "A virtual target fixed beyond the goal aligns the object"
-    claim = judged(PRESS_SLIDE, results)[words]
+    claim = claims_of(PRESS_SLIDE, results)[words]
     assert claim.paper == "≤ 5.0 mm, ≤ 1.00°"
     assert claim.verdict is verdict
 

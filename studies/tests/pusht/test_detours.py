@@ -22,7 +22,7 @@ def gap(point: Point) -> float:
     return distance - PUSHER_RADIUS
 
 
-def beside(face: int) -> Point:
+def tip_position(face: int) -> Point:
     pushed = FACES[face]
     return MIDDLE.apply(pushed.pusher(0.5 * (pushed.left + pushed.right)))
 
@@ -30,8 +30,11 @@ def beside(face: int) -> Point:
 @pytest.mark.parametrize("start", range(len(FACES)))
 @pytest.mark.parametrize("goal", range(len(FACES)))
 def test_a_way_between_faces_keeps_off_the_t(start: int, goal: int) -> None:
-    way = (beside(start), *free_space(MIDDLE, beside(start), beside(goal)))
-    assert math.dist(way[-1], beside(goal)) < ROUNDING
+    way = (
+        tip_position(start),
+        *free_space(MIDDLE, tip_position(start), tip_position(goal)),
+    )
+    assert math.dist(way[-1], tip_position(goal)) < ROUNDING
     for a, b in pairwise(way):
         for part in (0.0, 0.25, 0.5, 0.75, 1.0):
             point = (a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1]))
@@ -40,7 +43,7 @@ def test_a_way_between_faces_keeps_off_the_t(start: int, goal: int) -> None:
 
 @given(x=st.floats(0.0, 512.0), y=st.floats(0.0, 512.0))
 def test_a_way_is_no_shorter_than_the_straight_line(x: float, y: float) -> None:
-    goal = beside(3)
+    goal = tip_position(3)
     assert way_length(MIDDLE, (x, y), goal) >= math.dist((x, y), goal) - ROUNDING
 
 

@@ -18,10 +18,10 @@ pose = st.builds(Pose2, place, place, st.floats(-math.pi, math.pi))
 
 
 @given(start=pose, goal=pose, drawn=st.integers(0, 10**6))
-def test_every_join_ends_at_its_goal(start: Pose2, goal: Pose2, drawn: int) -> None:
+def test_every_join_ends_at_its_goal(start: Pose2, goal: Pose2, seed: int) -> None:
     found = joins(start, goal)
     assert len(found.triples) > 1000
-    for index in np.random.default_rng(drawn).integers(len(found.triples), size=20):
+    for index in np.random.default_rng(seed).integers(len(found.triples), size=20):
         triple = found.triples[index].tolist()
         pushes = map(contacts().push, triple, found.lengths[index].tolist())
         end = final_pose(start, pushes)
@@ -52,11 +52,11 @@ def test_joins_on_one_face_are_the_words_of_three_arcs() -> None:
     words = [
         (word, path)
         for word, path in candidates(*ends, bend, bend)
-        if "S" not in word and len(path.pieces) == 3
+        if "S" not in word and len(path.sections) == 3
     ]
     assert words
     for word, path in words:
         triple = [car[letter] for letter in word]
         lengths = found.lengths[(found.triples == triple).all(1)]
-        planned = [length for _, length in path.pieces]
+        planned = [length for _, length in path.sections]
         assert np.abs(lengths - planned).max(1).min() < 1e-6

@@ -122,17 +122,17 @@ def _with_ways_back(
         one, other = map(_capsules, problems)
         (left, _), (right, _) = ways
 
-        def apart(i: int) -> bool:
+        def arms_are_separated(i: int) -> bool:
             near = least_distance(one, other, left[i : i + 1], right[i : i + 1], LOOK)
             return near >= APART
 
-        count = _clear_count(apart, count)
+        count = _clear_count(arms_are_separated, count)
     out = []
     for problem, (path, attitude), (way, step) in zip(
         problems, paths, ways, strict=True
     ):
         if problem.along is not None:
-            path = replace(path, back=way[:count], room=step * (count - 1))
+            path = replace(path, back=way[:count], max_retreat=step * (count - 1))
         out.append((path, attitude))
     return tuple(out)
 
@@ -164,7 +164,7 @@ def _way_back(
     end = objects.shapes[-1:]
 
     def clear(i: int) -> bool:
-        gap = problem.clearance.least(way.q[i : i + 1], end, touching=True)
+        gap = problem.clearance.min_distance(way.q[i : i + 1], end, touching=True)
         return gap.clear
 
     reached = len(way.q) if way.failed_at is None else max(1, way.failed_at)
@@ -291,18 +291,18 @@ class _TwoArms:
             count = min(len(left), len(right))
             left = left[-count:]
             right = right[-count:]
-        return self._least(left, right)
+        return self._min_distance(left, right)
 
     def _glanced(self, left: Array, right: Array) -> float:
         """Return what ``_least`` does, of every sixth sample where that is too small
         already.
         """
-        coarse = self._least(left[::GLANCE], right[::GLANCE])
+        coarse = self._min_distance(left[::GLANCE], right[::GLANCE])
         if coarse < APART:
             return coarse
-        return self._least(left, right)
+        return self._min_distance(left, right)
 
-    def _least(self, left: Array, right: Array) -> float:
+    def _min_distance(self, left: Array, right: Array) -> float:
         """Return the arms' least distance [m], at most LOOK, over postures (k, n) of
         each.
         """

@@ -220,7 +220,7 @@ class Approach:
         return path
 
     @property
-    def begin(self) -> Array:
+    def start_posture(self) -> Array:
         """The posture (n,) from which every approach begins."""
         begin: Array = self._rises[0][0]
         return begin
@@ -348,12 +348,12 @@ class Approach:
 
 
 def rest_to_rest(
-    facts: RobotFacts, corners: Array, least: float = 0.0
+    facts: RobotFacts, corners: Array, min_duration: float = 0.0
 ) -> tuple[float, Array]:
     """Return the duration [s] and the postures (m, n) of a minimum-jerk motion through
     ``corners`` (k, n).
 
-    It is as fast as the joints allow, but no faster than ``least`` [s] at constant
+    It is as fast as the joints allow, but no faster than ``min_duration`` [s] at constant
     speed.
     """
     slides = np.array([joint.kind == "prismatic" for joint in facts.moving])
@@ -363,7 +363,7 @@ def rest_to_rest(
     )
     rates = (len(corners) - 1) * np.abs(np.diff(corners, axis=0)).max(axis=0)
     blend = _blend(max(50, math.ceil(FASTEST * float(rates.max()) / FINEST)))
-    span = max(0.5, FASTEST * float(np.max(rates / speeds)), FASTEST * least)
+    span = max(0.5, FASTEST * float(np.max(rates / speeds)), FASTEST * min_duration)
     grid = np.linspace(0.0, 1.0, len(corners))
     return span, np.column_stack(
         [np.interp(blend, grid, column) for column in corners.T]

@@ -158,7 +158,7 @@ class ArmProblem:
         """Return what ``contact_clearance`` does, of every ``step``th posture."""
         carried = {name: poses[::step] for name, poses in self._carried.items()}
         shapes = self.object_path.shapes[::step]
-        return self.clearance.least(
+        return self.clearance.min_distance(
             postures[::step], shapes, touching=True, bodies=carried
         )
 
@@ -167,7 +167,7 @@ class ArmProblem:
         object to the contact.
         """
         poses = self.object_path.shapes[:1] * len(postures)
-        return self.clearance.least(postures, poses, touching=True)
+        return self.clearance.min_distance(postures, poses, touching=True)
 
     def waiting_clearance(self, q: Array) -> Gap:
         """Return the gap with the least to spare of an arm that waits in a posture (n,)
@@ -175,7 +175,7 @@ class ArmProblem:
         """
         shapes = self.object_path.shapes
         postures = np.repeat(q[None], len(shapes), axis=0)
-        return self.clearance.least(
+        return self.clearance.min_distance(
             postures, shapes, touching=False, bodies=self._pushed
         )
 
@@ -205,7 +205,7 @@ class ArmProblem:
         contact.
         """
         poses = self.object_path.shapes[:1] * len(postures)
-        return model.least(postures, poses, touching=False)
+        return model.min_distance(postures, poses, touching=False)
 
     def free(self, model: Clearance, q: Array) -> bool:
         """Return whether a posture (n,) before the contact keeps its clearance."""
@@ -233,7 +233,8 @@ def object_path(plan: Plan) -> ObjectPath:
         length = segment.path.length
         X_VB = segment.X_BV.inverse()
         turned = sum(
-            abs(b.yaw - a.yaw) for (_, a), (_, b) in pairwise(segment.path.starts)
+            abs(b.yaw - a.yaw)
+            for (_, a), (_, b) in pairwise(segment.path.section_starts)
         )
         count = max(8, math.ceil((length + TURN_ARM * turned) / STEP))
         grid = np.linspace(0.0, length, count + 1)

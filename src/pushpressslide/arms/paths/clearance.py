@@ -51,7 +51,7 @@ class Clearance(Protocol):
     stand still.
     """
 
-    def least(
+    def min_distance(
         self,
         postures: Array,
         object_poses: Sequence[Pose2],

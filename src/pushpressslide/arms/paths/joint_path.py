@@ -150,7 +150,7 @@ def search(problem: ArmProblem, *, force: bool = False) -> Iterator[SearchResult
     for i, miss in enumerate(blocked):
         if miss.drawn_back:
             continue
-        move = Move.of(problem.kin, miss.posture)
+        move = Move.from_posture(problem.kin, miss.posture)
         path = path_of_move(problem, move, care=BARELY)
         if isinstance(path, Miss):
             blocked[i] = path
@@ -248,7 +248,7 @@ def _waiting_path(
     """Return the path of an arm to where it waits; the rest as in ``path_of_move``."""
     posture = move.posture.q[0]
     clear = problem.waiting_clearance(posture).distance
-    begin = problem.approach.begin
+    begin = problem.approach.start_posture
     if np.array_equal(posture, begin):
         return _joint_path(problem, move, _standing(begin), clear, math.inf)
     model = _model(problem, others)
@@ -398,7 +398,7 @@ def _refined(problem: ArmProblem, misses: tuple[Miss, ...]) -> Iterator[Solution
     near = [_with_clearance(problem, m) for m in misses if m.shortfall < NEAR]
     near = sorted((m for m in near if m.shortfall < NEAR), key=SHORTFALL)
     for miss in _diverse(near):
-        move: Move | None = Move.of(problem.kin, miss.posture)
+        move: Move | None = Move.from_posture(problem.kin, miss.posture)
         if not miss.in_approach:
             move = _refined_move(problem, along, miss.posture)
         if move is None:
@@ -412,7 +412,7 @@ def _parked_around(problem: ArmProblem, misses: tuple[Miss, ...]) -> Iterator[So
     """Yield paths to where an arm may wait, around what is in the direct way there."""
     blocked = [miss for miss in misses if miss.in_approach]
     for miss in blocked[:REFINED]:
-        move = Move.of(problem.kin, miss.posture)
+        move = Move.from_posture(problem.kin, miss.posture)
         path = path_of_move(problem, move, thorough=True)
         if isinstance(path, JointPath):
             yield Solution(move, path)
@@ -461,7 +461,7 @@ def _refined_move(
     )
     if better is None:
         return None
-    move = Move.of(problem.kin, replace(better, q=better.q[BACK:]))
+    move = Move.from_posture(problem.kin, replace(better, q=better.q[BACK:]))
     if not move.allowed:
         return None
     return move

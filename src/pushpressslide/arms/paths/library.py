@@ -36,9 +36,9 @@ class ArmLibrary(Protocol):
         path: TipPath,
         guess: Posture,
         margin: float,
-        least: float,
+        min_distance: float,
     ) -> Posture | None:
         """Return a posture near ``guess`` that follows a path where the guess just
-        fails, ``margin`` [rad] from the joint limits and ``least`` [m] from everything;
+        fails, ``margin`` [rad] from the joint limits and ``min_distance`` [m] from everything;
         None where there is none, or nothing that looks for it.
         """

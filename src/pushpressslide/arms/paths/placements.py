@@ -94,9 +94,9 @@ def _check_bounds(placement: Plan, within: Bounds) -> None:
         )
 
 
-def reached_bounds(plan: Plan, room: float) -> Bounds:
+def reached_bounds(plan: Plan, margin: float) -> Bounds:
     """Return x_min, x_max, y_min, y_max [m] of what the object covers on its planned
-    way, and ``room`` [m] about it.
+    way, and ``margin`` [m] about it.
     """
     poses = [plan.true_start]
     for segment in plan.segments:
@@ -104,5 +104,5 @@ def reached_bounds(plan: Plan, room: float) -> Bounds:
         poses += [plan.object_pose(segment, s) for s in grid]
     x = [p.x for p in poses]
     y = [p.y for p in poses]
-    margin = plan.task.object.shape.farthest((0.0, 0.0)) + room
-    return min(x) - margin, max(x) + margin, min(y) - margin, max(y) + margin
+    reach = plan.task.object.shape.farthest((0.0, 0.0)) + margin
+    return min(x) - reach, max(x) + reach, min(y) - reach, max(y) + reach

@@ -86,7 +86,7 @@ class Move:
     turn: float  # [rad] largest, of any joint from home to the first sample
 
     @classmethod
-    def of(cls, kin: ArmKinematics, posture: Posture) -> Move:
+    def from_posture(cls, kin: ArmKinematics, posture: Posture) -> Move:
         """Return the move with its figures."""
         q = posture.q
         return cls(
@@ -185,12 +185,12 @@ def moves(
 
 
 def _first_postures(
-    kin: ArmKinematics, tip: TipPath, i: int, held: Sequence[HeldTool]
+    kin: ArmKinematics, tip: TipPath, i: int, tools: Sequence[HeldTool]
 ) -> IkSolution:
     """Return postures at sample ``i`` of a tip path, one for each of b held tools."""
     yaw = tip.yaws[i]
-    rotations = np.array([tool.rotation_at(yaw + offset) for tool, offset in held])
-    positions = np.tile(tip.positions[i], (len(held), 1))
+    rotations = np.array([tool.rotation_at(yaw + offset) for tool, offset in tools])
+    positions = np.tile(tip.positions[i], (len(tools), 1))
     return solve_ik(
         kin, positions, rotations.reshape(-1, 3, 3), joint_margin=JOINT_MARGIN
     )
@@ -199,8 +199,8 @@ def _first_postures(
 def _followed(
     kin: ArmKinematics,
     tip: TipPath,
-    held: Sequence[HeldTool],
-    starts: Array,
+    tools: Sequence[HeldTool],
+    start_postures: Array,
     force: bool,
 ) -> tuple[list[Move], list[Miss]]:
     """Follow a tip path with b held tools from postures (b, n); moves come best first.
@@ -212,21 +212,21 @@ def _followed(
     lost: list[Miss] = []
     if not force and k > GLANCE:
         near = []
-        paths = _continued(kin, tip, coarse, held, starts)
+        paths = _continued(kin, tip, coarse, tools, start_postures)
         for i, path in enumerate(paths):
             if path.lost:
-                lost.append(_lost(tip, coarse, held[i], path))
+                lost.append(_lost(tip, coarse, tools[i], path))
             else:
                 near.append(i)
-        held = [held[i] for i in near]
-        starts = starts[near]
+        tools = [tools[i] for i in near]
+        start_postures = start_postures[near]
     allowed = []
     misses = []
-    paths = _continued(kin, tip, np.arange(k), held, starts)
-    for (tool, offset), path in zip(held, paths, strict=True):
+    paths = _continued(kin, tip, np.arange(k), tools, start_postures)
+    for (tool, offset), path in zip(tools, paths, strict=True):
         posture = Posture(tool, offset, path.q)
         if force or (path.ok and path.condition < CONDITION_LIMIT):
-            allowed.append(Move.of(kin, posture))
+            allowed.append(Move.from_posture(kin, posture))
         else:
             why = problem_text(path, tip.positions)
             misses.append(Miss(shortfall(path), why, posture))
@@ -237,27 +237,27 @@ def _continued(
     kin: ArmKinematics,
     tip: TipPath,
     samples: NDArray[np.intp],
-    held: Sequence[HeldTool],
-    starts: Array,
+    tools: Sequence[HeldTool],
+    start_postures: Array,
 ) -> Sequence[Continuation]:
     """Return the joint paths of b held tools along some samples of a tip path, from
     postures (b, n).
     """
-    if not held:
+    if not tools:
         return ()
-    yaws = tip.yaws[samples] + np.array([offset for _, offset in held])[:, None]
-    tools = [tool for tool, _ in held]
+    yaws = tip.yaws[samples] + np.array([offset for _, offset in tools])[:, None]
+    attitudes = [tool for tool, _ in tools]
     step = LARGEST_STEP * float(np.diff(samples).max())
     return continuations(
-        kin, tip.positions[samples], yaws, starts, tools, JOINT_MARGIN, step
+        kin, tip.positions[samples], yaws, start_postures, attitudes, JOINT_MARGIN, step
     )
 
 
 def _lost(
-    tip: TipPath, samples: NDArray[np.intp], held: HeldTool, path: Continuation
+    tip: TipPath, samples: NDArray[np.intp], tools: HeldTool, path: Continuation
 ) -> Miss:
     """Return the miss of a tool that is far off on some ``samples`` of a tip path."""
-    tool, offset = held
+    tool, offset = tools
     every = np.arange(len(tip.yaws))
     q = np.column_stack([np.interp(every, samples, column) for column in path.q.T])
     why = problem_text(path, tip.positions[samples])

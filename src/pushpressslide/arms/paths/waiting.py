@@ -25,7 +25,7 @@ def waiting_moves(problem: ArmProblem, *, force: bool = False) -> Iterator[Move 
     Those with room about them come before those that are merely clear; with ``force``
     the last is where the arm is, however bad.
     """
-    begin = problem.approach.begin
+    begin = problem.approach.start_posture
     home = problem.kin.facts.home
     offered = 0
     tight: list[Move] = []
@@ -50,4 +50,4 @@ def waiting_moves(problem: ArmProblem, *, force: bool = False) -> Iterator[Move 
 def _still(problem: ArmProblem, q: Array) -> Move:
     """Return a posture (n,) that is kept while the object is moved."""
     still = np.repeat(q[None], len(problem.object_path.shapes), axis=0)
-    return Move.of(problem.kin, Posture(UPRIGHT, 0.0, still))
+    return Move.from_posture(problem.kin, Posture(UPRIGHT, 0.0, still))

@@ -116,7 +116,7 @@ def driven_by_twists(
         query, choice.mode, choice.contacts, drive, path, cone_margin=margin
     )
     summary = (
-        f"path {path.distance:.3f} m of {len(path.pieces)} twist(s), "
+        f"path {path.distance:.3f} m of {len(path.sections)} twist(s), "
         f"{describe_cone_margin(margin)}"
     )
     time = run_time(query.motion, (piece,))

@@ -133,7 +133,7 @@ def _spin(
         )
         raise RefusedError(Refusal("pin_moves", text, moved, allowed, "m"))
     drive = SpinDrive(vehicle.car, query.scene.max_friction(contact.load), X_BV)
-    speed = query.motion.speed * min(1.0, vehicle.room / margins.SAFE_MARGIN)
+    speed = query.motion.speed * min(1.0, vehicle.tipping_margin / margins.SAFE_MARGIN)
     return segment(query, mode, (contact,), drive, path, speed=speed)
 
 
@@ -148,7 +148,7 @@ def _drive(
     contact = press.contact
     look_ahead = motion.look_ahead or margins.ARM.look_ahead(car.length, motion.speed)
     route = _route(query, press, vehicle, look_ahead, returns)
-    speed = motion.speed * min(1.0, vehicle.room / margins.SAFE_MARGIN)
+    speed = motion.speed * min(1.0, vehicle.tipping_margin / margins.SAFE_MARGIN)
     if press.backward:
         speed *= margins.PUSHED_SPEED
     speed *= min(1.0, margins.SWING / (car.length * route.curvature))
@@ -251,9 +251,9 @@ def _askew(ends: Ends, contact: Contact, backward: bool) -> float:
     )
 
 
-def with_turns(query: MotionQuery, choice: Choice, least: float) -> Choice:
+def with_turns(query: MotionQuery, choice: Choice, min_angle: float) -> Choice:
     """Return a choice planned with the axle of its turns; refused if it is steered like
-    a unicycle by less than ``least`` [rad] only.
+    a unicycle by less than ``min_angle`` [rad] only.
     """
     drive = choice.segments[-1].drive
     if not isinstance(drive, UnicycleDrive):
@@ -261,16 +261,16 @@ def with_turns(query: MotionQuery, choice: Choice, least: float) -> Choice:
     (contact,) = choice.contacts
     backward = drive.car.backward
     steering = math.inf
-    if least > 0.0 and query.tool is None:
+    if min_angle > 0.0 and query.tool is None:
         steering = steering_of(
             press_of(query.scene, contact), backward, query.motion.speed
         )
-    if steering < least:
+    if steering < min_angle:
         text = (
             "it is steered like a unicycle only up to {figure:deg.1f}, needed "
             "{allowed:degg}"
         )
-        return choice.refused(Refusal("steering", text, steering, least, "rad"))
+        return choice.refused(Refusal("steering", text, steering, min_angle, "rad"))
     angle = margins.PLANNED_STEERING * min(drive.steepest, steering)
     press = Press(contact, backward, angle, steering)
     return driven_choice(query, choice.mode, press)

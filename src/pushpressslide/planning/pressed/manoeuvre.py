@@ -255,17 +255,17 @@ def _both_ways(turns: Sequence[PressedTurn], straight: float) -> list[PressedTur
 
 
 def _run_ins(
-    scene: Scene, most: float, goal: Pose2, turns: Sequence[PressedTurn]
+    scene: Scene, max_length: float, goal: Pose2, turns: Sequence[PressedTurn]
 ) -> list[_RunIn]:
     """Return the straight turns that can be corrected well, as long as they may be, at
-    up to ``most`` [m/s].
+    up to ``max_length`` [m/s].
     """
     out = []
     for turn in turns:
         if _straight(turn) and min(-turn.right, turn.left) >= margins.CORRECTING:
-            speed = _speed(most, turn)
+            speed = _speed(max_length, turn)
             path = ArcPath(turn.X_BV, ())
-            look_ahead = DrivenTurn(turn, path, goal, speed, most).look_ahead
+            look_ahead = DrivenTurn(turn, path, goal, speed, max_length).look_ahead
             out += [_RunIn(turn, speed, k * look_ahead) for k in scene.run_ins]
     return out
 
@@ -286,7 +286,7 @@ def _straight(turn: PressedTurn) -> bool:
 
 def _speed(speed: float, turn: PressedTurn) -> float:
     swing = min(1.0, margins.SWING / turn.pace)
-    return speed * swing * min(1.0, turn.room / margins.SAFE_MARGIN)
+    return speed * swing * min(1.0, turn.tipping_margin / margins.SAFE_MARGIN)
 
 
 def as_driven(curvature: float, like: float, straight: float) -> float:

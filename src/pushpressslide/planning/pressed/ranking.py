@@ -136,7 +136,7 @@ class _Turns:
 def _paces(motion: Motion, body: ObjectModel, table: TurnTable) -> _Paces:
     steering = np.minimum(table.right, table.left)
     swing = np.minimum(1.0, margins.SWING / table.pace)
-    slower = swing * np.minimum(1.0, table.room / margins.SAFE_MARGIN)
+    slower = swing * np.minimum(1.0, table.tipping_margin / margins.SAFE_MARGIN)
     least = pause(motion)
     careful = least + narrow(body, motion.speed)
     pauses = np.where(steering < margins.CORRECTING, careful, least)

@@ -54,7 +54,7 @@ def pressed_at(
         assert isinstance(planned, TurnDrive)
         turn = turns.get(planned.axis_angle)
         if turn is not None and isinstance(path, ArcPath):
-            curvature, length = path.pieces[-1]
+            curvature, length = path.sections[-1]
             if curvature:
                 curvature = as_driven(turn.curvature, curvature, straight)
             path = ArcPath(path.start, ((curvature, length),))
@@ -159,7 +159,9 @@ def _arcs(
     """
     radius = scene.body.radius
     arcs: list[Arc] = [
-        (s.X_BV, s.path.pieces[-1][0]) for s in segments if isinstance(s.path, ArcPath)
+        (s.X_BV, s.path.sections[-1][0])
+        for s in segments
+        if isinstance(s.path, ArcPath)
     ]
     turn = segments[0].drive
     run_in = segments[-1].drive

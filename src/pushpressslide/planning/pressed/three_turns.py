@@ -62,7 +62,7 @@ def words(
             turned, time = _driven(solution, senses[turns], times[turns], pauses[turns])
             most = np.abs(np.cumsum(turned, axis=0)).max(0)
             time = np.where(most <= swing, time, math.inf)
-            for best in _least(time, count):
+            for best in _lowest_indices(time, count):
                 pieces = [
                     (int(c[best]), float(turn[best]))
                     for c, turn in zip(turns, turned, strict=True)
@@ -174,7 +174,7 @@ def _driven(
     return senses * sizes, np.where(sizes.max(0) <= LARGEST, time, np.inf)
 
 
-def _least(values: Array, count: int) -> NDArray[np.intp]:
+def _lowest_indices(values: Array, count: int) -> NDArray[np.intp]:
     """Return the indices of up to ``count`` least values that are finite."""
     count = min(count, len(values))
     least = (

@@ -48,7 +48,7 @@ class PressedTurn:
     right: float  # [rad] < 0, that the force may be turned from there
     left: float  # [rad] > 0
     # [half widths] that the centre of pressure stays inside the base at that angle
-    room: float
+    tipping_margin: float
     X_BV: Pose2  # at the axle, x along its motion
     curvature: float  # [1/m] of its path
     # [m] tan(change of the force's angle) per change of curvature; > 0 where it leads
@@ -72,7 +72,7 @@ class TurnTable:
     pace: Array
     right: Array  # [rad] > 0
     left: Array
-    room: Array
+    tipping_margin: Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ class _Slides:
     # (3, m, COUNT) of the centre of pressure, along the axis and to its left, and w
     motion: Array
     shares: Array  # (m, COUNT) of mu_s N that the force takes
-    rooms: Array  # (m, COUNT) [half widths] inside the base
+    depths: Array  # (m, COUNT) [half widths] inside the base
 
 
 @lru_cache(maxsize=64)
@@ -124,7 +124,7 @@ def turn_table(
     left = _free(motion, x, heading, usable, firm, 1)
     usable = usable & (np.minimum(right, left) >= LEAST * STEP)
     shares = slides.shares
-    rooms = slides.rooms
+    rooms = slides.depths
     return TurnTable(
         usable, x, heading, curvature, wheelbase, shares, pace, right, left, rooms
     )
@@ -208,25 +208,25 @@ def pressed_turns(press: Press, speed: float) -> tuple[PressedTurn, ...]:
 def _turn(table: TurnTable, column: int, press: Press) -> PressedTurn:
     """Return the turn of a table's only press at one angle."""
 
-    def entry(quantity: Array) -> float:
+    def of_this_turn(quantity: Array) -> float:
         """Return the quantity of this turn."""
         return float(quantity[0, column])
 
     ex, ey = press.axis
     cx, cy = press.cop
-    ahead = entry(table.ahead)
-    yaw = math.atan2(ey, ex) + entry(table.heading)
+    ahead = of_this_turn(table.ahead)
+    yaw = math.atan2(ey, ex) + of_this_turn(table.heading)
     return PressedTurn(
         press=press,
         angle=math.remainder(column * STEP, 2.0 * math.pi),
-        right=-entry(table.right),
-        left=entry(table.left),
-        room=entry(table.room),
+        right=-of_this_turn(table.right),
+        left=of_this_turn(table.left),
+        tipping_margin=of_this_turn(table.tipping_margin),
         X_BV=Pose2(cx + ahead * ex, cy + ahead * ey, yaw),
-        curvature=entry(table.curvature),
-        effective_wheelbase=entry(table.effective_wheelbase),
-        share=entry(table.share),
-        pace=entry(table.pace),
+        curvature=of_this_turn(table.curvature),
+        effective_wheelbase=of_this_turn(table.effective_wheelbase),
+        share=of_this_turn(table.share),
+        pace=of_this_turn(table.pace),
     )
 
 

@@ -19,7 +19,7 @@ from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.scene import Scene
 from pushpressslide.mechanics.press_axle import Press
-from pushpressslide.planning.run_in import gentlest, room
+from pushpressslide.planning.run_in import gentlest, loop_free_length
 from pushpressslide.rom.drives import UnicycleDrive
 from pushpressslide.rom.unicycle import Unicycle
 
@@ -41,7 +41,7 @@ class PressedVehicle:
     steepest: float  # [rad] force angle from the motion that it may be steered with
     # [half widths] that the centre of pressure stays inside the base under the least
     # steering
-    room: float
+    tipping_margin: float
 
 
 def press_of(scene: Scene, contact: Contact) -> Press:
@@ -70,16 +70,16 @@ def pressed_vehicle(
     contact: Contact,
     backward: bool,
     angle: float,
-    most: float = math.inf,
+    max_length: float = math.inf,
 ) -> PressedVehicle:
     """Return the object as a vehicle that turns by a force at ``angle`` [rad] and is
-    steered by at most ``most`` [rad]; ``motion.vehicle`` says whether it turns on
+    steered by at most ``max_length`` [rad]; ``motion.vehicle`` says whether it turns on
     the spot. Raises ValueError, with the number that decides, where it tips.
     """
     kind = query.motion.vehicle
     press = press_of(query.scene, contact)
     bounds = (0.5 * math.pi,) if kind == "pivot" else STEEPEST
-    rooms = [(a, _room(press, a, backward)) for a in bounds]
+    rooms = [(a, _tipping_margin(press, a, backward)) for a in bounds]
     least = rooms[0][1]
     if least < margins.TIPPING_MARGIN:
         text = (
@@ -89,7 +89,7 @@ def pressed_vehicle(
         )
         raise RefusedError(Refusal("tipping", text, least, margins.TIPPING_MARGIN))
     steepest = min(
-        most, max(a for a, space in rooms if space >= margins.TIPPING_MARGIN)
+        max_length, max(a for a, space in rooms if space >= margins.TIPPING_MARGIN)
     )
     if kind == "pivot":
         left = math.remainder(query.goal.yaw - query.start.yaw, 2.0 * math.pi) > 0.0
@@ -111,7 +111,7 @@ def way_back(press: Press, backward: bool) -> Unicycle | None:
     cannot be steered since the drag moves the centre of pressure by more than the
     vehicle is long.
     """
-    if _room(press, STEEPEST[0], backward) < margins.TIPPING_MARGIN:
+    if _tipping_margin(press, STEEPEST[0], backward) < margins.TIPPING_MARGIN:
         return None
     car = steered(press, backward, 0.0)
     if car.length <= car.shift:
@@ -120,10 +120,10 @@ def way_back(press: Press, backward: bool) -> Unicycle | None:
 
 
 @lru_cache(maxsize=4096)
-def _room(press: Press, angle: float, backward: bool) -> float:
+def _tipping_margin(press: Press, angle: float, backward: bool) -> float:
     if backward:
         angle = math.pi - angle
-    return min(press.room(angle), press.room(-angle))
+    return min(press.tipping_margin(angle), press.tipping_margin(-angle))
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,7 +160,7 @@ def route_to(
                 back_up,
                 run_in,
                 curvature,
-                path.length - room(begin, goal, curvature),
+                path.length - loop_free_length(begin, goal, curvature),
             )
         )
         if routes[-1].too_long <= 0.0:

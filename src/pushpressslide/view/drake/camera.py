@@ -96,9 +96,9 @@ def _hidden(moments: Sequence[Moment], direction: Array) -> float:
     return float(np.mean(costs)) if costs else 0.0
 
 
-def candidates(frame: SupportFrame, least: float) -> list[Array]:
+def candidates(frame: SupportFrame, min_elevation: float) -> list[Array]:
     """Return unit vectors (3,) of the world in front of a support and not below the
-    horizon, at a slope of ``least`` [rad] or more to the support.
+    horizon, at a slope of ``min_elevation`` [rad] or more to the support.
     """
     normal = np.array(frame.normal)
     out = []
@@ -109,7 +109,7 @@ def candidates(frame: SupportFrame, least: float) -> list[Array]:
             x = flat * math.cos(angle)
             y = flat * math.sin(angle)
             direction = np.array([x, y, math.sin(height)])
-            if direction @ normal >= math.sin(least) - 1e-9:
+            if direction @ normal >= math.sin(min_elevation) - 1e-9:
                 out.append(direction)
     return out
 

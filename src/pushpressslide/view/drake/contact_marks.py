@@ -14,7 +14,7 @@ from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.view.drake.playback import Playback
 from pushpressslide.view.drake.subject import CLEARANCE, body_pose, contacts_at
-from pushpressslide.view.film import Entry
+from pushpressslide.view.film import LegendEntry
 
 TOUCHING: tuple[Phase, ...] = ("touch", "move", "release")
 FORCE_SCALE = 0.02  # [m/N] largest
@@ -131,25 +131,25 @@ class ContactMarks:
         radius = self.scale * self.friction * load + self._radius(arm)
         return Disc(float(x), float(y), float(z) - CONE_SINK, radius)
 
-    def entries(self) -> list[Entry]:
+    def entries(self) -> list[LegendEntry]:
         """Return what the colours of a replay mean."""
         goal = "goal" if len(self.playback.goals) == 1 else "goals"
         force = f"contact force in the plane, {1e3 * self.scale:.0f} mm a newton"
         out = [
-            Entry("#d98c40", "object"),
-            Entry("#009e73", goal),
-            Entry("#222222", "planned path of the tracking point"),
-            Entry("#0072b2", "its trace; the pin is the virtual axle"),
-            Entry("#a8387d", force),
+            LegendEntry("#d98c40", "object"),
+            LegendEntry("#009e73", goal),
+            LegendEntry("#222222", "planned path of the tracking point"),
+            LegendEntry("#0072b2", "its trace; the pin is the virtual axle"),
+            LegendEntry("#a8387d", force),
         ]
         cones = ["friction cone"] * self.pushes + ["friction disc"] * bool(
             self.pressing
         )
         if cones:
-            out.append(Entry("#e69f00", " and ".join(cones)))
+            out.append(LegendEntry("#e69f00", " and ".join(cones)))
         if self.pressing:
             press = f"press, beside its tip, {1e3 * self.press_scale:.0f} mm a newton"
-            out.append(Entry("#d55e00", press))
+            out.append(LegendEntry("#d55e00", press))
         return out
 
     def _force(self, arm: int, tick: int) -> Any:

@@ -27,7 +27,7 @@ from pushpressslide.core.record import Record
 from pushpressslide.core.task import Support
 from pushpressslide.core.whole_file import whole
 from pushpressslide.view.canvas import Canvas
-from pushpressslide.view.course import course
+from pushpressslide.view.course import run_timeline
 from pushpressslide.view.drake.camera import FIELD, View, axes
 from pushpressslide.view.drake.overlay import Overlay
 from pushpressslide.view.drake.playback import Placed, Playback
@@ -174,7 +174,7 @@ def write_video(
     renderer = FrameRenderer(plan, record, size, models, goals)
     overlay = Overlay(renderer.playback, renderer.view, size)
     ticks = film_ticks(record.arrays["time"], frames_per_second)
-    told = course(plan, record, np.array(ticks))
+    told = run_timeline(plan, record, np.array(ticks))
     title = f"{plan.task.name}: {', '.join(record.modes)}"
 
     def picture(frame: int) -> Any:

@@ -103,8 +103,8 @@ def _surface(support: Support) -> Any:
     return surface
 
 
-def _within(surface: Any, begin: Array, end: Array) -> list[Array]:
+def _within(surface: Any, start: Array, end: Array) -> list[Array]:
     """Return the pieces of a line that lie on a surface."""
-    line = shapely.LineString([begin, end]).intersection(surface)
+    line = shapely.LineString([start, end]).intersection(surface)
     pieces = shapely.get_parts(line)
     return [np.array(p.coords) for p in pieces if p.length > 0.0]

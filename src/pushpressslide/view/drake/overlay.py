@@ -73,10 +73,10 @@ class Overlay:
         ]
         for arrow, color in arrows:
             if arrow.size > LEAST_FORCE:
-                ends = (self._seen(arrow.tail), self._seen(arrow.head))
+                ends = (self._pixel_of(arrow.tail), self._pixel_of(arrow.head))
                 canvas.arrow(*ends, color, 4.0)
 
-    def _seen(self, point: Array) -> Pixel:
+    def _pixel_of(self, point: Array) -> Pixel:
         x, y, z = (float(v) for v in point)
         return self.pixel((x, y, z))
 

@@ -24,14 +24,14 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.view.bar import filled, json_in_page, part
-from pushpressslide.view.course import Course, course, frames
+from pushpressslide.view.course import RunTimeline, frames, run_timeline
 from pushpressslide.view.drake.camera import FIELD, FILL
 from pushpressslide.view.drake.contact_marks import ContactMarks
 from pushpressslide.view.drake.marks import Marks
 from pushpressslide.view.drake.playback import Placed, Playback
 from pushpressslide.view.drake.saved_page import small_page
 from pushpressslide.view.drake.views import PageView, page_views
-from pushpressslide.view.film import Entry
+from pushpressslide.view.film import LegendEntry
 
 ROOM = "pushpressslide.view.drake"
 KEY_STEP = 1e-3  # [s] to which times in the animation are rounded
@@ -66,16 +66,18 @@ def write_replay(
     look(meshcat)
     contacts = ContactMarks(playback, np.array(views[0].direction))
     _animate(meshcat, contacts, ticks)
-    body = _body(contacts, course(plan, record, ticks), views)
+    body = _body(contacts, run_timeline(plan, record, ticks), views)
     page = small_page(meshcat.StaticHtml(), part("replay_head.html", ROOM), body)
     return write_whole(out / "replay.html" if out.is_dir() else out, page)
 
 
-def _body(contacts: ContactMarks, told: Course, views: Sequence[PageView]) -> str:
+def _body(
+    contacts: ContactMarks, timeline: RunTimeline, views: Sequence[PageView]
+) -> str:
     """Return what the page has around Meshcat's scene."""
     playback = contacts.playback
     modes = ", ".join(playback.record.modes)
-    title = f"{playback.task.name}: {modes}, {told.ending}"
+    title = f"{playback.task.name}: {modes}, {timeline.ending}"
     return filled(
         part("replay.html", ROOM),
         {
@@ -83,15 +85,15 @@ def _body(contacts: ContactMarks, told: Course, views: Sequence[PageView]) -> st
             "SCRIPT": part("replay.js", ROOM),
             "TITLE": escape(title),
             "LEGEND": "".join(map(_item, contacts.entries())),
-            "COURSE": json_in_page(told.plain()),
+            "COURSE": json_in_page(timeline.plain()),
             "VIEWS": json_in_page([view.plain() for view in views]),
             "LOOK": json_in_page(_look(playback, np.array(views[0].points))),
         },
     )
 
 
-def _item(entry: Entry) -> str:
-    return f'<li style="--c:{entry.color}">{escape(entry.text)}</li>'
+def _item(item: LegendEntry) -> str:
+    return f'<li style="--c:{item.color}">{escape(item.text)}</li>'
 
 
 def _look(playback: Playback, points: NDArray[np.float64]) -> dict[str, Any]:

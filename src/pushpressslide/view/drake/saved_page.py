@@ -24,7 +24,7 @@ def small_page(page: str, head: str, body: str) -> str:
     """
     messages = [base64.b64decode(text) for text in MESSAGE.findall(page)]
     if messages:
-        call = f'loadMessages("{packed(messages)}");'
+        call = f'loadMessages("{pack(messages)}");'
         # a function, so that no character of the replacement is an escape
         page = MESSAGE.sub(lambda _: call, page, count=1)
         page = MESSAGE.sub("", page)
@@ -33,7 +33,7 @@ def small_page(page: str, head: str, body: str) -> str:
     return f"{before}{body}{end}{after}" if end else page + body
 
 
-def packed(messages: list[bytes]) -> str:
+def pack(messages: list[bytes]) -> str:
     """Return messages as one text: each after its length in four bytes, the lowest
     first, all of it compressed.
     """

@@ -35,7 +35,7 @@ class Block:
 class Limb:
     """A piece of an arm: all within ``radius`` of a line between two points [m]."""
 
-    begin: Vector3
+    start: Vector3
     end: Vector3
     radius: float
 
@@ -62,7 +62,7 @@ class Moment:
     @cached_property
     def links(self) -> tuple[Array, Array, Array]:
         """Begin and end (L, 3) and radius (L,) of the limbs [m]."""
-        begins = np.array([limb.begin for limb in self.limbs]).reshape(-1, 3)
+        begins = np.array([limb.start for limb in self.limbs]).reshape(-1, 3)
         ends = np.array([limb.end for limb in self.limbs]).reshape(-1, 3)
         return begins, ends, np.array([limb.radius for limb in self.limbs])
 

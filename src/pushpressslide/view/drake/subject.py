@@ -64,7 +64,7 @@ def subject(playback: Playback) -> Subject:
             )
         )
         near += object_points(playback, tick) + _tip_points(playback, tick, contacts)
-        whole += [point for limb in limbs for point in (limb.begin, limb.end)]
+        whole += [point for limb in limbs for point in (limb.start, limb.end)]
     frame = playback.task.support.frame
     held = [frame.point(point) for point in near]
     everything = held + [frame.point(point) for point in whole]

@@ -49,10 +49,10 @@ class PageView:
         return asdict(self)
 
 
-def directions(playback: Playback, seen: Subject) -> Directions:
+def directions(playback: Playback, subject: Subject) -> Directions:
     """Return the directions from which a run can be seen, judged."""
     frame = playback.task.support.frame
-    return Directions(frame, seen.moments, seen.pushes, seen.near)
+    return Directions(frame, subject.moments, subject.pushes, subject.near)
 
 
 def contact_view(playback: Playback, field: float, aspect: float) -> View:
@@ -85,7 +85,7 @@ def page_views(playback: Playback, ticks: NDArray[np.intp]) -> tuple[PageView, .
 
 
 def _tip_views(
-    playback: Playback, ticks: NDArray[np.intp], seen: Subject, direction: Row
+    playback: Playback, ticks: NDArray[np.intp], subject: Subject, direction: Row
 ) -> tuple[PageView, ...]:
     """Return a view that follows the tip of each arm with a contact; behind a tip that
     pushes on a table it turns with the object.
@@ -105,13 +105,13 @@ def _tip_views(
         if contact.kind == "top" or frame != TABLE:
             views.append(PageView(name, direction, room, points))
             continue
-        behind = _behind(seen, contact.normal)
+        behind = _behind(subject, contact.normal)
         yaws = playback.record.arrays["object_pose"][ticks, 2]
         views.append(PageView(name, _row(behind), room, points, _row(yaws)))
     return tuple(views)
 
 
-def _behind(seen: Subject, normal: Point) -> Array:
+def _behind(subject: Subject, normal: Point) -> Array:
     """Return the direction (3,) in the object's axes from which a push along ``normal``
     is seen best, to either side behind its tip.
     """
@@ -120,7 +120,7 @@ def _behind(seen: Subject, normal: Point) -> Array:
     offered = []
     for side in (ASIDE, -ASIDE):
         hidden = 0.0
-        for moment, yaw in zip(seen.moments, seen.yaws, strict=True):
+        for moment, yaw in zip(subject.moments, subject.yaws, strict=True):
             hidden += 1.0 - seen_share(moment, _sloped(heading + math.pi + side + yaw))
         costs.append(hidden)
         offered.append(_sloped(heading + math.pi + side))

@@ -24,7 +24,7 @@ from pushpressslide.core.record import Record
 from pushpressslide.core.task import Shape, Task
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.view.bar import filled, json_in_page, part
-from pushpressslide.view.course import course, frames
+from pushpressslide.view.course import frames, run_timeline
 
 ROOM = "pushpressslide.view.planar"
 FORCE_SCALE = 0.02  # [m/N] length of the force arrows
@@ -66,7 +66,7 @@ def write_replay(
             "SCRIPT": part("replay_page.js", ROOM),
             "DATA": json_in_page(replay_data(plan, record, goals, parts)),
             "COURSE": json_in_page(
-                course(plan, record, frames(record.arrays["time"])).plain()
+                run_timeline(plan, record, frames(record.arrays["time"])).plain()
             ),
         },
     )
@@ -95,8 +95,8 @@ def legend(plan: Plan) -> list[tuple[str, str, bool]]:
     return out
 
 
-def _item(entry: tuple[str, str, bool]) -> str:
-    color, text, dashed = entry
+def _item(item: tuple[str, str, bool]) -> str:
+    color, text, dashed = item
     css = ' class="dash"' if dashed else ""
     return f'<li style="--c:{color}"{css}>{escape(text)}</li>'
 

@@ -17,7 +17,7 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.view import film
 from pushpressslide.view.canvas import Canvas, Pixel, rgba
-from pushpressslide.view.course import course
+from pushpressslide.view.course import run_timeline
 from pushpressslide.view.planar.replay import (
     CONE,
     CONE_LENGTH,
@@ -64,11 +64,13 @@ def write_video(
     """
     out = film.film_path(out)
     ticks = film.film_ticks(record.arrays["time"], frames_per_second)
-    told = course(plan, record, np.array(ticks))
+    told = run_timeline(plan, record, np.array(ticks))
     title = f"{plan.task.name}: {', '.join(record.modes)}"
     drawing = _Film(plan, record, goals, parts, size)
     entries = [
-        film.Entry(color, text) for color, text, _ in legend(plan) if color != REFERENCE
+        film.LegendEntry(color, text)
+        for color, text, _ in legend(plan)
+        if color != REFERENCE
     ]
 
     def picture(frame: int) -> Any:
@@ -167,7 +169,7 @@ class _Drawing:
         self._zoom = min(width / span[0], (height - TOP - LOW) / span[1])
         self._middle = 0.5 * (low + high)
 
-    def at(self, point: Point) -> Pixel:
+    def pixel_of(self, point: Point) -> Pixel:
         """Return where a point [m] is in the picture."""
         width, height = self._size
         right = self._mirror * self._zoom * (point[0] - self._middle[0])
@@ -179,20 +181,22 @@ class _Drawing:
         self._draw_grid(canvas)
         region = self._task.support.region
         if region is not None:
-            canvas.line([self.at(p) for p in (*region, region[0])], rgba(EDGE), 1.5)
+            canvas.line(
+                [self.pixel_of(p) for p in (*region, region[0])], rgba(EDGE), 1.5
+            )
         for obstacle in self._task.obstacles:
             corners = [obstacle.pose.apply(c) for c in obstacle.shape.outline()]
             self._area(canvas, corners, BODY, 1.0, EDGE)
         for shape, X_WG in self._goals:
             corners = [X_WG.apply(c) for c in shape.outline()]
             self._area(canvas, corners, GOAL, 0.12, GOAL)
-        canvas.dashes([self.at(p) for p in self._path], rgba(PATH), 2.0)
-        points = [self.at(p) for p in self._trace[: tick + 1 : 5]]
+        canvas.dashes([self.pixel_of(p) for p in self._path], rgba(PATH), 2.0)
+        points = [self.pixel_of(p) for p in self._trace[: tick + 1 : 5]]
         canvas.line(points, rgba(TRACE), 3.0)
         X_WG = _pose(self._record.arrays["object_pose"][tick])
         corners = [X_WG.apply(c) for c in self._task.object.shape.outline()]
         self._area(canvas, corners, OBJECT, 0.55, OBJECT_EDGE)
-        axle = self.at(self._trace[tick])
+        axle = self.pixel_of(self._trace[tick])
         canvas.dot(axle, 6.0, rgba("#ffffff"), rgba(TRACE))
         for arm in range(len(self._task.robots)):
             self._draw_tip(canvas, arm, tick, X_WG.compose(self._task.X_GB))
@@ -203,9 +207,9 @@ class _Drawing:
         reach = int(10.0 * max(width, height) / self._zoom) + 1
         x, y = (round(10.0 * float(v)) for v in self._middle)
         for k in range(-reach, reach + 1):
-            across, _ = self.at(((x + k) / 10.0, 0.0))
+            across, _ = self.pixel_of(((x + k) / 10.0, 0.0))
             canvas.line(((across, 0.0), (across, float(height))), rgba(GRID), 1.0)
-            _, down = self.at((0.0, (y + k) / 10.0))
+            _, down = self.pixel_of((0.0, (y + k) / 10.0))
             canvas.line(((0.0, down), (float(width), down)), rgba(GRID), 1.0)
 
     def _area(
@@ -216,7 +220,7 @@ class _Drawing:
         opacity: float,
         edge: str,
     ) -> None:
-        points = [self.at(corner) for corner in corners]
+        points = [self.pixel_of(corner) for corner in corners]
         canvas.polygon(points, rgba(fill, opacity), rgba(edge), 2.0)
 
     def _draw_tip(self, canvas: Canvas, arm: int, tick: int, X_WB: Pose2) -> None:
@@ -237,7 +241,7 @@ class _Drawing:
             color = PRESS
             reach = friction * max(0.0, -fz) * FORCE_SCALE
             self._area(canvas, _circle((x, y), reach), CONE, 0.25, CONE)
-        canvas.dot(self.at((x, y)), self._zoom * radius, rgba(color))
+        canvas.dot(self.pixel_of((x, y)), self._zoom * radius, rgba(color))
         if contact is not None and contact.kind == "side":
             nx, ny, _ = contact.direction(X_WB)
             tail = (x + radius * nx, y + radius * ny)
@@ -245,7 +249,7 @@ class _Drawing:
                 self._area(canvas, _cone(tail, (nx, ny), friction), CONE, 0.25, CONE)
         if math.hypot(fx, fy) > LEAST_FORCE:
             head = (tail[0] + FORCE_SCALE * fx, tail[1] + FORCE_SCALE * fy)
-            canvas.arrow(self.at(tail), self.at(head), rgba(FORCE), 4.0)
+            canvas.arrow(self.pixel_of(tail), self.pixel_of(head), rgba(FORCE), 4.0)
 
 
 def _pose(row: Array) -> Pose2:

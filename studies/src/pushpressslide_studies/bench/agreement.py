@@ -248,10 +248,12 @@ class PressProblem:
         self._grasp = grasp
         self._wrench = wrench
 
-    def largest_scale(self, most: Sequence[float]) -> float | None:
-        """Return the largest factor of the wrench for discs of radius ``most`` [N]."""
+    def largest_scale(self, limits: Sequence[float]) -> float | None:
+        """Return the largest factor of the wrench for discs of radius ``limits`` [N]."""
         column = -self._wrench[:, None]
-        return self._solve([-1.0], np.zeros((2, 1)), most, wrench_of=column, fixed=0.0)
+        return self._solve(
+            [-1.0], np.zeros((2, 1)), limits, wrench_of=column, fixed=0.0
+        )
 
     def least_press(self, radii: Sequence[float]) -> float | None:
         """Return the least sum [N] of normals; the discs are ``radii`` times that sum."""
@@ -261,14 +263,14 @@ class PressProblem:
         """Return the least sum [N] of two normals."""
         return self._solve([1.0, 1.0], friction * np.eye(2), (0.0, 0.0))
 
-    def least_antagonism(self, most: Sequence[float]) -> float | None:
-        """Return the least |f_1.e| + |f_2.e| [N] for discs of radius ``most`` [N]."""
+    def least_antagonism(self, limits: Sequence[float]) -> float | None:
+        """Return the least |f_1.e| + |f_2.e| [N] for discs of radius ``limits`` [N]."""
         along = np.zeros((4, 6))
         for i in range(2):
             for j, sign in enumerate((1.0, -1.0)):
                 along[2 * i + j, 2 * i : 2 * i + 2] = sign * np.array(self._line.e)
                 along[2 * i + j, 4 + i] = -1.0
-        return self._solve([1.0, 1.0], np.zeros((2, 2)), most, bounded=along)
+        return self._solve([1.0, 1.0], np.zeros((2, 2)), limits, bounded=along)
 
     def _solve(
         self,

@@ -172,14 +172,14 @@ def _compared(
 def _in_python(run: Call) -> Call:
     """Return a call without numba."""
 
-    def call() -> object:
+    def run_interpreted() -> object:
         with without_numba():
             return run()
 
-    return call
+    return run_interpreted
 
 
-def _ompl(starts: Array, goals: Array) -> Call | str:
+def _ompl(start_poses: Array, goals: Array) -> Call | str:
     """Return a call of OMPL's Dubins space for each row, from states made before."""
     try:
         from ompl import base
@@ -193,7 +193,7 @@ def _ompl(starts: Array, goals: Array) -> Call | str:
         out.setYaw(float(pose[2]))
         return out
 
-    pairs = [(state(a), state(b)) for a, b in zip(starts, goals, strict=True)]
+    pairs = [(state(a), state(b)) for a, b in zip(start_poses, goals, strict=True)]
     return lambda: [space.distance(a, b) for a, b in pairs]
 
 
@@ -300,7 +300,7 @@ def surfaces(rng: np.random.Generator, rows: int) -> Iterator[Law]:
         f"exact surface of {len(BOX.loads)} samples, wrench of a twist",
         6,
         lambda: exact.wrenches(twists),
-        lambda i: exact_wrench(BOX, 0.3, Twist(*twists[i])._replace(of=BOX.cop)),
+        lambda i: exact_wrench(BOX, 0.3, Twist(*twists[i])._replace(point=BOX.cop)),
     )
     yield Law(
         f"exact surface of {len(BOX.loads)} samples, twist of a wrench",

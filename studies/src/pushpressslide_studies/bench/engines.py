@@ -101,7 +101,7 @@ def _batch() -> Pushed:
     bodies = PushedBodies(
         (-half, 0.0), (1.0, 0.0), (-width, width), TIP_FRICTION, _rho()
     )
-    pushes = bodies.begin(np.zeros((BODIES, 3)), OFF)
+    pushes = bodies.initial_states(np.zeros((BODIES, 3)), OFF)
     velocities = np.broadcast_to((SPEED, 0.0), (BODIES, 2))
     spent, pushes = _stepped(
         lambda before: bodies.advance(before, velocities, TIME / STEPS), pushes
@@ -111,7 +111,7 @@ def _batch() -> Pushed:
 
 def _alone() -> Pushed:
     from pushpressslide.core.pose import Pose2
-    from pushpressslide.core.twist_path import moved
+    from pushpressslide.core.twist_path import integrate
     from pushpressslide.mechanics.friction import push_outcome
     from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 
@@ -124,7 +124,7 @@ def _alone() -> Pushed:
         contact = (-0.5 * SIZE[0], place)
         velocity = X.unrotate((SPEED, 0.0))
         out = push_outcome(surface, contact, (1.0, 0.0), TIP_FRICTION, velocity)
-        X = moved(X, (out.twist.vx, out.twist.vy, out.twist.w), dt)
+        X = integrate(X, (out.twist.vx, out.twist.vy, out.twist.w), dt)
         place += out.slip_velocity * dt
     return Pushed(perf_counter() - began, X.x, X.y, X.yaw)
 
@@ -140,7 +140,7 @@ def _exact() -> Pushed:
         Tips(RADIUS, TIP_FRICTION, STIFF),
         TIME / STEPS,
     )
-    states = world.begin(np.zeros((EXACT_BODIES, 3)), [(-half - RADIUS, OFF)])
+    states = world.initial_states(np.zeros((EXACT_BODIES, 3)), [(-half - RADIUS, OFF)])
     velocities = [(SPEED, 0.0)]
     spent, states = _stepped(lambda before: world.step(before, velocities), states)
     return Pushed(spent / EXACT_BODIES, *states.poses[0].tolist())

@@ -25,7 +25,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.task import Task
-from pushpressslide.core.twist_path import moved
+from pushpressslide.core.twist_path import integrate
 from pushpressslide.mechanics.friction import push_outcome
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 from pushpressslide.rom.drives import RearSteerDrive
@@ -68,7 +68,7 @@ class Push:
     segment: Segment
 
     @property
-    def believed(self) -> World:
+    def believed_world(self) -> World:
         """What the controllers assume."""
         rho = self.segment.drive.rho
         assert rho is not None  # of a push
@@ -108,7 +108,7 @@ def mpc() -> list[Row]:
     rows: list[Row] = []
     for name in TASKS:
         push = _push(name)
-        true = push.believed
+        true = push.believed_world
         worlds = {
             "as believed": true,
             "rho 25 % larger": World(true.rho * (1.0 + OFF), true.friction),
@@ -181,7 +181,7 @@ def controlled(push: Push, world: World, control: Controller) -> Closed:
         times.append(perf_counter() - began)
         outcome = push_outcome(surface, contact, push.normal, world.friction, velocity)
         twist = outcome.twist
-        X = moved(X, (twist.vx, twist.vy, twist.w), PERIOD)
+        X = integrate(X, (twist.vx, twist.vy, twist.w), PERIOD)
         slip = outcome.slip_velocity * PERIOD
         contact = (contact[0] - ny * slip, contact[1] + nx * slip)
         done += SPEED * PERIOD
@@ -200,7 +200,7 @@ def closed_form(push: Push) -> Controller:
     segment = push.segment
     mode = MODES[segment.mode]
     tracker = mode.tracker(push.task.query, segment)
-    allocate = mode.allocator_of(segment, push.believed.friction)
+    allocate = mode.allocator_of(segment, push.believed_world.friction)
     progress = 0.0
 
     def control(X: Pose2, done: float) -> Point | None:
@@ -243,7 +243,7 @@ class _Horizon:
         rows = []
         lower: list[float] = []
         upper: list[float] = []
-        friction = push.believed.friction
+        friction = push.believed_world.friction
         for k, force in enumerate(forces):
             rows.append(self._after(ca, states[k], force) - states[k + 1])
             rows.append(friction * force[0] - force[1])
@@ -283,7 +283,7 @@ class _Horizon:
         fy = force[0] * ny + force[1] * nx
         c = ca.cos(state[2])
         s = ca.sin(state[2])
-        w = (cx * fy - cy * fx) / self.push.believed.rho**2
+        w = (cx * fy - cy * fx) / self.push.believed_world.rho**2
         return ca.vertcat(c * fx - s * fy, s * fx + c * fy, w)
 
     def velocity(self, X: Pose2, done: float) -> Point:
@@ -315,7 +315,7 @@ class _Horizon:
         cx, cy = self.push.contact
         fx = normal * nx - across * ny
         fy = normal * ny + across * nx
-        w = (cx * fy - cy * fx) / self.push.believed.rho**2
+        w = (cx * fy - cy * fx) / self.push.believed_world.rho**2
         return fx - w * cy, fy + w * cx
 
 

@@ -46,7 +46,7 @@ OURS = "search over pushes"
 NO_OMPL = not_installed("pushpressslide-studies[bench]")
 
 
-class Found(NamedTuple):
+class PlannerResult(NamedTuple):
     """What came of one problem."""
 
     wall_time: float  # [s]
@@ -108,21 +108,21 @@ def _problem(base: Task, rng: np.random.Generator) -> Task:
     return replace(task, modes=(MODE,), motion=base.motion.freed)
 
 
-def ours(task: Task) -> Found:
+def ours(task: Task) -> PlannerResult:
     """Return how long the search takes for a task, and what it finds."""
     began = perf_counter()
     try:
         plan = solve(PlansAlone(), task, 1).plan
     except InfeasibleTaskError:
-        return Found(perf_counter() - began, None)
+        return PlannerResult(perf_counter() - began, None)
     spent = perf_counter() - began
     length = sum(segment.path.length for segment in plan.segments)
     pushes = len(plan.placements)
     anew = (pushes - 1) * overhead(task.motion)
-    return Found(spent, length, length / task.motion.speed + anew, pushes)
+    return PlannerResult(spent, length, length / task.motion.speed + anew, pushes)
 
 
-def _with_ompl(name: str, task: Task) -> Found:
+def _with_ompl(name: str, task: Task) -> PlannerResult:
     """Return how long a planner of OMPL takes for the face with the shortest way of a
     push without the post, and what it finds.
     """
@@ -146,9 +146,9 @@ def _with_ompl(name: str, task: Task) -> Found:
     setup.solve(PATIENCE)
     spent = perf_counter() - began
     if not setup.haveExactSolutionPath():
-        return Found(spent, None, checks=free.checks)
+        return PlannerResult(spent, None, checks=free.checks)
     length = setup.getSolutionPath().length()
-    return Found(spent, length, length / task.motion.speed, checks=free.checks)
+    return PlannerResult(spent, length, length / task.motion.speed, checks=free.checks)
 
 
 def _unhindered(task: Task) -> Segment:
@@ -190,20 +190,20 @@ class _Free:
         return bool(self._space.free([X_WV.compose(self._X_VG)])[0])
 
 
-def _row(what: str, found: Sequence[Found]) -> Row:
+def _row(what: str, results: Sequence[PlannerResult]) -> Row:
     """Return the row of one planner."""
-    times = [one.wall_time for one in found]
-    done = [one for one in found if one.length is not None]
+    times = [one.wall_time for one in results]
+    done = [one for one in results if one.length is not None]
     return {
         "what": what,
         "planned": len(done),
-        "of": len(found),
+        "of": len(results),
         "median_s": float(np.median(times)),
         "p95_s": float(np.percentile(times, 95)),
         "way_m": _middle([one.length for one in done if one.length is not None]),
         "takes_s": _middle([one.takes for one in done]),
         "pushes": _middle([float(one.pushes) for one in done]),
-        "checks": float(np.median([one.checks for one in found])),
+        "checks": float(np.median([one.checks for one in results])),
         "note": "",
     }
 

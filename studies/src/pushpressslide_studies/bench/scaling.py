@@ -43,7 +43,7 @@ def scaling(seed: int) -> list[Row]:
         "rows of a batch of two contacts": (BATCH, lambda n: _batch(rng, int(n)), 1),
         "length of a path, one tick [m]": (LENGTHS, _tick, REPEATS),
         "corners of an object, selection": (CORNERS, _selection, 1),
-        "obstacles, free ways to a goal": (POSTS, _ways, 1),
+        "obstacles, free ways to a goal": (POSTS, _free_space_search, 1),
         "legs of a task, plan": (LEGS, _legs, 1),
     }
     rows = []
@@ -127,7 +127,7 @@ def _selection(corners: int | float) -> Callable[[], object]:
     return lambda: select(task, 1)
 
 
-def _ways(posts: int | float) -> Callable[[], object]:
+def _free_space_search(posts: int | float) -> Callable[[], object]:
     """Return the search for the free ways of an object among posts."""
     from pushpressslide.selection.waypoints import free_space
 
@@ -140,7 +140,7 @@ def _ways(posts: int | float) -> Callable[[], object]:
         Obstacle(f"post-{i}", Box((0.05, 0.05, 0.2)), X) for i, X in enumerate(around)
     )
     among = replace(task, obstacles=obstacles).query
-    return lambda: free_space(among).ways(among.goal).way(among.start)
+    return lambda: free_space(among).paths_to(among.goal).via_poses(among.start)
 
 
 def _legs(count: int | float) -> Callable[[], object]:

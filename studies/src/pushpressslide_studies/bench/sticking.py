@@ -50,7 +50,7 @@ class Case:
         """Return the motion of the object on the finger, over the finger's speed; a
         turn as it is seen at the object's rim.
         """
-        wanted = self.twist.moved_to(moving.of)
+        wanted = self.twist.moved_to(moving.point)
         drift = math.hypot(moving.vx - wanted.vx, moving.vy - wanted.vy)
         turn = abs(moving.w - wanted.w) * self.body.shape.circumradius
         return max(drift, turn) / SPEED
@@ -68,7 +68,7 @@ class Case:
         return self.finger.hold(surface.wrench(self.twist))
 
 
-def drawn(rng: random.Random) -> Case:
+def random_case(rng: random.Random) -> Case:
     """Return a random case that a finger pushes rather than pulls."""
     length = rng.uniform(0.05, 0.3)
     width = rng.uniform(0.05, 0.3)
@@ -162,7 +162,7 @@ def scores(cases: int, seed: int) -> list[dict[str, object]]:
     rng = random.Random(seed)
     rows: dict[str, list[tuple[bool, LinePush]]] = {"exact": [], "ellipsoid": []}
     for _ in range(cases):
-        case = drawn(rng)
+        case = random_case(rng)
         try:
             exact = case.predicted()
         except ValueError:  # tips

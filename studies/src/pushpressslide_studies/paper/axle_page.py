@@ -61,7 +61,7 @@ def page_body(result: Mapping[str, Any], png: bytes, heading: str) -> str:
     """
     tolerance = 1e3 * result["tolerance"]
 
-    def judged(row: Sequence[str]) -> str:
+    def error_class(row: Sequence[str]) -> str:
         """CSS class of a probe's error of the prediction [mm]; empty if not run."""
         if not row[4]:
             return ""
@@ -83,7 +83,12 @@ def page_body(result: Mapping[str, Any], png: bytes, heading: str) -> str:
         _html(FIGURE_COLUMNS, (("", row) for row in _figure_rows(result)), numbers=3),
         titled("Every probe"),
         f"<p>{escape(LEGEND)}</p>",
-        _html(COLUMNS, _probe_rows(result), numbers=len(COLUMNS) - 2, judge=judged),
+        _html(
+            COLUMNS,
+            _probe_rows(result),
+            numbers=len(COLUMNS) - 2,
+            css_class=error_class,
+        ),
     ]
     if result["checks"]:
         parts += [
@@ -240,13 +245,13 @@ def _html(
     head: Sequence[str],
     rows: Iterable[tuple[str, Sequence[str]]],
     numbers: int,
-    judge: Callable[[Sequence[str]], str] | None = None,
+    css_class: Callable[[Sequence[str]], str] | None = None,
 ) -> str:
     """Return rows of (title of the group, cells) as an HTML table.
 
     The last ``numbers`` columns are set to the right.
 
-    ``judge`` gives the class of a row's fifth cell.
+    ``css_class`` gives the class of a row's fifth cell.
     """
     lines = []
     marks = []
@@ -256,8 +261,8 @@ def _html(
             marks.append(' class="group"')
         for _, row in group:
             css = [""] * (len(head) - numbers) + ["n"] * numbers
-            if judge is not None:
-                css[4] += f" {judge(row)}"
+            if css_class is not None:
+                css[4] += f" {css_class(row)}"
             lines.append(
                 [
                     f'<td class="{c}">{escape(cell)}</td>'

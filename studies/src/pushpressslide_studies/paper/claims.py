@@ -92,7 +92,7 @@ def runs_of(
             missing += 1
         elif outcome.result is None:
             failures.append(f"{variant.title} could not be run: {outcome.failure}")
-        elif _seen(outcome, digests):
+        elif _is_repeated(outcome, digests):
             repeated += 1
         else:
             distinct.append(variant)
@@ -100,7 +100,7 @@ def runs_of(
     return Runs(tuple(distinct), tuple(results), repeated, tuple(failures), missing)
 
 
-def _seen(outcome: Outcome, digests: set[str]) -> bool:
+def _is_repeated(outcome: Outcome, digests: set[str]) -> bool:
     """Return whether another run had the same motion; note this one's."""
     if outcome.digest in digests:
         return True

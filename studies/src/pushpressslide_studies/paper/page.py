@@ -61,7 +61,7 @@ CORRECTIONS_TEXT = (
 def write_page(
     experiments: Sequence[Experiment],
     evidence: Evidence,
-    judged: Sequence[Claim],
+    claims: Sequence[Claim],
     corrected: Sequence[Correction],
     out: Path,
     made_by: str,
@@ -71,7 +71,7 @@ def write_page(
     Where the virtual axle was analysed, its own page is written too.
     """
     page = out / "report.html"
-    sections = [("claims", "Claims", _claims(judged))]
+    sections = [("claims", "Claims", _claims(claims))]
     sections += [(e.name, e.title, _experiment(e, evidence, page)) for e in experiments]
     if evidence.axle is not None:
         write_virtual_axle(evidence.axle, out / AXLE)
@@ -83,7 +83,7 @@ def write_page(
     links = "".join(
         f'<li><a href="#{name}">{escape(title)}</a></li>' for name, title, _ in sections
     )
-    counted = scope(experiments) + summary(judged)
+    counted = scope(experiments) + summary(claims)
     parts = [
         f"<h1>{TITLE}</h1>",
         f"<p>{escape(INTRODUCTION)}</p>",
@@ -98,12 +98,12 @@ def write_page(
     return write_whole(page, document(TITLE, "".join(parts)))
 
 
-def _claims(judged: Sequence[Claim]) -> str:
+def _claims(claims: Sequence[Claim]) -> str:
     """Return the claims as a table, a group for each experiment."""
     rows = []
     marks = []
     source = ""
-    for claim in judged:
+    for claim in claims:
         if claim.source != source:
             source = claim.source
             rows.append(group_row(source, 5))

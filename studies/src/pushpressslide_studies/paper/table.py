@@ -34,14 +34,14 @@ ALIKE = 0.03  # share by which two figures may differ and still be called alike
 def write_table(
     experiments: Sequence[Experiment],
     evidence: Evidence,
-    judged: Sequence[Claim],
+    claims: Sequence[Claim],
     path: Path,
 ) -> Path:
     """Write figures and claims as a Markdown file and return its path."""
     parts = [f"{LEGEND}\n"]
     parts += [_experiment(experiment, evidence) for experiment in experiments]
-    counted = scope(experiments) + summary(judged)
-    parts.append(f"## Claims\n\n{counted}\n\n{_rules()}\n\n{_claims(judged)}\n")
+    counted = scope(experiments) + summary(claims)
+    parts.append(f"## Claims\n\n{counted}\n\n{_rules()}\n\n{_claims(claims)}\n")
     return write_whole(path, "\n".join(parts))
 
 
@@ -59,10 +59,10 @@ def _rules() -> str:
     return _rows(lines)
 
 
-def _claims(judged: Sequence[Claim]) -> str:
+def _claims(claims: Sequence[Claim]) -> str:
     lines = [["", "claim", "paper", "measured", "verdict", "why"], ["---"] * 6]
     source = ""
-    for claim in judged:
+    for claim in claims:
         shown = "" if claim.source == source else claim.source
         source = claim.source
         cells = [claim.words, claim.paper, claim.measured, claim.verdict, claim.why]
@@ -93,16 +93,16 @@ def _rows(lines: Sequence[Sequence[str]]) -> str:
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
-def summary(judged: Sequence[Claim]) -> str:
+def summary(claims: Sequence[Claim]) -> str:
     """Count the figures and statements reproduced, and the claims not judged."""
     counts = []
     for figure, what in ((True, "figures"), (False, "statements")):
-        verdicts = [c.verdict for c in judged if c.figure is figure]
+        verdicts = [c.verdict for c in claims if c.figure is figure]
         good = verdicts.count(Verdict.reproduced)
         run = good + verdicts.count(Verdict.not_reproduced)
         if run:
             counts.append(f"{good} of {run} {what} reproduced")
-    every = [claim.verdict for claim in judged]
+    every = [claim.verdict for claim in claims]
     for verdict in (Verdict.unstated, Verdict.not_run):
         if verdict in every:
             counts.append(f"{every.count(verdict)} {verdict}")

@@ -44,15 +44,15 @@ def _before(X_WB: Pose2, push: Push) -> Point:
     return X_WB.apply(push.pushed.pusher(push.left, OFF_FACE))
 
 
-def _along(way: Sequence[Point], length: float) -> Point:
+def _along(polyline: Sequence[Point], length: float) -> Point:
     """Return the point [px] of a way at a length from its start, or its end."""
-    for a, b in pairwise(way):
+    for a, b in pairwise(polyline):
         piece = math.dist(a, b)
         if piece >= length > 0.0:
             part = length / piece
             return (a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1]))
         length -= piece
-    return way[-1]
+    return polyline[-1]
 
 
 def _clear(X_WB: Pose2, pusher: Pusher, target: Point) -> bool:

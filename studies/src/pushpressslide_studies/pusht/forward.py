@@ -46,12 +46,12 @@ def predicted(X_WB: Pose2, pusher: Pusher, action: Point) -> Pose2:
     """Return X_WB at the end of an action, without walls."""
     motion = _motion(X_WB, pusher)
     for moved in pusher.periods(action):
-        X_WB = _moved(X_WB, motion)
+        X_WB = _displaced(X_WB, motion)
         motion = _motion(X_WB, moved)
     return X_WB
 
 
-def _moved(X_WB: Pose2, motion: Motion) -> Pose2:
+def _displaced(X_WB: Pose2, motion: Motion) -> Pose2:
     x, y = X_WB.rotate((motion.x, motion.y))
     return Pose2(X_WB.x + x, X_WB.y + y, X_WB.yaw + motion.turn)
 
@@ -67,12 +67,12 @@ def _motion(X_WB: Pose2, pusher: Pusher) -> Motion:
         PERIOD * (vx * touch.normal[0] + vy * touch.normal[1]) for touch in touches
     ]
     apart = [PUSHED_APART * max(touch.overlap - SLOP, 0.0) for touch in touches]
-    driven = _least(touches, advances)
-    corrected = _least(touches, apart)
+    driven = _least_motion(touches, advances)
+    corrected = _least_motion(touches, apart)
     return Motion(*(a + b for a, b in zip(driven, corrected, strict=True)))
 
 
-def _least(touches: list[Touch], advances: list[float]) -> Motion:
+def _least_motion(touches: list[Touch], advances: list[float]) -> Motion:
     """Return the least motion with an advance of at least ``advances`` [px] at each
     contact, by passes over the contacts.
     """

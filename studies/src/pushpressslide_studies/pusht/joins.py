@@ -134,9 +134,9 @@ def _placed(X_WB: Pose2, points: Array) -> Array:
     return placed
 
 
-def _angle(beside: Array, other: Array, opposite: Array) -> Array:
+def _angle(adjacent: Array, other: Array, opposite: Array) -> Array:
     """Return the angle [rad] of a triangle between two sides."""
-    cosine = (beside**2 + other**2 - opposite**2) / (2.0 * beside * other)
+    cosine = (adjacent**2 + other**2 - opposite**2) / (2.0 * adjacent * other)
     return np.arccos(np.clip(cosine, -1.0, 1.0))
 
 

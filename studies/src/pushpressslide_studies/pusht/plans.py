@@ -103,19 +103,19 @@ def _intrusion(X_WB: Pose2) -> float:
     return deepest
 
 
-def _pushes(found: Joins, index: int) -> tuple[Push, ...]:
-    triple = found.triples[index].tolist()
-    lengths = found.lengths[index].tolist()
+def _pushes(pushes: Joins, index: int) -> tuple[Push, ...]:
+    triple = pushes.triples[index].tolist()
+    lengths = pushes.lengths[index].tolist()
     return tuple(map(contacts().push, triple, lengths))
 
 
-def _steps(found: Joins) -> Array:
+def _steps(pushes: Joins) -> Array:
     """Return the actions (t,) that pushes and ways between them take; infinite where the
     last push is short.
     """
     ratios = 1.0 + (contacts().lefts / RHO) ** 2
-    pusher = found.lengths * ratios[found.triples]
-    first, middle, last = found.triples.T
+    pusher = pushes.lengths * ratios[pushes.triples]
+    first, middle, last = pushes.triples.T
     between = _changes()
     steps: Array = pusher.sum(1) / PUSH_STEP
     steps += between[first, middle] + between[middle, last]
