@@ -79,7 +79,7 @@ def test_along_the_line_the_contacts_never_pull_against_each_other(
 def test_a_wrench_beyond_the_discs_is_scaled_onto_them(points, mu, normals, wrench):
     assume(math.hypot(*wrench) > 1e-3)
     out = two_press_allocator(points, mu)(*wrench, normals)
-    parts = ContactLine(*points).parts(*wrench)
+    parts = ContactLine(*points).components(*wrench)
     scale = min(largest_scale(parts, (mu * normals[0], mu * normals[1])), 1.0)
     realised = wrench_of_forces(points, out.forces)
     size = 1e-9 * (10.0 + sum(normals))
@@ -94,7 +94,7 @@ def test_a_wrench_beyond_the_discs_is_scaled_onto_them(points, mu, normals, wren
 @given(points_of_two, frictions, wrenches, st.floats(0.01, 0.99))
 def test_the_least_press_in_a_ratio_is_just_enough(points, mu, wrench, share):
     assume(math.hypot(*wrench) > 1e-2)
-    total = least_press(ContactLine(*points).parts(*wrench), mu, share)
+    total = least_press(ContactLine(*points).components(*wrench), mu, share)
     allocate = two_press_allocator(points, mu)
 
     def status(press):
@@ -106,7 +106,7 @@ def test_the_least_press_in_a_ratio_is_just_enough(points, mu, wrench, share):
 
 @given(points_of_two, frictions, wrenches, st.floats(0.0, 1.0))
 def test_no_ratio_needs_less_than_the_least_presses(points, mu, wrench, share):
-    parts = ContactLine(*points).parts(*wrench)
+    parts = ContactLine(*points).components(*wrench)
     normals = least_presses(parts, mu)
     assert sum(normals) <= least_press(parts, mu, share) + 1e-9
     enough = tuple(n * (1.0 + 1e-9) + 1e-12 for n in normals)

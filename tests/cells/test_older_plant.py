@@ -12,7 +12,7 @@ from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 from pushpressslide.mechanics.pressure import support_pressure
 from pushpressslide.mechanics.rho import rho_fit
 from pushpressslide.planning.side_contacts import before_contacts
-from pushpressslide.selection.preparation import PlansAlone
+from pushpressslide.selection.placement_planner import PlansAlone
 
 GRAVITY = 9.81  # [m/s^2]
 PASSES = 12

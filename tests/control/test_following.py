@@ -11,7 +11,7 @@ import pytest
 import pushpressslide as pps
 from pushpressslide.control.controller import Controller
 from pushpressslide.control.execution import USUAL
-from pushpressslide.control.following import JOINT_LEAD, Following, bind
+from pushpressslide.control.following import JOINT_LEAD, Following, bind_laws
 from pushpressslide.core.control import Measurement, TipState
 from pushpressslide.core.plan import Segment
 
@@ -32,7 +32,7 @@ def following() -> Following:
 
 def led_by(segment: Segment) -> Following:
     """Return what is followed where a ``segment`` took the place of the planned one."""
-    binding = bind(TASK.scene, segment, USUAL.tracker(TASK.query, segment))
+    binding = bind_laws(TASK.scene, segment, USUAL.tracker(TASK.query, segment))
     return following()._replace(binding=binding)
 
 
@@ -124,7 +124,7 @@ def test_a_turn_is_remade_only_by_arcs_of_its_own_leg() -> None:
 def test_a_binding_says_where_tips_are_and_touch_the_object() -> None:
     task = pps.load_task("parallel-push")
     (segment,) = pps.plan(task).segments
-    binding = bind(task.scene, segment, USUAL.tracker(task.query, segment))
+    binding = bind_laws(task.scene, segment, USUAL.tracker(task.query, segment))
     X_WB = segment.body_pose(0.0)
     for contact, point in zip(segment.contacts, binding.tip_points, strict=True):
         radius = task.robots[contact.arm].tip_radius
@@ -135,6 +135,6 @@ def test_a_binding_says_where_tips_are_and_touch_the_object() -> None:
     tips = [
         TipState((*X_WB.apply(places[arm]), 0.05), ZERO, ZERO) for arm in sorted(places)
     ]
-    touched = binding.touched(X_WB, tips)
+    touched = binding.contact_points(X_WB, tips)
     for contact, point in zip(segment.contacts, touched, strict=True):
         assert point == pytest.approx(contact.point)

@@ -10,7 +10,7 @@ import pytest
 import pushpressslide as pps
 from pushpressslide.control.controller import Controller
 from pushpressslide.control.execution import USUAL
-from pushpressslide.control.following import bind
+from pushpressslide.control.following import bind_laws
 from pushpressslide.control.run_loop import RunLoop
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.task import Robot
@@ -36,7 +36,7 @@ def test_a_turn_on_the_spot_that_goes_on_as_arcs_keeps_its_place_by_the_yaw(
     assert isinstance(turn.path, ArcPath)
     # its lengths are those of another point
     assert not math.isclose(turn.path.length, planned.path.length, rel_tol=0.1)
-    binding = bind(task.scene, turn, USUAL.tracker(task.query, turn))
+    binding = bind_laws(task.scene, turn, USUAL.tracker(task.query, turn))
     led = state.following._replace(binding=binding)
     assert led.joint_progress(X_WB) == pytest.approx(
         share * planned.path.length, abs=1e-6 * planned.path.length

@@ -15,7 +15,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.state import OBJECT, WorldState
 from pushpressslide.core.task import Restart
 from pushpressslide.identification.parameter_estimates import NOTHING
-from pushpressslide.selection.preparation import PlansAlone
+from pushpressslide.selection.placement_planner import PlansAlone
 
 TASK = pps.load_task("press-slide")
 BEGIN = Restart(start_state(TASK), 0, TASK.object.center_of_mass, 1.2, None)

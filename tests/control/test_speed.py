@@ -8,7 +8,7 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.control.execution import USUAL
-from pushpressslide.control.following import bind
+from pushpressslide.control.following import bind_laws
 from pushpressslide.core.pose import Pose2
 
 MOST_CALLS = 40  # Python functions that one track plus allocate may enter
@@ -39,7 +39,7 @@ def test_track_and_allocate_enter_at_most_forty_functions(
     plan = pps.plan(task)
     (segment,) = plan.segments
     path = segment.path
-    binding = bind(task.scene, segment, USUAL.tracker(task.query, segment))
+    binding = bind_laws(task.scene, segment, USUAL.tracker(task.query, segment))
     s = 0.3 * path.length
     X_WV = path.pose(s).compose(Pose2(0.0, off, 10.0 * off))
     X_WB = X_WV.compose(segment.X_BV.inverse())

@@ -12,7 +12,7 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.control.controller import Controller
-from pushpressslide.control.entry import HOLD_TIME, SEAT_TIME, Insertion
+from pushpressslide.control.insertion import HOLD_TIME, SEAT_TIME, Insertion
 from pushpressslide.control.placement import Placement
 from pushpressslide.control.state import (
     ContactLosses,
@@ -69,7 +69,7 @@ def moment(name: str, X_WG: Pose2 | None = None) -> Moment:
     watches = state.watches._replace(still=StallWatch(X_WB, TIME), replanned=TIME)
     state = state._replace(following=following, watches=watches)
     guidance = following.binding.tracker.step(segment.path, X_WB, 0.0, 0.05, 1.0)
-    touched = following.binding.touched(X_WB, instant.tips)
+    touched = following.binding.contact_points(X_WB, instant.tips)
     return Moment(state, instant, touched, guidance)
 
 
@@ -92,12 +92,12 @@ def at_the_end(of: Moment, last: bool) -> Moment:
 
 def slipped(of: Moment, way: float) -> Moment:
     """Return a tick at which the tip touches ``way`` [m] beside its place."""
-    ((x, y),) = of.touched
+    ((x, y),) = of.contact_points
     contact = of.state.following.segment.contacts[0]
     nx, ny = contact.normal
     if contact.kind == "top":
         nx, ny = 1.0, 0.0
-    return of._replace(touched=((x - way * ny, y + way * nx),))
+    return of._replace(contact_points=((x - way * ny, y + way * nx),))
 
 
 def after(name: str, of: Moment) -> tuple[str, ControllerState]:

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import pytest
 
-from pushpressslide.control.entry import braking
+from pushpressslide.control.insertion import braking
 from pushpressslide.control.state import TipContext, TipMemory
 from pushpressslide.control.tip_motion import (
     HEIGHT_EASING,

@@ -41,6 +41,6 @@ def test_a_body_that_is_led_away_is_held_no_more() -> None:
     begin = WorldState(
         {OBJECT: AWAY, "b": Pose2()}, joints, HeldContacts("press_slide", (CONTACT,))
     )
-    led = begin.led("b", AWAY)
+    led = begin.with_body_at("b", AWAY)
     assert led == WorldState({OBJECT: AWAY, "b": AWAY}, joints)
     assert begin.poses["b"] == Pose2()

@@ -118,7 +118,7 @@ def test_a_search_without_a_solution_has_one_result_with_its_misses() -> None:
     assert result.misses
     with pytest.raises(InfeasibleTaskError) as caught:
         result.best(problem)
-    assert str(caught.value).endswith(result.misses[0].why)
+    assert str(caught.value).endswith(result.misses[0].reason)
     assert next(search(problem, force=True)).solutions
 
 
@@ -132,7 +132,7 @@ def test_an_arm_that_could_not_let_go_is_refused_at_once(
     assert not result.solutions
     assert re.search(
         r"where the arm stands \w+ and object come as near as .* mm, allowed from 5 mm",
-        result.misses[0].why,
+        result.misses[0].reason,
     )
     with pytest.raises(TypeError):  # an arm that stands clear is not refused
         next(search(ArmProblem(DRAKE, push, 0, start=path.approach[0])))
@@ -175,7 +175,7 @@ def test_an_arm_that_keeps_its_contact_goes_on_from_its_posture(
     np.testing.assert_allclose(move.posture.q[0], q[0], atol=1e-5)
     (elsewhere,) = continued_moves(problem.kin, tip, q[0] + 0.2, axes, force=False)
     assert isinstance(elsewhere, Miss)
-    assert "holds on is elsewhere" in elsewhere.why
+    assert "holds on is elsewhere" in elsewhere.reason
     solution = next(search(problem)).best(problem)
     assert (solution.path.approach == q[0]).all()
 
@@ -244,4 +244,4 @@ def test_an_approach_that_was_not_judged_names_no_figure_that_is_allowed() -> No
         np.zeros((2, 3)), followed, 1, 1, 0.05, np.zeros((0, 7)), np.zeros(0)
     )
     miss = _approach_miss(POSTURE, descent, None)
-    assert "allowed" not in miss.why
+    assert "allowed" not in miss.reason

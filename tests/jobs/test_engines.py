@@ -56,7 +56,7 @@ def test_an_engine_without_arms_takes_every_plan_without_joint_paths() -> None:
     for engine in ENGINES.values():
         if engine.has_arms:
             continue
-        preparation = engine.preparation(force=False)
+        preparation = engine.placement_planner(force=False)
         preparation.add("plan")
         assert list(preparation.plans) == ["plan"]
         assert not preparation.paths

@@ -18,7 +18,7 @@ from pushpressslide.planning.face_placements import on_two_faces, side_by_side
 from pushpressslide.planning.side_contacts import contact_height, pushable
 
 SHIPPED = load_task("orthogonal-push")
-SEARCHED = replace(SHIPPED.query, searched=True)
+SEARCHED = replace(SHIPPED.query, from_search=True)
 FAR = Pose2(1.6, 0.0, 0.0)
 
 

@@ -17,7 +17,7 @@ from pushpressslide.core import margins
 from pushpressslide.core.control import Commands, TipCommand
 from pushpressslide.core.record import Record
 from pushpressslide.planar.cell import PlanarPhysics, PlanarTip, planar_cell
-from pushpressslide.selection.preparation import Preparation
+from pushpressslide.selection.placement_planner import PlacementPlanner
 
 PLANNING = 2.0  # [s] of the cell's time, that a plan takes
 BREAKS = 5.0  # [s] at which a reference jumps for a tick, in the push
@@ -31,7 +31,7 @@ class Running(PlanarPhysics):
     held: Commands = ()
     drift = 0.0  # [m] that the tip moves by meanwhile
 
-    def prepare(self) -> Preparation:
+    def prepare(self) -> PlacementPlanner:
         self.planned_at = self.time
         self.held = tuple(self.commands)
         before = self.now.tips[0].position

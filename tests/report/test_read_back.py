@@ -60,7 +60,7 @@ def resumed(plan: Plan, begun: list[Restart]) -> Plan:
     task = plan.task
     for restart in begun:
         task = task.resumed(restart)
-        later = Plan(task, plan.segments, restart, plan.searched, plan.may_push)
+        later = Plan(task, plan.segments, restart, plan.from_search, plan.may_push)
         plan = plan.followed(later)
     return plan
 
@@ -84,7 +84,7 @@ def test_a_plan_with_recoveries_is_read_as_written(
     begun: list[Restart], searched: bool, pushes: bool
 ) -> None:
     plan = simple_plan()
-    plan = resumed(replace(plan, searched=searched, may_push=pushes), begun)
+    plan = resumed(replace(plan, from_search=searched, may_push=pushes), begun)
     data = json.loads(to_json(plan_to_dict(plan)))
     assert_same(plan_from_dict(data, plan.task), plan)
 

@@ -17,7 +17,7 @@ from pushpressslide.core.task import Box, Restart, Task
 from pushpressslide.planning.swept import swept
 from pushpressslide.report.plan_files import plan_from_dict, plan_to_dict
 from pushpressslide.selection.clearance import obstacle_refusal
-from pushpressslide.selection.preparation import PlansAlone
+from pushpressslide.selection.placement_planner import PlansAlone
 from pushpressslide.selection.solve import Solution, plan, searchable, solve, solved
 from pushpressslide.taskfile.load import task_from_data
 
@@ -57,7 +57,7 @@ def found(solution: Solution) -> Plan:
 
 def test_a_push_round_a_post_is_found_as_several_motions(found: Plan) -> None:
     assert len(found.task.legs) > 1
-    assert found.searched
+    assert found.from_search
     assert [segment.leg for segment in found.segments] == sorted(
         segment.leg for segment in found.segments
     )
@@ -135,7 +135,7 @@ def test_after_a_recovery_the_rest_is_searched_for_anew(
     begin = Restart(state, 0, center, scene.support.friction, None, legs=())
     rest = found.task.resumed(begin)
     assert rest.legs == ()
-    again = solved(PlansAlone(), Plan(rest, restart=begin, searched=True), 1).plan
+    again = solved(PlansAlone(), Plan(rest, restart=begin, from_search=True), 1).plan
     assert again.restart is not None
     assert again.restart.legs == again.task.legs
     assert found.task.resumed(again.restart) == again.task

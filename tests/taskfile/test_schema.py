@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from pushpressslide.core import task
-from pushpressslide.core.entry import REQUIRED, field_spec, setting
 from pushpressslide.core.errors import TaskError
+from pushpressslide.core.field_spec import REQUIRED, field_spec, setting
 from pushpressslide.taskfile import schema
 from pushpressslide.taskfile.kinds import Kind, degrees, nullable, number
 from pushpressslide.taskfile.place import Place

@@ -6,9 +6,9 @@ from PIL import Image
 
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.view.canvas import Canvas, rgba
-from pushpressslide.view.course import run_timeline
 from pushpressslide.view.film import film_path, film_ticks, moment, write_film
 from pushpressslide.view.planar.video import write_video
+from pushpressslide.view.timeline import run_timeline
 
 
 def plain(level):

@@ -50,7 +50,7 @@ class ContactLine:
         """Return in B the vector with components ``v`` in the axes e and m."""
         return from_axis(self.e, v)
 
-    def parts(
+    def components(
         self, fx: float, fy: float, tau: float, about: Point = (0.0, 0.0)
     ) -> tuple[float, float, float]:
         """Return (F.e, g_1, g_2) [N] of a wrench with its moment about ``about`` [m].

@@ -121,7 +121,7 @@ class TwoPresses:
         share = normals[1] / total if total > 0.0 else 0.5
         points = (self.left, self.right)
         mu = self.contact_friction
-        needed = least_press(ContactLine(*points).parts(*wrench, cop), mu, share)
+        needed = least_press(ContactLine(*points).components(*wrench, cop), mu, share)
         allocation = two_press_allocator(points, mu)(*wrench, normals, cop)
         forces = (allocation.forces[0], allocation.forces[1])
         status: AllocationStatus = "ok" if allocation.status == "ok" else "infeasible"
@@ -261,7 +261,9 @@ class TwoPresses:
             """Return what a sum [N] is above the press that it needs."""
             normals = self._shared(share, total)
             cop, wrench = self._wrench(normals, twist, gravity)
-            return total - least_press(line.parts(*wrench, cop), mu, normals[1] / total)
+            return total - least_press(
+                line.components(*wrench, cop), mu, normals[1] / total
+            )
 
         return _first_enough(surplus, self._max_total(share))
 

@@ -36,42 +36,42 @@ class DubinsPaths(NamedTuple):
 
 
 def shortest_paths(
-    start_poses: ArrayLike,
+    starts: ArrayLike,
     goals: ArrayLike,
     kappa_left: ArrayLike,
     kappa_right: ArrayLike,
 ) -> DubinsPaths:
-    """Return the shortest paths (...) from ``start_poses`` to ``goals`` (..., 3): x, y [m]
+    """Return the shortest paths (...) from ``starts`` to ``goals`` (..., 3): x, y [m]
     and yaw [rad], with curvatures in [-``kappa_right``, ``kappa_left``] (...) [1/m].
 
     Of equally short words the first of WORDS. Raises ValueError unless all limits are
     finite and > 0.
     """
-    row = _arguments(start_poses, goals, kappa_left, kappa_right)
+    row = _arguments(starts, goals, kappa_left, kappa_right)
     out = answers(shortest_dubins, *row, columns=8)
     words = out[..., 1].astype(np.int8)
     return DubinsPaths(out[..., 0], words, out[..., 2:5], out[..., 5:])
 
 
 def shortest_lengths(
-    start_poses: ArrayLike,
+    starts: ArrayLike,
     goals: ArrayLike,
     kappa_left: ArrayLike,
     kappa_right: ArrayLike,
 ) -> Array:
     """Return the lengths (...) [m] of ``shortest_paths`` alone."""
-    row = _arguments(start_poses, goals, kappa_left, kappa_right)
+    row = _arguments(starts, goals, kappa_left, kappa_right)
     return answers(shortest_dubins_length, *row, columns=1)[..., 0]
 
 
 def _arguments(
-    start_poses: ArrayLike,
+    starts: ArrayLike,
     goals: ArrayLike,
     kappa_left: ArrayLike,
     kappa_right: ArrayLike,
 ) -> tuple[tuple[Figures, Figures], Figures]:
     """Return the poses and the limits of paths."""
-    a, b, left, right = figures(start_poses, goals, kappa_left, kappa_right)
+    a, b, left, right = figures(starts, goals, kappa_left, kappa_right)
     check_last(a, (3,), "starts")
     check_last(b, (3,), "goals")
     check_positive(left, "kappa_left", "1/m")

@@ -168,7 +168,7 @@ def _print_plan(stage: StagePlan) -> None:
     made = stage.plan
     for choice in made.chosen(stage.choices):
         print_text(f"{choice.mode}: {choice.reason}", 4)
-    if made.searched or made.may_push:
+    if made.from_search or made.may_push:
         print_legs(made)
     length = sum(segment.path.distance for segment in made.segments)
     typer.echo(f"path {length:.3f} m in {made.duration:.1f} s")

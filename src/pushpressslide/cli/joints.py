@@ -5,7 +5,7 @@ from __future__ import annotations
 from pushpressslide.core.plan import ENOUGH, Choice, Plan
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.engines import DEFAULT, engine_named
-from pushpressslide.selection.preparation import with_joint_paths
+from pushpressslide.selection.placement_planner import with_joint_paths
 from pushpressslide.selection.select import select
 
 
@@ -15,5 +15,5 @@ def ranked(task: Task, joints: bool) -> list[Choice]:
     """
     if not joints:
         return select(task)
-    preparation = engine_named(DEFAULT).preparation(False)
+    preparation = engine_named(DEFAULT).placement_planner(False)
     return with_joint_paths(preparation, Plan(task), select(task, ENOUGH))

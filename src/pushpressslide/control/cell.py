@@ -18,7 +18,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import ArmCommand, TipState, Vector3
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.core.pose import Pose2
-from pushpressslide.selection.preparation import PlansAlone, Preparation
+from pushpressslide.selection.placement_planner import PlacementPlanner, PlansAlone
 
 Interface = Literal["tip", "torque", "velocity", "position"]
 """What an arm's driver takes; ``tip``: a tip without an arm obeys the command itself."""
@@ -121,7 +121,7 @@ class Witness(Protocol):
 class Placements(Protocol):
     """Where the arms go from one placement to the next one."""
 
-    def prepare(self) -> Preparation:
+    def prepare(self) -> PlacementPlanner:
         """An empty preparation of placements from where the arms are now, in place of
         all that are ahead.
         """
@@ -133,7 +133,7 @@ class Placements(Protocol):
 class TipsAlone:
     """Placements of tips without arms: they travel there by themselves."""
 
-    def prepare(self) -> Preparation:
+    def prepare(self) -> PlacementPlanner:
         """A preparation that takes any plan."""
         return PlansAlone()
 

@@ -21,7 +21,6 @@ from time import perf_counter
 from typing import NamedTuple
 
 from pushpressslide.control.adaptation import TipSpeed
-from pushpressslide.control.entry import Insertion
 from pushpressslide.control.estimator import (
     Estimate,
     Estimator,
@@ -31,6 +30,7 @@ from pushpressslide.control.estimator import (
 )
 from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.following import Following, Prediction
+from pushpressslide.control.insertion import Insertion
 from pushpressslide.control.law import Decision, Law
 from pushpressslide.control.placement import Placement, share_of_tolerance
 from pushpressslide.control.state import (
@@ -166,7 +166,9 @@ class Controller:
         pose = stamped(measurement)
         return ControllerState(
             PhaseState("touch", measurement.time, tips),
-            Following(self.placement.bound(first), first, tuple(ahead), prediction),
+            Following(
+                self.placement.bound_laws(first), first, tuple(ahead), prediction
+            ),
             Estimate(measurement.time, pose.X_WG),
             self.estimator.start(pose),
         )
@@ -224,7 +226,7 @@ class Controller:
         observation = Observation(
             time,
             stamped(measurement) if measurement.pose_seen else None,
-            phase.led,
+            phase.commanded_twist,
             phase.name == "move",
             tips,
             following.binding,
@@ -367,14 +369,16 @@ class Controller:
             instant.dt,
         )
         next_state = ControllerState(
-            PhaseState("move", state.phase.since, decision.tips, led=guidance.twist),
+            PhaseState(
+                "move", state.phase.since, decision.tips, commanded_twist=guidance.twist
+            ),
             following._replace(progress=guidance.progress),
             state.estimate,
             state.estimator,
             adaptation,
             watches,
         )
-        touched = binding.touched(instant.X_WB, instant.tips)
+        touched = binding.contact_points(instant.X_WB, instant.tips)
         moment = Moment(next_state, instant, touched, guidance)
         return PhaseStep(commands, next_state, decision, moment)
 

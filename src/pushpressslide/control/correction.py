@@ -85,7 +85,7 @@ class Replanner:
         self,
         segments: Sequence[Segment],
         X_WB: Pose2,
-        touched: Sequence[Point],
+        contact_points: Sequence[Point],
         guidance: Guidance,
         since_last: float,
         estimates: ParameterEstimates = NOTHING,
@@ -102,7 +102,7 @@ class Replanner:
         _, across, heading = guidance.error
         arm = margins.ARM
         off_path = abs(across) > arm.off_path or abs(heading) > arm.off_heading
-        slid = slide(followed.contacts, touched) > arm.slid
+        slid = slide(followed.contacts, contact_points) > arm.slid
         moved = _axle_error(followed, estimates.axle)
         if not (off_path or slid or moved > arm.off_axle or estimates.elsewhere):
             return None
@@ -116,7 +116,7 @@ class Replanner:
         rest = (rest_of(followed, guidance.progress), *segments[1:])
         replanner = self.believing(estimates.rho)
         planned = followed.contacts
-        measured = Measured.touching(X_WB, planned, touched, longest, estimates)
+        measured = Measured.touching(X_WB, planned, contact_points, longest, estimates)
         fresh = replanner.replan(rest, measured)
         if not fresh:
             return None
@@ -209,24 +209,24 @@ def touched_point(side: Side | None, X_WB: Pose2, tip: TipState) -> Point:
     return point if side is None else side.foot(point)
 
 
-def slide(contacts: Sequence[Contact], touched: Sequence[Point]) -> float:
+def slide(contacts: Sequence[Contact], contact_points: Sequence[Point]) -> float:
     """Return how far the farthest contact has slid from where it is planned [m]."""
-    pairs = zip(touched, contacts, strict=True)
+    pairs = zip(contact_points, contacts, strict=True)
     return max(math.dist(point, contact.point) for point, contact in pairs)
 
 
-def side_slide(contacts: Sequence[Contact], touched: Sequence[Point]) -> float:
+def side_slide(contacts: Sequence[Contact], contact_points: Sequence[Point]) -> float:
     """Return how far the farthest contact on a side face has slid from where it is
     planned [m].
     """
-    pairs = zip(touched, contacts, strict=True)
+    pairs = zip(contact_points, contacts, strict=True)
     return max(
         (math.dist(p, contact.point) for p, contact in pairs if contact.kind == "side"),
         default=0.0,
     )
 
 
-def press_creep(contacts: Sequence[Contact], touched: Sequence[Point]) -> float:
+def press_creep(contacts: Sequence[Contact], contact_points: Sequence[Point]) -> float:
     """Return how far the only contact, on top, has slid from where it is planned, over
     its planned distance from the CoM; 0 for other contacts, and for one at the CoM.
     """
@@ -234,7 +234,7 @@ def press_creep(contacts: Sequence[Contact], touched: Sequence[Point]) -> float:
     distance = math.hypot(*contact.point)
     if len(contacts) > 1 or contact.kind == "side" or distance == 0.0:
         return 0.0
-    return math.dist(contact.point, touched[0]) / distance
+    return math.dist(contact.point, contact_points[0]) / distance
 
 
 def rest_of(segment: Segment, progress: float) -> Segment:

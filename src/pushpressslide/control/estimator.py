@@ -11,7 +11,7 @@ import math
 from typing import Any, NamedTuple, Protocol
 
 from pushpressslide.control.correction import touched_point
-from pushpressslide.control.following import Binding, Prediction
+from pushpressslide.control.following import BoundLaws, Prediction
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import Measurement, TipState
 from pushpressslide.core.motion import Sensing
@@ -50,10 +50,10 @@ class Observation(NamedTuple):
 
     time: float  # [s]
     pose: StampedPose | None  # None: nothing new
-    led: Twist  # that the object was led with since the last tick, in B
+    commanded_twist: Twist  # that the object was led with since the last tick, in B
     driven: bool  # whether the tips are to move the object now
     tips: tuple[TipState, ...]  # as measured
-    binding: Binding  # what is followed
+    binding: BoundLaws  # what is followed
     prediction: Prediction  # what the plan says of the object
 
 
@@ -115,7 +115,7 @@ class ObjectEstimator:
         if observation.driven or predicted is not state.prediction:
             found = _estimates(predicted, axle, center)
         age = time - pose.time
-        estimate = Estimate(time, X_WG, observation.led, found, age)
+        estimate = Estimate(time, X_WG, observation.commanded_twist, found, age)
         return estimate, EstimatorState(
             pose, time, X_WG, predicted, axle, center, found
         )
@@ -130,7 +130,7 @@ class ObjectEstimator:
             return (measured or state.pose).X_WG
         if measured is not None and self._gain == 1.0:
             return measured.X_WG
-        at_com = observation.led.moved_to((0.0, 0.0))
+        at_com = observation.commanded_twist.moved_to((0.0, 0.0))
         dt = observation.time - state.time
         X_WB = before.compose(self._X_GB)
         predicted = integrate(X_WB, (at_com.vx, at_com.vy, at_com.w), dt)

@@ -27,7 +27,7 @@ JOINT_LEAD = 0.03
 
 
 @dataclass(frozen=True, slots=True)
-class Binding:
+class BoundLaws:
     """A segment with its closed-form laws.
 
     Every replan makes a new one.
@@ -39,12 +39,14 @@ class Binding:
     tip_points: tuple[Point, ...]  # [m] in B, of the tips' centres, one per contact
     sides: tuple[Side | None, ...]  # of the object, that the contacts are on
 
-    def touched(self, X_WB: Pose2, tips: Sequence[TipState]) -> tuple[Point, ...]:
+    def contact_points(
+        self, X_WB: Pose2, tips: Sequence[TipState]
+    ) -> tuple[Point, ...]:
         """Return where the tips touch the object [m], in B."""
         return touched_points(self.segment.contacts, self.sides, X_WB, tips)
 
 
-def bind(scene: Scene, segment: Segment, tracker: Tracker) -> Binding:
+def bind_laws(scene: Scene, segment: Segment, tracker: Tracker) -> BoundLaws:
     """Return the laws of a segment's mode for its contacts, led by ``tracker``."""
     mode = MODES[segment.mode]
     contacts = segment.contacts
@@ -53,7 +55,7 @@ def bind(scene: Scene, segment: Segment, tracker: Tracker) -> Binding:
         for contact in contacts
     )
     allocate = mode.allocator_of(segment, scene.contact_friction)
-    return Binding(
+    return BoundLaws(
         segment, tracker, allocate, tip_points, sides_of(scene.body, contacts)
     )
 
@@ -69,7 +71,7 @@ class Prediction(NamedTuple):
 class Following(NamedTuple):
     """What is followed; another segment is another one of these."""
 
-    binding: Binding  # now
+    binding: BoundLaws  # now
     segment: Segment  # as planned, before any replanning
     ahead: tuple[Segment, ...]  # the segments that come after it
     prediction: Prediction = Prediction()

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from pushpressslide.control.adaptation import Adaptation
-from pushpressslide.control.entry import Insertion
 from pushpressslide.control.following import Following
+from pushpressslide.control.insertion import Insertion
 from pushpressslide.control.state import Instant, TipMemory
 from pushpressslide.control.tip_motion import ContactKeeping, Felt, TipMover, TipTask
 from pushpressslide.core import margins

@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable
 
 from pushpressslide.control.correction import Replanner
-from pushpressslide.control.entry import insertion_of
-from pushpressslide.control.following import Binding, bind
+from pushpressslide.control.following import BoundLaws, bind_laws
+from pushpressslide.control.insertion import insertion_of
 from pushpressslide.core.motion import Tolerance
 from pushpressslide.core.plan import Plan, Segment, arms_kept
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
@@ -67,10 +67,10 @@ class Placement:
         query = self.queries[segment.leg]
         return MODES[segment.mode].center_identifier(query, segment, center)
 
-    def bound(self, segment: Segment) -> Binding:
+    def bound_laws(self, segment: Segment) -> BoundLaws:
         """The laws of a segment."""
         query = self.queries[segment.leg]
-        return bind(self.scene, segment, self._tracker(query, segment))
+        return bind_laws(self.scene, segment, self._tracker(query, segment))
 
 
 def share_of_tolerance(pose: Pose2, goal: Pose2, tolerance: Tolerance) -> float:

@@ -21,7 +21,7 @@ from pushpressslide.control.limits import ArmLimits, ArmReading
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import ArmCommand, Commands, Measurement, Vector3
 from pushpressslide.core.plan import JointPath, Plan
-from pushpressslide.selection.preparation import Preparation
+from pushpressslide.selection.placement_planner import PlacementPlanner
 
 T = TypeVar("T")
 
@@ -80,7 +80,7 @@ class Plant(Protocol):
     def diverged(self) -> str | None:
         """Why the run cannot go on; None while it can."""
 
-    def prepare(self) -> Preparation:
+    def prepare(self) -> PlacementPlanner:
         """An empty preparation from where the arms are."""
 
     def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:

@@ -19,7 +19,7 @@ from pushpressslide.identification.parameter_estimates import (
     dragged_friction,
 )
 from pushpressslide.modes.base import ENOUGH
-from pushpressslide.selection.preparation import Preparation
+from pushpressslide.selection.placement_planner import PlacementPlanner
 from pushpressslide.selection.solve import solved
 
 RECOVERABLE: frozenset[ReasonCode] = frozenset(
@@ -53,7 +53,7 @@ def restart(
 
 
 def planned_anew(
-    plan: Plan, restart_state: Restart, prepare: Callable[[], Preparation]
+    plan: Plan, restart_state: Restart, prepare: Callable[[], PlacementPlanner]
 ) -> Plan:
     """Return the plan of what is left of the task of ``plan``, in a preparation that
     ``prepare`` returns empty.
@@ -80,9 +80,9 @@ def planned_anew(
     raise refused
 
 
-def _planned(plan: Plan, restart_state: Restart, preparation: Preparation) -> Plan:
-    if plan.searched:  # other motions than those found before may lead on
+def _planned(plan: Plan, restart_state: Restart, planner: PlacementPlanner) -> Plan:
+    if plan.from_search:  # other motions than those found before may lead on
         restart_state = replace(restart_state, leg=0, legs=())
     rest = plan.task.resumed(restart_state)
-    empty = Plan(rest, (), restart_state, plan.searched, plan.may_push)
-    return solved(preparation, empty, ENOUGH).plan
+    empty = Plan(rest, (), restart_state, plan.from_search, plan.may_push)
+    return solved(planner, empty, ENOUGH).plan

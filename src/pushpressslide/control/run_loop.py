@@ -529,13 +529,13 @@ class RunLoop:
                 f"another attempt takes {needed:.0f} s; limits.time leaves {left:.0f} s"
             )
 
-    def _note(self, time: float, why: Ending, missing: str | None = None) -> None:
+    def _note(self, time: float, failure: Ending, missing: str | None = None) -> None:
         """Note what went wrong, and what was lacking for another attempt."""
         self.events.append(
             {
                 "time": time,
-                "code": why.code,
-                "text": why.text,
+                "code": failure.code,
+                "text": failure.text,
                 "recovered": missing is None,
                 "lacking": missing,
             }

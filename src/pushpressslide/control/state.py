@@ -102,7 +102,7 @@ class PhaseState(NamedTuple):
     tips: tuple[TipMemory, ...]  # one per contact
     # whether the touch begins with lining up, or goes on from where the tips are
     align: bool = True
-    led: Twist = NO_TWIST  # that the object is led with, in B
+    commanded_twist: Twist = NO_TWIST  # that the object is led with, in B
     failure: Failure | None = None
     retreat_fraction: float = (
         1.0  # share of the way back at which the tips stop, in a release
@@ -132,7 +132,7 @@ class ControllerState(NamedTuple):
             still = StallWatch(still.pose, still.since + passed)
         lost = None if watches.lost is None else watches.lost + passed
         return self._replace(
-            phase=phase._replace(since=phase.since + passed, led=NO_TWIST),
+            phase=phase._replace(since=phase.since + passed, commanded_twist=NO_TWIST),
             following=self.following.delayed(passed),
             watches=watches._replace(
                 lost=lost, still=still, replanned=watches.replanned + passed

@@ -19,8 +19,8 @@ from pushpressslide.control.correction import (
     sides_of,
     touched_points,
 )
-from pushpressslide.control.entry import HOLD_TIME, SEAT_TIME
 from pushpressslide.control.following import Following, Prediction
+from pushpressslide.control.insertion import HOLD_TIME, SEAT_TIME
 from pushpressslide.control.placement import Placement, share_of_tolerance
 from pushpressslide.control.state import (
     ContactLosses,
@@ -52,7 +52,7 @@ class Moment(NamedTuple):
 
     state: ControllerState
     instant: Instant
-    touched: tuple[Point, ...]  # [m] in B, where the tips touch the object
+    contact_points: tuple[Point, ...]  # [m] in B, where the tips touch the object
     guidance: Guidance
 
     @property
@@ -182,7 +182,7 @@ class Supervisor:
     def crept(self, moment: Moment) -> bool:
         """A press has crept, and there is way left to mend it."""
         planned = self.placement.segments[0].contacts
-        crept = press_creep(planned, moment.touched) > margins.CREPT
+        crept = press_creep(planned, moment.contact_points) > margins.CREPT
         return crept and self._may_retouch(moment)
 
     def touch_harder(self, moment: Moment) -> ControllerState:
@@ -192,7 +192,7 @@ class Supervisor:
     def slid(self, moment: Moment) -> bool:
         """A push has slid along its face, and there is way left to mend it."""
         contacts = moment.state.following.segment.contacts
-        slid = side_slide(contacts, moment.touched) > margins.ARM.retouch
+        slid = side_slide(contacts, moment.contact_points) > margins.ARM.retouch
         return slid and self._may_retouch(moment)
 
     def touch_planned(self, moment: Moment) -> ControllerState:
@@ -274,7 +274,7 @@ class Supervisor:
         segment = replace(followed, contacts=contacts, drive=drive)
         watches = state.watches
         again = state._replace(
-            following=following._replace(binding=self.placement.bound(segment)),
+            following=following._replace(binding=self.placement.bound_laws(segment)),
             watches=watches._replace(
                 lost=instant.time, retouches=watches.retouches + 1
             ),
@@ -311,7 +311,7 @@ class Supervisor:
             axle = self.placement.axle_identifier(first)
             prediction = prediction._replace(axle=axle, followed_center=found.center)
         following = following._replace(
-            binding=self.placement.bound(first),
+            binding=self.placement.bound_laws(first),
             ahead=better.segments[1:],
             prediction=prediction,
             progress=better.progress,
@@ -330,7 +330,7 @@ class Supervisor:
             margins.TOUCH_DETOUR, rest.path.length, self.placement.object.radius
         )
         X_WB = instant.X_WB
-        touched = following.binding.touched(X_WB, instant.tips)
+        touched = following.binding.contact_points(X_WB, instant.tips)
         found = estimates(state)
         measured = Measured.touching(X_WB, rest.contacts, touched, longest, found)
         fresh = self.placement.replanner.believing(following.rho).replan(
@@ -342,7 +342,7 @@ class Supervisor:
                 followed_center=found.center,
             )
             following = following._replace(
-                binding=self.placement.bound(fresh[0]),
+                binding=self.placement.bound_laws(fresh[0]),
                 ahead=fresh[1:],
                 prediction=prediction,
                 progress=0.0,
@@ -382,7 +382,7 @@ class Supervisor:
         if off < above or state.watches.retries == RETRIES:
             return ()
         segment = following.binding.segment
-        touched = following.binding.touched(instant.X_WB, instant.tips)
+        touched = following.binding.contact_points(instant.X_WB, instant.tips)
         replanner = self.placement.replanner.believing(following.rho)
         measured = Measured.touching(
             instant.X_WB, segment.contacts, touched, estimates=estimates(state)
@@ -438,7 +438,7 @@ class Supervisor:
             self.placement.queries[ahead[0].leg], first
         )
         following = Following(
-            self.placement.bound(first),
+            self.placement.bound_laws(first),
             planned,
             fresh[1:],
             Prediction(axle, self.placement.center_identifier(first, center), center),

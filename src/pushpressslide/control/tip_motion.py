@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from pushpressslide.control.entry import braking
+from pushpressslide.control.insertion import braking
 from pushpressslide.control.state import (
     SERVO_CAP,
     TipContext,

@@ -1,7 +1,7 @@
 """What the numbers of a scene must be: one check each, for all constructors of public
 data. Each raises InputError, in one line, with the field, the value and what is allowed.
 
-What a file may hold is narrower: ``core.entry`` has the ranges, the reader checks them.
+What a file may hold is narrower: ``core.field_spec`` has the ranges, the reader checks them.
 """
 
 from __future__ import annotations

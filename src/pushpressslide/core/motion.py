@@ -12,7 +12,7 @@ from typing import Literal
 from pushpressslide.core import margins
 from pushpressslide.core.checks import check_fields
 from pushpressslide.core.control import Vector3
-from pushpressslide.core.entry import field_spec, setting
+from pushpressslide.core.field_spec import field_spec, setting
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.scene import ARM_NAMES, ArmName
 

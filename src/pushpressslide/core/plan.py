@@ -196,7 +196,7 @@ class Plan:
     task: Task
     segments: tuple[Segment, ...] = ()  # none: nothing is planned yet
     restart: Restart | None = None  # that the task goes on from; None: its start
-    searched: bool = False  # whether the task's legs were found, not prescribed
+    from_search: bool = False  # whether the task's legs were found, not prescribed
     may_push: bool = False  # whether the object pushes on its way what may move
     # that took the place of the rest after recoveries, one after the other
     later: tuple[Plan, ...] = ()
@@ -204,7 +204,7 @@ class Plan:
     @property
     def queries(self) -> tuple[MotionQuery, ...]:
         """What was asked for, one motion for each leg."""
-        return self.task.queries(searched=self.searched, may_push=self.may_push)
+        return self.task.queries(from_search=self.from_search, may_push=self.may_push)
 
     @property
     def query(self) -> MotionQuery:

@@ -30,7 +30,7 @@ class MotionQuery:
     modes: tuple[str, ...] | None  # None: all
     source: str  # what it is asked for, in messages
     # whether it is one of many, that are asked to find a sequence of motions
-    searched: bool = False
+    from_search: bool = False
     may_push: bool = False  # what may move
 
     @property

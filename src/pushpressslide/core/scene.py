@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 from pushpressslide.core import margins
 from pushpressslide.core.checks import check_fields
 from pushpressslide.core.constants import GRAVITY
-from pushpressslide.core.entry import FRICTIONS, field_spec, setting
+from pushpressslide.core.field_spec import FRICTIONS, field_spec, setting
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.renamed import Renamed
 from pushpressslide.core.support_frame import TABLE, SupportFrame

@@ -55,7 +55,7 @@ class WorldState:
         """X_WG of the task's own object."""
         return self.poses[OBJECT]
 
-    def led(self, body: str, X_WG: Pose2) -> WorldState:
+    def with_body_at(self, body: str, X_WG: Pose2) -> WorldState:
         """Return the state with one body at ``X_WG`` and nothing held."""
         return replace(
             self, poses={**self.poses, body: X_WG}, held_contacts=None, spatial={}

@@ -14,8 +14,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from pushpressslide.core.checks import check_fields
-from pushpressslide.core.entry import FRICTIONS, field_spec, setting
 from pushpressslide.core.errors import TaskError
+from pushpressslide.core.field_spec import FRICTIONS, field_spec, setting
 from pushpressslide.core.motion import ON_THE_WAY
 from pushpressslide.core.motion import Limits as Limits
 from pushpressslide.core.motion import Motion as Motion
@@ -234,23 +234,23 @@ class Task:
         )
 
     def queries(
-        self, *, searched: bool = False, may_push: bool = False
+        self, *, from_search: bool = False, may_push: bool = False
     ) -> tuple[MotionQuery, ...]:
         """One question for each leg, from where the leg before it ends; one for a task
         without legs. Raises TaskError for a task of several goals, done in stages.
 
-        ``searched``: the legs were found, not prescribed. ``may_push``: the object may
+        ``from_search``: the legs were found, not prescribed. ``may_push``: the object may
         push on its way what may move.
         """
         if self.goals:
             reason = "allowed: null; selection.stages makes stages of a task with goals"
             bodies = [goal.body for goal in self.goals]
             raise TaskError(self.source or self.name, "goals", bodies, reason)
-        whole = replace(self.query, searched=searched, may_push=may_push)
+        whole = replace(self.query, from_search=from_search, may_push=may_push)
         out = []
         start = self.start
         for i, leg in enumerate(self.legs):
-            on_the_way = searched and i + 1 < len(self.legs)
+            on_the_way = from_search and i + 1 < len(self.legs)
             out.append(
                 replace(
                     whole.moved_by(leg.motion),

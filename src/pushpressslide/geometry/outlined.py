@@ -181,7 +181,7 @@ class Outlined(Shape):
         """Return places on what a tip can touch of each side; several on an arc."""
         out: list[SidePlace] = []
         for found in touchable(self.border, tip_radius):
-            part = found.part
+            part = found.side
             if isinstance(part, Edge):
                 out.append(_edge_place(found.index, part, clearance, origin))
             else:

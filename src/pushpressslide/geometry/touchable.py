@@ -33,7 +33,7 @@ class Touchable:
     """A part of one side of a border."""
 
     index: int  # of the side
-    part: BorderSide
+    side: BorderSide
 
 
 @lru_cache(maxsize=64)
@@ -106,11 +106,11 @@ def _edge_parts(edge: Edge, tip_radius: float, blocked: Area) -> list[Edge]:
     return sorted(parts, key=lambda part: math.dist(edge.start, part.start))
 
 
-def _between(edge: Edge, line: LineString, part: LineString) -> Edge:
+def _between(edge: Edge, line: LineString, side: LineString) -> Edge:
     """Return the part of an edge beside a part of its offset line."""
     from shapely import Point as Place
 
-    first, last = sorted(line.project(Place(end)) for end in part.coords)
+    first, last = sorted(line.project(Place(end)) for end in side.coords)
     return Edge(edge.point_at(first), edge.point_at(min(last, edge.length)))
 
 

@@ -325,7 +325,7 @@ def _outcomes(plan: Plan, states: Array, place: float) -> Outcomes:
 
 def planned(task: Task) -> Plan:
     """Return the plan of ``task``, without arms."""
-    preparation = engine_named(EngineName.planar).preparation(False)
+    preparation = engine_named(EngineName.planar).placement_planner(False)
     return solve(preparation, task, 1).plan
 
 

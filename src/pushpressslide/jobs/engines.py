@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from pushpressslide.core.state import WorldState
     from pushpressslide.core.task import Shape
     from pushpressslide.report.stages import StageRun
-    from pushpressslide.selection.preparation import Preparation
+    from pushpressslide.selection.placement_planner import PlacementPlanner
 
     JointPaths = Sequence[tuple[ArmPath, ...]]  # of the arms, for each placement
 
@@ -60,7 +60,9 @@ class Engine(Protocol):
     # a plan needs joint paths; a run can be watched live and filmed
     has_arms: bool
 
-    def preparation(self, force: bool, start: WorldState | None = None) -> Preparation:
+    def placement_planner(
+        self, force: bool, start: WorldState | None = None
+    ) -> PlacementPlanner:
         """Return an empty preparation; with ``force`` it takes the best there is.
 
         The arms are as in ``start``, where that has their joints, else in their ready
@@ -81,7 +83,9 @@ class Engine(Protocol):
 class _Drake:
     has_arms = True
 
-    def preparation(self, force: bool, start: WorldState | None = None) -> Preparation:
+    def placement_planner(
+        self, force: bool, start: WorldState | None = None
+    ) -> PlacementPlanner:
         """Return the search for joint paths."""
         import numpy as np
 
@@ -133,9 +137,11 @@ class _Drake:
 class _Planar:
     has_arms = False
 
-    def preparation(self, force: bool, start: WorldState | None = None) -> Preparation:
+    def placement_planner(
+        self, force: bool, start: WorldState | None = None
+    ) -> PlacementPlanner:
         """Return the plans alone."""
-        from pushpressslide.selection.preparation import PlansAlone
+        from pushpressslide.selection.placement_planner import PlansAlone
 
         return PlansAlone()
 

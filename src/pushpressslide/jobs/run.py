@@ -75,7 +75,7 @@ def run_choice(
     Raises InfeasibleTaskError where an arm has no joint path at all for it.
     """
     chosen = engine_named(engine)
-    preparation = chosen.preparation(True)
+    preparation = chosen.placement_planner(True)
     for placement in Plan(task).of_choices([choice]).by_placement:
         preparation.add(placement)
     plan = joined(preparation, Plan(task))

@@ -35,7 +35,7 @@ from pushpressslide.report.stages import (
     final_poses,
     joined_record,
 )
-from pushpressslide.selection.preparation import Preparation
+from pushpressslide.selection.placement_planner import PlacementPlanner
 from pushpressslide.selection.stages import (
     PlannedStage,
     after,
@@ -85,7 +85,7 @@ class StageRunner:
         self.enough = ENOUGH if self.engine.has_arms else 1
         self.planned: Sequence[PlannedStage] = plan_stages(
             task,
-            self.engine.preparation(options.force),
+            self.engine.placement_planner(options.force),
             self.enough,
             force=options.force,
         )
@@ -94,7 +94,9 @@ class StageRunner:
         self._time = 0.0  # [s] since the first stage began
         self._expected = start_state(task)  # by the plans
         self._within: dict[str, Tolerance] = {}  # of these, where not the task's
-        self._state = start_state(task).led(OBJECT, task.true_start)  # as it is
+        self._state = start_state(task).with_body_at(
+            OBJECT, task.true_start
+        )  # as it is
         self._learnt: dict[str, Belief] = {}
 
     def run(self) -> Iterator[StageRun]:
@@ -173,7 +175,7 @@ class StageRunner:
         seen = self._measured_pose()
         if number == 0 or all(map(self._as_expected, seen.poses, seen.poses.values())):
             return planned
-        preparation = self.engine.preparation(self.options.force, seen)
+        preparation = self.engine.placement_planner(self.options.force, seen)
         return plan_stage(self.task, planned.stage, seen, preparation, self.enough)
 
     def _as_expected(self, body: str, pose: Pose2) -> bool:
@@ -194,7 +196,7 @@ class StageRunner:
         """Run a planned stage from where everything is."""
         monitor = self.options.monitor
         goes_on = number > 0
-        preparation: Preparation = planned.preparation
+        preparation: PlacementPlanner = planned.planner
         plan = self._as_it_is(planned)
         with monitor.deferred_interrupt():
             record = self.engine.run(

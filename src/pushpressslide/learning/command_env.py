@@ -39,7 +39,7 @@ from pushpressslide.learning.registration import MISSING
 from pushpressslide.mechanics.pressure import support_pressure
 from pushpressslide.mechanics.rho import rho_fit
 from pushpressslide.modes.base import ENOUGH
-from pushpressslide.selection.preparation import PlansAlone
+from pushpressslide.selection.placement_planner import PlansAlone
 from pushpressslide.selection.solve import solve
 from pushpressslide.taskfile.load import check_task, load_task
 

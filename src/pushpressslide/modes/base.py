@@ -110,16 +110,16 @@ class Measured:
         cls,
         X_WB: Pose2,
         planned: Sequence[Contact],
-        touched: Sequence[Point],
+        contact_points: Sequence[Point],
         longest: float = math.inf,
         estimates: ParameterEstimates = NOTHING,
     ) -> Self:
         """What was measured where the tips of ``planned`` contacts touch the object at
-        the points ``touched`` [m] in B.
+        the points ``contact_points`` [m] in B.
         """
         contacts = tuple(
             replace(contact, point=point)
-            for contact, point in zip(planned, touched, strict=True)
+            for contact, point in zip(planned, contact_points, strict=True)
         )
         return cls(X_WB, contacts, longest, estimates)
 
@@ -132,7 +132,13 @@ class Continuation(NamedTuple):
     path: MotionPath
 
 
-OLD_NAMES = {"drafts": "candidates", "course": "continue_from", "again": "retry"}
+OLD_NAMES = {
+    "drafts": "candidates",
+    "course": "continue_from",
+    "again": "retry",
+    "touches": "candidate_contacts",
+    "work": "evaluation_cost",
+}
 
 
 class Mode(ABC, Generic[D]):
@@ -142,7 +148,7 @@ class Mode(ABC, Generic[D]):
     arms: ClassVar[int]
     reduced_model: ClassVar[str]
     tracking_point: ClassVar[str]
-    work: ClassVar[int] = 1
+    evaluation_cost: ClassVar[int] = 1
     """What it takes to judge a motion with whatever contacts, over that of a push from
     behind, up to the limit that a search sets itself.
     """
@@ -187,7 +193,7 @@ class Mode(ABC, Generic[D]):
             return Choice(self.name, contacts=held, refusal=NO_PLACEMENT)
         return found[0]
 
-    def touches(self, query: MotionQuery) -> Sequence[Contact]:
+    def candidate_contacts(self, query: MotionQuery) -> Sequence[Contact]:
         """Return all contacts by which one arm may move the object; none where the mode
         does not say so, as with two arms.
         """
@@ -410,7 +416,7 @@ class Feasibility:
 
     def _arms_refusal(self, choice: Choice) -> Refusal | None:
         """Return why the arms cannot follow a choice; None if they can."""
-        searched = self.query.searched
+        searched = self.query.from_search
         if searched and not all(map(self.reach_ends, choice.contacts)):
             return UNKNOWN
         quick = searched or self.unreached >= PATIENCE

@@ -58,7 +58,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
     arms = 2
     reduced_model = "quasi-holonomic"
     tracking_point = "CoM, or CoP when pivoting"
-    work = 4
+    evaluation_cost = 4
     cop_steering = True
     carries_weight = True
     pushed_faces = 0

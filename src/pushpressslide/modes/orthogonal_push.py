@@ -68,7 +68,7 @@ class OrthogonalPush(TwistPushes):
     arms = 2
     reduced_model = "quasi-holonomic within a cone"
     tracking_point = "CoM"
-    work = 2
+    evaluation_cost = 2
     cop_steering = False
     carries_weight = False
     pushed_faces = 2
@@ -143,7 +143,7 @@ class OrthogonalPush(TwistPushes):
         cones = sorted(cones, key=lambda cone: (-inside[cone], spread(cone.contacts)))
         usable = sum(margin >= margins.CONE_MARGIN for margin in inside.values())
         driven = []
-        piecewise = PIECEWISE_SEARCHED if query.searched else PIECEWISE
+        piecewise = PIECEWISE_SEARCHED if query.from_search else PIECEWISE
         tried = max(piecewise, usable)
         for cone in cones[:tried]:
             path = cone_goal.path(cone, exact_margin(query.scene, cone.contacts))

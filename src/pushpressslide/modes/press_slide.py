@@ -92,14 +92,14 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     arms = 1
     reduced_model = "unicycle / car / forklift"
     tracking_point = "virtual axle"
-    work = 4
+    evaluation_cost = 4
     cop_steering = True
     carries_weight = False
     pushed_faces = 0
     drives = (UnicycleDrive, TurnDrive, SpinDrive)
     vehicles = tuple(DIRECTIONS)
 
-    def touches(self, query: MotionQuery) -> Sequence[Contact]:
+    def candidate_contacts(self, query: MotionQuery) -> Sequence[Contact]:
         """Return all places where a press may be."""
         try:
             return press_placements(query).contacts
@@ -125,7 +125,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         if not contacts:
             return [Choice(self.name, refusal=NO_PLACEMENT)]
         if feasibility.arms:
-            near = _reached if query.searched else _in_span
+            near = _reached if query.from_search else _in_span
             contacts = tuple(c for c in contacts if near(feasibility, c))
         if not contacts:
             (arm, *_) = nearest_arms(query.scene, query.body_ends, ORIGIN)

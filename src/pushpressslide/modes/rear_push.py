@@ -58,7 +58,7 @@ class RearPush(Mode[RearSteerDrive]):
     pushed_faces = 1
     drives = (RearSteerDrive,)
 
-    def touches(self, query: MotionQuery) -> list[Contact]:
+    def candidate_contacts(self, query: MotionQuery) -> list[Contact]:
         """Return the middles of the faces that can be pushed."""
         scene = query.scene
         height = lone_contact_height(scene, query.motion)
@@ -83,7 +83,7 @@ class RearPush(Mode[RearSteerDrive]):
             Candidate(0.0, partial(self._push, query, fitted), contacts=(contact,))
             for fitted, contact in zip(
                 fitted_faces(query.scene, query.motion),
-                self.touches(query),
+                self.candidate_contacts(query),
                 strict=True,
             )
         ]

@@ -16,7 +16,7 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.core.state import WorldState
 from pushpressslide.planar.world import World, resting
 from pushpressslide.planning.side_contacts import before_contacts
-from pushpressslide.selection.preparation import PlansAlone, Preparation
+from pushpressslide.selection.placement_planner import PlacementPlanner, PlansAlone
 
 TIPPING_TIME = 0.1  # [s] of load off the base that ends a run
 
@@ -90,7 +90,7 @@ class PlanarPhysics:
             return "the object falls: nothing presses it on the wall"
         return "the object tips over: the centre of pressure has left what carries it"
 
-    def prepare(self) -> Preparation:
+    def prepare(self) -> PlacementPlanner:
         """A preparation that takes any plan."""
         return PlansAlone()
 

@@ -45,7 +45,7 @@ def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
     """
     restart = plan.restart
     out: dict[str, Any] = {
-        "searched": plan.searched,
+        "searched": plan.from_search,
         "pushes": plan.may_push,
         "segments": [_segment_to_dict(segment) for segment in plan.segments],
         "restart": None if restart is None else _restart_to_dict(restart),
@@ -69,7 +69,7 @@ def _plan_from(data: Mapping[str, Any], before: Plan) -> Plan:
     if not data["segments"]:
         raise ValueError("a plan without segments")
     task = before.task
-    searched = before.searched
+    searched = before.from_search
     restart = None
     if data["restart"] is not None:
         restart = _restart_from_dict(data["restart"])
@@ -158,20 +158,20 @@ def write_plan_pictures(stages: Sequence[StagePlan], out: Path) -> list[Path]:
     return pictures
 
 
-def _stage_to_dict(task: Task, part: StagePlan) -> dict[str, Any]:
+def _stage_to_dict(task: Task, stage_plan: StagePlan) -> dict[str, Any]:
     """Return a stage as plain data, with its own task where it is one of a task with
     goals.
     """
     from pushpressslide.taskfile.dump import task_data
 
-    out: dict[str, Any] = asdict(part.stage)
-    if isinstance(part, StageRun):
-        out["began"] = part.began
-        out["poses"] = {body: asdict(X) for body, X in part.state.poses.items()}
-        out["planned_anew"] = part.anew
+    out: dict[str, Any] = asdict(stage_plan.stage)
+    if isinstance(stage_plan, StageRun):
+        out["began"] = stage_plan.began
+        out["poses"] = {body: asdict(X) for body, X in stage_plan.state.poses.items()}
+        out["planned_anew"] = stage_plan.anew
     if task.goals:
-        out["task"] = task_data(part.plan.task)
-    return out | plan_to_dict(part.plan, part.choices)
+        out["task"] = task_data(stage_plan.plan.task)
+    return out | plan_to_dict(stage_plan.plan, stage_plan.choices)
 
 
 def _segment_to_dict(segment: Segment) -> dict[str, Any]:

@@ -157,7 +157,7 @@ def _bodies(task: Task, runs: Sequence[StageRun]) -> dict[str, Any]:
     last one and the errors there.
     """
     goals = {goal.body: goal.pose for goal in task.goals}
-    first = start_state(task).led(OBJECT, task.true_start)
+    first = start_state(task).with_body_at(OBJECT, task.true_start)
     out = {}
     for body, X in final_poses(runs[-1]).items():
         entry: dict[str, Any] = {

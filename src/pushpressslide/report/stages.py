@@ -21,7 +21,7 @@ from pushpressslide.core.record import Ending, Record
 from pushpressslide.core.state import WorldState
 from pushpressslide.report import series
 from pushpressslide.report.outcome import is_within
-from pushpressslide.view.course import GOAL_ERROR, goal_errors
+from pushpressslide.view.timeline import GOAL_ERROR, goal_errors
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class StageRun(StagePlan):
         """Return the only stage of a run of one goal."""
         task = record.plan.task
         stage = Stage(OBJECT, task.goal)
-        state = start_state(task).led(OBJECT, task.true_start)
+        state = start_state(task).with_body_at(OBJECT, task.true_start)
         return cls(stage, record.plan, tuple(choices), record, 0.0, state)
 
     @property
@@ -139,7 +139,9 @@ def joined_record(runs: Sequence[StageRun], ending: Ending, seed: int) -> Record
     )
 
 
-def cut_record(joined: Record, number: int, began: float, part: StagePlan) -> Record:
+def cut_record(
+    joined: Record, number: int, began: float, stage_plan: StagePlan
+) -> Record:
     """Return the record of one stage, which ``began`` [s] after the first, out of that
     of the whole run.
     """
@@ -154,7 +156,7 @@ def cut_record(joined: Record, number: int, began: float, part: StagePlan) -> Re
     arrays = {}
     for name, values in joined.arrays.items():
         if name.startswith("body_"):
-            name = _own_name(name.removeprefix("body_"), part.stage.body)
+            name = _own_name(name.removeprefix("body_"), stage_plan.stage.body)
         if not name.startswith("pose_") and name not in ("stage", GOAL_ERROR):
             arrays[name] = values[planned if name.startswith("plan_") else own]
     arrays["time"] = arrays["time"] - began
@@ -169,7 +171,7 @@ def cut_record(joined: Record, number: int, began: float, part: StagePlan) -> Re
         joined.seed + number,
         rest["wall_time"],
         tuple(rest["modes"]),
-        part.plan,
+        stage_plan.plan,
         rest["meta"],
     )
 

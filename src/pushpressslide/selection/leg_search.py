@@ -22,12 +22,12 @@ from pushpressslide.modes import MODES
 from pushpressslide.modes.base import straight_time
 from pushpressslide.planning.free_space import PathsTo, displacement, same_pose
 from pushpressslide.planning.overhead import overhead
-from pushpressslide.selection.searched import (
+from pushpressslide.selection.reach_screen import ReachScreen
+from pushpressslide.selection.search_notes import (
     DroppedSequence,
     RefusedMotions,
     Searched,
 )
-from pushpressslide.selection.touching import ReachScreen
 
 START = 0
 GOAL = 1
@@ -145,7 +145,7 @@ class LegSearch:
             self.modes.append(mode)
             self._found[START, GOAL, mode, None] = _best(judged)
 
-    def ban(self, steps: Sequence[Step], first: int, last: int, why: str) -> None:
+    def ban(self, steps: Sequence[Step], first: int, last: int, reason: str) -> None:
         """Never again do ``steps`` from the ``first`` to the ``last``, of one placement,
         with its contacts.
         """
@@ -154,7 +154,7 @@ class LegSearch:
         self.banned.add((steps[first].start.pose, steps[last].end.pose, held))
         modes = tuple(step.choice.mode for step in steps)
         times = (step.choice.time or 0.0 for step in steps)
-        self._dropped.append(DroppedSequence(modes, sum(times), why))
+        self._dropped.append(DroppedSequence(modes, sum(times), reason))
 
     @property
     def tried(self) -> Searched:
@@ -289,7 +289,7 @@ class LegSearch:
         begin, end, mode, held = key
         if key not in self._found:
             self.evaluated += 1
-            self.spent += 1 if motion.held_contacts else MODES[mode].work
+            self.spent += 1 if motion.held_contacts else MODES[mode].evaluation_cost
             asked = self.query.between(self.poses[begin], self.poses[end])
             judged = self.evaluate(asked, mode, held)
             self._found[key] = _best(judged)

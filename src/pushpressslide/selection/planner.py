@@ -10,7 +10,7 @@ from pushpressslide.core.query import MotionQuery
 from pushpressslide.modes import MODES
 
 
-def usable(
+def selectable(
     empty: Plan, choices: Sequence[Choice], *, force: bool = False
 ) -> list[Choice]:
     """Return the choices that can do their part of a plan that is ``empty`` so
@@ -26,18 +26,18 @@ def usable(
 
 
 def infeasible(
-    empty: Plan, choices: Sequence[Choice], searched: str = "", shortfall: str = ""
+    empty: Plan, choices: Sequence[Choice], search_note: str = "", shortfall: str = ""
 ) -> InfeasibleTaskError:
     """Return the error that says why no choice can do the task.
 
-    ``searched`` says that several motions cannot, where they were searched for, and
+    ``search_note`` says that several motions cannot, where they were searched for, and
     ``shortfall`` what the last of them lack.
     """
     _, refused = _refused(empty.queries, choices)
-    brief = f"{empty.task.name}: no mode can do this task{searched}"
+    brief = f"{empty.task.name}: no mode can do this task{search_note}"
     if refused:
         brief += f"; {refused[0].mode}: {refused[0].refusal}"
-    message = refusal(empty.queries, choices) + searched + shortfall
+    message = refusal(empty.queries, choices) + search_note + shortfall
     return InfeasibleTaskError(message, brief, refused)
 
 

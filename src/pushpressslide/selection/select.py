@@ -71,9 +71,9 @@ def placements(
     return groups
 
 
-def _select_leg(part: MotionQuery, leg: int, enough: int) -> list[Choice]:
+def _select_leg(leg_query: MotionQuery, leg: int, enough: int) -> list[Choice]:
     """Return all choices for one leg of a task, best first."""
-    return [of_leg(choice, leg) for choice in _select(part, enough)]
+    return [of_leg(choice, leg) for choice in _select(leg_query, enough)]
 
 
 def evaluate_motion(
@@ -82,7 +82,7 @@ def evaluate_motion(
     """Return the choices of a mode for one motion, best first; few are judged. Where
     contacts are ``held_contacts``, no others are asked for.
     """
-    part = replace(query, modes=(mode,), searched=True)
+    part = replace(query, modes=(mode,), from_search=True)
     return _select(part, 2, None if held_contacts is None else held_contacts.contacts)
 
 

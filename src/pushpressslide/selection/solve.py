@@ -15,21 +15,21 @@ from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Choice, Plan, Segment
 from pushpressslide.core.task import Leg, Task
 from pushpressslide.selection.leg_search import LegSearch, Step
-from pushpressslide.selection.planner import infeasible, usable
-from pushpressslide.selection.preparation import (
+from pushpressslide.selection.placement_planner import (
+    PlacementPlanner,
     PlansAlone,
-    Preparation,
     Problems,
     add_first,
     prepared,
 )
-from pushpressslide.selection.searched import Searched
+from pushpressslide.selection.planner import infeasible, selectable
+from pushpressslide.selection.reach_screen import ReachScreen
+from pushpressslide.selection.search_notes import Searched
 from pushpressslide.selection.select import (
     evaluate_motion,
     of_leg,
     placements,
 )
-from pushpressslide.selection.touching import ReachScreen
 from pushpressslide.selection.waypoints import free_space, push_successors, waypoints
 
 TRIES = 4  # single motions whose joint paths are looked for, before sequences are
@@ -58,48 +58,48 @@ class Solution:
 
 
 def solve(
-    preparation: Preparation, task: Task, enough: int, *, force: bool = False
+    planner: PlacementPlanner, task: Task, enough: int, *, force: bool = False
 ) -> Solution:
     """Return how ``task`` is done, and leave the plans of its placements, with what
-    their arms need, in ``preparation``.
+    their arms need, in ``planner``.
 
     ``enough`` choices of each mode are judged at first. ``force`` takes infeasible ones
     too. Obstacles that may move are pushed only where nothing leads past them. Raises
     InfeasibleTaskError where nothing leads to the goal.
     """
-    return solved(preparation, Plan(task), enough, force=force)
+    return solved(planner, Plan(task), enough, force=force)
 
 
 def solved(
-    preparation: Preparation, empty: Plan, enough: int, *, force: bool = False
+    planner: PlacementPlanner, empty: Plan, enough: int, *, force: bool = False
 ) -> Solution:
     """Return as ``solve`` how the task of a plan is done that is ``empty`` so far; its
     ``restart`` says from where a task goes on that was begun before.
     """
     clock = _Clock()
     try:
-        return _solved(preparation, empty, enough, force, clock)
+        return _solved(planner, empty, enough, force, clock)
     except InfeasibleTaskError:
         task = empty.task
         may = any(obstacle.may_move for obstacle in task.obstacles)
         if empty.may_push or task.legs or not may:
             raise
-        preparation.keep(0)
+        planner.keep(0)
         pushing = replace(empty, may_push=True)
-        choices = _pushing(preparation, pushing, enough)
+        choices = _pushing(planner, pushing, enough)
         if not choices:
             raise
     clock.lap("pushing")
-    return Solution(joined(preparation, pushing), choices, clock.laps)
+    return Solution(joined(planner, pushing), choices, clock.laps)
 
 
-def _pushing(preparation: Preparation, pushing: Plan, enough: int) -> list[Choice]:
-    """Add one motion that pushes what may move to ``preparation``, and return the
+def _pushing(planner: PlacementPlanner, pushing: Plan, enough: int) -> list[Choice]:
+    """Add one motion that pushes what may move to ``planner``, and return the
     choices that were judged; none where there is no such motion.
     """
     choices = _selected(pushing, enough)
     problems: Problems = {}
-    if add_first(preparation, pushing, choices, False, problems, TRIES):
+    if add_first(planner, pushing, choices, False, problems, TRIES):
         return choices
     return []
 
@@ -110,7 +110,7 @@ def _selected(empty: Plan, enough: int) -> list[Choice]:
 
 
 def _solved(
-    preparation: Preparation, empty: Plan, enough: int, force: bool, clock: _Clock
+    planner: PlacementPlanner, empty: Plan, enough: int, force: bool, clock: _Clock
 ) -> Solution:
     """Return how the task of a plan is done that is ``empty`` so far; ``clock`` takes
     the time of each stage.
@@ -118,16 +118,16 @@ def _solved(
     choices = _selected(empty, enough)
     clock.lap("selection")
     if force or not searchable(empty.task):
-        choices = prepared(preparation, empty, choices, force, empty.first)
+        choices = prepared(planner, empty, choices, force, empty.first)
         clock.lap("joint_paths")
-        return Solution(joined(preparation, empty), choices, clock.laps)
+        return Solution(joined(planner, empty), choices, clock.laps)
     problems: Problems = {}
     tries = TRIES if empty.restart is None else TRIES_ANEW
-    added = add_first(preparation, empty, choices, False, problems, tries)
+    added = add_first(planner, empty, choices, False, problems, tries)
     clock.lap("joint_paths")
     if added:
-        return Solution(joined(preparation, empty), choices, clock.laps)
-    plan, searched = _searched(preparation, empty, choices)
+        return Solution(joined(planner, empty), choices, clock.laps)
+    plan, searched = _searched(planner, empty, choices)
     clock.lap("search")
     return Solution(plan, choices, clock.laps, searched)
 
@@ -145,12 +145,12 @@ def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Pl
         return solve(PlansAlone(), task, 1, force=force).plan
     empty = Plan(task)
     if not task.legs:
-        return empty.of_choices(usable(empty, [choice], force=force))
+        return empty.of_choices(selectable(empty, [choice], force=force))
     chosen = []
     for candidates in placements(empty.queries):
         if choice.leg == candidates[0].leg:
             candidates = [choice]
-        chosen.append(usable(empty, candidates, force=force)[0])
+        chosen.append(selectable(empty, candidates, force=force)[0])
     return empty.of_choices(chosen)
 
 
@@ -161,7 +161,7 @@ def searchable(task: Task) -> bool:
 
 
 def _searched(
-    preparation: Preparation, empty: Plan, choices: Sequence[Choice]
+    planner: PlacementPlanner, empty: Plan, choices: Sequence[Choice]
 ) -> tuple[Plan, Searched]:
     """Return the plan of the quickest sequence of motions that has joint paths, and
     what else was tried.
@@ -183,7 +183,7 @@ def _searched(
         if not steps:
             break
         plan = _plan(empty, steps)
-        failed, lacking = _prepare(preparation, plan)
+        failed, lacking = _prepare(planner, plan)
         if failed is None:
             return plan, search.tried
         search.ban(steps, failed[0], failed[-1], lacking)
@@ -204,10 +204,10 @@ def _plan(empty: Plan, steps: Sequence[Step]) -> Plan:
     found = tuple(legs) if len(legs) > 1 else ()
     if begin is not None:
         begin = replace(begin, leg=0, legs=found)
-    return Plan(replace(task, legs=found), tuple(segments), begin, searched=True)
+    return Plan(replace(task, legs=found), tuple(segments), begin, from_search=True)
 
 
-def _prepare(preparation: Preparation, plan: Plan) -> tuple[list[int] | None, str]:
+def _prepare(planner: PlacementPlanner, plan: Plan) -> tuple[list[int] | None, str]:
     """Prepare the placements of a plan, those in common with the one before as they are.
 
     Returns the legs of the first placement that has no joint path, and what it lacks;
@@ -215,23 +215,23 @@ def _prepare(preparation: Preparation, plan: Plan) -> tuple[list[int] | None, st
     """
     placements = plan.by_placement
     same = 0
-    for before, after in zip(preparation.plans, placements, strict=False):
+    for before, after in zip(planner.plans, placements, strict=False):
         if before.segments != after.segments:
             break
         same += 1
-    preparation.keep(same)
+    planner.keep(same)
     for placement in placements[same:]:
         try:
-            preparation.add(placement)
+            planner.add(placement)
         except InfeasibleTaskError as error:
             lacking = str(error).split(": ", 1)[-1]
             return sorted({piece.leg for piece in placement.segments}), lacking
     return None, ""
 
 
-def joined(preparation: Preparation, empty: Plan) -> Plan:
+def joined(planner: PlacementPlanner, empty: Plan) -> Plan:
     """Return one plan of all that was prepared for one that is ``empty`` so far."""
-    segments = chain.from_iterable(part.segments for part in preparation.plans)
+    segments = chain.from_iterable(part.segments for part in planner.plans)
     return replace(empty, segments=tuple(segments))
 
 

@@ -28,7 +28,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.state import WorldState
 from pushpressslide.core.task import Task
 from pushpressslide.planning.free_space import displacement
-from pushpressslide.selection.preparation import PlansAlone, Preparation
+from pushpressslide.selection.placement_planner import PlacementPlanner, PlansAlone
 from pushpressslide.selection.put_aside import Moment, in_the_way, spots
 from pushpressslide.selection.solve import Solution, solve
 
@@ -44,12 +44,12 @@ class PlannedStage:
 
     stage: Stage
     solution: Solution
-    preparation: Preparation
+    planner: PlacementPlanner
 
 
 def plan_stages(
     task: Task,
-    preparation: Preparation | None = None,
+    planner: PlacementPlanner | None = None,
     enough: int = 1,
     *,
     force: bool = False,
@@ -57,11 +57,11 @@ def plan_stages(
     """Return the stages that bring all bodies of ``task`` to their goals, each planned
     from where the one before it ends; one of a task without ``goals``.
 
-    ``preparation`` is an empty one of the arms where they begin; by default no joint
+    ``planner`` is an empty one of the arms where they begin; by default no joint
     paths are looked for. ``enough`` and ``force`` are those of ``solve``. Raises
     InfeasibleTaskError, with the body and why it cannot go, where nothing leads there.
     """
-    first = PlansAlone() if preparation is None else preparation
+    first = PlansAlone() if planner is None else planner
     if not task.goals:
         solution = solve(first, task, enough, force=force)
         return [PlannedStage(Stage(OBJECT, task.goal), solution, first)]
@@ -83,17 +83,17 @@ def plan_stage(
     task: Task,
     stage: Stage,
     start: WorldState,
-    preparation: Preparation,
+    planner: PlacementPlanner,
     enough: int,
     *,
     force: bool = False,
 ) -> PlannedStage:
-    """Return one stage planned from a state; ``preparation`` has its arms.
+    """Return one stage planned from a state; ``planner`` has its arms.
 
     Raises InfeasibleTaskError where nothing leads to its goal.
     """
-    solution = solve(preparation, stage_task(task, stage, start), enough, force=force)
-    return PlannedStage(stage, solution, preparation)
+    solution = solve(planner, stage_task(task, stage, start), enough, force=force)
+    return PlannedStage(stage, solution, planner)
 
 
 def goals_of(task: Task) -> dict[str, tuple[Pose2, ...]]:
@@ -106,7 +106,7 @@ def goals_of(task: Task) -> dict[str, tuple[Pose2, ...]]:
 
 def after(state: WorldState, stage: Stage) -> WorldState:
     """Return the state after a stage that went as planned."""
-    return state.led(stage.body, stage.goal)
+    return state.with_body_at(stage.body, stage.goal)
 
 
 def is_there(X: Pose2, goal: Pose2, tolerance: Tolerance) -> bool:
@@ -220,7 +220,7 @@ class _OrderSearch:
     """
 
     def __init__(
-        self, task: Task, first: Preparation, enough: int, force: bool
+        self, task: Task, first: PlacementPlanner, enough: int, force: bool
     ) -> None:
         self.task = task
         self.enough = enough
@@ -245,7 +245,7 @@ class _OrderSearch:
         for number, stage in enumerate(order, start=1):
             key = tuple(order[:number])
             if key not in self._known:
-                before = out[-1].preparation if out else self.first
+                before = out[-1].planner if out else self.first
                 self._plan(key, state, before.after(), thorough)
             if key not in self._known:
                 return None
@@ -257,7 +257,7 @@ class _OrderSearch:
         self,
         key: tuple[Stage, ...],
         start: WorldState,
-        preparation: Preparation,
+        planner: PlacementPlanner,
         thorough: bool,
     ) -> None:
         """Plan the last of some stages, unless that was tried or too many had no plan."""
@@ -275,7 +275,7 @@ class _OrderSearch:
                 replace(task, limits=limits),
                 key[-1],
                 start,
-                preparation,
+                planner,
                 self.enough,
                 force=self.force,
             )

@@ -31,7 +31,7 @@ from pushpressslide.planning.side_contacts import pushable
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.robots.reach import reachable
 from pushpressslide.selection.clearance import base_discs
-from pushpressslide.selection.touching import touching
+from pushpressslide.selection.reach_screen import touching
 
 STRAIGHTS = (0.12, 0.25)  # [m] of straight push that leads to the goal
 ONWARD = (0.15, 0.3, 0.5)  # [m] of straight push from a pose on the way
@@ -205,7 +205,9 @@ def _handed_over(query: MotionQuery, space: FreeSpace) -> list[Pose2]:
     both, or where there is one arm.
     """
     ends = [query.start, query.goal]
-    mode = next((name for name in HANDED_OVER_BY if MODES[name].touches(query)), None)
+    mode = next(
+        (name for name in HANDED_OVER_BY if MODES[name].candidate_contacts(query)), None
+    )
     if mode is None:
         return []
     gives, takes = np.any(touching(query, mode, ends), axis=2)

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from pushpressslide.core.entry import REQUIRED
+from pushpressslide.core.field_spec import REQUIRED
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.taskfile.kinds import Field
 from pushpressslide.taskfile.schema import SCHEMA

@@ -16,8 +16,8 @@ from dataclasses import fields as dataclass_fields
 from functools import partial
 from typing import Any
 
-from pushpressslide.core.entry import REQUIRED
 from pushpressslide.core.errors import TaskError
+from pushpressslide.core.field_spec import REQUIRED
 from pushpressslide.taskfile.place import Place, nearest
 
 

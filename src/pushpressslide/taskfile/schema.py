@@ -8,7 +8,7 @@ from dataclasses import Field as DataField
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from pushpressslide.core.entry import REQUIRED, FieldSpec
+from pushpressslide.core.field_spec import REQUIRED, FieldSpec
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import (
     BodyGoal,

@@ -7,8 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from pushpressslide.core.entry import REQUIRED
 from pushpressslide.core.errors import Shown, path_value
+from pushpressslide.core.field_spec import REQUIRED
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import (
     Box,

@@ -8,7 +8,7 @@ import json
 import textwrap
 from collections.abc import Iterator
 
-from pushpressslide.core.entry import REQUIRED
+from pushpressslide.core.field_spec import REQUIRED
 from pushpressslide.taskfile.kinds import Field
 from pushpressslide.taskfile.schema import SCHEMA
 

@@ -7,7 +7,7 @@ from importlib import resources
 from typing import Any
 
 
-def part(name: str, package: str = "pushpressslide.view") -> str:
+def package_text(name: str, package: str = "pushpressslide.view") -> str:
     """Return a text file of a room of the package."""
     return resources.files(package).joinpath(name).read_text("utf-8")
 
@@ -17,9 +17,9 @@ def filled(template: str, values: dict[str, str]) -> str:
     ``@BAR_STYLE@``, ``@BAR@`` and ``@BAR_SCRIPT@``.
     """
     bar = {
-        "BAR_STYLE": part("bar.css"),
-        "BAR": part("bar.html"),
-        "BAR_SCRIPT": part("bar.js"),
+        "BAR_STYLE": package_text("bar.css"),
+        "BAR": package_text("bar.html"),
+        "BAR_SCRIPT": package_text("bar.js"),
     }
     for name, text in {**bar, **values}.items():
         template = template.replace(f"@{name}@", text)

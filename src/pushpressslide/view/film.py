@@ -14,7 +14,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.whole_file import whole, write_whole
 from pushpressslide.view.canvas import Canvas, rgba
-from pushpressslide.view.course import RunTimeline, still_ticks
+from pushpressslide.view.timeline import RunTimeline, still_ticks
 
 SIZE = (1280, 720)  # [pixels] width and height
 FRAMES_PER_SECOND = 15.0

@@ -15,7 +15,7 @@ def test_recorded_torques_lead_to_the_same_end() -> None:
     # 6 cm of its way
     task = replace(task, goal=whole.object_pose(whole.segments[0], 0.06))
     engine = engine_named("drake")
-    preparation = engine.preparation(False)
+    preparation = engine.placement_planner(False)
     plan = solve(preparation, task, 1).plan
     from pushpressslide.control.run_loop import RunOptions
 

@@ -229,7 +229,7 @@ class _TwoArms:
                     if along >= APART:
                         yield from self._waiting(best, along)
         options = []
-        most = FEW if self.plan.searched else None
+        most = FEW if self.plan.from_search else None
         for result, stream in zip(results, searches, strict=True):
             *_, complete = [result, *islice(stream, most)]
             options.append(complete.solutions)

@@ -98,7 +98,7 @@ class SearchResult:
             lacks = "place to wait"
             why = "no motion leads there"
         if self.misses:
-            why = self.misses[0].why
+            why = self.misses[0].reason
         raise InfeasibleTaskError(
             f"{problem.query.source}: robots: the {problem.kin.facts.name} has no "
             f"{lacks}: {why}"
@@ -132,7 +132,7 @@ def search(problem: ArmProblem, *, force: bool = False) -> Iterator[SearchResult
     solutions: tuple[Solution, ...] = ()
     blocked: list[Miss] = []
     unreached: list[Miss] = []
-    most = MOST_BLOCKED if problem.plan.searched else None
+    most = MOST_BLOCKED if problem.plan.from_search else None
     for move in _candidates(problem, force):
         if isinstance(move, Miss):
             unreached.append(move)
@@ -393,7 +393,7 @@ def _refined(problem: ArmProblem, misses: tuple[Miss, ...]) -> Iterator[Solution
         return
     if problem.holds or problem.kin.facts.size < POSE:
         return
-    if problem.plan.searched:
+    if problem.plan.from_search:
         return
     near = [_with_clearance(problem, m) for m in misses if m.shortfall < NEAR]
     near = sorted((m for m in near if m.shortfall < NEAR), key=SHORTFALL)

@@ -121,7 +121,7 @@ class Miss:
 
     # mean violation over the path, in radians and tenths of a metre
     shortfall: float
-    why: str
+    reason: str
     posture: Posture
     in_approach: bool = False  # only the approach fails; the contact path is allowed
     drawn_back: bool = True  # False: the tip cannot be drawn back from its contact

@@ -69,7 +69,7 @@ def within_reach(
     """Return the placements of two contacts that two arms reach at start and goal, as
     the tables know, for one of the many motions of a search; else all of them.
     """
-    if not query.searched:
+    if not query.from_search:
         return list(placements)
     feasibility = Feasibility(query)
 

@@ -223,7 +223,7 @@ def vehicle_choices(
     """
     directions = DIRECTIONS[query.motion.vehicle or "unicycle"]
     pairs = list(product(placements.contacts, directions))
-    if query.searched:
+    if query.from_search:
         pairs = sorted(pairs, key=lambda pair: _askew(query.body_ends, *pair))[:FEW]
     out = []
     for contact, backward in pairs:

@@ -43,7 +43,7 @@ def manoeuvre_choices(
     skipped: list[Choice] = []
     missing = enough
     groups = placements.turning(query.scene)
-    for contacts in groups[:LOADS] if query.searched else groups:
+    for contacts in groups[:LOADS] if query.from_search else groups:
         ranked = _ranked(query, X_WB, contacts, out)
         wanted = min(missing, ENOUGH)
         for manoeuvre in _manoeuvres(query, X_WB, list(ranked)):
@@ -75,7 +75,7 @@ def _ranked(
     tried: Sequence[Choice],
 ) -> dict[Contact, float]:
     """Return the contacts to try in their order, with about the time [s] of each."""
-    if not query.searched:
+    if not query.from_search:
         return by_time(query, X_WB, contacts)
     ranked = by_time(query, X_WB, _still_reached(contacts, tried))
     return dict(islice(ranked.items(), FEW))
@@ -86,7 +86,7 @@ def _manoeuvres(
 ) -> Iterator[Manoeuvre]:
     """Yield the manoeuvres to try, in their order."""
     every = soonest(query, X_WB, contacts)
-    return islice(every, TRIED) if query.searched else every
+    return islice(every, TRIED) if query.from_search else every
 
 
 def _still_reached(

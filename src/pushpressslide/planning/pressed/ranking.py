@@ -97,7 +97,7 @@ def manoeuvre_times(
     for end in (0, COUNT // 2):  # run-ins pulled and pushed
         wheelbase = np.abs(table.effective_wheelbase[:, end])
         free = paces.steering[:, end]
-        able = table.usable[:, end] & (free >= margins.CORRECTING)
+        able = table.steerable[:, end] & (free >= margins.CORRECTING)
         needed = np.sqrt(4.0 * aside * wheelbase / np.tan(np.where(able, free, 1.0)))
         wanted = np.maximum(margins.LOOK_AHEAD * (wheelbase + levers), needed)
         length = query.scene.run_ins[-1] * np.clip(wanted, shortest, longest)
@@ -153,9 +153,9 @@ def _planned_turns(
     """Return every other turn, or of many every fourth, about its centre; those of less
     curvature than ``straight`` [1/m] about a far one on either side.
     """
-    many = table.usable[:, ::EVERY].sum(1, keepdims=True) > MANY
+    many = table.steerable[:, ::EVERY].sum(1, keepdims=True) > MANY
     stride = np.where(many, 2 * EVERY, EVERY)
-    planned = table.usable & (np.arange(COUNT) % stride == 0)
+    planned = table.steerable & (np.arange(COUNT) % stride == 0)
     bent = np.copysign(np.maximum(np.abs(table.curvature), straight), table.curvature)
     bent = np.where(planned, bent, np.nan)
     back = np.where(np.abs(table.curvature) < straight, -bent, np.nan)

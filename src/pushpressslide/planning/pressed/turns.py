@@ -63,7 +63,7 @@ class TurnTable:
     as in PressedTurn.
     """
 
-    usable: NDArray[np.bool_]  # as one unicycle's turn
+    steerable: NDArray[np.bool_]  # as one unicycle's turn
     ahead: Array  # [m] of the axle from the centre of pressure, along the heading axis
     heading: Array  # [rad] of its motion from that axis
     curvature: Array
@@ -178,7 +178,7 @@ def _free(
     motion: Array,
     axle: Array,
     heading: Array,
-    usable: NDArray[np.bool_],
+    steerable: NDArray[np.bool_],
     firm: NDArray[np.bool_],
     side: int,
 ) -> Array:
@@ -186,8 +186,8 @@ def _free(
     to the right, until the axle slips sideways; ``firm`` between an angle and the next
     on that side.
     """
-    steps = np.zeros(usable.shape)
-    free = usable
+    steps = np.zeros(steerable.shape)
+    free = steerable
     for k in range(1, STEERING + 1):
         va, vb, vw = np.roll(motion, -side * k, axis=-1)
         slip = _wrapped(np.arctan2(vb + vw * axle, va) - heading)
@@ -201,7 +201,7 @@ def _free(
 def pressed_turns(press: Press, speed: float) -> tuple[PressedTurn, ...]:
     """Return the turns that a press can be driven with at ``speed`` [m/s]."""
     table = turn_table((press,), speed)
-    columns = np.flatnonzero(table.usable[0, ::EVERY])
+    columns = np.flatnonzero(table.steerable[0, ::EVERY])
     return tuple(_turn(table, int(column) * EVERY, press) for column in columns)
 
 

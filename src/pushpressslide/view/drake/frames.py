@@ -27,7 +27,6 @@ from pushpressslide.core.record import Record
 from pushpressslide.core.task import Support
 from pushpressslide.core.whole_file import whole
 from pushpressslide.view.canvas import Canvas
-from pushpressslide.view.course import run_timeline
 from pushpressslide.view.drake.camera import FIELD, View, axes
 from pushpressslide.view.drake.overlay import Overlay
 from pushpressslide.view.drake.playback import Placed, Playback
@@ -43,6 +42,7 @@ from pushpressslide.view.film import (
     write_stills,
 )
 from pushpressslide.view.film import SIZE as FILM_SIZE
+from pushpressslide.view.timeline import run_timeline
 
 RENDERER = "frames"
 BACKGROUND = [0.93, 0.95, 0.97]

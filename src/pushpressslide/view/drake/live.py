@@ -22,7 +22,6 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.scenes import DrakeScene
 from pushpressslide.sim.surfaces import drawn_shape
-from pushpressslide.view.course import FRAMES_PER_SECOND
 from pushpressslide.view.drake.lines import (
     PATH_HEIGHT,
     RIBBON_WIDTH,
@@ -32,6 +31,7 @@ from pushpressslide.view.drake.lines import (
 from pushpressslide.view.drake.planned import planned_view
 from pushpressslide.view.drake.playback import GOAL_COLOR, GOAL_SINK, PATH_COLOR
 from pushpressslide.view.drake.replay import look, quiet_meshcat
+from pushpressslide.view.timeline import FRAMES_PER_SECOND
 
 SAMPLES = 100  # of the planned path of each segment
 

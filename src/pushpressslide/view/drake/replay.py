@@ -23,8 +23,7 @@ from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.whole_file import write_whole
-from pushpressslide.view.bar import filled, json_in_page, part
-from pushpressslide.view.course import RunTimeline, frames, run_timeline
+from pushpressslide.view.bar import filled, json_in_page, package_text
 from pushpressslide.view.drake.camera import FIELD, FILL
 from pushpressslide.view.drake.contact_marks import ContactMarks
 from pushpressslide.view.drake.marks import Marks
@@ -32,6 +31,7 @@ from pushpressslide.view.drake.playback import Placed, Playback
 from pushpressslide.view.drake.saved_page import small_page
 from pushpressslide.view.drake.views import PageView, page_views
 from pushpressslide.view.film import LegendEntry
+from pushpressslide.view.timeline import RunTimeline, frames, run_timeline
 
 ROOM = "pushpressslide.view.drake"
 KEY_STEP = 1e-3  # [s] to which times in the animation are rounded
@@ -67,7 +67,9 @@ def write_replay(
     contacts = ContactMarks(playback, np.array(views[0].direction))
     _animate(meshcat, contacts, ticks)
     body = _body(contacts, run_timeline(plan, record, ticks), views)
-    page = small_page(meshcat.StaticHtml(), part("replay_head.html", ROOM), body)
+    page = small_page(
+        meshcat.StaticHtml(), package_text("replay_head.html", ROOM), body
+    )
     return write_whole(out / "replay.html" if out.is_dir() else out, page)
 
 
@@ -79,10 +81,10 @@ def _body(
     modes = ", ".join(playback.record.modes)
     title = f"{playback.task.name}: {modes}, {timeline.ending}"
     return filled(
-        part("replay.html", ROOM),
+        package_text("replay.html", ROOM),
         {
-            "STYLE": part("replay.css", ROOM),
-            "SCRIPT": part("replay.js", ROOM),
+            "STYLE": package_text("replay.css", ROOM),
+            "SCRIPT": package_text("replay.js", ROOM),
             "TITLE": escape(title),
             "LEGEND": "".join(map(_item, contacts.entries())),
             "COURSE": json_in_page(timeline.plain()),

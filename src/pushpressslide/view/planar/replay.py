@@ -23,8 +23,8 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Shape, Task
 from pushpressslide.core.whole_file import write_whole
-from pushpressslide.view.bar import filled, json_in_page, part
-from pushpressslide.view.course import frames, run_timeline
+from pushpressslide.view.bar import filled, json_in_page, package_text
+from pushpressslide.view.timeline import frames, run_timeline
 
 ROOM = "pushpressslide.view.planar"
 FORCE_SCALE = 0.02  # [m/N] length of the force arrows
@@ -58,12 +58,12 @@ def write_replay(
     several.
     """
     page = filled(
-        part("replay_page.html", ROOM),
+        package_text("replay_page.html", ROOM),
         {
             "TITLE": escape(plan.task.name),
             "MODE": escape(", ".join(record.modes)),
             "LEGEND": "".join(map(_item, legend(plan))),
-            "SCRIPT": part("replay_page.js", ROOM),
+            "SCRIPT": package_text("replay_page.js", ROOM),
             "DATA": json_in_page(replay_data(plan, record, goals, parts)),
             "COURSE": json_in_page(
                 run_timeline(plan, record, frames(record.arrays["time"])).plain()
@@ -80,7 +80,9 @@ def task_goals(task: Task) -> list[Placed]:
 
 def legend(plan: Plan) -> list[tuple[str, str, bool]]:
     """Return colour, meaning and whether it is dashed of all that is drawn."""
-    kinds = {c.kind for part in plan.by_placement for c in part.contacts}
+    kinds = {
+        c.kind for package_text in plan.by_placement for c in package_text.contacts
+    }
     out = [
         (GOAL, "goal", False),
         (PATH, "planned path of the tracking point", True),

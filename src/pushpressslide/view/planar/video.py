@@ -17,7 +17,6 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.view import film
 from pushpressslide.view.canvas import Canvas, Pixel, rgba
-from pushpressslide.view.course import run_timeline
 from pushpressslide.view.planar.replay import (
     CONE,
     CONE_LENGTH,
@@ -36,6 +35,7 @@ from pushpressslide.view.planar.replay import (
     scene_ticks,
     task_goals,
 )
+from pushpressslide.view.timeline import run_timeline
 
 TIP = "#3b3f45"
 GRID = "#eceff2"

@@ -220,7 +220,7 @@ def _compare_least_presses(
     """
     friction = case.friction
     fx, fy, tau = case.wrench.tolist()
-    parts = line.parts(fx, fy, tau, case.cop)
+    parts = line.components(fx, fy, tau, case.cop)
     scale = largest_scale(parts, case.max_shear)
     solved_scale = problem.largest_scale(case.max_shear)
     ratio = (friction * (1.0 - case.share), friction * case.share)

@@ -25,7 +25,7 @@ from pushpressslide.planning.free_space import FreeSpace
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.rear_car import axle_ends
 from pushpressslide.rom.drives import RearSteerDrive
-from pushpressslide.selection.preparation import PlansAlone
+from pushpressslide.selection.placement_planner import PlansAlone
 from pushpressslide.selection.solve import solve
 from pushpressslide.selection.waypoints import free_space
 from pushpressslide.taskfile.load import load_task

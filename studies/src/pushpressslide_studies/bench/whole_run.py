@@ -39,7 +39,7 @@ def _row(name: str) -> Row:
 
     task = load_task(name)
     engine = engine_named("drake")
-    preparation = engine.preparation(False)
+    preparation = engine.placement_planner(False)
     solution = solve(preparation, task, ENOUGH)
     records = []
     played = []

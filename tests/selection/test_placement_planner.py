@@ -11,7 +11,7 @@ import pushpressslide as pps
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.refusal import SKIPPED, Refusal
-from pushpressslide.selection import preparation as module
+from pushpressslide.selection import placement_planner as module
 from pushpressslide.selection.select import select
 
 TASK = pps.load_task("parallel-push")

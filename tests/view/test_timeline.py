@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pushpressslide.view.course import GOAL_ERROR, MOST_FRAMES, frames, run_timeline
+from pushpressslide.view.timeline import GOAL_ERROR, MOST_FRAMES, frames, run_timeline
 
 
 def test_frames_are_thirty_a_second_with_both_ends():

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 import pushpressslide as pps
-from pushpressslide.control.entry import (
+from pushpressslide.control.insertion import (
     BRAKE,
     LANDING,
     Insertion,

@@ -55,7 +55,7 @@ def touching(query: MotionQuery, mode: str, poses: Sequence[Pose2]) -> Able:
     not say which there are.
     """
     scene = query.scene
-    contacts = MODES[mode].touches(query)
+    contacts = MODES[mode].candidate_contacts(query)
     if not contacts:
         return np.full((len(poses), len(scene.arms), 1), True)
     bodies = [X.compose(query.X_GB) for X in poses]

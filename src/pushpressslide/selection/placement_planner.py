@@ -11,13 +11,13 @@ from typing import Any, Protocol
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.refusal import Refusal, literal
-from pushpressslide.selection.planner import infeasible, usable
+from pushpressslide.selection.planner import infeasible, selectable
 from pushpressslide.selection.select import MANY, placements
 
 Problems = dict[tuple[str, tuple[Contact, ...], str, str], InfeasibleTaskError]
 
 
-class Preparation(Protocol):
+class PlacementPlanner(Protocol):
     """The plans of one placement after the other, with what their arms need."""
 
     @property
@@ -37,7 +37,7 @@ class Preparation(Protocol):
     def keep(self, count: int) -> None:
         """Forget all placements but the first ``count``."""
 
-    def after(self) -> Preparation:
+    def after(self) -> PlacementPlanner:
         """Return an empty preparation from where the arms are after all placements."""
 
 
@@ -62,13 +62,13 @@ class PlansAlone:
 
 
 def prepared(
-    preparation: Preparation,
+    planner: PlacementPlanner,
     empty: Plan,
     choices: Sequence[Choice],
     force: bool = False,
     first: int = 0,
 ) -> list[Choice]:
-    """Add to ``preparation`` the best choice of every placement, and return the judged
+    """Add to ``planner`` the best choice of every placement, and return the judged
     choices, with what those lack that had to be passed over.
 
     ``choices`` are those of a plan that is ``empty`` so far, from the leg ``first`` on. With ``force``
@@ -77,16 +77,16 @@ def prepared(
     """
     groups = [list(group) for _, group in groupby(choices, lambda c: c.leg)]
     for group in groups:
-        usable(empty, group, force=force)
+        selectable(empty, group, force=force)
     for number, group in enumerate(groups):
         problems: Problems = {}
-        added = add_first(preparation, empty, group, force, problems)
+        added = add_first(planner, empty, group, force, problems)
         if not added and not all(choice.evaluated for choice in group):
             more = placements(empty.queries, MANY, first)
             # with more choices a leg may go on with the contacts of the one before it
             if [other[0].leg for other in more] == [other[0].leg for other in groups]:
                 groups[number] = group = more[number]
-                added = add_first(preparation, empty, group, force, problems)
+                added = add_first(planner, empty, group, force, problems)
         if added:
             continue
         if len(problems) == 1:
@@ -96,7 +96,7 @@ def prepared(
 
 
 def add_first(
-    preparation: Preparation,
+    planner: PlacementPlanner,
     empty: Plan,
     choices: list[Choice],
     force: bool,
@@ -117,7 +117,7 @@ def add_first(
         key = (choice.mode, choice.contacts, choice.label, choice.summary)
         try:
             if key not in problems:
-                preparation.add(empty.of_choices([choice]).by_placement[0])
+                planner.add(empty.of_choices([choice]).by_placement[0])
                 return True
         except InfeasibleTaskError as error:
             problems[key] = error
@@ -127,20 +127,20 @@ def add_first(
 
 
 def with_joint_paths(
-    preparation: Preparation, empty: Plan, choices: Sequence[Choice]
+    planner: PlacementPlanner, empty: Plan, choices: Sequence[Choice]
 ) -> list[Choice]:
     """Return the choices of a task without legs, the possible ones first; those refused
-    for which the arms have no joint path. ``preparation`` is an empty one, and is empty
+    for which the arms have no joint path. ``planner`` is an empty one, and is empty
     in the end.
     """
     out = []
     for choice in choices:
         if choice.feasible:
             try:
-                preparation.add(empty.of_choices([choice]).by_placement[0])
+                planner.add(empty.of_choices([choice]).by_placement[0])
             except InfeasibleTaskError as error:
                 why = str(error).split(": ", 1)[-1]
                 choice = choice.refused(Refusal("joint_path", literal(why)))
-            preparation.keep(0)
+            planner.keep(0)
         out.append(choice)
     return sorted(out, key=lambda choice: not choice.feasible)

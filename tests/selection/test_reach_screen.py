@@ -9,7 +9,7 @@ import pushpressslide as pps
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
-from pushpressslide.selection.touching import ReachScreen, touching
+from pushpressslide.selection.reach_screen import ReachScreen, touching
 from pushpressslide.selection.waypoints import free_space, waypoints
 from pushpressslide.taskfile.load import dump_task, task_from_data
 
