@@ -76,7 +76,6 @@ def write() -> None:
         f"Made by `python studies/tools/benchmarks.py` on {result['machine']}; {versions}.",
     ]
     _renew(PAGE, "bench", "\n".join(parts))
-    _renew(README, "speed", "\n".join(_speed(result["benchmarks"])))
     _renew(README, "fast", _fact(result["benchmarks"]))
 
 
@@ -100,31 +99,6 @@ def _fact(benchmarks: Mapping[str, Sequence[Mapping[str, Any]]]) -> str:
         f"controller takes {hpipm['ratio']:.0f} times as long "
         "([benchmarks](studies/docs/benchmarks.md))."
     )
-
-
-def _speed(benchmarks: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[str]:
-    """Return the lines of the README's table of speed."""
-    pushes = {row["what"]: row for row in benchmarks["pushes"]}
-    one = pushes["closed form"]["median_us"]
-    daqp = pushes["DAQP, workspace kept"]["ratio"]
-    clarabel = pushes["Drake Clarabel, program kept"]["ratio"]
-    ours, ipopt, hpipm = benchmarks["mpc"][:3]
-    runs = benchmarks["runs"]
-    rates = ", ".join(
-        f"`{row['task']}` {row['wall_per_simulated']:.2f}" for row in runs
-    )
-    return [
-        "| what | measured |",
-        "|---|---|",
-        f"| two contact forces inside their cones | {one:.2g} µs; DAQP with its workspace "
-        f"kept takes {daqp:.1f} times that, Clarabel in Drake with its program kept "
-        f"{clarabel:.0f} times |",
-        f"| a whole control tick of a push, off its path: track and allocate | "
-        f"{ours['median_us']:.2g} µs; a nonlinear MPC of the same push "
-        f"{ipopt['ratio']:.0f} times (IPOPT, warm) and {hpipm['ratio']:.0f} times (one "
-        "step with HPIPM) |",
-        f"| a run in Drake, seconds of wall time a simulated second | {rates} |",
-    ]
 
 
 def _table(rows: Sequence[Mapping[str, Any]]) -> list[str]:

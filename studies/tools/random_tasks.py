@@ -494,7 +494,6 @@ def page() -> list[str]:
 def write() -> None:
     """Renew the page and the README."""
     renew(PAGE, "rates", page())
-    renew(README, "rates", short())
     renew(README, "fact", [fact()])
 
 
@@ -539,63 +538,6 @@ def by_older(tables: Iterable[Table]) -> str:
     made = map(sources_of, tables)
     older = any(one is not None and is_older(one) for one in made)
     return " (simulated with an older contact solver)" if older else ""
-
-
-def short() -> list[str]:
-    """The table of the README: what was drawn, refused, attempted and reached."""
-    rows = (
-        *((f"one motion of {table.what}", (table,)) for table in KNOWN[: len(MODES)]),
-        *((table.what, (table,)) for table in KNOWN[len(MODES) :]),
-        ("these five modes together, in an uncertain world", UNCERTAIN),
-        *((f"among obstacles: {t.what}", (t,)) for t in AMONG_OBSTACLES[:-1]),
-        (AMONG_OBSTACLES[-1].what, AMONG_OBSTACLES[-1:]),
-        (f"knocked aside on the way, {len(KNOCKS)} shipped tasks", KNOCKS),
-    )
-    head = "| random tasks | drawn | refused | attempted | reached | sources |"
-    return [
-        head,
-        "|---|---|---|---|---|---|",
-        *(short_line(what, tables) for what, tables in rows),
-    ]
-
-
-def short_line(what: str, tables: Sequence[Table]) -> str:
-    """A line of the README's table: what became of some tables together."""
-    begun = [table for table in tables if read(table)[0]]
-    if not begun:
-        return short_line_without_rows(what, tables)
-    summary = summarise([row for table in begun for row in read(table)[0]], ())
-    attempted = summary["attempted"]
-    part = 100 * summary["attempted_share"]
-    reached = f"{summary['reached']}"
-    if summary["reached_share"] is not None:
-        reached += f": {100 * summary['reached_share']:.0f} % of the attempted"
-    if len(begun) > 1:
-        counts = [sum(map(reached_by, read(table)[0])) for table in begun]
-        tried = " or ".join(sorted({str(ran(read(table)[0])) for table in begun}))
-        reached += f"; each {min(counts)} to {max(counts)} of {tried}"
-    cells = (
-        what,
-        summary["drawn"],
-        summary["refused"],
-        f"{attempted}: {part:.0f} %",
-        reached,
-        "; ".join(dict.fromkeys(named(sources_of(table)) for table in begun)),
-    )
-    return "| " + " | ".join(map(str, cells)) + " |"
-
-
-def short_line_without_rows(what: str, tables: Sequence[Table]) -> str:
-    """The same of tables without rows: what was counted when they were there."""
-    known = all_sources()
-    counted = [known[table.name] for table in tables if table.name in known]
-    attempted = sum(made.attempted for made in counted)
-    if not attempted:
-        return f"| {what} | not drawn yet | | | | |"
-    reached = sum(made.reached for made in counted)
-    share_reached = f"{reached}: {100 * reached / attempted:.0f} % of the attempted"
-    by = "; ".join(dict.fromkeys(named(made) for made in counted))
-    return f"| {what} | not kept | not kept | {attempted} | {share_reached} | {by} |"
 
 
 def ran(rows: Sequence[dict[str, Any]]) -> int:

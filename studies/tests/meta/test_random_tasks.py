@@ -60,7 +60,6 @@ def draw(tool: ModuleType, table: Any, contact: str, *statuses: str) -> None:
 def test_the_page_and_the_readme_are_those_of_the_rows(tool: ModuleType) -> None:
     for page, mark, lines in (
         (tool.PAGE, "rates", tool.page()),
-        (tool.README, "rates", tool.short()),
         (tool.README, "fact", [tool.fact()]),
     ):
         text = page.read_text(encoding="utf-8")
@@ -88,10 +87,10 @@ def test_rows_by_another_contact_solver_say_so_wherever_they_count(
     today, older = rows_tool.KNOWN[:2]
     draw(rows_tool, today, rows_tool.contact_solver(), "reached")
     draw(rows_tool, older, "kOther", "reached")
-    for lines in (rows_tool.lines_of((today, older)), rows_tool.short()):
-        fresh, old = [line for line in lines if "0123456" in line]
-        assert "older contact solver" not in fresh
-        assert old.endswith("0123456 of 2026-11-26, older contact solver |")
+    lines = rows_tool.lines_of((today, older))
+    fresh, old = [line for line in lines if "0123456" in line]
+    assert "older contact solver" not in fresh
+    assert old.endswith("0123456 of 2026-11-26, older contact solver |")
     (note, _) = rows_tool.on_older_sources()
     assert note.startswith("**1 of 2 tables are by an older contact solver.**")
     assert "`kOther`" in note
@@ -132,19 +131,11 @@ def test_a_rate_is_of_the_attempted_with_the_refused_beside(
     draw(
         rows_tool, table, "kOther", "refused", "reached", "missed", "refused", "reached"
     )
-    cells = rows_tool.short_line("these", (table,)).split(" | ")
-    assert cells[1:5] == ["5", "2", "3: 60 %", "2: 67 % of the attempted"]
+    (line,) = (row for row in rows_tool.lines_of((table,)) if "0123456" in row)
+    cells = line.split(" | ")
+    assert cells[2:6] == ["5", "3 of 60 so far: 60 % (23 to 88)", "2", "67 % (21 to 94)"]
     draw(rows_tool, rows_tool.KNOWN[-1], "kOther", "refused", "reached")
     assert "Of 2 random tasks with no mode given, 1 were attempted" in rows_tool.fact()
-
-
-def test_tables_together_show_the_worst_of_them(rows_tool: ModuleType) -> None:
-    one, other = rows_tool.UNCERTAIN[:2]
-    draw(rows_tool, one, "kOther", "reached", "reached")
-    draw(rows_tool, other, "kOther", "missed", "reached")
-    assert "3: 75 % of the attempted; each 1 to 2 of 2" in rows_tool.short_line(
-        "both", (one, other)
-    )
 
 
 def test_a_table_that_was_not_drawn_says_so(rows_tool: ModuleType) -> None:
@@ -157,9 +148,6 @@ def test_a_table_that_was_not_drawn_says_so(rows_tool: ModuleType) -> None:
         for line in rest:
             assert "not drawn yet" in line
             assert line.count("|") == head.count("|")
-    head, _, *rest = rows_tool.short()
-    assert all("not drawn yet" in line for line in rest)
-    assert {line.count("|") for line in rest} == {head.count("|")}
 
 
 def test_a_run_publishes_rows_with_their_sources(
