@@ -540,11 +540,6 @@ def by_older(tables: Iterable[Table]) -> str:
     return " (simulated with an older contact solver)" if older else ""
 
 
-def ran(rows: Sequence[dict[str, Any]]) -> int:
-    """Return how many samples were not refused."""
-    return sum(row["status"] != "refused" for row in rows)
-
-
 def main() -> None:
     """Run or write."""
     parser = argparse.ArgumentParser(description=__doc__)
