@@ -79,10 +79,10 @@ def loads_with(presses: TwoPresses, cop: Cop, heavier: float) -> Point:
     """
     weight = presses.weight
     if isinstance(cop, str):
-        least = presses.least_fraction + margins.SPARE_LOAD
+        lower = presses.least_fraction + margins.SPARE_LOAD
         lighter = heavier
-        if cop != "balanced" and least < 0.5:
-            lighter = min(heavier, least * (weight + heavier) / (1.0 - least))
+        if cop != "balanced" and lower < 0.5:
+            lighter = min(heavier, lower * (weight + heavier) / (1.0 - lower))
         if cop == "right":
             return (lighter, heavier)
         return (heavier, lighter)

@@ -181,18 +181,18 @@ class TwoPresses:
         com = line.in_axes((-self.left[0], -self.left[1]))[0] / line.length
         # each contact's part of the load, and of the weight
         parts = ((1.0 - fraction, 1.0 - com), (fraction, com))
-        least = 0.0
-        most = 1.0
+        lower = 0.0
+        upper = 1.0
         for of_load, of_weight in parts:
             largest = self.cap + of_weight * self.weight
             if not largest > 0.0:
                 return None
-            least = max(least, of_load * self.weight / largest)
+            lower = max(lower, of_load * self.weight / largest)
             if of_weight > 0.0:
-                most = min(most, of_load / of_weight)
+                upper = min(upper, of_load / of_weight)
         frictions = (self.support_friction, self.contact_friction)
         friction = cop_friction(line, self.left, fraction, twist, self.rho, frictions)
-        share = largest_enough(friction, least, most)
+        share = largest_enough(friction, lower, upper)
         if share is None:
             return None
         load = self.weight / share
@@ -270,8 +270,8 @@ class TwoPresses:
     def _max_total(self, share: float | Side) -> float:
         """Return the largest sum [N] of normals in a ratio."""
         if isinstance(share, str):
-            least = self._least_of_side(share)
-            return min(2.0 * self.cap, (self.cap + least * self.weight) / (1.0 - least))
+            lower = self._least_of_side(share)
+            return min(2.0 * self.cap, (self.cap + lower * self.weight) / (1.0 - lower))
         return self.cap / max(share, 1.0 - share)
 
     def _shared(self, share: float | Side, total: float) -> Point:

@@ -90,8 +90,8 @@ class WrenchCone:
         first = self._edges[0]
         if planes:
             return [_cross(planes[0], edge) for edge in self._edges]
-        least = min(range(3), key=lambda i: abs(first[i]))
-        aside = _cross(first, AXES[least])
+        lower = min(range(3), key=lambda i: abs(first[i]))
+        aside = _cross(first, AXES[lower])
         return [aside, _cross(first, aside), first]
 
     def _facets(self, normal: Vector) -> Iterator[Vector]:

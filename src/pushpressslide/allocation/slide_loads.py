@@ -59,8 +59,8 @@ def slide_loads(
         return None, [_given_loads(presses(), cop, press, cap)]
     if any(scene.weight_along):
         steps = [(twist, along) for along in weights(scene, path)]
-        least = max(margins.ARM.least_press, lean_press(scene))
-        return None, [wall_loads(presses, steps, scene.friction_uses, least)]
+        lower = max(margins.ARM.least_press, lean_press(scene))
+        return None, [wall_loads(presses, steps, scene.friction_uses, lower)]
     loads = safe_loads(
         presses, cop, twist, scene.friction_uses, margins.ARM.least_press
     )

@@ -75,9 +75,9 @@ class TwistCone:
             np.stack([vx - w * cy, vy + w * cx, w], axis=-1)
         ).T
         tau = tau + cx * fy - cy * fx
-        least = (np.array(self._wrenches.facets) @ (fx, fy, tau)).min(axis=0)
+        lower = (np.array(self._wrenches.facets) @ (fx, fy, tau)).min(axis=0)
         size = np.maximum(np.hypot(np.hypot(fx, fy), tau / rho), 1e-300)
-        out: Array = np.arcsin(np.clip(least / size, -1.0, 1.0))
+        out: Array = np.arcsin(np.clip(lower / size, -1.0, 1.0))
         return out
 
     def angle(self, vx: float, vy: float, w: float) -> float:

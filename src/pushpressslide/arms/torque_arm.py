@@ -143,9 +143,9 @@ class TorqueArm(Driverless):
         if len(self._reference) == 0:
             self._reference = posture
         dt = self._executor.dt
-        most = self._fastest
+        upper = self._fastest
         wanted = (posture - self._reference) / dt
-        change = np.minimum(np.maximum(wanted, -most), most)
+        change = np.minimum(np.maximum(wanted, -upper), upper)
         self._rate = self._rate + dt / RATE_TIME * (change - self._rate)
         self._reference = self._reference + dt * change
 

@@ -54,8 +54,8 @@ class PressAndPush:
         check_units(normals)
         dx, dy = (q[..., k] - p[..., k] for k in range(2))
         length = np.hypot(dx, dy)
-        apart = (length > 0.0) & np.isfinite(length)
-        check_all(apart, length, "distance of the contacts", "finite and > 0", "m")
+        distinct = (length > 0.0) & np.isfinite(length)
+        check_all(distinct, length, "distance of the contacts", "finite and > 0", "m")
         nx, ny = (normals[..., k] for k in range(2))
         lever = dx * ny - dy * nx
         check_all(np.abs(lever) > LEAST_LEVER, lever, "lever of the push", "not 0", "m")

@@ -77,8 +77,8 @@ class TwoPresses:
         check_frictions(mu)
         dx, dy = (p[..., 1, k] - p[..., 0, k] for k in range(2))
         length = np.hypot(dx, dy)
-        apart = (length > 0.0) & np.isfinite(length)
-        check_all(apart, length, "distance of the contacts", "finite and > 0", "m")
+        distinct = (length > 0.0) & np.isfinite(length)
+        check_all(distinct, length, "distance of the contacts", "finite and > 0", "m")
         first, second = (halves(p[..., i, :]) for i in range(2))
         self._figures = prepared(press_pair, first, second, mu)
         self.shape = self._figures.shape

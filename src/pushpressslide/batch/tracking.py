@@ -145,16 +145,16 @@ def holonomic(
     ``speed`` [m/s], ``decay`` [m], ``radius`` [m] of the metric, ``share`` and ``steering_scale``
     of the pull, all of any shape. As ``tracking.holonomic``.
     """
-    rows, path, v, way, length, part, hold = figures(
+    rows, path, v, route, length, part, hold = figures(
         errors, rates, speed, decay, radius, share, steering_scale
     )
     check_last(rows, (3,), "errors")
     check_last(path, (3,), "rates")
-    check_positive(way, "decay", "m")
+    check_positive(route, "decay", "m")
     yaw = rows[..., 2]
     if _angles(yaw) is not yaw:
         rows = np.stack([rows[..., 0], rows[..., 1], _angles(yaw)], axis=-1)
-    law = figures_of((v, way, length, hold * part * way))
+    law = figures_of((v, route, length, hold * part * route))
     row = (spread(rows), grouped(path))
     out = answers(pulled_twist, row, law, columns=6)
     return out[..., :3], out[..., 5] > 0.0

@@ -80,8 +80,8 @@ def check_pair(points: Array, normals: Array, split: Split) -> None:
     """
     dx, dy = halves(points[..., 1, :] - points[..., 0, :])
     length = np.hypot(dx, dy)
-    apart = (length > 0.0) & np.isfinite(length)
-    check_all(apart, length, "distance of the contacts", "finite and > 0", "m")
+    distinct = (length > 0.0) & np.isfinite(length)
+    check_all(distinct, length, "distance of the contacts", "finite and > 0", "m")
     across = [(dx * n[1] - dy * n[0]) / length for n in both(normals)]
     sine = np.hypot(*across)
     if split == "least_friction":

@@ -189,8 +189,8 @@ def _in_use(folder: Path, lock: Path) -> PushPressSlideError:
 
 
 def _not_writable(folder: Path, error: Exception) -> PushPressSlideError:
-    why = getattr(error, "strerror", None) or str(error)
+    reason = getattr(error, "strerror", None) or str(error)
     return PushPressSlideError(
         f"--out: {str(folder)!r} is not allowed; allowed: a folder that can be written "
-        f"({why})"
+        f"({reason})"
     )

@@ -35,7 +35,7 @@ def commands() -> dict[str, Any]:
 
     Raises PushPressSlideError for one that does not fit to this version.
     """
-    return {entry.name: _command(entry) for entry in entries()}
+    return {item.name: _command(item) for item in entries()}
 
 
 def _command(entry_point: EntryPoint) -> Any:

@@ -152,7 +152,9 @@ def print_legs(plan: Plan) -> None:
     yielding = plan.query.yielding
     if yielding:
         names = ", ".join(obstacle.name for obstacle in yielding)
-        modes = ", ".join(dict.fromkeys(piece.mode for piece in plan.segments))
+        modes = ", ".join(
+            dict.fromkeys(one_segment.mode for one_segment in plan.segments)
+        )
         print_text(f"{modes}, with leave to push what may move: {names}", 4)
     if not plan.task.legs:
         return

@@ -137,7 +137,7 @@ class TipPath:
             if elapsed < time:
                 u = elapsed / time
                 rate = smooth_rate(u) / time
-                dx, dy, dz = (end - begin for begin, end in zip(a, b, strict=True))
+                dx, dy, dz = (end - start for start, end in zip(a, b, strict=True))
                 return between(a, b, smooth(u)), (rate * dx, rate * dy, rate * dz)
             elapsed -= time
         return self.corners[-1], (0.0, 0.0, 0.0)

@@ -434,12 +434,12 @@ class Controller:
                 command = held_at(context, memory.start, push=touch.force_of(contact))
             else:
                 wanted = margins.ARM.retreat if failed else self.back
-                room = room_before(self.placement.scene, contact, wanted, clearance)
-                way = WayBack(*(room * one for one in share))
+                margin = room_before(self.placement.scene, contact, wanted, clearance)
+                path = WayBack(*(margin * one for one in share))
                 if not failed:
-                    ahead = progress + way.distance
+                    ahead = progress + path.distance
                     context = context._replace(joint_progress=ahead)
-                command = drawn_back(context, memory.start, way)
+                command = drawn_back(context, memory.start, path)
             commands.append(command)
         return tuple(commands)
 

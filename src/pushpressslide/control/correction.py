@@ -78,7 +78,7 @@ class Replanner:
         query = self.queries[segment.leg]
         mode = MODES[segment.mode]
         made = mode.retry(query, segment, measured)
-        fresh = tuple(replace(piece, leg=segment.leg) for piece in made)
+        fresh = tuple(replace(one_segment, leg=segment.leg) for one_segment in made)
         return fresh if _free(query, fresh) else ()
 
     def improve(
@@ -131,8 +131,8 @@ def _free(query: MotionQuery, segments: Sequence[Segment]) -> bool:
     if not segments:
         return True
     scene = query.scene
-    for piece in segments:
-        poses = poses_along(piece)
+    for segment in segments:
+        poses = poses_along(segment)
         if workspace_refusal(scene.body, query.limits, poses) is not None:
             return False
     clearance = query.motion.clearance
@@ -144,7 +144,7 @@ def _free(query: MotionQuery, segments: Sequence[Segment]) -> bool:
     if scene.support.opening is None and query.tool is None:
         return True
     first = segments[0]
-    same_leg = [piece for piece in segments if piece.leg == first.leg]
+    same_leg = [segment for segment in segments if segment.leg == first.leg]
     poses = swept(scene.body, same_leg, clearance)
     # what is so where the object stands already is no reason to go on as before
     here = poses[:1]

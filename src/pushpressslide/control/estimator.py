@@ -136,10 +136,10 @@ class ObjectEstimator:
         predicted = integrate(X_WB, (at_com.vx, at_com.vy, at_com.w), dt)
         if measured is None:
             return predicted.compose(self._X_BG)
-        seen = measured.X_WG.compose(self._X_GB)
+        filtered = measured.X_WG.compose(self._X_GB)
         pose = corrected(
             (predicted.x, predicted.y, predicted.yaw),
-            (seen.x, seen.y, seen.yaw),
+            (filtered.x, filtered.y, filtered.yaw),
             self._gain,
         )
         return Pose2(*pose).compose(self._X_BG)

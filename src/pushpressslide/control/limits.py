@@ -128,15 +128,15 @@ class Guard:
         """Return whether a joint has come as near to its limit as an arm that draws back
         may bring it: to where it is held off, or nearer than it was at first.
         """
-        rooms = [
+        spaces = [
             minimum(_limit_distances(limits, reading))
             for limits, reading in zip(self.arms, readings, strict=True)
         ]
         if self._first_rooms is None:
-            self._first_rooms = rooms
+            self._first_rooms = spaces
         return any(
-            room < min(margins.ARM.joint_buffer, first - POSITION_PLAY)
-            for room, first in zip(rooms, self._first_rooms, strict=True)
+            margin < min(margins.ARM.joint_buffer, first - POSITION_PLAY)
+            for margin, first in zip(spaces, self._first_rooms, strict=True)
         )
 
     def _speed(self, arm: int, reading: ArmReading) -> Ending | None:
@@ -176,16 +176,16 @@ class Guard:
         memory = self._memory(arm)
         left = _limit_distances(self.arms[arm], reading)
         worst = int(left.argmin())  # the first that is no number, if one is not
-        room = float(left[worst])
+        margin = float(left[worst])
         if memory.limit_distance is None:
-            memory.limit_distance = room if self.anew else math.inf
+            memory.limit_distance = margin if self.anew else math.inf
         allowed = min(POSITION_MARGIN, memory.limit_distance - POSITION_PLAY)
-        memory.limit_distance = max(memory.limit_distance, room)
-        if room >= allowed:
+        memory.limit_distance = max(memory.limit_distance, margin)
+        if margin >= allowed:
             return None
         return Ending(
             "joint_limit",
-            f"arm {arm}: joint {worst + 1} is {room:.3f} rad from its limit, allowed "
+            f"arm {arm}: joint {worst + 1} is {margin:.3f} rad from its limit, allowed "
             f"from {POSITION_MARGIN:g} rad",
         )
 

@@ -36,7 +36,9 @@ class Placement:
         placements = plan.placements
         self._tracker = tracker
         self.segments = placements[number]
-        self.planned_poses = [X for piece in self.segments for X in poses_along(piece)]
+        self.planned_poses = [
+            X for segment in self.segments for X in poses_along(segment)
+        ]
         self.queries = plan.queries
         self.query = self.queries[self.segments[0].leg]
         self.last = self.queries[self.segments[-1].leg]

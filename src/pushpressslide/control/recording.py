@@ -161,7 +161,7 @@ class Recorder:
         placements = self._plan.placements[self._placement :]
         paths = [segment.path for segment in self._followed]
         done = min(len(paths) - self._before, len(placements[0]))
-        rest = [piece for group in placements for piece in group]
+        rest = [one_segment for group in placements for one_segment in group]
         paths += [segment.path for segment in rest[done:]]
         samples = [
             p.pose(s) for p in paths for s in np.linspace(0.0, p.length, PATH_SAMPLES)
@@ -171,7 +171,11 @@ class Recorder:
             "plan_path": np.array([(p.x, p.y, p.yaw) for p in samples]),
             "plan_stretch": np.repeat(stretches, PATH_SAMPLES),
         }
-        used = (piece.mode for part in plan.by_placement for piece in part.segments)
+        used = (
+            one_segment.mode
+            for part in plan.by_placement
+            for one_segment in part.segments
+        )
         modes = tuple(mode for mode, _ in groupby(used))
         return Record(
             {**arrays, **planned},

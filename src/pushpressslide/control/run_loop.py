@@ -234,10 +234,12 @@ class RunLoop:
         pose = self.tracker.read()
         if pose is not None:
             self.tracked = pose
-        seen = self.tracked
+        measured = self.tracked
         tips = tuple(state.tip for state in states)
         joints = [state.joints for state in states if state.joints is not None]
-        measurement = Measurement(time, seen.X_WG, tips, pose is not None, seen.time)
+        measurement = Measurement(
+            time, measured.X_WG, tips, pose is not None, measured.time
+        )
         return measurement, joints
 
     @property
@@ -337,8 +339,8 @@ class RunLoop:
         if self.cell.clock.simulated or not supervisor.plans(event):
             self.state = supervisor.step(event)
             return
-        held = still(commands, measurement.tips)
-        state = self._while_holding(partial(supervisor.step, event), held)
+        held_commands = still(commands, measurement.tips)
+        state = self._while_holding(partial(supervisor.step, event), held_commands)
         if self.stopping is None:  # or else the stop goes on
             passed = self.cell.clock.time - event.instant.time
             self.state = state.delayed(passed)
@@ -441,14 +443,14 @@ class RunLoop:
     def _hand_over(self, tick: Tick, measurement: Measurement) -> None:
         """Begin the next placement; arms that keep their contact go on as commanded."""
         kept_arms = self.controller.kept_arms
-        held = tuple(
+        held_commands = tuple(
             command if i in kept_arms and isinstance(command, TipCommand) else None
             for i, command in enumerate(tick.commands)
         )
         self.number += 1
         self.cell.placements.hand_over(self.placements[self.number], kept_arms)
         self.guard.forget_references()
-        self._begin_placement(held, tick.time, measurement)
+        self._begin_placement(held_commands, tick.time, measurement)
         self.recorder.begin_placement(self.plan, self.number)
 
     def _recovers(self, ending: Ending, tick: Tick, measurement: Measurement) -> bool:
@@ -464,23 +466,23 @@ class RunLoop:
         pose = measurement.object_pose
         if self.state is not None:
             pose = self.controller.filtered_pose(self.state)
-        why = self._retriable_ending(self.breach or ending, pose)
-        if why is None:
+        reason = self._retriable_ending(self.breach or ending, pose)
+        if reason is None:
             return False
         time = tick.time
         try:
-            begin = self._restart(pose)
-            held = self._hold(tick)
+            start = self._restart(pose)
+            held_commands = self._hold(tick)
             prepare = self.cell.placements.prepare
             plan = self._while_holding(
-                partial(planned_anew, self.plan, begin, prepare), held
+                partial(planned_anew, self.plan, start, prepare), held_commands
             )
             self._check_in_time(plan)
         except InfeasibleTaskError as error:
-            self._note(time, why, str(error))
+            self._note(time, reason, str(error))
             return False
-        self._note(time, why)
-        self._resume(plan, held)
+        self._note(time, reason)
+        self._resume(plan, held_commands)
         return True
 
     def _retriable_ending(self, ending: Ending, pose: Pose2) -> Ending | None:
@@ -510,15 +512,17 @@ class RunLoop:
         """Command all arms, or tips without arms, to stay where they are; return the
         commands.
         """
-        held: Commands = tuple(
+        held_commands: Commands = tuple(
             JointCommand(reading.q, np.zeros_like(reading.q))
             for reading, _ in tick.joints
         )
         if not tick.joints:
             tips = tick.truth.tips
-            held = tuple(free_tip(tip.position, (0.0, 0.0, 0.0)) for tip in tips)
-        self._send(held)
-        return held
+            held_commands = tuple(
+                free_tip(tip.position, (0.0, 0.0, 0.0)) for tip in tips
+            )
+        self._send(held_commands)
+        return held_commands
 
     def _check_in_time(self, plan: Plan) -> None:
         """Raise InfeasibleTaskError where ``plan``, begun now, does not end in time."""
@@ -599,8 +603,8 @@ class RunLoop:
         return self.breach
 
     def _failed(self, tick: Tick) -> Ending | None:
-        why = self.cell.clock.failure()
-        return None if why is None else Ending("diverged", why)
+        reason = self.cell.clock.failure()
+        return None if reason is None else Ending("diverged", reason)
 
     def _stopped(self, tick: Tick) -> Ending | None:
         if not self.options.stop():
@@ -669,9 +673,9 @@ def tip_paths(
         for contact in placement.contacts
     }
     for arm, (robot, base) in enumerate(zip(scene.robots, scene.bases, strict=True)):
-        begin = measurement.tips[arm].position
-        waits = arm not in ends and math.dist(begin, base) < AT_BASE
+        start = measurement.tips[arm].position
+        waits = arm not in ends and math.dist(start, base) < AT_BASE
         if held_commands[arm] is None and not waits:
             above = scene.body.shape.height + robot.tip_radius + gap
-            paths[arm] = tip_path(begin, ends.get(arm, base), above)
+            paths[arm] = tip_path(start, ends.get(arm, base), above)
     return paths

@@ -78,12 +78,12 @@ class SensedTracker:
         self._seen = True
         bias_x, bias_y = s.position_bias
         X_WG = pose.X_WG
-        seen = Pose2(
+        measured = Pose2(
             X_WG.x + bias_x + s.position_noise * x,
             X_WG.y + bias_y + s.position_noise * y,
             X_WG.yaw + s.yaw_bias + s.yaw_noise * yaw,
         )
-        return StampedPose(pose.time, seen)
+        return StampedPose(pose.time, measured)
 
 
 class SensedArm:

@@ -237,9 +237,9 @@ class Supervisor:
             return None
         still = state.watches.still
         if still is not None and still.since >= state.phase.since:
-            way = self._distance_from(still.pose, instant.X_WB)
+            path = self._distance_from(still.pose, instant.X_WB)
             speed = state.following.binding.segment.profile.speed
-            if way < margins.STALL * speed * margins.ARM.stall_time:
+            if path < margins.STALL * speed * margins.ARM.stall_time:
                 return still
         return StallWatch(instant.X_WB, instant.time)
 

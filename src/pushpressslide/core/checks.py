@@ -57,9 +57,9 @@ def field_rules(kind: Any) -> tuple[tuple[str, str, str], ...]:
     """Return name, unit and allowed numbers of each field."""
     rules = []
     for one in fields(kind):
-        entry = one.metadata.get("entry")
-        within = entry.within if entry else ""
-        unit = entry.unit if entry else ""
+        spec = one.metadata.get("entry")
+        within = spec.within if spec else ""
+        unit = spec.unit if spec else ""
         allowed = FINITE
         if within:
             least = float(within[1:].split(",")[0])

@@ -57,8 +57,8 @@ class WriteError(PushPressSlideError, OSError):
     """A file or folder of results that cannot be written: no room left, or not allowed."""
 
     def __init__(self, path: object, error: OSError) -> None:
-        why = error.strerror or str(error) or type(error).__name__
-        super().__init__(f"{path}: it cannot be written ({why})")
+        reason = error.strerror or str(error) or type(error).__name__
+        super().__init__(f"{path}: it cannot be written ({reason})")
 
 
 class InputError(PushPressSlideError, ValueError):

@@ -39,8 +39,8 @@ def gaps(shape: Shape, poses: Sequence[Pose2], others: Sequence[Polygon]) -> Arr
         not shape.corners and shape.middle == shape.centroid
     ):  # a circle about its middle
         centers = shapely.points([X.apply(shape.middle) for X in poses])
-        apart = shapely.distance(centers[:, None], there) - shape.circumradius
-        return np.asarray(np.maximum(apart, 0.0))
+        distances = shapely.distance(centers[:, None], there) - shape.circumradius
+        return np.asarray(np.maximum(distances, 0.0))
     out: Array = shapely.distance(all_placed(shape, poses)[:, None], there)
     return out
 

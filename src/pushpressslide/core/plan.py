@@ -229,7 +229,7 @@ class Plan:
 
     def of_choices(self, chosen: Sequence[Choice]) -> Plan:
         """Return the plan with the segments of one choice for each placement, in order."""
-        segments = tuple(piece for choice in chosen for piece in choice.segments)
+        segments = tuple(segment for choice in chosen for segment in choice.segments)
         return replace(self, segments=segments)
 
     @property
@@ -255,7 +255,7 @@ class Plan:
     def begun(self, count: int, rest: Plan) -> Plan:
         """Return the plan with its first ``count`` placements, gone on with ``rest``."""
         groups = self.placements[:count]
-        segments = tuple(piece for group in groups for piece in group)
+        segments = tuple(segment for group in groups for segment in group)
         return replace(self, segments=segments).followed(rest)
 
     def followed(self, rest: Plan) -> Plan:

@@ -327,9 +327,9 @@ class ArmExecutor:
         ay = (across * ey + part * s) / SERVO_TIME
         wrench: Array = wrenches @ (ax, ay)
         size = math.hypot(*wrench[3:].tolist())
-        room = max(0.0, command.servo_cap - damping * math.hypot(ex, ey))
-        if size > room:
-            wrench *= room / size
+        slack = max(0.0, command.servo_cap - damping * math.hypot(ex, ey))
+        if size > slack:
+            wrench *= slack / size
         total += wrench
 
 

@@ -95,8 +95,8 @@ def tip_moment(
     """
     ex, ey, ez = rotation_error(R_wanted, R)
     size = math.sqrt(ex * ex + ey * ey + ez * ez)
-    most = margins.ARM.attitude
-    spring = stiffness * (most / size if size > most else 1.0)
+    upper = margins.ARM.attitude
+    spring = stiffness * (upper / size if size > upper else 1.0)
     return (
         spring * ex + damping * (w_wanted[0] - w[0]),
         spring * ey + damping * (w_wanted[1] - w[1]),

@@ -120,7 +120,9 @@ def near_limit(q: Array, lower: Sequence[float], upper: Sequence[float]) -> bool
     """
     buffer = margins.ARM.joint_buffer
     ranges = zip(q.tolist(), lower, upper, strict=True)
-    return any(at - least < buffer or most - at < buffer for at, least, most in ranges)
+    return any(
+        at - lowest < buffer or highest - at < buffer for at, lowest, highest in ranges
+    )
 
 
 def kept_inside(
@@ -229,14 +231,14 @@ def limited(
     torques = []
     share = 0.0
     rate_share = 0.0
-    for asked, before, most, step in zip(
+    for asked, before, upper, step in zip(
         tau.tolist(), previous.tolist(), effort, most_change, strict=True
     ):
         inside = asked
-        if asked > most:
-            inside = most
-        elif asked < -most:
-            inside = -most
+        if asked > upper:
+            inside = upper
+        elif asked < -upper:
+            inside = -upper
         change = inside - before
         applied = inside
         if change > step:
@@ -244,7 +246,7 @@ def limited(
         elif change < -step:
             applied = before - step
         torques.append(applied)
-        one = abs(asked) / most
+        one = abs(asked) / upper
         if one > share:
             share = one
         one = abs(change) / step

@@ -165,9 +165,9 @@ class Outlined(Shape):
         inner = self.area.buffer(-margin, join_style="mitre")
         end = (origin[0] + FAR * direction[0], origin[1] + FAR * direction[1])
         inside = get_parts(LineString([origin, end]).intersection(inner))
-        begin = Place(origin)
+        start = Place(origin)
         spans = (
-            sorted(begin.distance(Place(p)) for p in part.coords) for part in inside
+            sorted(start.distance(Place(p)) for p in part.coords) for part in inside
         )
         return tuple(sorted((span[0], span[-1]) for span in spans if span))
 

@@ -64,12 +64,12 @@ def free_space(border: Border, point: Point, normal: Point, tip_radius: float) -
     blocked = _blocked(border, tip_radius, closed=False)
     # a measured point may be a little inside
     out = (1.0 + OFF) * tip_radius
-    begin = (point[0] - out * normal[0], point[1] - out * normal[1])
-    end = (begin[0] - FAR * normal[0], begin[1] - FAR * normal[1])
-    met = LineString([begin, end]).intersection(blocked)
+    start = (point[0] - out * normal[0], point[1] - out * normal[1])
+    end = (start[0] - FAR * normal[0], start[1] - FAR * normal[1])
+    met = LineString([start, end]).intersection(blocked)
     if met.is_empty:
         return math.inf
-    return OFF * tip_radius + float(Place(begin).distance(met))
+    return OFF * tip_radius + float(Place(start).distance(met))
 
 
 @lru_cache(maxsize=64)
@@ -126,13 +126,13 @@ def _arc_parts(arc: Arc, tip_radius: float, blocked: Area) -> list[Arc]:
     if all(free):
         return [arc]
     out = []
-    begin: float | None = None
+    start: float | None = None
     for i, is_free in enumerate([*free, False]):
-        if is_free and begin is None:
-            begin = angles[i]
-        elif not is_free and begin is not None:
+        if is_free and start is None:
+            start = angles[i]
+        elif not is_free and start is not None:
             end = angles[i - 1]
-            if end > begin:
-                out.append(Arc(arc.center, arc.radius, begin, end - begin))
-            begin = None
+            if end > start:
+                out.append(Arc(arc.center, arc.radius, start, end - start))
+            start = None
     return out

@@ -145,9 +145,9 @@ def _push_set(name: str, folder: Path, recordings: list[Recording]) -> PushSet:
     pushes = [push for recording in recordings for push in recording.pushes]
     pairs, refused = measured_pairs(pushes, CENTER_OF_MASS)
     if len(pairs) < LEAST_PUSHES:
-        why = f" ({refused[0]})" if refused else ""
+        reason = f" ({refused[0]})" if refused else ""
         raise PushPressSlideError(
-            f"{folder}: {len(pairs)} of {len(pushes)} pushes can be used{why}; "
+            f"{folder}: {len(pairs)} of {len(pushes)} pushes can be used{reason}; "
             f"at least {LEAST_PUSHES} are needed"
         )
     note = layout_note(folder.name)

@@ -155,13 +155,13 @@ def _pushed_car(plan: Plan) -> tuple[RearSteerDrive, ArcPath]:
     object that stands on its support.
     """
     task = plan.task
-    modes = ", ".join(piece.mode for piece in plan.segments)
+    modes = ", ".join(segment.mode for segment in plan.segments)
     if modes != MODE:
         raise _refused(f"a plan of {modes}", f"plans of one {MODE}")
     if task.legs:
         raise _refused(f"a task of {len(task.legs)} legs", "tasks without legs")
-    (piece,) = plan.segments
-    (contact,) = piece.contacts
+    (segment,) = plan.segments
+    (contact,) = segment.contacts
     body = task.scene.body
     side = body.shape.side(contact.point, contact.normal, body.center_of_mass)
     if not isinstance(side, FlatSide):
@@ -172,8 +172,8 @@ def _pushed_car(plan: Plan) -> tuple[RearSteerDrive, ArcPath]:
     poses = Sensing(position_noise=sensing.position_noise, yaw_noise=sensing.yaw_noise)
     if sensing != poses:
         raise _refused("sensing other than noise of poses", "noise of poses")
-    drive = piece.drive
-    path = piece.path
+    drive = segment.drive
+    path = segment.path
     assert isinstance(drive, RearSteerDrive)
     assert isinstance(path, ArcPath)
     return drive, path

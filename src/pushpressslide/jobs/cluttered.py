@@ -71,8 +71,10 @@ def cluttered_task(base: Task, index: int, seed: int) -> Task:
         goal = _pose(rng, base.robots, arms)
         obstacles = _obstacles(rng, base.robots, (start, goal), count, blocked)
         ends = (start, goal)
-        able = _in_reach(base.robots, body.shape, ends) and _are_separated(obstacles)
-        if able and _fits(base, body, ends, obstacles):
+        reachable = _in_reach(base.robots, body.shape, ends) and _are_separated(
+            obstacles
+        )
+        if reachable and _fits(base, body, ends, obstacles):
             break
     else:
         raise PushPressSlideError(
@@ -181,14 +183,14 @@ def _pose(rng: np.random.Generator, robots: Sequence[Robot], arms: int) -> Pose2
 def _in_reach(robots: Sequence[Robot], shape: Shape, ends: tuple[Pose2, Pose2]) -> bool:
     """Return whether at both ends some robot's tip comes to the middle of the top."""
     places = np.array([X.apply(shape.centroid) for X in ends])
-    able = np.full(len(ends), False)
+    reachable = np.full(len(ends), False)
     for robot in robots:
         height = np.full((len(ends), 1), shape.height + robot.tip_radius)
         away = places - robot.base[:2]
         outward = np.arctan2(away[:, 1], away[:, 0])
         azimuths = np.column_stack([outward, outward + math.pi])
-        able |= each_reached(robot, np.hstack([places, height]), azimuths)
-    return bool(able.all())
+        reachable |= each_reached(robot, np.hstack([places, height]), azimuths)
+    return bool(reachable.all())
 
 
 def _obstacles(
@@ -243,10 +245,10 @@ def _fits(
     others = tuple(obstacle.footprint for obstacle in obstacles)
     if others and gaps(body.shape, ends, others).min() < APART:
         return False
-    room = 0.3 + body.shape.circumradius
+    margin = 0.3 + body.shape.circumradius
     xs = [X.x for X in ends]
     ys = [X.y for X in ends]
-    region = (min(xs) - room, max(xs) + room, min(ys) - room, max(ys) + room)
+    region = (min(xs) - margin, max(xs) + margin, min(ys) - margin, max(ys) + margin)
     on = middle_room(base.support, body.shape)
     space = FreeSpace(body.shape, others, FREE, region, on, body.center_of_mass)
     if on is not None and not space.free(ends).all():

@@ -93,18 +93,18 @@ class Rows:
         self._path.parent.mkdir(parents=True, exist_ok=True)
         with self._path.open("ab+", buffering=0) as file:
             end = file.seek(0, os.SEEK_END)
-            begin = _whole_lines(file, end)
+            start = _whole_lines(file, end)
             try:
                 # of a process that was killed: what follows must not join it
-                file.truncate(begin)
+                file.truncate(start)
                 left = memoryview(b"".join(lines))
                 while left:
                     left = left[file.write(left) :]
                 os.fsync(file.fileno())
             except BaseException:
-                file.truncate(begin)
+                file.truncate(start)
                 raise
-        return begin
+        return start
 
     def read(self, count: int) -> Iterator[Row]:
         """Yield the rows of the first ``count`` samples in their order."""
@@ -142,12 +142,12 @@ class Rows:
 def _whole_lines(file: io.FileIO, end: int) -> int:
     """Return where the last line that is not cut off ends, in a file up to ``end``."""
     while end > 0:
-        begin = max(0, end - BLOCK)
-        file.seek(begin)
-        place = file.read(end - begin).rfind(b"\n")
+        start = max(0, end - BLOCK)
+        file.seek(start)
+        place = file.read(end - start).rfind(b"\n")
         if place >= 0:
-            return begin + place + 1
-        end = begin
+            return start + place + 1
+        end = start
     return 0
 
 

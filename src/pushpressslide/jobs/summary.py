@@ -123,8 +123,8 @@ def table_line(row: Row) -> str:
     figures = " | | "
     if position is not None and yaw is not None and time is not None:
         figures = f"{1e3 * position:.1f} | {math.degrees(yaw):.2f} | {time:.1f}"
-    why = row.get("choice") if row["status"] == "reached" else row["reason"]
-    cell = " ".join(str(why).replace("|", "/").split())[:160]
+    reason = row.get("choice") if row["status"] == "reached" else row["reason"]
+    cell = " ".join(str(reason).replace("|", "/").split())[:160]
     number = str(row["index"])
     if "rank" in row:
         number += f", choice {row['rank'] + 1}"

@@ -110,10 +110,10 @@ def eased(s: float, half: float, bends: Sequence[Sequence[float]]) -> Vector:
     before = s - half
     behind = s + half
     for row in bends:
-        bend, change, room = bend_of(row)
+        bend, change, slack = bend_of(row)
         if before < bend < behind:
             off = s - bend
-            near = half if half < room else room
+            near = half if half < slack else slack
             left = near - (off if off > 0.0 else -off)
             if left > 0.0:
                 heading += 0.25 * change * left * left / near

@@ -259,14 +259,14 @@ def shortest_dubins(
     length, word, first, middle, last = shortest_solution(circles)
     left = kappa_left
     right = -kappa_right
-    begin = left if word in (LSL, LSR, LRL) else right
+    initial = left if word in (LSL, LSR, LRL) else right
     end = left if word in (LSL, RSL, LRL) else right
     if word < RLR:
-        lengths = (first / abs(begin), middle, last / abs(end))
-        return length, word, lengths, (begin, 0.0, end)
+        lengths = (first / abs(initial), middle, last / abs(end))
+        return length, word, lengths, (initial, 0.0, end)
     bend = left if word == RLR else right
-    lengths = (first / abs(begin), middle / abs(bend), last / abs(end))
-    return length, word, lengths, (begin, bend, end)
+    lengths = (first / abs(initial), middle / abs(bend), last / abs(end))
+    return length, word, lengths, (initial, bend, end)
 
 
 @kernel_wide

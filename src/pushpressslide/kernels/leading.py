@@ -39,10 +39,10 @@ def paced(
     ``planned`` are progress [m] and speed [m/s] of the profile, ``left`` is how much of
     the path there is [m], ``min_speed`` the least speed.
     """
-    floor, most, acceleration, catch_up = pace
+    floor, upper, acceleration, catch_up = pace
     wanted = planned[1] + catch_up * (planned[0] - progress)
     braking = floor + sqrt(acceleration * max(left, 0.0))
-    return min(max(wanted, min_speed), most, braking)
+    return min(max(wanted, min_speed), upper, braking)
 
 
 @kernel
@@ -52,9 +52,9 @@ def eased_steering_scale(
     """Return the share of the steering that may be used after ``dt`` [s] at a friction
     utilisation.
     """
-    use, fall, rise, least = steering_scale
+    use, fall, rise, lower = steering_scale
     rate = -fall if used > use else rise
-    return min(1.0, max(least, share + rate * dt))
+    return min(1.0, max(lower, share + rate * dt))
 
 
 @kernel

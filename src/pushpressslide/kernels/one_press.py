@@ -39,11 +39,11 @@ def one_press(fx: float, fy: float, tau: float, press: Press, norm: Nearness) ->
     """Return the allocation of a wrench [N, N m] about the centre of pressure: of the
     nearest direction, then on the disc.
     """
-    rx, ry, load, most = press
+    rx, ry, load, upper = press
     off = tau - rx * fy + ry * fx
     size = sqrt(fx * fx + fy * fy)
-    if size <= most and abs(off) <= 1e-12 * most:
-        return ((fx, fy),), (load,), most - size, OK, (0.0, 0.0, off)
+    if size <= upper and abs(off) <= 1e-12 * upper:
+        return ((fx, fy),), (load,), upper - size, OK, (0.0, 0.0, off)
     if not size + abs(tau) < inf:
         return ((0.0, 0.0),), (load,), 0.0, INFEASIBLE, (fx, fy, tau)
     per_square, shrink = norm
@@ -52,9 +52,9 @@ def one_press(fx: float, fy: float, tau: float, press: Press, norm: Nearness) ->
     gx = fx - k * ry
     gy = fy + k * rx
     size = sqrt(gx * gx + gy * gy)
-    if size > most:
-        gx = gx * most / size
-        gy = gy * most / size
-        size = most
+    if size > upper:
+        gx = gx * upper / size
+        gy = gy * upper / size
+        size = upper
     residual = (fx - gx, fy - gy, tau - rx * gy + ry * gx)
-    return ((gx, gy),), (load,), most - size, PROJECTED, residual
+    return ((gx, gy),), (load,), upper - size, PROJECTED, residual

@@ -58,8 +58,8 @@ def parallel_pushes(
         share = f1n / push
         f1x = share * fx
         f1y = share * fy
-        least = share if share < 0.5 else 1.0 - share
+        lower = share if share < 0.5 else 1.0 - share
         forces = ((f1x, f1y), (fx - f1x, fy - f1y))
-        return forces, (f1n, f2n), least * margin, OK, EXACT
+        return forces, (f1n, f2n), lower * margin, OK, EXACT
     linear, rest = general
     return two_contacts(fx, fy, tau, linear, rest)

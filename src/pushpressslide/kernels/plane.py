@@ -67,8 +67,8 @@ def carried(pose: Pose, rate: Rate, length: float) -> Pose:
 def carried_from(axis: Vector, pose: Pose, rate: Rate, length: float) -> Pose:
     """Return the same of a pose whose axis is known."""
     angle = rate[2] * length
-    way = chord(rate, length, sin(angle), sin(0.5 * angle))
-    dx, dy = from_axis(axis, way)
+    path = chord(rate, length, sin(angle), sin(0.5 * angle))
+    dx, dy = from_axis(axis, path)
     return pose[0] + dx, pose[1] + dy, pose[2] + angle
 
 

@@ -58,7 +58,7 @@ def press_and_push_figures(
 @kernel_wide
 def press_and_push(fx: float, fy: float, tau: float, push: Push, press: Press) -> Two:
     """Return the allocation of a wrench [N, N m] about the centre of pressure."""
-    px, py, load, most, friction = press
+    px, py, load, upper, friction = press
     if not abs(fx) + abs(fy) + abs(tau) < inf:
         return ((0.0, 0.0), (0.0, 0.0)), (load, 0.0), 0.0, INFEASIBLE, (fx, fy, tau)
     ex, ey, nx, ny, lever, _, _ = push
@@ -67,8 +67,8 @@ def press_and_push(fx: float, fy: float, tau: float, push: Push, press: Press) -
     gy = gy - s * ey
     size = hypotenuse(gx, gy)
     scale = 1.0
-    if size > most * (1.0 + 1e-12):
-        scale = most / size
+    if size > upper * (1.0 + 1e-12):
+        scale = upper / size
         status = PROJECTED
     pushed_x = scale * (a * nx + s * ex)
     pushed_y = scale * (a * ny + s * ey)
@@ -76,7 +76,7 @@ def press_and_push(fx: float, fy: float, tau: float, push: Push, press: Press) -
     pressed_y = scale * gy
     f_n = pushed_x * nx + pushed_y * ny
     f_t = nx * pushed_y - ny * pushed_x
-    margin = min(most - scale * size, friction * f_n - abs(f_t))
+    margin = min(upper - scale * size, friction * f_n - abs(f_t))
     residual = EXACT
     if status == PROJECTED:
         x = pressed_x + pushed_x
@@ -97,7 +97,7 @@ def shared(
     the former alone [N], and a status: the push is left out where it would have to pull.
     """
     ex, ey, nx, ny, lever, slope_1, slope_2 = push
-    px, py, _, most, friction = press
+    px, py, _, upper, friction = press
     a = (tau - px * fy + py * fx) / lever
     low, high = with_side(-inf, inf, friction * a, slope_1)
     low, high = with_side(low, high, friction * a, slope_2)
@@ -107,9 +107,9 @@ def shared(
     gx = fx - a * nx
     gy = fy - a * ny
     middle = gx * ex + gy * ey
-    square = middle * middle - gx * gx - gy * gy + most * most
-    room = sqrt(square) if square > 0.0 else 0.0
-    return a, least_along(low, high, middle, room), gx, gy, OK
+    square = middle * middle - gx * gx - gy * gy + upper * upper
+    slack = sqrt(square) if square > 0.0 else 0.0
+    return a, least_along(low, high, middle, slack), gx, gy, OK
 
 
 @kernel
@@ -131,8 +131,8 @@ def least_along(low: float, high: float, middle: float, tolerance: float) -> flo
     """Return the least part of the push along the line, in [low, high], that is within
     ``tolerance`` of ``middle``; the nearest to that where none is.
     """
-    least = max(low, middle - tolerance)
-    most = min(high, middle + tolerance)
-    if least <= most:
-        return min(max(0.0, least), most)
+    lower = max(low, middle - tolerance)
+    upper = min(high, middle + tolerance)
+    if lower <= upper:
+        return min(max(0.0, lower), upper)
     return min(max(middle, low), high)

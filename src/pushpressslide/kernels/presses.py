@@ -71,9 +71,9 @@ def two_presses(
     free2 = most2 * most2 - across2
     if free1 >= 0.0 and free2 >= 0.0:
         room1 = sqrt(free1)
-        room = room1 + sqrt(free2)
-        if room > 0.0 and room < inf and n1 >= 0.0 and n2 >= 0.0:
-            s1 = along * room1 / room
+        slack = room1 + sqrt(free2)
+        if slack > 0.0 and slack < inf and n1 >= 0.0 and n2 >= 0.0:
+            s1 = along * room1 / slack
             s2 = along - s1
             margin = most1 - sqrt(s1 * s1 + across1)
             margin2 = most2 - sqrt(s2 * s2 + across2)
@@ -113,8 +113,8 @@ def onto_discs(
         return none, normals, 0.0, INFEASIBLE, wrench
     g1 = g1 * scale
     room1 = sqrt(max(most1 * most1 - g1 * g1, 0.0))
-    room = room1 + sqrt(max(most2 * most2 - scale * g2 * scale * g2, 0.0))
-    s = scale * along * room1 / room if room > 0.0 else 0.0
+    slack = room1 + sqrt(max(most2 * most2 - scale * g2 * scale * g2, 0.0))
+    s = scale * along * room1 / slack if slack > 0.0 else 0.0
     f1x = s * ex - g1 * ey
     f1y = s * ey + g1 * ex
     f2x = scale * fx - f1x

@@ -104,18 +104,18 @@ def pulled_twist(
     path's twist there, in the wanted pose's axes.
     """
     vx, vy, w = rate
-    speed, decay, radius, most = law
+    speed, decay, radius, upper = law
     c = cosine(turned)
     s = sine(turned)
     ahead = c * vx - s * vy
     aside = s * vx + c * vy
     off = sqrt(x * x + y * y + square(radius * turned))
     pull = speed / decay
-    if off > most:
-        pull = speed / decay * (most / off)
+    if off > upper:
+        pull = speed / decay * (upper / off)
     twist = (
         speed * ahead + pull * x,
         speed * aside + pull * y,
         speed * w + pull * turned,
     )
-    return twist, (ahead, aside), off > most
+    return twist, (ahead, aside), off > upper

@@ -252,13 +252,13 @@ def capped(wrench: Wrench, linear: Linear, rest: Rest) -> Two:
     low, high = bounded(low, high, mu * f1n + f1t, a2)
     low, high = bounded(low, high, mu * f2n - f2t, a3)
     low, high = bounded(low, high, mu * f2n + f2t, a4)
-    least, most = bounded(-inf, inf, cap1 - f1n, -n1e)
-    least, most = bounded(least, most, cap2 - f2n, n2e)
-    least = max(least, low)
-    most = min(most, high)
-    d = min(max(0.0, least), most)
+    lower, upper = bounded(-inf, inf, cap1 - f1n, -n1e)
+    lower, upper = bounded(lower, upper, cap2 - f2n, n2e)
+    lower = max(lower, low)
+    upper = min(upper, high)
+    d = min(max(0.0, lower), upper)
     scale = 1.0
-    if not least <= most:
+    if not lower <= upper:
         d, scale = best_scaled((low, high), (f1n, f2n), (n1e, n2e), caps)
     forces = ((f1x + d * ex, f1y + d * ey), (f2x - d * ex, f2y - d * ey))
     return allocation_of(wrench, forces, scale, linear, rest)

@@ -81,8 +81,8 @@ def nearest_parts(fx: float, fy: float, z: float, cone: Cone) -> Parts:
         d[0] * fx + d[1] * fy + d[2] * z,
     )
     wrench = (fx, fy, z)
-    least, parts = nearest_edge(wrench, cone[0], ons)
-    return nearest_facet(wrench, cone, ons, least, parts)
+    lower, parts = nearest_edge(wrench, cone[0], ons)
+    return nearest_facet(wrench, cone, ons, lower, parts)
 
 
 @kernel
@@ -92,25 +92,25 @@ def nearest_edge(wrench: Wrench, edges: Edges, ons: Parts) -> tuple[float, Parts
     """
     a, b, c, d = edges
     fx, fy, z = wrench
-    least = fx * fx + fy * fy + z * z
+    lower = fx * fx + fy * fy + z * z
     parts = (0.0, 0.0, 0.0, 0.0)
     distance, k = along_edge(wrench, a, ons[0])
-    if distance < least:
-        least = distance
+    if distance < lower:
+        lower = distance
         parts = (k, 0.0, 0.0, 0.0)
     distance, k = along_edge(wrench, b, ons[1])
-    if distance < least:
-        least = distance
+    if distance < lower:
+        lower = distance
         parts = (0.0, k, 0.0, 0.0)
     distance, k = along_edge(wrench, c, ons[2])
-    if distance < least:
-        least = distance
+    if distance < lower:
+        lower = distance
         parts = (0.0, 0.0, k, 0.0)
     distance, k = along_edge(wrench, d, ons[3])
-    if distance < least:
-        least = distance
+    if distance < lower:
+        lower = distance
         parts = (0.0, 0.0, 0.0, k)
-    return least, parts
+    return lower, parts
 
 
 @kernel

@@ -71,7 +71,7 @@ def _is_empty(folder: Path) -> bool:
     """Whether nothing but hidden files, as the lock of who writes, is in a folder."""
     if not folder.is_dir():
         return False
-    return all(entry.name.startswith(".") for entry in folder.iterdir())
+    return all(item.name.startswith(".") for item in folder.iterdir())
 
 
 def check_folder(folder: Path) -> None:

@@ -33,8 +33,8 @@ class Camera:
         self._normal = np.array(push.normal)
         xs = (task.true_start.x, task.goal.x)
         ys = (task.true_start.y, task.goal.y)
-        room = self._radius + 2.0 * (self._tip + SPREAD[0])
-        width = max(max(xs) - min(xs), max(ys) - min(ys)) + 2.0 * room
+        margin = self._radius + 2.0 * (self._tip + SPREAD[0])
+        width = max(max(xs) - min(xs), max(ys) - min(ys)) + 2.0 * margin
         across = ((np.arange(side) + 0.5) / side - 0.5) * width
         self._x = 0.5 * sum(xs) + across[None, :]  # (1, side) [m] of pixels
         self._y = 0.5 * sum(ys) - across[:, None]  # (side, 1) from the top down

@@ -56,8 +56,8 @@ class PushTask:
     @property
     def reach(self) -> float:
         """Largest coordinate [m] that object and tip may come to."""
-        way = PERIOD * self.steps * self.speed_limit
-        return FIELD + way + 2.0 * self.task.object.radius
+        path = PERIOD * self.steps * self.speed_limit
+        return FIELD + path + 2.0 * self.task.object.radius
 
 
 def push_task(task: Task | str | Path) -> PushTask:
@@ -87,13 +87,13 @@ def choice(query: MotionQuery, face: int | None = None) -> Choice:
     choices = [
         one for candidate in MODE.candidates(asked) for one in candidate.make(True)
     ]
-    able = [one for one in choices if one.segments]
-    if not able:
+    feasible = [one for one in choices if one.segments]
+    if not feasible:
         reason = "; ".join(str(one.refusal) for one in choices) or "it has no face"
         raise _refused(
             query.source, "object", "this", f"no face can be pushed: {reason}"
         )
-    return min(able, key=lambda one: (not one.feasible, one.time))
+    return min(feasible, key=lambda one: (not one.feasible, one.time))
 
 
 def _check(task: Task) -> None:

@@ -139,7 +139,7 @@ class DraggedBase:
         twist = start[:3]
         share = start[3]
         plane = start[4:]
-        least = np.full(len(share), math.inf)
+        lower = np.full(len(share), math.inf)
         sure = twist
         rows = np.arange(len(share))
         out = np.empty_like(start)
@@ -151,12 +151,12 @@ class DraggedBase:
             loads = np.maximum(plane.T @ self._linear, 0.0) * self._shares
             late = step >= SETTLING
             power, ellipsoid, newton = self._steps(loads, twist, force, late)
-            higher = power > least * (1.0 + LOWER)
+            higher = power > lower * (1.0 + LOWER)
             share = np.where(higher, share, np.clip(power, 0.0, 1.0))
             last = twist
             twist = np.where(higher, sure, newton)
             sure = ellipsoid
-            least = np.where(higher, math.inf, power)
+            lower = np.where(higher, math.inf, power)
             change = self._change(last, twist)
             done = (change < CLOSE) & (step > SETTLING) | (step == STEPS - 1)
             if done.any():
@@ -167,9 +167,9 @@ class DraggedBase:
                 if done.all():
                     break
                 rows = rows[~done]
-                direction, cop, force, twist, share, least, plane, sure = (
+                direction, cop, force, twist, share, lower, plane, sure = (
                     v[..., ~done]
-                    for v in (direction, cop, force, twist, share, least, plane, sure)
+                    for v in (direction, cop, force, twist, share, lower, plane, sure)
                 )
         return out, balanced
 

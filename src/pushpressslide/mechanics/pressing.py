@@ -47,10 +47,10 @@ def least_load(
 
     (mu_s N_o + pushed) / (use mu_a - mu_s); infinite where no press is hard enough.
     """
-    room = share * mu_contact - mu_support
-    if room <= 0.0:
+    slack = share * mu_contact - mu_support
+    if slack <= 0.0:
         return math.inf
-    return (mu_support * weight + pushed) / room
+    return (mu_support * weight + pushed) / slack
 
 
 def press_loads(
@@ -141,15 +141,15 @@ def press_lever(scene: Scene, press: Contact) -> float:
 def lever_refusal(scene: Scene, press: Contact) -> Refusal | None:
     """Reason against steering by a press: its lever is too short to turn the object."""
     lever = press_lever(scene, press)
-    least = least_lever(scene, press.load)
-    if lever >= least:
+    lower = least_lever(scene, press.load)
+    if lever >= lower:
         return None
     text = (
         f"pressed with {press.load:.1f} N an object of {scene.weight_on:.2f} N turns "
         "with the tool: the drag has a lever of {figure:mm.2f}, allowed from "
         "{allowed:mm.2f}, where it outweighs the friction under the tip"
     )
-    return Refusal("held", text, lever, least, "m")
+    return Refusal("held", text, lever, lower, "m")
 
 
 def resting_cop(scene: Scene, presses: Sequence[Contact]) -> Point:

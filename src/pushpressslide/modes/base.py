@@ -187,10 +187,12 @@ class Mode(ABC, Generic[D]):
         The arms' reach, and what may be in the way, are left aside.
         """
         part = replace(query, modes=(self.name,))
-        held = tuple(contacts)
-        found = self.choices(part, 1, Feasibility(part, held_contacts=held, arms=False))
+        held_contacts = tuple(contacts)
+        found = self.choices(
+            part, 1, Feasibility(part, held_contacts=held_contacts, arms=False)
+        )
         if not found:
-            return Choice(self.name, contacts=held, refusal=NO_PLACEMENT)
+            return Choice(self.name, contacts=held_contacts, refusal=NO_PLACEMENT)
         return found[0]
 
     def candidate_contacts(self, query: MotionQuery) -> Sequence[Contact]:
@@ -306,10 +308,10 @@ def straight_time(
     object with its ``center`` of mass [m] in G; ``radius`` [m]: as far from there as a
     contact may be.
     """
-    begin = start.apply(center)
+    first = start.apply(center)
     end = goal.apply(center)
     swept = 2.0 * radius * abs(math.sin(0.5 * (goal.yaw - start.yaw)))
-    far = math.dist(begin, end) - swept
+    far = math.dist(first, end) - swept
     return max(far, 0.0) / (margins.CONTACT_PACE * motion.speed)
 
 
@@ -323,11 +325,11 @@ def search(
     that is left can be quicker.
     """
     number = count()
-    held = feasibility.held_contacts
+    held_contacts = feasibility.held_contacts
     waiting: list[tuple[float, bool, int, Candidate | Choice]] = []
     out = []
     for candidate in candidates:
-        if held is not None and not _may_hold(candidate, held):
+        if held_contacts is not None and not _may_hold(candidate, held_contacts):
             continue
         if isinstance(candidate, Candidate):
             waiting.append((candidate.least_time, True, next(number), candidate))
@@ -339,7 +341,9 @@ def search(
         *_, item = heappop(waiting)
         if isinstance(item, Candidate):
             for choice in item.make(feasible < enough):
-                if held is not None and not same_places(choice.contacts, held):
+                if held_contacts is not None and not same_places(
+                    choice.contacts, held_contacts
+                ):
                     continue
                 if not choice.feasible or choice.time is None:
                     out.append(choice)
@@ -376,7 +380,7 @@ def in_arms(choice: Choice, assigned: Iterable[Sequence[int]]) -> list[Choice]:
 def _with_arms(choice: Choice, arms: Sequence[int]) -> Choice:
     """Return a choice with its contacts given to ``arms``."""
     contacts = given_to(choice.contacts, arms)
-    segments = tuple(replace(piece, contacts=contacts) for piece in choice.segments)
+    segments = tuple(replace(segment, contacts=contacts) for segment in choice.segments)
     return replace(choice, contacts=contacts, segments=segments)
 
 
@@ -449,8 +453,8 @@ def arms_refusal(
         text = "needs about {figure:s.0f}, limits.time is {allowed:sg}"
         return Refusal("time_limit", text, choice.time, limit, "s")
     poses = []
-    for piece in choice.segments:
-        along = poses_along(piece)
+    for segment in choice.segments:
+        along = poses_along(segment)
         poses += along
         refusal = workspace_refusal(scene.body, limits, along)
         if refusal is not None:

@@ -144,7 +144,9 @@ class BimanualPressSlide(Mode[HeldDrive]):
             drag.surface, path.radius, point, lever(scene, load), utilisation
         )
         margin = utilisation_margin(scene.contact_friction, utilisation)
-        piece = segment(query, self.name, contacts, drive, path, cone_margin=margin)
+        one_segment = segment(
+            query, self.name, contacts, drive, path, cone_margin=margin
+        )
         summary = (
             f"{left:.1f} and {right:.1f} N, path {path.distance:.3f} m, centre of "
             f"pressure {cop_fraction(scene, contacts):.2f} of the way from left to "
@@ -152,7 +154,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
         )
         return replace(
             placed,
-            segments=(piece,),
+            segments=(one_segment,),
             time=_time(query.motion, path),
             summary=summary,
             refusal=refusal,

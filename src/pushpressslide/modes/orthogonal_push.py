@@ -212,10 +212,10 @@ def _rank(choice: Choice) -> tuple[float, float, float, float]:
     margin = choice.friction_margin
     if choice.time is None or margin is None:
         return (math.inf, 0.0, 0.0, 0.0)
-    (piece,) = choice.segments
-    assert isinstance(piece.drive, TwistDrive)
+    (segment,) = choice.segments
+    assert isinstance(segment.drive, TwistDrive)
     inside = round(min(margin, margins.AMPLE_MARGIN), 6)
-    force = round(piece.drive.normal_force, 6)
+    force = round(segment.drive.normal_force, 6)
     return (round(choice.time, 3), -inside, force, spread(choice.contacts))
 
 

@@ -143,7 +143,7 @@ class ParallelPush(TwistPushes):
         refusal = side_by_side_refusal(query, face, contacts)
         if refusal is not None:
             return [choice.refused(refusal)]
-        why = []
+        reason = []
         for kind in _vehicles(query.motion):
             try:
                 if kind == "mixed":
@@ -156,8 +156,8 @@ class ParallelPush(TwistPushes):
             if driven.segments:
                 label = f"{choice.label}, {kind}"
                 return in_free_arms(query.scene, replace(driven, label=label))
-            why.append(f"{kind}: {driven.refusal}")
-        return [choice.refused(Refusal("no_path", literal("; ".join(why))))]
+            reason.append(f"{kind}: {driven.refusal}")
+        return [choice.refused(Refusal("no_path", literal("; ".join(reason))))]
 
     def _as_car(self, query: MotionQuery, choice: Choice, car: PushedCar) -> Choice:
         """Return the choice to push as a car. Raises ValueError where there is none."""
@@ -167,15 +167,15 @@ class ParallelPush(TwistPushes):
         mu = query.scene.contact_friction
         margin = atan(mu) - atan(car.effective_wheelbase * tightest)
         drive = CarDrive(car, query.scene.max_friction(), curvature)
-        piece = segment(
+        one_segment = segment(
             query, self.name, choice.contacts, drive, path, cone_margin=margin
         )
         summary = (
             f"path {path.length:.3f} m, {tightest / car.tightest:.2f} of the tightest "
             "curve used"
         )
-        time = run_time(query.motion, (piece,))
-        return replace(choice, segments=(piece,), time=time, summary=summary)
+        time = run_time(query.motion, (one_segment,))
+        return replace(choice, segments=(one_segment,), time=time, summary=summary)
 
     def _by_twists(self, query: MotionQuery, choice: Choice) -> Choice:
         """Return the choice to drive twists of the contacts' cone."""

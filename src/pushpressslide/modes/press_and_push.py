@@ -151,7 +151,9 @@ class PressAndPush(Mode[PinnedDrive]):
         utilisation = drag.friction_utilisation
         margin = utilisation_margin(scene.contact_friction, utilisation)
         drive = _drive(drag, path.radius, contacts)
-        piece = segment(query, self.name, contacts, drive, path, cone_margin=margin)
+        one_segment = segment(
+            query, self.name, contacts, drive, path, cone_margin=margin
+        )
         summary = (
             f"{load:.1f} and {drag.forces.normals[1]:.1f} N, lever "
             f"{lever.length * 1e3:.0f} mm, path {path.distance:.3f} m, "
@@ -160,7 +162,7 @@ class PressAndPush(Mode[PinnedDrive]):
         return replace(
             choice,
             contacts=contacts,
-            segments=(piece,),
+            segments=(one_segment,),
             summary=summary,
             refusal=pin_refusal(cap, load, drag, scene.pin_uses[-1]),
         )

@@ -337,7 +337,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         if not manoeuvres:
             return ()
         pieces = manoeuvres[0].choice(there, self.name).segments
-        return (*(replace(piece, leg=first.leg) for piece in pieces), *others)
+        return (*(replace(segment, leg=first.leg) for segment in pieces), *others)
 
     def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured

@@ -119,7 +119,7 @@ class RearPush(Mode[RearSteerDrive]):
         path = best.path
         share = best.curvature_share
         margin = cone_margin(car, path)
-        piece = segment(
+        one_segment = segment(
             query,
             self.name,
             choice.contacts,
@@ -137,8 +137,8 @@ class RearPush(Mode[RearSteerDrive]):
         )
         return replace(
             choice,
-            segments=(piece,),
-            time=run_time(query.motion, (piece,)),
+            segments=(one_segment,),
+            time=run_time(query.motion, (one_segment,)),
             summary=summary,
             refusal=turning_refusal(path),
         )

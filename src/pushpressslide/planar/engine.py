@@ -18,5 +18,5 @@ def run(plan: Plan, options: RunOptions | None = None) -> Record:
     The record is deterministic for a seed. Movable obstacles are not modelled: the
     object passes through them.
     """
-    begin = None if options is None else options.begin
-    return run_loop(planar_cell(plan, begin), plan, options)
+    start = None if options is None else options.begin
+    return run_loop(planar_cell(plan, start), plan, options)

@@ -45,5 +45,7 @@ def _by(choice: Choice, arm: int) -> Choice:
         choice,
         label=f"{arm_title(arm)}, {choice.label}",
         contacts=contacts,
-        segments=tuple(replace(piece, contacts=contacts) for piece in choice.segments),
+        segments=tuple(
+            replace(segment, contacts=contacts) for segment in choice.segments
+        ),
     )

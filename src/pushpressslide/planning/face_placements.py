@@ -42,11 +42,11 @@ def side_by_side_refusal(
 ) -> Refusal | None:
     """Return what stands against two contacts on a face; None if nothing."""
     left, right = contacts
-    apart = math.dist(left.point, right.point)
+    distances = math.dist(left.point, right.point)
     needed = least_distance(query.scene)
-    if apart < needed:
+    if distances < needed:
         text = "contacts {figure:mm.0f} apart, two tools need {allowed:mm.0f}"
-        return Refusal("too_close", text, apart, needed, "m")
+        return Refusal("too_close", text, distances, needed, "m")
     if abs(face.offset) > 1e-9:
         text = "no contact on the other side of the line through the CoM"
         return Refusal("offset_contact", text)
@@ -67,8 +67,10 @@ def on_two_faces(scene: Scene, pair: Sequence[Face], height: float) -> list[Cont
             middle + k * (high - middle if k > 0.0 else middle - low) for k in PLACES
         )
         sides.append([side_contact(arm, face, offset, height) for offset in offsets])
-    apart = least_distance(scene)
-    return [(a, b) for a, b in product(*sides) if math.dist(a.point, b.point) >= apart]
+    distances = least_distance(scene)
+    return [
+        (a, b) for a, b in product(*sides) if math.dist(a.point, b.point) >= distances
+    ]
 
 
 def angle_between(first: Face, second: Face) -> float:

@@ -84,8 +84,8 @@ class FreeSpace:
             on = shapely.contains_xy(self.region, centers)
         if not self.others:
             return on
-        apart = gaps(self.shape, poses, self.others).min(1)
-        return np.asarray(on & (apart >= self.clearance))
+        distances = gaps(self.shape, poses, self.others).min(1)
+        return np.asarray(on & (distances >= self.clearance))
 
     def paths_to(self, goal: Pose2) -> PathsTo:
         """Return the ways to a pose X_WG, which may be nearer to a polygon than the

@@ -48,6 +48,6 @@ def levers(
             )
             out.append(Lever(candidate, point, length))
     longest = max((lever.length for lever in out), default=0.0)
-    least = max(margins.LEVER_SHARE * longest, margins.LEAST_LEVER * body.radius)
-    good = [lever for lever in out if lever.length > least]
+    lower = max(margins.LEVER_SHARE * longest, margins.LEAST_LEVER * body.radius)
+    good = [lever for lever in out if lever.length > lower]
     return sorted(good, key=lambda lever: -lever.length)

@@ -110,9 +110,9 @@ def _refusal(scene: Scene, points: Pair) -> Refusal | None:
     if not all(inside_top(scene.body, p, inset - ROUNDING) for p in points):
         text = "the contacts must be {allowed:mm.0f} inside the object's top"
         return Refusal("off_top", text, None, inset, "m")
-    apart = math.dist(*points)
+    distances = math.dist(*points)
     needed = margins.ARM.hand_room
-    if apart < needed:
+    if distances < needed:
         text = "the contacts are {figure:mm.0f} apart, allowed from {allowed:mm.0f}"
-        return Refusal("too_close", text, apart, needed, "m")
+        return Refusal("too_close", text, distances, needed, "m")
     return None

@@ -100,8 +100,8 @@ def route(
             routes.append(
                 _routed(query, drives, hardest._replace(run_in=run_in), False)
             )
-        most = margins.LOOP_FOR_RUN_IN * min(one.path.length for one in routes)
-        loops = [one for one in routes if one.path.length <= most]
+        upper = margins.LOOP_FOR_RUN_IN * min(one.path.length for one in routes)
+        loops = [one for one in routes if one.path.length <= upper]
         best = max(loops, key=lambda one: (one.run_in, -one.path.length))
     turns = [abs(k) for k, _ in best.path.sections if k]
     if turns:
@@ -125,8 +125,8 @@ def _routed(
     speed = comfort.speed * motion.speed
     if gentle:
         share = min(share, margins.ARM.turn_rate / (speed * max(high, -low)))
-    least = margins.CAR_RUN_IN_UNSURE if query.scene.center_error else 0.0
-    run_in = max(least, comfort.run_in) * motion.run_in
+    lower = margins.CAR_RUN_IN_UNSURE if query.scene.center_error else 0.0
+    run_in = max(lower, comfort.run_in) * motion.run_in
     path = with_run_in(
         axle_ends(query.body_ends, drive), high * share, -low * share, run_in
     )

@@ -33,7 +33,9 @@ def with_run_in(
         path = next(alike, path)
     return ArcPath(
         start,
-        tuple(piece for piece in (*path.sections, (0.0, run_in)) if piece[1] > 0.0),
+        tuple(
+            segment for segment in (*path.sections, (0.0, run_in)) if segment[1] > 0.0
+        ),
     )
 
 
@@ -66,20 +68,20 @@ def gentlest(
     nothing fits the shortest path is returned. ``turning`` [rad] as in ``with_run_in``.
     """
     tightest = curvatures[-1]
-    least = run_ins[-1]
+    lower = run_ins[-1]
     # tighter turns and a shorter run-in can do all that the others can: none is shorter
-    shortest = with_run_in(ends, tightest, tightest, least, turning)
+    shortest = with_run_in(ends, tightest, tightest, lower, turning)
     if shortest.length > _max_length(ends, curvatures[0], longest):
-        return least, tightest, shortest
+        return lower, tightest, shortest
     for curvature in curvatures:
-        most = _max_length(ends, curvature, longest)
-        if with_run_in(ends, curvature, curvature, least, turning).length > most:
+        upper = _max_length(ends, curvature, longest)
+        if with_run_in(ends, curvature, curvature, lower, turning).length > upper:
             continue
         for run_in in run_ins:
             path = with_run_in(ends, curvature, curvature, run_in, turning)
-            if path.length <= most:
+            if path.length <= upper:
                 return run_in, curvature, path
-    return least, tightest, shortest
+    return lower, tightest, shortest
 
 
 def _max_length(

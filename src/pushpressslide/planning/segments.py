@@ -39,7 +39,7 @@ def run_time(
     motion: Motion, segments: Sequence[Segment], pressed: bool = False
 ) -> float:
     """Return the estimated time [s] of a run, approach and release included."""
-    moving = sum(piece.profile.duration for piece in segments)
+    moving = sum(segment.profile.duration for segment in segments)
     return moving + overhead(motion, pressed)
 
 

@@ -34,9 +34,9 @@ def lone_contact_height(scene: Scene, motion: Motion) -> float:
     the wrist were above it, lower, with the tool leaning back and its wrist behind.
     """
     body = scene.body
-    room = body.shape.depth(body.center_of_mass)
+    slack = body.shape.depth(body.center_of_mass)
     # [m] up to which it surely stands, whatever way it is pushed
-    stands = margins.PUSH_STANDS * room / max(scene.support.friction, 1e-9)
+    stands = margins.PUSH_STANDS * slack / max(scene.support.friction, 1e-9)
     upright = _upright(scene)
     return _height(scene, motion, upright if upright <= stands else 0.0)
 
@@ -90,8 +90,8 @@ def before_contacts(
     if contacts is None:
         return _before_contacts_of(scene, motion)
     wanted = motion.approach_distance
-    rooms = (room_before(scene, c, wanted, motion.clearance) for c in contacts)
-    return min(rooms, default=wanted)
+    margins = (room_before(scene, c, wanted, motion.clearance) for c in contacts)
+    return min(margins, default=wanted)
 
 
 def _before_contacts_of(task: Any, contacts: Any) -> float:
@@ -112,8 +112,8 @@ def room_before(
         return wanted
     radius = scene.robots[contact.arm].tip_radius
     origin = scene.body.X_GB.position
-    way = scene.body.shape.free_space(contact.point, contact.normal, radius, origin)
-    return min(wanted, max(way - clearance, 0.5 * way))
+    path = scene.body.shape.free_space(contact.point, contact.normal, radius, origin)
+    return min(wanted, max(path - clearance, 0.5 * path))
 
 
 def drag_refusal(

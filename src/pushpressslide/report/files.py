@@ -133,7 +133,7 @@ def load_run(folder: str | Path) -> Run:
     if (folder / OLDER_STAGES).is_dir():
         return _older_run(folder, task, stored, result)
     plans = read_with(folder / PLAN, partial(_plans, stored, task))
-    begun = [part for entry, part in plans if "began" in entry]
+    begun = [part for item, part in plans if "began" in item]
     record = read_with(folder / RECORD, partial(_record, joined_plan(begun)))
     stages = read_with(folder / RECORD, lambda _: _stages(plans, record))
     if not task.goals:
@@ -162,9 +162,9 @@ def _plans(
             "run the task again"
         )
     out: list[tuple[Mapping[str, Any], StagePlan]] = []
-    for entry in entries:
-        own = written_task(entry["task"], str(path)) if "task" in entry else task
-        out.append((entry, stage_from_dict(entry, own)))
+    for item in entries:
+        own = written_task(item["task"], str(path)) if "task" in item else task
+        out.append((item, stage_from_dict(item, own)))
     return out
 
 
@@ -190,12 +190,12 @@ def _stages(
 ) -> tuple[StagePlan, ...]:
     """Return the stages, those that were begun with their records."""
     out: list[StagePlan] = []
-    for number, (entry, part) in enumerate(plans):
-        if "began" in entry:
+    for number, (item, part) in enumerate(plans):
+        if "began" in item:
             record = joined
             if "stage" in joined.arrays:
-                record = cut_record(joined, number, entry["began"], part)
-            part = _run(entry, part.stage, record, part.choices)
+                record = cut_record(joined, number, item["began"], part)
+            part = _run(item, part.stage, record, part.choices)
         out.append(part)
     return tuple(out)
 
@@ -219,10 +219,10 @@ def _older_run(
     on, as the version before wrote them.
     """
     runs = []
-    for number, entry in enumerate(stored["stages"], start=1):
-        if "began" in entry:
+    for number, item in enumerate(stored["stages"], start=1):
+        if "began" in item:
             own = load_run(folder / OLDER_STAGES / str(number))
-            runs.append(_run(entry, purpose_from_dict(entry), own.record, own.choices))
+            runs.append(_run(item, purpose_from_dict(item), own.record, own.choices))
             result["stages"][number - 1]["figures"] = own.result
     ending = Ending(result["reason"]["code"], result["reason"]["text"])
     record = joined_record(runs, ending, result["seed"])

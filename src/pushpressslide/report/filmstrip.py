@@ -62,7 +62,7 @@ def _what(
     arms = ""
     if robots > 1 and len(first.contacts) == 1:
         arms = f", {arm_title(first.contacts[0].arm, robots)}"
-    seconds = sum(piece.profile.duration for piece in motion)
+    seconds = sum(segment.profile.duration for segment in motion)
     kept = ""
     if before is not None and same_places(first.contacts, before[-1].contacts):
         kept = ", contacts kept"
@@ -77,7 +77,7 @@ def _picture(ax: Axes, plan: Plan, motion: tuple[Segment, ...], start: Pose2) ->
     plane.footprints(ax, shape, poses, style.SKY, "")
     plane.footprint(ax, shape, start, style.BLACK, "", fill=True)
     plane.footprint(ax, shape, goal, style.GREEN, "", fill=True)
-    plane.planned_paths(ax, [piece.path for piece in motion])
+    plane.planned_paths(ax, [segment.path for segment in motion])
     alone = replace(plan, segments=motion)
     plane.contacts(ax, [(alone, start.compose(plan.task.X_GB))])
 
@@ -86,15 +86,15 @@ def _between(plan: Plan, motion: tuple[Segment, ...]) -> list[Pose2]:
     """Return some poses X_WG on the way of a motion."""
     shares = [(k + 1) / (BETWEEN + 1) for k in range(BETWEEN)]
     return [
-        plan.object_pose(piece, share * piece.path.length)
-        for piece in motion
+        plan.object_pose(segment, share * segment.path.length)
+        for segment in motion
         for share in shares[:: len(motion)]
     ]
 
 
 def _corners(plan: Plan) -> list[Point]:
     """Return the corners of the footprints [m] on all motions."""
-    poses = [plan.task.start, *(piece.goal for piece in plan.segments)]
+    poses = [plan.task.start, *(segment.goal for segment in plan.segments)]
     for motion in motions(plan):
         poses += _between(plan, motion)
     shape = plan.task.object.shape

@@ -77,14 +77,14 @@ def _plan_from(data: Mapping[str, Any], before: Plan) -> Plan:
         searched = searched or restart.legs is not None
     plan = Plan(
         task,
-        tuple(_segment_from_dict(entry) for entry in data["segments"]),
+        tuple(_segment_from_dict(item) for item in data["segments"]),
         restart,
         data.get("searched", searched),
         data.get("pushes", before.may_push),
     )
     later = plan
-    for entry in data["later"]:
-        later = _plan_from(entry, later)
+    for item in data["later"]:
+        later = _plan_from(item, later)
         plan = plan.followed(later)
     return plan
 
@@ -118,7 +118,7 @@ def purpose_from_dict(data: Mapping[str, Any]) -> Stage:
 
 def choices_from_dict(data: Mapping[str, Any]) -> tuple[Choice, ...]:
     """Return the choices that were stored beside a plan; empty if none were."""
-    return tuple(_choice_from_dict(entry) for entry in data.get("choices", ()))
+    return tuple(_choice_from_dict(item) for item in data.get("choices", ()))
 
 
 def drive_to_dict(drive: Drive) -> dict[str, Any]:
@@ -222,7 +222,7 @@ def _choice_from_dict(data: Mapping[str, Any]) -> Choice:
         data["mode"],
         data["label"],
         _contacts_from(data["contacts"]),
-        tuple(_segment_from_dict(entry) for entry in data["segments"]),
+        tuple(_segment_from_dict(item) for item in data["segments"]),
         data["time"],
         data["merits"],
         None if refusal is None else Refusal(**refusal),
@@ -281,7 +281,7 @@ def _path_to_dict(path: MotionPath) -> dict[str, Any]:
     if isinstance(path, ArcPath):
         return {
             "start": _pose_to_list(path.start),
-            "pieces": [list(piece) for piece in path.sections],
+            "pieces": [list(segment) for segment in path.sections],
         }
     pieces = [[*rate, length] for rate, length in path.sections]
     return {"start": _pose_to_list(path.start), "pieces": pieces, "radius": path.radius}

@@ -109,12 +109,12 @@ def _values(results: Sequence[Figures], name: str) -> list[float]:
 def _combined(results: Sequence[Figures]) -> dict[str, Any]:
     """Return the figures that several stages have together."""
     out: dict[str, Any] = {}
-    ways: tuple[tuple[tuple[str, ...], Callable[[list[float]], float]], ...] = (
+    paths: tuple[tuple[tuple[str, ...], Callable[[list[float]], float]], ...] = (
         (SUMS, math.fsum),
         (LARGEST, max),
         (LEAST, min),
     )
-    for names, combine in ways:
+    for names, combine in paths:
         for name in names:
             values = _values(results, name)
             out[name] = combine(values) if values else None
@@ -125,9 +125,9 @@ def _combined(results: Sequence[Figures]) -> dict[str, Any]:
         out[name] = _mean(results, name, 1.0)
     for name in LISTS:
         out[name] = [
-            {**entry, "stage": number}
+            {**item, "stage": number}
             for number, result in enumerate(results)
-            for entry in result.get(name) or ()
+            for item in result.get(name) or ()
         ]
     for result in results:
         if result.get("clearance_driven") == out["clearance_driven"]:
@@ -160,17 +160,17 @@ def _bodies(task: Task, runs: Sequence[StageRun]) -> dict[str, Any]:
     first = start_state(task).with_body_at(OBJECT, task.true_start)
     out = {}
     for body, X in final_poses(runs[-1]).items():
-        entry: dict[str, Any] = {
+        item: dict[str, Any] = {
             "final_pose": [X.x, X.y, wrap_angle(X.yaw)],
             "displacement": math.dist(X.position, first.poses[body].position),
         }
         if body in goals:
             goal = goals[body]
             position, yaw = _errors(X, goal)
-            entry["goal"] = [goal.x, goal.y, goal.yaw]
-            entry["position_error"] = position
-            entry["yaw_error"] = yaw
-        out[body] = entry
+            item["goal"] = [goal.x, goal.y, goal.yaw]
+            item["position_error"] = position
+            item["yaw_error"] = yaw
+        out[body] = item
     return out
 
 
@@ -181,8 +181,8 @@ def _errors(X: Pose2, goal: Pose2) -> tuple[float, float]:
 def _worst(task: Task, bodies: Mapping[str, Figures]) -> tuple[float, float]:
     """Return the largest position and yaw errors of the bodies that have a goal."""
     aimed = [bodies[body] for body in dict.fromkeys(g.body for g in task.goals)]
-    position = max(entry["position_error"] for entry in aimed)
-    return position, max(entry["yaw_error"] for entry in aimed)
+    position = max(item["position_error"] for item in aimed)
+    return position, max(item["yaw_error"] for item in aimed)
 
 
 def _ending(
@@ -205,15 +205,15 @@ def _ending(
             text = f"stage {number + 1}, {run.stage.body!r}: {result['reason']['text']}"
             return Ending(code, text)
     may_move = {obstacle.name for obstacle in task.obstacles if obstacle.may_move}
-    place = "; ".join(_place(name, entry) for name, entry in bodies.items())
-    for body, entry in bodies.items():
-        if "goal" in entry and not _within(entry, task.tolerance):
+    place = "; ".join(_place(name, item) for name, item in bodies.items())
+    for body, item in bodies.items():
+        if "goal" in item and not _within(item, task.tolerance):
             return Ending("goal_missed", f"{body!r} is not at its goal; {place}")
         allowed = task.tolerance.bodies
-        stays = "goal" not in entry and body not in may_move
-        if stays and entry["displacement"] > allowed:
+        stays = "goal" not in item and body not in may_move
+        if stays and item["displacement"] > allowed:
             text = (
-                f"{body!r} was moved by {entry['displacement'] * 1e3:.1f} mm, "
+                f"{body!r} was moved by {item['displacement'] * 1e3:.1f} mm, "
                 f"tolerance.bodies is {allowed * 1e3:g} mm"
             )
             return Ending("body_moved", text)

@@ -56,8 +56,8 @@ def contact_refusal(
     tilted = [(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
     fixed = [ToolAttitude(*held, frame.axes) for held in [(0.0, 0.0), *tilted]]
     if alone:
-        most = margins.ROLLED * math.hypot(*contact.point)
-        fixed = [h for h in fixed if h.rolled(robot.tip_radius, turned) <= most]
+        upper = margins.ROLLED * math.hypot(*contact.point)
+        fixed = [h for h in fixed if h.rolled(robot.tip_radius, turned) <= upper]
     if frame == TABLE:
         if surely_reached(robot, points, fixed if quick else fixed[:1]):
             return None
@@ -132,8 +132,8 @@ def contacts_reached(
     azimuths = [tool_azimuths(contact, X, base) for X in bodies for contact in contacts]
     widest = max(map(len, azimuths))
     filled = [(*each, *[each[0]] * (widest - len(each))) for each in azimuths]
-    able = each_reached(robot, np.array(points), np.array(filled))
-    return able.reshape(shape)
+    reachable = each_reached(robot, np.array(points), np.array(filled))
+    return reachable.reshape(shape)
 
 
 def tool_azimuths(

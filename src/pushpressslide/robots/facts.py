@@ -224,8 +224,8 @@ def load_facts(name: str) -> RobotFacts:
     data = yaml.load(text, Loader=FASTEST)
     return RobotFacts(
         name=data["name"],
-        links=tuple(_link(entry) for entry in data["links"]),
-        joints=tuple(_joint(entry) for entry in data["joints"]),
+        links=tuple(_link(item) for item in data["links"]),
+        joints=tuple(_joint(item) for item in data["joints"]),
         base=data["base"],
         flange=data["flange"],
         home_posture=tuple(float(v) for v in data["home"]),

@@ -126,11 +126,11 @@ def limit_gradient(kin: ArmKinematics, q: Array, relevant: float = 0.8) -> Array
     below = q - kin.facts.lower
     above = kin.facts.upper - q
     margin = np.minimum(below, above)
-    least = margin.min(axis=-1, keepdims=True)
-    weight = np.exp(-SHARPNESS * (margin - least))
+    lower = margin.min(axis=-1, keepdims=True)
+    weight = np.exp(-SHARPNESS * (margin - lower))
     weight /= weight.sum(axis=-1, keepdims=True)
     out: Array = np.where(below < above, weight, -weight) * np.clip(
-        2.0 * (1.0 - least / relevant), 0.0, 1.0
+        2.0 * (1.0 - lower / relevant), 0.0, 1.0
     )
     return out
 
@@ -289,8 +289,8 @@ def _descent(
 
     ``start_count`` rows in turn belong to one target.
     """
-    room = 0.5 * (kin.facts.upper - kin.facts.lower)
-    inset = np.minimum(joint_margin, 0.99 * room)
+    slack = 0.5 * (kin.facts.upper - kin.facts.lower)
+    inset = np.minimum(joint_margin, 0.99 * slack)
     lower = kin.facts.lower + inset
     upper = kin.facts.upper - inset
     climbing = 0 if search.first_found else max(search.iterations - POLISHING, 0)

@@ -110,13 +110,13 @@ class ArmKinematics:
         links.append(T[-1, :3, 3] + T[-1, :3, :3] @ wrist)
         longest = [0.0, float(np.linalg.norm(links[0]))]
         for i in range(1, len(links)):
-            way = longest[i] + float(np.linalg.norm(links[i]))
+            path = longest[i] + float(np.linalg.norm(links[i]))
             a = T[i, :3, :3].T @ links[i - 1]
             b = links[i]
             along = axis[i] @ (a + b)
             across = [np.linalg.norm(np.cross(axis[i], v)) for v in (a, b)]
             longest.append(
-                min(way, longest[i - 1] + float(np.hypot(along, sum(across))))
+                min(path, longest[i - 1] + float(np.hypot(along, sum(across))))
             )
         return shoulder, float((tip[:3, 3] - wrist) @ tip[:3, 2]), longest[-1]
 

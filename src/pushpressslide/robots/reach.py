@@ -153,11 +153,11 @@ def held_somehow_problem(
     near = [one for one in (first, *others) if (along.short(one) <= 0.0).all()]
     if near:
         worst = places[_worst(found)]
-        solved, able = _some_hold(along, near, worst)
+        solved, reachable = _some_hold(along, near, worst)
         if solved:
             return None
         # where it was thought worst it will do after all
-        if near[0] is first and able.ok[0]:
+        if near[0] is first and reachable.ok[0]:
             found = _retried(kin, p[places], first[places], found)
     return _problem(kin, robot, [points[i] for i in places], found, REACH_MARGIN)
 
@@ -211,14 +211,14 @@ def _some_hold(along: _PathReach, holds: list[Array], worst: int) -> tuple[bool,
     kin = along.kin
     axes = np.array([_axes(held)[worst] for held in holds])
     there = np.tile(along.p[worst], (len(holds), 1))
-    able = first_look(kin, there, axes)
-    if any(along.reached(holds[i]) for i in np.flatnonzero(able.ok)):
-        return True, able
-    able = _retried(kin, there, axes, able, each=True)
+    reachable = first_look(kin, there, axes)
+    if any(along.reached(holds[i]) for i in np.flatnonzero(reachable.ok)):
+        return True, reachable
+    reachable = _retried(kin, there, axes, reachable, each=True)
     reached = any(
-        along.reached(holds[i], patient=True) for i in np.flatnonzero(able.ok)
+        along.reached(holds[i], patient=True) for i in np.flatnonzero(reachable.ok)
     )
-    return reached, able
+    return reached, reachable
 
 
 def _tool_targets(hold: ToolAttitude, yaws: Array | None, count: int) -> Array:

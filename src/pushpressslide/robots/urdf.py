@@ -42,16 +42,16 @@ def _between(shape: str, p: Sequence[float], q: Sequence[float], radius: float) 
 
 
 def _visual(facts: RobotFacts, index: int) -> str:
-    entry = facts.visuals[index]
-    rgb = (facts.colors or {}).get(entry["color"], SOLID_GREY)
-    if entry["shape"] == "ellipsoid":
-        a, b, c = (float(v) for v in entry["axes"])
+    item = facts.visuals[index]
+    rgb = (facts.colors or {}).get(item["color"], SOLID_GREY)
+    if item["shape"] == "ellipsoid":
+        a, b, c = (float(v) for v in item["axes"])
         shape = f'<drake:ellipsoid a="{a!r}" b="{b!r}" c="{c!r}"/>'
-        body = f'<origin xyz="{numbers(entry["p"])}"/><geometry>{shape}</geometry>'
+        body = f'<origin xyz="{numbers(item["p"])}"/><geometry>{shape}</geometry>'
     else:
-        body = _between(entry["shape"], entry["p"], entry["q"], float(entry["radius"]))
-    material = f'<material name="{entry["color"]}"><color rgba="{numbers((*rgb, 1.0))}"/></material>'
-    return f'<visual name="{entry["link"]}_{index}">{body}{material}</visual>'
+        body = _between(item["shape"], item["p"], item["q"], float(item["radius"]))
+    material = f'<material name="{item["color"]}"><color rgba="{numbers((*rgb, 1.0))}"/></material>'
+    return f'<visual name="{item["link"]}_{index}">{body}{material}</visual>'
 
 
 def _link(facts: RobotFacts, link: LinkFacts, collision: bool) -> str:
@@ -65,8 +65,8 @@ def _link(facts: RobotFacts, link: LinkFacts, collision: bool) -> str:
         )
     parts += [
         _visual(facts, i)
-        for i, entry in enumerate(facts.visuals)
-        if entry["link"] == link.name
+        for i, item in enumerate(facts.visuals)
+        if item["link"] == link.name
     ]
     if collision:
         parts += [

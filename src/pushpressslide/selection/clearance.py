@@ -85,26 +85,26 @@ def base_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | None:
     if not discs:
         return None
     clearance = query.motion.clearance
-    apart = gaps(shape, poses, discs)
+    distances = gaps(shape, poses, discs)
     allowed = allowed_gaps(shape, poses, ends, discs, clearance)
-    worst, i = divmod(int((allowed - apart).argmax()), len(discs))
-    if apart[worst, i] >= allowed[worst, i]:
+    worst, i = divmod(int((allowed - distances).argmax()), len(discs))
+    if distances[worst, i] >= allowed[worst, i]:
         return None
     text = (
         "the object comes within {figure:mm.0f} of an arm's base at "
         f"{_position_text(poses[worst])}, allowed from {{allowed:mm.0f}}"
     )
-    least = float(apart[worst, i])
+    least = float(distances[worst, i])
     return Refusal("obstacle", text, least, float(allowed[worst, i]), "m")
 
 
 def _near_bases(scene: Scene, clearance: float, segments: Sequence[Segment]) -> bool:
     """Return whether the object may come near to an arm's base on its path."""
-    room = scene.body.radius + clearance + margins.ARM.base
+    margin = scene.body.radius + clearance + margins.ARM.base
     for segment in segments:
         length = segment.path.length
         X_WV = segment.path.pose(0.5 * length)
-        far = room + math.hypot(*segment.X_BV.position) + 0.5 * length
+        far = margin + math.hypot(*segment.X_BV.position) + 0.5 * length
         if any(math.dist(X_WV.position, base[:2]) < far for base in scene.bases):
             return True
     return False
@@ -153,7 +153,7 @@ def tips_refusal(
     import shapely
 
     contacts = {contact for segment in segments for contact in segment.contacts}
-    ways = carried_ways(scene.body.shape, yielding, poses)
+    paths = carried_ways(scene.body.shape, yielding, poses)
     for contact in contacts:
         radius = scene.robots[contact.arm].tip_radius
         place, height = contact.tip_place(radius)
@@ -163,11 +163,11 @@ def tips_refusal(
             continue
         tips = shapely.points([X.apply((x, y)) for X in poses])
         for obstacle in tall:
-            way = ways.get(obstacle.name)
-            there = all_placed(obstacle.shape, way or [obstacle.pose])
-            apart = shapely.distance(tips, there)
-            nearest = int(apart.argmin())
-            gap = float(apart[nearest]) - radius
+            path = paths.get(obstacle.name)
+            there = all_placed(obstacle.shape, path or [obstacle.pose])
+            distances = shapely.distance(tips, there)
+            nearest = int(distances.argmin())
+            gap = float(distances[nearest]) - radius
             if gap < 0.0:
                 name = literal(repr(obstacle.name))
                 text = f"the tip runs into obstacle {name} at {_position_text(poses[nearest])}"
@@ -182,23 +182,23 @@ def _carried_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | No
     from shapely import Polygon
 
     scene = query.scene
-    ways = carried_ways(scene.body.shape, query.yielding, poses)
-    for name, way in ways.items():
+    paths = carried_ways(scene.body.shape, query.yielding, poses)
+    for name, path in paths.items():
         body = next(o for o in scene.obstacles if o.name == name)
         others = [o for o in scene.obstacles if o is not body]
         ends = (body.pose, body.pose)
         what = f"{name!r}, pushed along,"
         clearance = query.motion.clearance
-        refusal = _too_near(what, body.shape, way, ends, others, clearance)
+        refusal = _too_near(what, body.shape, path, ends, others, clearance)
         region = scene.support.region
         if refusal is None and region is not None:
-            places = np.array([X.apply(body.shape.centroid) for X in way])
-            depths = edge_depths(body.shape, way, places, Polygon(region))
+            places = np.array([X.apply(body.shape.centroid) for X in path])
+            depths = edge_depths(body.shape, path, places, Polygon(region))
             worst = int(depths.argmin())
             if depths[worst] <= 0.0:
                 text = (
                     f"{literal(what)} falls over the edge of support.region at "
-                    f"{_position_text(way[worst])}"
+                    f"{_position_text(path[worst])}"
                 )
                 refusal = Refusal("edge", text)
         if refusal is not None:
@@ -225,11 +225,11 @@ def _too_near(
     if not obstacles:
         return None
     others = [obstacle.footprint for obstacle in obstacles]
-    apart = gaps(shape, poses, others)
+    distances = gaps(shape, poses, others)
     allowed = allowed_gaps(shape, poses, ends, others, clearance)
     for i, obstacle in enumerate(obstacles):
-        lacking = allowed[:, i] - apart[:, i]
-        if apart[:, i].min() == 0.0 and allowed[:, i].min() <= 0.0:
+        lacking = allowed[:, i] - distances[:, i]
+        if distances[:, i].min() == 0.0 and allowed[:, i].min() <= 0.0:
             # it touches at an end, and may on the way
             shared = overlaps(shape, poses, others[i])
             deepest = int(shared.argmax())
@@ -244,7 +244,7 @@ def _too_near(
                 f"{literal(repr(obstacle.name))} at {_position_text(poses[worst])}, allowed from "
                 "{allowed:mm.0f}"
             )
-            least = float(apart[worst, i])
+            least = float(distances[worst, i])
             return Refusal("obstacle", text, least, float(allowed[worst, i]), "m")
     return None
 

@@ -24,21 +24,21 @@ class Contest:
             return f"{mode} was asked for, although it is refused: {self.winner.reason}"
         if not self.rivals:
             return f"{mode} is the only mode that the task allows."
-        able = [rival for rival in self.rivals if rival.feasible]
-        if not able:
+        feasible = [rival for rival in self.rivals if rival.feasible]
+        if not feasible:
             return f"{mode} is taken: no other mode can do the task."
-        count = f"{len(able) + 1} modes that can do the task"
+        count = f"{len(feasible) + 1} modes that can do the task"
         time = _seconds(self.winner)
-        lead = self.lead(able[0])
+        lead = self.lead(feasible[0])
         if lead is None or lead <= 0.0:
-            text = f"{mode} is taken of {count}: as quick as {able[0].mode}, {time}"
-            if contact_squeeze(self.winner) < contact_squeeze(able[0]):
+            text = f"{mode} is taken of {count}: as quick as {feasible[0].mode}, {time}"
+            if contact_squeeze(self.winner) < contact_squeeze(feasible[0]):
                 text += ", and its contacts push less against each other"
             return f"{text}."
         return (
             f"{mode} is taken: of {count} it is the quickest, {time} expected "
-            f"with approach and release; {able[0].mode} follows with "
-            f"{_seconds(able[0])}."
+            f"with approach and release; {feasible[0].mode} follows with "
+            f"{_seconds(feasible[0])}."
         )
 
     def lead(self, rival: Choice) -> float | None:

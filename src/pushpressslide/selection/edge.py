@@ -64,8 +64,8 @@ def _segment_refusal(
     """Return where one of the segments that begin at ``first`` tips the object."""
     shape = scene.body.shape
     margin = margins.EDGE_MARGIN * shape.half_width
-    begin = np.array([first.apply(scene.body.center_of_mass)])
-    there = min(float(edge_depths(shape, [first], begin, region)[0]), margin)
+    start = np.array([first.apply(scene.body.center_of_mass)])
+    there = min(float(edge_depths(shape, [first], start, region)[0]), margin)
     far = lengths_from(shape, first, poses)
     share = np.minimum(far / margins.ARM.leaving, 1.0)
     allowed = there + (margin - there) * share - ROUND_OFF

@@ -149,9 +149,9 @@ class LegSearch:
         """Never again do ``steps`` from the ``first`` to the ``last``, of one placement,
         with its contacts.
         """
-        held = steps[last].end.held_contacts
-        assert held is not None
-        self.banned.add((steps[first].start.pose, steps[last].end.pose, held))
+        held_contacts = steps[last].end.held_contacts
+        assert held_contacts is not None
+        self.banned.add((steps[first].start.pose, steps[last].end.pose, held_contacts))
         modes = tuple(step.choice.mode for step in steps)
         times = (step.choice.time or 0.0 for step in steps)
         self._dropped.append(DroppedSequence(modes, sum(times), reason))
@@ -226,7 +226,7 @@ class LegSearch:
         if left == 1:
             targets = (GOAL,)
         behind = {step.start.pose for step in here.steps} | {here.node.pose}
-        held = here.node.held_contacts
+        held_contacts = here.node.held_contacts
         out = []
         for to in targets:
             if to in behind or self._short(here.node.pose, to):
@@ -235,7 +235,7 @@ class LegSearch:
             for mode in self.modes:
                 if not self.touching.can_reach(mode, self.poses, here.node.pose, to):
                     continue
-                if held is not None and held.mode == mode:
+                if held_contacts is not None and held_contacts.mode == mode:
                     out.append((due, Motion(here, to, mode, held_contacts=True)))
                 out.append(
                     (due + self._regrasp, Motion(here, to, mode, held_contacts=False))
@@ -255,10 +255,10 @@ class LegSearch:
         out = []
         for choice in self._choices(motion):
             contacts = HeldContacts.by(choice.mode, choice.contacts)
-            held = contacts == here.node.held_contacts
+            held_contacts = contacts == here.node.held_contacts
             since = here.node.pose
             time = choice.time or 0.0
-            if held:
+            if held_contacts:
                 since = here.node.since
                 time = max(time - self._regrasp, 0.0)
             elif motion.held_contacts:
@@ -272,9 +272,9 @@ class LegSearch:
 
     def _key(self, motion: Motion) -> tuple[int, int, str, HeldContacts | None]:
         """Return under what the choices of a motion are kept."""
-        begin = motion.before.node
-        held = begin.held_contacts if motion.held_contacts else None
-        return (begin.pose, motion.to, motion.mode, held)
+        start = motion.before.node
+        held_contacts = start.held_contacts if motion.held_contacts else None
+        return (start.pose, motion.to, motion.mode, held_contacts)
 
     def _worth_asking(self, motion: Motion) -> bool:
         """Return whether a motion has choices, or may be judged."""
@@ -286,12 +286,12 @@ class LegSearch:
     def _choices(self, motion: Motion) -> list[Choice]:
         """Return the feasible choices of a motion, judged the first time."""
         key = self._key(motion)
-        begin, end, mode, held = key
+        start, end, mode, held_contacts = key
         if key not in self._found:
             self.evaluated += 1
             self.spent += 1 if motion.held_contacts else MODES[mode].evaluation_cost
-            asked = self.query.between(self.poses[begin], self.poses[end])
-            judged = self.evaluate(asked, mode, held)
+            asked = self.query.between(self.poses[start], self.poses[end])
+            judged = self.evaluate(asked, mode, held_contacts)
             self._found[key] = _best(judged)
             if not self._found[key]:
                 self._note(mode, judged)

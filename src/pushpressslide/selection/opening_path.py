@@ -29,8 +29,8 @@ def opening_refusal(
     if opening is None:
         return None
     width, height = opening.size
-    room = 2.0 * query.motion.clearance  # within which an outline counts as going in
-    wide = replace(opening, size=(width + room, height + room))
+    margin = 2.0 * query.motion.clearance  # within which an outline counts as going in
+    wide = replace(opening, size=(width + margin, height + margin))
     enters = query.scene.enters(query.goal)
     drive = segment.drive
     cop = drive.center

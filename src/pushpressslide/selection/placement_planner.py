@@ -121,8 +121,8 @@ def add_first(
                 return True
         except InfeasibleTaskError as error:
             problems[key] = error
-        why = str(problems[key]).split(": ", 1)[-1]
-        choices[i] = choice.refused(Refusal("joint_path", literal(why)))
+        reason = str(problems[key]).split(": ", 1)[-1]
+        choices[i] = choice.refused(Refusal("joint_path", literal(reason)))
     return False
 
 
@@ -139,8 +139,8 @@ def with_joint_paths(
             try:
                 planner.add(empty.of_choices([choice]).by_placement[0])
             except InfeasibleTaskError as error:
-                why = str(error).split(": ", 1)[-1]
-                choice = choice.refused(Refusal("joint_path", literal(why)))
+                reason = str(error).split(": ", 1)[-1]
+                choice = choice.refused(Refusal("joint_path", literal(reason)))
             planner.keep(0)
         out.append(choice)
     return sorted(out, key=lambda choice: not choice.feasible)

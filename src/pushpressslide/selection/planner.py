@@ -19,10 +19,10 @@ def selectable(
     With ``force`` they just have a path for it. Raises InfeasibleTaskError where there
     is none.
     """
-    able = [c for c in choices if c.segments and (c.feasible or force)]
-    if not able:
+    feasible = [c for c in choices if c.segments and (c.feasible or force)]
+    if not feasible:
         raise infeasible(empty, choices)
-    return able
+    return feasible
 
 
 def infeasible(

@@ -66,9 +66,9 @@ def in_the_way(moment: Moment) -> list[str]:
     width of its straight way, in the order of the task.
     """
     task = moment.task
-    room = 2.0 * max(robot.tip_radius for robot in task.robots)
-    ways = {
-        body: moment.swept_area(body).buffer(room + task.motion.clearance)
+    margin = 2.0 * max(robot.tip_radius for robot in task.robots)
+    paths = {
+        body: moment.swept_area(body).buffer(margin + task.motion.clearance)
         for body, goals in moment.goals.items()
         if goals
     }
@@ -76,8 +76,8 @@ def in_the_way(moment: Moment) -> list[str]:
         body
         for body in moment.goals
         if any(
-            moment.outline(body).intersects(way)
-            for other, way in ways.items()
+            moment.outline(body).intersects(path)
+            for other, path in paths.items()
             if other != body
         )
     ]
@@ -94,13 +94,13 @@ def spots(moment: Moment, body: str) -> list[Pose2]:
     stage = stage_task(moment.task, Stage(body, here), moment.state).query
     shape = stage.scene.body.shape
     others = [other for other in moment.goals if other != body]
-    ways = [moment.swept_area(other) for other in others if moment.goals[other]]
+    paths = [moment.swept_area(other) for other in others if moment.goals[other]]
     kept = []
     for number, ring in enumerate(RINGS):
         ranked = []
         for X in _free(stage, moment, body, ring * shape.circumradius):
             outline = shape.placed(X).buffer(stage.motion.clearance)
-            blocked = sum(bool(outline.intersects(way)) for way in ways)
+            blocked = sum(bool(outline.intersects(path)) for path in paths)
             onward = sum(math.dist(X.position, g.position) for g in moment.goals[body])
             ranked.append((blocked, number, round(onward, 6), X.x, X.y, X))
         kept += sorted(ranked, key=lambda entry: entry[:-1])[:PER_RING]
@@ -132,8 +132,8 @@ def _free(
         for outline in moment.goal_outlines(other)
     ]
     space = replace(space, others=(*space.others, *goals))
-    able = np.asarray(space.free(ring)) & reached(stage.scene, ring)
-    return [X for X, fit in zip(ring, able, strict=True) if fit]
+    reachable = np.asarray(space.free(ring)) & reached(stage.scene, ring)
+    return [X for X, fit in zip(ring, reachable, strict=True) if fit]
 
 
 def _within(scene: Scene, limits: Limits, X: Pose2) -> bool:

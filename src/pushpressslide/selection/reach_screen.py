@@ -76,6 +76,6 @@ def _in_span(scene: Scene, poses: Sequence[Pose2]) -> Able:
         shoulder, wrist, span = arm_kinematics(robot).span
         x, y, z = scene.support.frame.coordinates(shoulder.tolist())
         level = max(z - shape.height - robot.tip_radius, 0.0)
-        apart = shapely.distance(placed, shapely.Point(x, y)) - robot.tip_radius
-        out.append(np.hypot(apart, level) <= span + abs(wrist))
+        distances = shapely.distance(placed, shapely.Point(x, y)) - robot.tip_radius
+        out.append(np.hypot(distances, level) <= span + abs(wrist))
     return np.column_stack(out)

@@ -186,9 +186,9 @@ def _blocks(query: MotionQuery) -> Callable[[Choice], Refusal | None]:
     def blocks(choice: Choice) -> Refusal | None:
         """Return what is in the way; None if nothing."""
         touched = tuple(replace(contact, arm=0) for contact in choice.contacts)
-        way = (touched, tuple(piece.path for piece in choice.segments))
-        if way not in refusals:
-            refusals[way] = path_refusal(query, choice.segments)
-        return refusals[way]
+        path = (touched, tuple(segment.path for segment in choice.segments))
+        if path not in refusals:
+            refusals[path] = path_refusal(query, choice.segments)
+        return refusals[path]
 
     return blocks

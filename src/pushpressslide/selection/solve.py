@@ -169,15 +169,15 @@ def _searched(
     Raises InfeasibleTaskError where none was found.
     """
     (query,) = empty.queries
-    ways = free_space(query).paths_to(query.goal)
-    poses = [query.start, query.goal, *waypoints(query, ways)]
-    search = LegSearch(query, ways, poses, ReachScreen(query), evaluate_motion, JUDGED)
+    paths = free_space(query).paths_to(query.goal)
+    poses = [query.start, query.goal, *waypoints(query, paths)]
+    search = LegSearch(query, paths, poses, ReachScreen(query), evaluate_motion, JUDGED)
     search.know(choices)
     lacking = ""
     for _ in range(SEQUENCES if empty.restart is None else SEQUENCES_ANEW):
         steps = search.soonest()
         if not steps and search.successors is None:
-            search.successors = partial(push_successors, query, ways)
+            search.successors = partial(push_successors, query, paths)
             search.max_work += MOST_FURTHER
             steps = search.soonest()
         if not steps:
@@ -193,7 +193,7 @@ def _searched(
 def _plan(empty: Plan, steps: Sequence[Step]) -> Plan:
     """Return the plan of a sequence; its legs are those of the plan's task."""
     task = empty.task
-    begin = empty.restart
+    start = empty.restart
     segments: list[Segment] = []
     legs = []
     for i, step in enumerate(steps):
@@ -202,9 +202,9 @@ def _plan(empty: Plan, steps: Sequence[Step]) -> Plan:
         end = task.goal if step is steps[-1] else led[-1].goal.wrapped
         legs.append(Leg(step.choice.mode, end, task.motion))
     found = tuple(legs) if len(legs) > 1 else ()
-    if begin is not None:
-        begin = replace(begin, leg=0, legs=found)
-    return Plan(replace(task, legs=found), tuple(segments), begin, from_search=True)
+    if start is not None:
+        start = replace(start, leg=0, legs=found)
+    return Plan(replace(task, legs=found), tuple(segments), start, from_search=True)
 
 
 def _prepare(planner: PlacementPlanner, plan: Plan) -> tuple[list[int] | None, str]:
@@ -225,7 +225,7 @@ def _prepare(planner: PlacementPlanner, plan: Plan) -> tuple[list[int] | None, s
             planner.add(placement)
         except InfeasibleTaskError as error:
             lacking = str(error).split(": ", 1)[-1]
-            return sorted({piece.leg for piece in placement.segments}), lacking
+            return sorted({segment.leg for segment in placement.segments}), lacking
     return None, ""
 
 

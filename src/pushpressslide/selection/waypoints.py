@@ -69,8 +69,8 @@ def bounds(query: MotionQuery) -> Bounds:
     ends = (query.start, query.goal)
     xs: Sequence[float] = [X.x for X in ends]
     ys: Sequence[float] = [X.y for X in ends]
-    room = ROOM + query.body.shape.circumradius
-    region = (min(xs) - room, max(xs) + room, min(ys) - room, max(ys) + room)
+    margin = ROOM + query.body.shape.circumradius
+    region = (min(xs) - margin, max(xs) + margin, min(ys) - margin, max(ys) + margin)
     if query.scene.support.region is not None:
         xs, ys = zip(*query.scene.support.region, strict=True)
         out = math.hypot(*query.body.center_of_mass)
@@ -95,17 +95,17 @@ def waypoints(query: MotionQuery, free_paths: PathsTo) -> list[Pose2]:
 
     ``free_paths`` lead to the goal of ``query``.
     """
-    way = free_paths.via_poses(query.start)
-    if way is None:
+    path = free_paths.via_poses(query.start)
+    if path is None:
         return []
     axes = push_axes(query.scene)
     handed_over = _handed_over(query, free_paths.space)
     kinds = (
         handed_over,
         _poses_along(free_paths, handed_over[:FOLLOWED]),
-        way[1:-1],
+        path[1:-1],
         _before(query.start, query.goal, axes),
-        _gates(way, axes),
+        _gates(path, axes),
         _turned(query.start, query.goal, axes),
     )
     in_turn = [X for row in zip_longest(*kinds) for X in row if X is not None]
@@ -186,8 +186,8 @@ def _before(start: Pose2, goal: Pose2, axes: Sequence[float]) -> list[Pose2]:
         c = math.cos(goal.yaw + axis)
         s = math.sin(goal.yaw + axis)
         abreast = (goal.x - start.x) * c + (goal.y - start.y) * s
-        ways = [*STRAIGHTS, abreast] if abreast > STRAIGHTS[0] else STRAIGHTS
-        out += [Pose2(goal.x - d * c, goal.y - d * s, goal.yaw) for d in ways]
+        paths = [*STRAIGHTS, abreast] if abreast > STRAIGHTS[0] else STRAIGHTS
+        out += [Pose2(goal.x - d * c, goal.y - d * s, goal.yaw) for d in paths]
     return out
 
 
@@ -222,7 +222,7 @@ def _handed_over(query: MotionQuery, space: FreeSpace) -> list[Pose2]:
         grid = [Pose2(x, y, yaw) for y in ys for x in xs]
         there = np.any(touching(query, mode, grid), axis=2)
         both = np.any(there[:, gives], axis=1) & np.any(there[:, takes], axis=1)
-        found += [X for X, able in zip(grid, both, strict=True) if able]
+        found += [X for X, reachable in zip(grid, both, strict=True) if reachable]
     if not found:
         return []
     found = [X for X, free in zip(found, space.free(found), strict=True) if free]
@@ -233,7 +233,7 @@ def _handed_over(query: MotionQuery, space: FreeSpace) -> list[Pose2]:
 def _poses_along(free_paths: PathsTo, poses: Sequence[Pose2]) -> list[Pose2]:
     """Return the places of the ways that lead from ``poses`` to the goal, in turn."""
     found = [free_paths.via_poses(X) for X in poses]
-    each = [way[1:-1] for way in found if way is not None]
+    each = [path[1:-1] for path in found if path is not None]
     return [X for row in zip_longest(*each) for X in row if X is not None]
 
 
@@ -273,9 +273,9 @@ def _usable(
     inside = [X for X in poses if x_min <= X.x <= x_max and y_min <= X.y <= y_max]
     if not inside:
         return []
-    able = space.free(inside) & reached(query.scene, inside)
+    reachable = space.free(inside) & reached(query.scene, inside)
     out: list[Pose2] = []
-    for X, fit in zip(inside, able, strict=True):
+    for X, fit in zip(inside, reachable, strict=True):
         if fit and not any(
             same_pose(X, other) for other in (*out, query.start, query.goal)
         ):
@@ -299,8 +299,8 @@ def _reached(robot: Robot, scene: Scene, poses: Sequence[Pose2]) -> NDArray[np.b
     height = shape.height + robot.tip_radius
     places = [scene.body.center_of_mass, *_side_middles(shape)]
     points = [frame.point((*X.apply(place), height)) for X in poses for place in places]
-    able = reachable(arm_kinematics(robot), np.array(points), quick=True).ok
-    return np.asarray(able.reshape(len(poses), len(places)).any(axis=1))
+    in_reach = reachable(arm_kinematics(robot), np.array(points), quick=True).ok
+    return np.asarray(in_reach.reshape(len(poses), len(places)).any(axis=1))
 
 
 def _side_middles(shape: Shape) -> list[Point]:

@@ -184,8 +184,8 @@ class DrakeClearance:
         }
         gaps = [self._nearest(postures, transforms, shapes, moved, _lack)]
         for own, outline, q_still in self._still:
-            apart = least_distance(own, outline, postures, q_still, LOOK)
-            gaps.append(Gap(float(apart), "the arms"))
+            distances = least_distance(own, outline, postures, q_still, LOOK)
+            gaps.append(Gap(float(distances), "the arms"))
         return max(gaps, key=_lack)
 
     def least_in_space(

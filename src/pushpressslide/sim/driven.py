@@ -55,7 +55,7 @@ def clearance_driven(record: Record) -> tuple[float, str]:
                 q[ticks],
                 _poses_at(poses["object_pose_3d"], ticks),
                 shapes,
-                {name: _poses_at(way, ticks) for name, way in body_poses.items()},
+                {name: _poses_at(path, ticks) for name, path in body_poses.items()},
             )
             if near < least:
                 least = near

@@ -225,7 +225,7 @@ class Knocker:
 
 def _hold(plan: Plan) -> float:
     """Return the friction [N] of the support and of the tips on top, as planned."""
-    press = max(sum(c.load for c in piece.contacts) for piece in plan.segments)
+    press = max(sum(c.load for c in segment.contacts) for segment in plan.segments)
     scene = plan.task.scene
     return scene.max_friction(press) + scene.contact_friction * press
 

@@ -48,9 +48,9 @@ def with_table(page: str) -> str:
 
     Raises ValueError for a page without the two marks.
     """
-    head, begin, rest = page.partition(BEGIN)
+    head, start, rest = page.partition(BEGIN)
     _, end, tail = rest.partition(END)
-    if not begin or not end:
+    if not start or not end:
         raise ValueError(f"the page lacks {BEGIN!r} or {END!r}")
     titles = ["| field | allowed | default | meaning |", "|---|---|---|---|"]
     table = "\n".join([*titles, *_rows(SCHEMA.fields or {}, "")])

@@ -68,9 +68,9 @@ def check_goals(task: Task) -> None:
         reason = "allowed: table, where a task has goals"
         raise TaskError(task.source, "support.kind", task.support.kind, reason)
     fixed = tuple(o for o in task.obstacles if not o.movable)
-    begin = start_state(task)
+    first = start_state(task)
     for i, goal in enumerate(task.goals):
-        own = stage_task(task, Stage(goal.body, goal.pose), begin)
+        own = stage_task(task, Stage(goal.body, goal.pose), first)
         own = replace(own, obstacles=fixed, source=task.source)
         start = "start" if goal.body == OBJECT else _pose_field(task, goal.body)
         try:

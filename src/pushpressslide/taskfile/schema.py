@@ -122,13 +122,13 @@ def _section(data: Any) -> Kind:
     keyed: dict[str, Field] = {}
     for field in fields(data):
         if "entry" in field.metadata:
-            entry = field.metadata["entry"]
-            key = entry.key or field.name + ("_deg" if entry.unit == "deg" else "")
+            spec = field.metadata["entry"]
+            key = spec.key or field.name + ("_deg" if spec.unit == "deg" else "")
             kind = _LAYOUTS.get(f"{data.__name__}.{field.name}")
-            placed = _field(field, entry, kind or _kind(hints[field.name], entry))
-            if entry.section:
+            placed = _field(field, spec, kind or _kind(hints[field.name], spec))
+            if spec.section:
                 key, inner = key.split(".")
-                placed = _wrapped(inner, placed, entry.section)
+                placed = _wrapped(inner, placed, spec.section)
             if f"{data.__name__}.{field.name}" in _SPREAD:
                 keyed |= placed.kind.fields or {}
             else:

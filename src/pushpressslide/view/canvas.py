@@ -57,10 +57,10 @@ class Canvas:
         """Draw a dashed line through ``points``."""
         long = 7.0
         moved = 0.0
-        for begin, end in pairwise(points):
+        for start, end in pairwise(points):
             if int(moved / long) % 2 == 0:
-                self.line((begin, end), color, width)
-            moved += math.dist(begin, end)
+                self.line((start, end), color, width)
+            moved += math.dist(start, end)
 
     def polygon(
         self, points: Sequence[Pixel], fill: Color | None, edge: Color, width: float

@@ -157,9 +157,9 @@ def moment(timeline: RunTimeline, frame: int) -> str:
 def legend(canvas: Canvas, entries: Iterable[LegendEntry]) -> None:
     """Write what the colours mean into the upper left corner."""
     rows = list(entries)
-    width = max(canvas.width_of(entry.text, 13.0) for entry in rows) + 40.0
+    width = max(canvas.width_of(item.text, 13.0) for item in rows) + 40.0
     canvas.panel((0.0, 0.0), (width, LINE * len(rows) + ROOM))
-    for i, entry in enumerate(rows):
+    for i, item in enumerate(rows):
         y = 7.0 + LINE * i
-        canvas.line(((ROOM, y + 8.0), (ROOM + 14.0, y + 8.0)), rgba(entry.color), 7.0)
-        canvas.text((ROOM + 21.0, y), entry.text, 13.0)
+        canvas.line(((ROOM, y + 8.0), (ROOM + 14.0, y + 8.0)), rgba(item.color), 7.0)
+        canvas.text((ROOM + 21.0, y), item.text, 13.0)

@@ -133,7 +133,12 @@ def test_a_rate_is_of_the_attempted_with_the_refused_beside(
     )
     (line,) = (row for row in rows_tool.lines_of((table,)) if "0123456" in row)
     cells = line.split(" | ")
-    assert cells[2:6] == ["5", "3 of 60 so far: 60 % (23 to 88)", "2", "67 % (21 to 94)"]
+    assert cells[2:6] == [
+        "5",
+        "3 of 60 so far: 60 % (23 to 88)",
+        "2",
+        "67 % (21 to 94)",
+    ]
     draw(rows_tool, rows_tool.KNOWN[-1], "kOther", "refused", "reached")
     assert "Of 2 random tasks with no mode given, 1 were attempted" in rows_tool.fact()
 

@@ -100,10 +100,10 @@ def drawn_back(
     """
     out = []
     for arm, (path, _) in enumerate(paths):
-        way = path.back
-        if way is None or arm in holding:
-            way = path.move
-        out.append(way[-1])
+        route = path.back
+        if route is None or arm in holding:
+            route = path.move
+        out.append(route[-1])
     return tuple(out)
 
 
@@ -113,14 +113,14 @@ def _with_ways_back(
     """Return the paths with the ways back from their ends: as long as the arms can
     follow, clear of everything.
     """
-    ways = [
+    routes = [
         _way_back(problem, path, attitude)
         for problem, (path, attitude) in zip(problems, paths, strict=True)
     ]
-    count = min(len(way) for way, _ in ways)
-    if len(ways) > 1:
+    count = min(len(route) for route, _ in routes)
+    if len(routes) > 1:
         one, other = map(_capsules, problems)
-        (left, _), (right, _) = ways
+        (left, _), (right, _) = routes
 
         def arms_are_separated(i: int) -> bool:
             near = least_distance(one, other, left[i : i + 1], right[i : i + 1], LOOK)
@@ -128,11 +128,11 @@ def _with_ways_back(
 
         count = _clear_count(arms_are_separated, count)
     out = []
-    for problem, (path, attitude), (way, step) in zip(
-        problems, paths, ways, strict=True
+    for problem, (path, attitude), (route, step) in zip(
+        problems, paths, routes, strict=True
     ):
         if problem.along is not None:
-            path = replace(path, back=way[:count], max_retreat=step * (count - 1))
+            path = replace(path, back=route[:count], max_retreat=step * (count - 1))
         out.append((path, attitude))
     return tuple(out)
 
@@ -153,22 +153,22 @@ def _way_back(
     query = problem.query
     frame = query.scene.support.frame
     clearance = query.motion.clearance
-    room = room_before(query.scene, contact, margins.ARM.retreat, clearance)
+    slack = room_before(query.scene, contact, margins.ARM.retreat, clearance)
     R, p = problem.kin.tip_pose(q)
     normal = np.array(frame.direction(contact.direction(objects.bodies[-1])))
-    points = np.linspace(p, p - room * normal, RETREAT_SAMPLES)
+    points = np.linspace(p, p - slack * normal, RETREAT_SAMPLES)
     yaws = np.full(len(points), attitude.yaw(R))
     # an arm that ends inside the buffer may use half of what is left to the limit
-    least = min(margins.ARM.joint_buffer, 0.5 * float(problem.kin.joint_margin(q)))
-    way = continuation(problem.kin, points, yaws, q, attitude, least)
+    lower = min(margins.ARM.joint_buffer, 0.5 * float(problem.kin.joint_margin(q)))
+    route = continuation(problem.kin, points, yaws, q, attitude, lower)
     end = objects.shapes[-1:]
 
     def clear(i: int) -> bool:
-        gap = problem.clearance.min_distance(way.q[i : i + 1], end, touching=True)
+        gap = problem.clearance.min_distance(route.q[i : i + 1], end, touching=True)
         return gap.clear
 
-    reached = len(way.q) if way.failed_at is None else max(1, way.failed_at)
-    return way.q[: _clear_count(clear, reached)], room / (RETREAT_SAMPLES - 1)
+    reached = len(route.q) if route.failed_at is None else max(1, route.failed_at)
+    return route.q[: _clear_count(clear, reached)], slack / (RETREAT_SAMPLES - 1)
 
 
 def _clear_count(clear: Callable[[int], bool], count: int) -> int:
@@ -229,9 +229,9 @@ class _TwoArms:
                     if along >= APART:
                         yield from self._waiting(best, along)
         options = []
-        most = FEW if self.plan.from_search else None
+        upper = FEW if self.plan.from_search else None
         for result, stream in zip(results, searches, strict=True):
-            *_, complete = [result, *islice(stream, most)]
+            *_, complete = [result, *islice(stream, upper)]
             options.append(complete.solutions)
         apart = []
         pairs, nearest = self._apart_at_first(options)
@@ -278,15 +278,15 @@ class _TwoArms:
         """Return the arms' least distance [m] as both go from beside the object to
         their contacts.
         """
-        ways = []
+        paths = []
         for problem, solution in zip(self.problems, pair, strict=True):
-            way = solution.path.touch
+            path = solution.path.touch
             if problem.along is None:
-                way = solution.path.move[:1]
-            if way is None:
+                path = solution.path.move[:1]
+            if path is None:
                 return LOOK
-            ways.append(way)
-        left, right = ways
+            paths.append(path)
+        left, right = paths
         if len(left) > 1 and len(right) > 1:
             count = min(len(left), len(right))
             left = left[-count:]
@@ -325,8 +325,8 @@ class _TwoArms:
         own approach or after it.
         """
         for first, second in ((0, 1), (1, 0)):
-            begin = pair[second].path.approach[0]
-            leading = self._around(first, pair[first], {second: begin})
+            start = pair[second].path.approach[0]
+            leading = self._around(first, pair[first], {second: start})
             if leading is None:
                 continue
             end = leading.path.approach[-1]

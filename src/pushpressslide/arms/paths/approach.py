@@ -222,8 +222,8 @@ class Approach:
     @property
     def start_posture(self) -> Array:
         """The posture (n,) from which every approach begins."""
-        begin: Array = self._rises[0][0]
-        return begin
+        start: Array = self._rises[0][0]
+        return start
 
     def direct(self, descent: Descent) -> Iterator[Trajectory]:
         """Yield approaches straight through joint space, the highest first: all joints
@@ -338,10 +338,10 @@ class Approach:
         legs.append((down, drop / DESCENT_SPEED))
         times = [np.zeros(1)]
         postures = [rise[:1]]
-        for leg, least in legs:
+        for leg, lower in legs:
             if len(leg) < 2:
                 continue
-            span, moved = rest_to_rest(self.kin.facts, leg, least)
+            span, moved = rest_to_rest(self.kin.facts, leg, lower)
             times.append(times[-1][-1] + span * np.linspace(0.0, 1.0, len(moved))[1:])
             postures.append(moved[1:])
         return Trajectory(np.concatenate(times), np.concatenate(postures))

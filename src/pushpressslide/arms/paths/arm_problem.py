@@ -190,8 +190,8 @@ class ArmProblem:
         body = next(o for o in self.query.scene.obstacles if o.name == tool.body)
         ends = (body.pose, tool.goal)
         shares = np.linspace(0.0, 1.0, len(self.object_path.shapes))
-        way = [_between(ends, float(share)) for share in shares]
-        return {**self._carried, body.name: way}
+        path = [_between(ends, float(share)) for share in shares]
+        return {**self._carried, body.name: path}
 
     @cached_property
     def _carried(self) -> dict[str, list[Pose2]]:
@@ -213,14 +213,14 @@ class ArmProblem:
 
 
 def _between(ends: tuple[Pose2, Pose2], share: float) -> Pose2:
-    begin, end = ends
+    start, end = ends
     turn = math.remainder(
-        end.yaw - begin.yaw, 0.5 * math.pi
+        end.yaw - start.yaw, 0.5 * math.pi
     )  # whichever side is pushed
     return Pose2(
-        begin.x + share * (end.x - begin.x),
-        begin.y + share * (end.y - begin.y),
-        begin.yaw + share * turn,
+        start.x + share * (end.x - start.x),
+        start.y + share * (end.y - start.y),
+        start.yaw + share * turn,
     )
 
 

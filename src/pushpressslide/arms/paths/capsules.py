@@ -63,11 +63,13 @@ def _distances(
     """
     a, b = np.broadcast_arrays(one[:, :, None], other[:, None])
     reach = radii[:, None] + other_radii
-    apart = np.linalg.norm((a - b).mean(axis=-2), axis=-1) - reach  # of the middles
-    apart -= 0.5 * sum(
+    separation = (
+        np.linalg.norm((a - b).mean(axis=-2), axis=-1) - reach
+    )  # of the middles
+    separation -= 0.5 * sum(
         np.linalg.norm(c[..., 1, :] - c[..., 0, :], axis=-1) for c in (a, b)
     )
-    near = apart < look
+    near = separation < look
     distances = np.full(near.shape, look)
     exact = (
         _segment_distance(a[near], b[near]) - np.broadcast_to(reach, near.shape)[near]

@@ -30,12 +30,12 @@ def connect(
     if not (free(start) and free(goal)):
         return None
     rng = np.random.default_rng(0)
-    least = np.maximum(lower, np.minimum(start, goal) - ROOM)
-    most = np.minimum(upper, np.maximum(start, goal) + ROOM)
+    lowest = np.maximum(lower, np.minimum(start, goal) - ROOM)
+    highest = np.minimum(upper, np.maximum(start, goal) + ROOM)
     here = _Tree(start)
     there = _Tree(goal)
     for _ in range(GROWTHS):
-        reached = here.grow(least + rng.random(len(start)) * (most - least), free)
+        reached = here.grow(lowest + rng.random(len(start)) * (highest - lowest), free)
         if reached is not None:
             target = here.postures[reached]
             met = there.grow(target, free)

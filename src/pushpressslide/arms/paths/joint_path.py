@@ -93,15 +93,15 @@ class SearchResult:
         if self.solutions:
             return self.solutions[0]
         lacks = "joint path along the contact"
-        why = "no attitude of the tool can be followed"
+        reason = "no attitude of the tool can be followed"
         if problem.along is None:
             lacks = "place to wait"
-            why = "no motion leads there"
+            reason = "no motion leads there"
         if self.misses:
-            why = self.misses[0].reason
+            reason = self.misses[0].reason
         raise InfeasibleTaskError(
             f"{problem.query.source}: robots: the {problem.kin.facts.name} has no "
-            f"{lacks}: {why}"
+            f"{lacks}: {reason}"
         )
 
 
@@ -132,7 +132,7 @@ def search(problem: ArmProblem, *, force: bool = False) -> Iterator[SearchResult
     solutions: tuple[Solution, ...] = ()
     blocked: list[Miss] = []
     unreached: list[Miss] = []
-    most = MOST_BLOCKED if problem.plan.from_search else None
+    upper = MOST_BLOCKED if problem.plan.from_search else None
     for move in _candidates(problem, force):
         if isinstance(move, Miss):
             unreached.append(move)
@@ -140,7 +140,7 @@ def search(problem: ArmProblem, *, force: bool = False) -> Iterator[SearchResult
         path = path_of_move(problem, move, force=force)
         if isinstance(path, Miss):
             blocked.append(path)
-            if len(blocked) == most:
+            if len(blocked) == upper:
                 break
             continue
         solutions = (*solutions, Solution(move, path))
@@ -179,13 +179,13 @@ def _stuck(problem: ArmProblem) -> Miss | None:
     """
     if problem.start is None or problem.holds or problem.along is None:
         return None
-    begin = problem.start[None]
-    gap = problem.approach_clearance(problem.clearance, begin)
+    start = problem.start[None]
+    gap = problem.approach_clearance(problem.clearance, start)
     if gap.clear:
         return None
-    posture = Posture(UPRIGHT, 0.0, begin)
-    why = f"where the arm stands {gap.text}"
-    return Miss(10.0 * gap.lack, why, posture, in_approach=True)
+    posture = Posture(UPRIGHT, 0.0, start)
+    reason = f"where the arm stands {gap.text}"
+    return Miss(10.0 * gap.lack, reason, posture, in_approach=True)
 
 
 def path_of_move(
@@ -230,8 +230,8 @@ def path_of_move(
     for trajectory in trajectories:
         gap = _approach_clearance(problem, model, trajectory.postures)
         if gap.clear or force:
-            least = min(clear, gap.distance)
-            path = _joint_path(problem, move, trajectory, least, descent.gap)
+            lower = min(clear, gap.distance)
+            path = _joint_path(problem, move, trajectory, lower, descent.gap)
             return replace(path, touch=descent.touch)
         if nearest is None or gap.lack < nearest.lack:
             nearest = gap
@@ -248,9 +248,9 @@ def _waiting_path(
     """Return the path of an arm to where it waits; the rest as in ``path_of_move``."""
     posture = move.posture.q[0]
     clear = problem.waiting_clearance(posture).distance
-    begin = problem.approach.start_posture
-    if np.array_equal(posture, begin):
-        return _joint_path(problem, move, _standing(begin), clear, math.inf)
+    start = problem.approach.start_posture
+    if np.array_equal(posture, start):
+        return _joint_path(problem, move, _standing(start), clear, math.inf)
     model = _model(problem, others)
     trajectories = problem.approach.to(posture)
     if thorough:
@@ -260,12 +260,12 @@ def _waiting_path(
     for trajectory in trajectories:
         gap = _approach_clearance(problem, model, trajectory.postures)
         if gap.clear or force:
-            least = min(clear, gap.distance)
-            return _joint_path(problem, move, trajectory, least, math.inf)
+            lower = min(clear, gap.distance)
+            return _joint_path(problem, move, trajectory, lower, math.inf)
         if gap.lack < nearest.lack:
             nearest = gap
-    why = f"on the way to where it waits, {nearest.text}"
-    return Miss(10.0 * nearest.lack, why, move.posture, in_approach=True)
+    reason = f"on the way to where it waits, {nearest.text}"
+    return Miss(10.0 * nearest.lack, reason, move.posture, in_approach=True)
 
 
 def _standing(posture: Array) -> Trajectory:
@@ -311,11 +311,11 @@ def _approach_miss(posture: Posture, descent: Descent, gap: Gap | None) -> Miss:
     judge.
     """
     if gap is None:
-        why = "the arm is stretched too far to feel for it"
+        reason = "the arm is stretched too far to feel for it"
         if not descent.retreat.ok:
-            why = problem_text(descent.retreat, descent.points)
+            reason = problem_text(descent.retreat, descent.points)
         lack = shortfall(descent.retreat, descent.needed)
-        return Miss(lack, f"before the contact, {why}", posture, drawn_back=False)
+        return Miss(lack, f"before the contact, {reason}", posture, drawn_back=False)
     return Miss(
         10.0 * gap.lack,
         f"on the way to the object {gap.text}",
@@ -335,13 +335,13 @@ def _contact_miss(problem: ArmProblem, posture: Posture, gap: Gap) -> Miss | Non
         problem.plan, along.contact, problem.dynamics, posture.q, bodies
     )
     if share > MOST_EFFORT:
-        why = f"holding its contact takes {share:.2f} of a joint's torque limit, allowed {MOST_EFFORT:g}"
-        return Miss(NEAR + share, why, posture)
+        reason = f"holding its contact takes {share:.2f} of a joint's torque limit, allowed {MOST_EFFORT:g}"
+        return Miss(NEAR + share, reason, posture)
     rolled = _rolled(problem, along, posture.attitude)
     allowed = margins.ROLLED * math.hypot(*along.contact.point)
     if rolled > allowed:
-        why = f"a tool that leans and does not turn rolls its tip by {rolled * 1e3:.0f} mm"
-        return Miss(NEAR + rolled, f"{why}, allowed {allowed * 1e3:.0f} mm", posture)
+        reason = f"a tool that leans and does not turn rolls its tip by {rolled * 1e3:.0f} mm"
+        return Miss(NEAR + rolled, f"{reason}, allowed {allowed * 1e3:.0f} mm", posture)
     return None
 
 

@@ -153,8 +153,8 @@ def continued_moves(
     posture = outcome.posture
     off = float(np.abs(posture.q[0] - q).max())
     if off > HELD and not force:
-        why = f"the arm that holds on is elsewhere: a joint is {off:.2f} rad off, allowed {HELD:g}"
-        return [Miss(off, why, posture)]
+        reason = f"the arm that holds on is elsewhere: a joint is {off:.2f} rad off, allowed {HELD:g}"
+        return [Miss(off, reason, posture)]
     return [outcome]
 
 
@@ -228,8 +228,8 @@ def _followed(
         if force or (path.ok and path.condition < CONDITION_LIMIT):
             allowed.append(Move.from_posture(kin, posture))
         else:
-            why = problem_text(path, tip.positions)
-            misses.append(Miss(shortfall(path), why, posture))
+            reason = problem_text(path, tip.positions)
+            misses.append(Miss(shortfall(path), reason, posture))
     return sorted(allowed, key=lambda move: -move.score), misses + lost
 
 
@@ -260,8 +260,8 @@ def _lost(
     tool, offset = tools
     every = np.arange(len(tip.yaws))
     q = np.column_stack([np.interp(every, samples, column) for column in path.q.T])
-    why = problem_text(path, tip.positions[samples])
-    return Miss(shortfall(path), why, Posture(tool, offset, q))
+    reason = problem_text(path, tip.positions[samples])
+    return Miss(shortfall(path), reason, Posture(tool, offset, q))
 
 
 def shortfall(path: Continuation, count: int | None = None) -> float:

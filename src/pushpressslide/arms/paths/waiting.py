@@ -25,11 +25,11 @@ def waiting_moves(problem: ArmProblem, *, force: bool = False) -> Iterator[Move 
     Those with room about them come before those that are merely clear; with ``force``
     the last is where the arm is, however bad.
     """
-    begin = problem.approach.start_posture
+    start = problem.approach.start_posture
     home = problem.kin.facts.home
     offered = 0
     tight: list[Move] = []
-    near = (begin,) if np.array_equal(begin, home) else (begin, home)
+    near = (start,) if np.array_equal(start, home) else (start, home)
     for q in chain(near, problem.approach.high_postures()):
         gap = problem.waiting_clearance(q)
         move = _still(problem, q)
@@ -44,7 +44,7 @@ def waiting_moves(problem: ArmProblem, *, force: bool = False) -> Iterator[Move 
             break
     yield from tight
     if force:
-        yield _still(problem, begin)
+        yield _still(problem, start)
 
 
 def _still(problem: ArmProblem, q: Array) -> Move:

@@ -112,21 +112,21 @@ def driven_by_twists(
     """
     margin = least_cone_margin(path, cone)
     drive = TwistDrive(cone.surface, path.radius, push)
-    piece = segment(
+    one_segment = segment(
         query, choice.mode, choice.contacts, drive, path, cone_margin=margin
     )
     summary = (
         f"path {path.distance:.3f} m of {len(path.sections)} twist(s), "
         f"{describe_cone_margin(margin)}"
     )
-    time = run_time(query.motion, (piece,))
-    return replace(choice, segments=(piece,), time=time, summary=summary)
+    time = run_time(query.motion, (one_segment,))
+    return replace(choice, segments=(one_segment,), time=time, summary=summary)
 
 
 def in_free_arms(scene: Scene, choice: Choice) -> list[Choice]:
     """Return a choice for each way to give its contacts to arms that do not cross."""
-    (piece,) = choice.segments
-    length = piece.path.length
-    poses = [piece.body_pose(share * length) for share in (0.0, 0.5, 1.0)]
+    (segment,) = choice.segments
+    length = segment.path.length
+    poses = [segment.body_pose(share * length) for share in (0.0, 0.5, 1.0)]
     points = [contact.point for contact in choice.contacts]
     return in_arms(choice, assignments(scene.bases, points, poses))

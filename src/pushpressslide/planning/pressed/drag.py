@@ -66,7 +66,7 @@ def held_drag(
     mu = scene.contact_friction
     raised = lever(scene, load)
     x, y = surface.center
-    most = 0.0
+    upper = 0.0
     margin = inf
     allocate = allocator(surface.center)
     for wx, wy in weights(scene, path):
@@ -74,10 +74,10 @@ def held_drag(
         fx, fy, tau, _ = lifted.wrench(twist).moved_to((x, y))
         held = Wrench(wx, wy, 0.0).moved_to((x, y))
         allocation = allocate(fx - wx, fy - wy, tau - held.tau)
-        most = max(most, _utilisation(contacts, mu, allocation, surface))
+        upper = max(upper, _utilisation(contacts, mu, allocation, surface))
         moved = (cop[0] - raised * wx, cop[1] - raised * wy)
         margin = min(margin, room_inside(scene.body, moved))
-    return HeldDrag(surface, most, margin)
+    return HeldDrag(surface, upper, margin)
 
 
 def pinned_drag(
@@ -122,10 +122,10 @@ def _utilisation(
     """Return the largest friction utilisation of presses, the first of the contacts of
     an allocation, scaled up by the share of the wanted wrench that it could not give.
     """
-    most = max(
+    upper = max(
         hypot(*force) / (mu * press.load)
         for press, force in zip(presses, allocation.forces, strict=False)
     )
     fx, fy, tau = allocation.residual
     lost = hypot(fx, fy, tau / surface.rho) / surface.max_force
-    return most / max(1.0 - lost, margins.GIVEN)
+    return upper / max(1.0 - lost, margins.GIVEN)

@@ -86,7 +86,7 @@ def driven_choice(query: MotionQuery, mode: str, press: Press) -> Choice:
         return choice.refused(refusal_of(error, "tipping"))
     utilisation = press_utilisation(query.scene, contact.load, pushed)
     margin = utilisation_margin(query.scene.contact_friction, utilisation)
-    segments = tuple(replace(piece, cone_margin=margin) for piece in segments)
+    segments = tuple(replace(segment, cone_margin=margin) for segment in segments)
     last = segments[-1]
     distance = math.dist(vehicle.X_BV.position, vehicle.car.cop)
     summary = (
@@ -94,8 +94,8 @@ def driven_choice(query: MotionQuery, mode: str, press: Press) -> Choice:
         f"{1e3 * distance:.0f} mm from the centre of pressure, {utilisation:.2f} of the "
         "tip's friction used"
     )
-    for piece in segments[:-1]:
-        summary += f", {piece.path.length:g} m back first"
+    for driven_back in segments[:-1]:
+        summary += f", {driven_back.path.length:g} m back first"
     time = run_time(query.motion, segments, pressed=True)
     return replace(choice, segments=segments, time=time, summary=summary)
 
@@ -160,11 +160,14 @@ def _drive(
         route.curvature,
         route.run_in,
     )
-    piece = segment(query, mode, (contact,), drive, route.path, speed=speed)
+    one_segment = segment(query, mode, (contact,), drive, route.path, speed=speed)
     if not route.back_up:
-        return (piece,)
+        return (one_segment,)
     start, _ = query.body_ends
-    return (backing_up(query.X_GB, start, vehicle, piece, route.back_up), piece)
+    return (
+        backing_up(query.X_GB, start, vehicle, one_segment, route.back_up),
+        one_segment,
+    )
 
 
 def _route(

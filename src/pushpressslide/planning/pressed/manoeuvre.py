@@ -48,11 +48,11 @@ class DrivenTurn:
         """A third of the vehicle's length, more where all steering corrects little [m]."""
         press = self.turn.press
         wheelbase = abs(self.turn.effective_wheelbase)
-        most = min(self.turn.left, -self.turn.right)
+        upper = min(self.turn.left, -self.turn.right)
         aside = margins.CORRECTED * press.body.radius
-        least = math.sqrt(4.0 * aside * wheelbase / math.tan(most))
+        lower = math.sqrt(4.0 * aside * wheelbase / math.tan(upper))
         length = wheelbase + press.lever
-        return margins.ARM.look_ahead(length, self.most_speed, least)
+        return margins.ARM.look_ahead(length, self.most_speed, lower)
 
     def drive(self, max_friction: float, last: bool) -> TurnDrive:
         """Return the turn as a drive; ``last``: it is the run-in."""
@@ -209,16 +209,16 @@ def _by_press(
     centers = axles + normals / bent
     times = 1.0 / (np.abs(bent) * np.array(speeds))
     free = np.array([min(-turn.right, turn.left) for turn in turns])
-    least = pause(query.motion)
-    careful = least + narrow(query.body, most_speed)
-    pauses = np.where(free < margins.CORRECTING, careful, least)
+    lower = pause(query.motion)
+    careful = lower + narrow(query.body, most_speed)
+    pauses = np.where(free < margins.CORRECTING, careful, lower)
     stagings = [_staging(X_WB, goal, run_in) for run_in in run_ins]
     every = words(centers, np.sign(bent), times, pauses, stagings, COUNT, swing)
     out = []
     for run_in, quickest in zip(run_ins, every, strict=True):
         end = (run_in.turn, run_in.speed, (0.0, run_in.length))
         for word in quickest:
-            time = word.time + run_in.length / run_in.speed + least
+            time = word.time + run_in.length / run_in.speed + lower
             if time >= margins.LONGEST * query.limits.time:
                 continue
             arcs = [

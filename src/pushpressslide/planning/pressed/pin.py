@@ -82,14 +82,14 @@ def pin_of(query: MotionQuery) -> Point:
     if places is not None:
         com = body.center_of_mass
         pin = (places[0][0] - com[0], places[0][1] - com[1])
-        apart = math.dist(start.apply(pin), goal.apply(pin))
+        distances = math.dist(start.apply(pin), goal.apply(pin))
         allowed = query.tolerance.position
-        if apart > allowed:
+        if distances > allowed:
             text = (
                 "the pressed point has to stay in its place, start and goal have it "
                 "{figure:mm.1f} apart, allowed {allowed:mmg}"
             )
-            raise RefusedError(Refusal("pin_moves", text, apart, allowed, "m"))
+            raise RefusedError(Refusal("pin_moves", text, distances, allowed, "m"))
     inset = query.scene.inset
     if not inside_top(body, pin, inset):
         text = (

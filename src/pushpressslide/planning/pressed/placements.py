@@ -52,8 +52,8 @@ class PressPlacements:
 
 def turned_by_tool(scene: Scene, press: Contact) -> bool:
     """Whether a press has lever enough for a turn that its tool makes along."""
-    least = least_lever(scene, press.load) / margins.HELD_TURN
-    return press_lever(scene, press) >= least
+    lower = least_lever(scene, press.load) / margins.HELD_TURN
+    return press_lever(scene, press) >= lower
 
 
 def _firm(scene: Scene, press: Contact) -> bool:
@@ -79,15 +79,15 @@ def press_placements(query: MotionQuery) -> PressPlacements:
     places: Sequence[Point] = top_places(query.body, scene.inset)
     if motion.contacts:
         places = [query.X_GB.unapply(motion.contacts[0])]
-    least = margins.SURE_LEVER * scene.center_error
-    sure = [place for place in places if math.hypot(*place) >= least]
+    lower = margins.SURE_LEVER * scene.center_error
+    sure = [place for place in places if math.hypot(*place) >= lower]
     if places and not sure:
         lever = max(math.hypot(*place) for place in places)
         text = (
             "pressed {figure:mm.0f} from the centre of mass, whose place is known to "
             f"{1e3 * scene.center_error:g} mm: allowed from {{allowed:mm.0f}}"
         )
-        raise RefusedError(Refusal("lever", text, lever, least, "m"))
+        raise RefusedError(Refusal("lever", text, lever, lower, "m"))
     places = sure
     if not places:
         text = "the top has no place {allowed:mm.0f} inside its edges"

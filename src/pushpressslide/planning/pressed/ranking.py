@@ -97,20 +97,22 @@ def manoeuvre_times(
     for end in (0, COUNT // 2):  # run-ins pulled and pushed
         wheelbase = np.abs(table.effective_wheelbase[:, end])
         free = paces.steering[:, end]
-        able = table.steerable[:, end] & (free >= margins.CORRECTING)
-        needed = np.sqrt(4.0 * aside * wheelbase / np.tan(np.where(able, free, 1.0)))
+        feasible = table.steerable[:, end] & (free >= margins.CORRECTING)
+        needed = np.sqrt(
+            4.0 * aside * wheelbase / np.tan(np.where(feasible, free, 1.0))
+        )
         wanted = np.maximum(margins.LOOK_AHEAD * (wheelbase + levers), needed)
         length = query.scene.run_ins[-1] * np.clip(wanted, shortest, longest)
         direction = headings[:, end]
         staging = complex(ahead.x, ahead.y) - length * direction * np.exp(
             1j * ahead.yaw
         )
-        staging = np.where(able, staging, np.nan)
+        staging = np.where(feasible, staging, np.nan)
         turning = least_times(
             turns.centers, turns.sides, turns.times, turns.pauses, staging, turn
         )
         time = turning + length / paces.speed[:, end] + pause(query.motion)
-        out = np.minimum(out, np.where(able, time, math.inf))
+        out = np.minimum(out, np.where(feasible, time, math.inf))
     return out
 
 
@@ -137,9 +139,9 @@ def _paces(motion: Motion, body: ObjectModel, table: TurnTable) -> _Paces:
     steering = np.minimum(table.right, table.left)
     swing = np.minimum(1.0, margins.SWING / table.pace)
     slower = swing * np.minimum(1.0, table.tipping_margin / margins.SAFE_MARGIN)
-    least = pause(motion)
-    careful = least + narrow(body, motion.speed)
-    pauses = np.where(steering < margins.CORRECTING, careful, least)
+    lower = pause(motion)
+    careful = lower + narrow(body, motion.speed)
+    pauses = np.where(steering < margins.CORRECTING, careful, lower)
     return _Paces(steering, motion.speed * slower, pauses)
 
 
@@ -160,8 +162,8 @@ def _planned_turns(
     bent = np.where(planned, bent, np.nan)
     back = np.where(np.abs(table.curvature) < straight, -bent, np.nan)
     bent = np.concatenate([bent[:, ::EVERY], back[:, ::EVERY]], axis=1)
-    most = int(np.isfinite(bent).sum(1).max())
-    order = np.argsort(np.isnan(bent), axis=1, kind="stable")[:, :most]
+    upper = int(np.isfinite(bent).sum(1).max())
+    order = np.argsort(np.isnan(bent), axis=1, kind="stable")[:, :upper]
     bent = np.take_along_axis(bent, order, axis=1)
     axle, heading, speed, pauses = (
         np.take_along_axis(

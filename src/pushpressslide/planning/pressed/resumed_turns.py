@@ -84,8 +84,8 @@ def resume_turns(
     poses = _poses(arcs, lengths, X_WB)
     out = []
     parts = zip(now, arcs, lengths, pairwise(poses), strict=True)
-    for segment, (X_BV, curvature), length, (begin, end) in parts:
-        start = begin.compose(X_BV)
+    for segment, (X_BV, curvature), length, (first, end) in parts:
+        start = first.compose(X_BV)
         if segment is now[-1]:
             # the run-in leads to the goal, from wherever the turns end
             start = advance(goal.compose(X_BV), 0.0, -length)
@@ -103,9 +103,9 @@ def run_in_missed(segments: Sequence[Segment], X_WB: Pose2, radius: float) -> fl
     end = X_WB
     if turns:
         end = turns[-1].path.end.compose(turns[-1].X_BV.inverse())
-    begin = run_in.path.pose(0.0).compose(run_in.X_BV.inverse())
-    yaw = math.remainder(begin.yaw - end.yaw, math.tau)
-    return math.hypot(math.dist(end.position, begin.position), radius * yaw)
+    start = run_in.path.pose(0.0).compose(run_in.X_BV.inverse())
+    yaw = math.remainder(start.yaw - end.yaw, math.tau)
+    return math.hypot(math.dist(end.position, start.position), radius * yaw)
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,8 +172,8 @@ def _arcs(
     measure = np.append(1.0 + radius * np.abs(curvatures), 1.0)
     x = np.array([*(segment.path.length for segment in segments), 0.0])
     planned = margins.PLANNED_STEERING
-    least = margins.LEAST_RUN_IN * scene.run_ins[-1] * run_in.look_ahead
-    shortest = [0.0] * (len(arcs) - 1) + [least]
+    lower = margins.LEAST_RUN_IN * scene.run_ins[-1] * run_in.look_ahead
+    shortest = [0.0] * (len(arcs) - 1) + [lower]
     low = np.maximum([*shortest, planned * turn.right], x - radius / measure)
     longest = [math.inf] * len(arcs)
     high = np.minimum([*longest, planned * turn.left], x + radius / measure)

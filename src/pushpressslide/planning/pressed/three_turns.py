@@ -60,8 +60,8 @@ def words(
         found: list[Word] = []
         for solution in angles:
             turned, time = _driven(solution, senses[turns], times[turns], pauses[turns])
-            most = np.abs(np.cumsum(turned, axis=0)).max(0)
-            time = np.where(most <= swing, time, math.inf)
+            upper = np.abs(np.cumsum(turned, axis=0)).max(0)
+            time = np.where(upper <= swing, time, math.inf)
             for best in _lowest_indices(time, count):
                 pieces = [
                     (int(c[best]), float(turn[best]))
@@ -95,12 +95,12 @@ def least_times(
     """
     body, turns, angles = _Linkage(centers).to(goals, yaws)
     figures = senses[body, turns], times[body, turns], pauses[body, turns]
-    least = np.full(len(centers), math.inf)
+    lower = np.full(len(centers), math.inf)
     some, starts = np.unique(body, return_index=True)  # in order
     for solution in angles if len(some) else ():
         _, time = _driven(solution, *figures)
-        least[some] = np.minimum(least[some], np.minimum.reduceat(time, starts))
-    return least
+        lower[some] = np.minimum(lower[some], np.minimum.reduceat(time, starts))
+    return lower
 
 
 class _Linkage:
@@ -177,12 +177,12 @@ def _driven(
 def _lowest_indices(values: Array, count: int) -> NDArray[np.intp]:
     """Return the indices of up to ``count`` least values that are finite."""
     count = min(count, len(values))
-    least = (
+    lower = (
         np.argpartition(values, count - 1)[:count]
         if count
         else np.zeros(0, dtype=np.intp)
     )
-    return least[np.isfinite(values[least])]
+    return lower[np.isfinite(values[lower])]
 
 
 def _positive(angles: Array) -> Array:

@@ -124,9 +124,9 @@ def turn_table(
     left = _free(motion, x, heading, usable, firm, 1)
     usable = usable & (np.minimum(right, left) >= LEAST * STEP)
     shares = slides.shares
-    rooms = slides.depths
+    spaces = slides.depths
     return TurnTable(
-        usable, x, heading, curvature, wheelbase, shares, pace, right, left, rooms
+        usable, x, heading, curvature, wheelbase, shares, pace, right, left, spaces
     )
 
 
@@ -144,8 +144,8 @@ def _slides(presses: Sequence[Press], resolution: int) -> _Slides:
     across = np.stack([-axes[:, 1], axes[:, 0]], axis=-1)
     forces = c * axes[:, None] + s * across[:, None]
     moved = cops[:, None] + shift * forces
-    rooms = rooms_inside(body, moved.reshape(-1, 2)).reshape(m, COUNT)
-    rows, columns = np.nonzero(rooms >= margins.TIPPING_MARGIN)
+    spaces = rooms_inside(body, moved.reshape(-1, 2)).reshape(m, COUNT)
+    rows, columns = np.nonzero(spaces >= margins.TIPPING_MARGIN)
     rho = presses[0].rho
     base: DraggedBase | DraggedEllipsoid = DraggedBase(body, shift, resolution)
     if rho is not None:
@@ -160,7 +160,7 @@ def _slides(presses: Sequence[Press], resolution: int) -> _Slides:
     motion[:, rows, columns] = vx * ex + vy * ey, vx * tx + vy * ty, w
     shares = np.full((m, COUNT), np.nan)
     shares[rows, columns] = slid.shares
-    return _Slides(motion, shares, rooms)
+    return _Slides(motion, shares, spaces)
 
 
 def _firm(motion: Array, levers: Array) -> NDArray[np.bool_]:

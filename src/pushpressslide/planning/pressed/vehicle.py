@@ -79,17 +79,17 @@ def pressed_vehicle(
     kind = query.motion.vehicle
     press = press_of(query.scene, contact)
     bounds = (0.5 * math.pi,) if kind == "pivot" else STEEPEST
-    rooms = [(a, _tipping_margin(press, a, backward)) for a in bounds]
-    least = rooms[0][1]
-    if least < margins.TIPPING_MARGIN:
+    spaces = [(a, _tipping_margin(press, a, backward)) for a in bounds]
+    lower = spaces[0][1]
+    if lower < margins.TIPPING_MARGIN:
         text = (
             f"drag at {query.body.shape.height:.3f} m tips it: the centre of pressure "
             "comes within {figure:.2f} half widths of the base's edge, allowed "
             "{allowed:g}"
         )
-        raise RefusedError(Refusal("tipping", text, least, margins.TIPPING_MARGIN))
+        raise RefusedError(Refusal("tipping", text, lower, margins.TIPPING_MARGIN))
     steepest = min(
-        max_length, max(a for a, space in rooms if space >= margins.TIPPING_MARGIN)
+        max_length, max(a for a, space in spaces if space >= margins.TIPPING_MARGIN)
     )
     if kind == "pivot":
         left = math.remainder(query.goal.yaw - query.start.yaw, 2.0 * math.pi) > 0.0
@@ -99,11 +99,11 @@ def pressed_vehicle(
             press.cop[1] - pivot[1]
         ) * car.axis[1]
         car = replace(car, rho=math.sqrt(back * press.lever))
-        return PressedVehicle(press, car, Pose2(*pivot, car.X_BV.yaw), steepest, least)
+        return PressedVehicle(press, car, Pose2(*pivot, car.X_BV.yaw), steepest, lower)
     if kind in ("car", "forklift"):
         steepest = min(steepest, CAR_ANGLE)
     car = steered(press, backward, angle)
-    return PressedVehicle(press, car, car.X_BV, steepest, least)
+    return PressedVehicle(press, car, car.X_BV, steepest, lower)
 
 
 def way_back(press: Press, backward: bool) -> Unicycle | None:
@@ -152,15 +152,15 @@ def route_to(
     curvatures = turns(vehicle.car, tightest)
     routes = []
     for back_up in back_ups:
-        begin = advance(start, 0.0, -back_up)
-        run_in, curvature, path = gentlest((begin, goal), curvatures, run_ins)
+        first = advance(start, 0.0, -back_up)
+        run_in, curvature, path = gentlest((first, goal), curvatures, run_ins)
         routes.append(
             PressedRoute(
                 path,
                 back_up,
                 run_in,
                 curvature,
-                path.length - loop_free_length(begin, goal, curvature),
+                path.length - loop_free_length(first, goal, curvature),
             )
         )
         if routes[-1].too_long <= 0.0:

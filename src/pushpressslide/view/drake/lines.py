@@ -83,10 +83,10 @@ def grid_lines(support: Support, reached: Bounds) -> list[Array]:
         first = int(np.ceil(low[axis] / GRID_STEP))
         last = int(np.floor(high[axis] / GRID_STEP))
         for number in range(first, last + 1):
-            begin = low.copy()
+            start = low.copy()
             end = high.copy()
-            begin[axis] = end[axis] = number * GRID_STEP
-            out += _within(surface, begin, end)
+            start[axis] = end[axis] = number * GRID_STEP
+            out += _within(surface, start, end)
     return out
 
 

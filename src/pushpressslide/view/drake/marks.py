@@ -133,9 +133,9 @@ class Marks:
         X_WV = self._playback.vehicle_pose(tick)
         axle = rigid_transform(Pose2(X_WV.x, X_WV.y), 0.5 * self._pin, self._frame)
         meshcat.SetTransform("marks/axle", axle, time_in_recording=t)
-        for begin, name in self._trace:
-            if frame in (0, begin, self._last):
-                visible = frame >= begin
+        for start, name in self._trace:
+            if frame in (0, start, self._last):
+                visible = frame >= start
                 meshcat.SetProperty(name, "visible", visible, time_in_recording=t)
         for arm in self._contacts.arms:
             self._show_arrow(f"marks/force_{arm}", self._contacts.push(arm, tick), t)

@@ -159,8 +159,8 @@ def arm_limbs(playback: Playback, context: Context) -> tuple[Limb, ...]:
             x, y, z = X.translation()
             places.append(frame.coordinates((float(x), float(y), float(z))))
         pairs = list(pairwise(places))
-        out += [Limb(begin, end, LINK_RADIUS) for begin, end in pairs[:-1]]
-        out += [Limb(begin, end, ROD_RADIUS) for begin, end in pairs[-1:]]
+        out += [Limb(start, end, LINK_RADIUS) for start, end in pairs[:-1]]
+        out += [Limb(start, end, ROD_RADIUS) for start, end in pairs[-1:]]
     return tuple(out)
 
 

@@ -94,7 +94,7 @@ def _tip_views(
     touched = {c.arm: c for part in playback.placements for c in part.contacts}
     places = playback.record.arrays["tip_position"][ticks]
     count = len(playback.task.robots)
-    room = _cube(TIP_ROOM)
+    margin = _cube(TIP_ROOM)
     views = []
     for arm, contact in sorted(touched.items()):
         rows = places[:, arm].tolist()
@@ -103,11 +103,11 @@ def _tip_views(
         if count > 1:
             name = f"{arm_title(arm).split()[0].capitalize()} tip"
         if contact.kind == "top" or frame != TABLE:
-            views.append(PageView(name, direction, room, points))
+            views.append(PageView(name, direction, margin, points))
             continue
         behind = _behind(subject, contact.normal)
         yaws = playback.record.arrays["object_pose"][ticks, 2]
-        views.append(PageView(name, _row(behind), room, points, _row(yaws)))
+        views.append(PageView(name, _row(behind), margin, points, _row(yaws)))
     return tuple(views)
 
 
@@ -143,8 +143,8 @@ def _object_view(
     poses = [planar_pose(playback.object_pose(int(tick)), frame) for tick in ticks]
     height = 0.5 * shape.height
     points = np.array([frame.point((pose.x, pose.y, height)) for pose in poses])
-    room = _cube(FOLLOW_ROOM * shape.farthest((0.0, 0.0)) / math.sqrt(2.0))
-    return PageView("Follow", direction, room, _rows(points))
+    margin = _cube(FOLLOW_ROOM * shape.farthest((0.0, 0.0)) / math.sqrt(2.0))
+    return PageView("Follow", direction, margin, _rows(points))
 
 
 def _cube(half: float) -> tuple[Row, ...]:

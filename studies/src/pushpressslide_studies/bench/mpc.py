@@ -169,7 +169,7 @@ def controlled(push: Push, world: World, control: Controller) -> Closed:
     off, turned = PUSHED_BY
     X = push.body_pose(0.0).compose(Pose2(0.0, off, turned))
     along = [push.body_pose(s) for s in np.arange(0.0, path.length, FINE)]
-    way = np.array([pose.position for pose in along])
+    route = np.array([pose.position for pose in along])
     done = 0.0
     times = []
     worst = 0.0
@@ -186,7 +186,7 @@ def controlled(push: Push, world: World, control: Controller) -> Closed:
         contact = (contact[0] - ny * slip, contact[1] + nx * slip)
         done += SPEED * PERIOD
         if done > 0.1 * path.length:
-            off_way = np.hypot(*(way - X.position).T).min()
+            off_way = np.hypot(*(route - X.position).T).min()
             worst = max(worst, float(off_way))
     wanted = push.body_pose(path.length)
     away = math.dist(X.position, wanted.position)

@@ -130,8 +130,8 @@ def _with_ompl(name: str, task: Task) -> PlannerResult:
     from ompl import geometric as og
 
     began = perf_counter()
-    piece = _unhindered(task)
-    drive = piece.drive
+    segment = _unhindered(task)
+    drive = segment.drive
     assert isinstance(drive, RearSteerDrive)
     low, high = drive.car.curvature_limits
     tightest = task.motion.curvature_margin * min(high, -low)
@@ -154,8 +154,8 @@ def _with_ompl(name: str, task: Task) -> PlannerResult:
 def _unhindered(task: Task) -> Segment:
     """Return the quickest push of a task without its post."""
     alone = replace(task, obstacles=()).query
-    (piece,) = MODES[MODE].choices(alone, 1)[0].segments
-    return piece
+    (segment,) = MODES[MODE].choices(alone, 1)[0].segments
+    return segment
 
 
 def _bounds(ob: Any, ends: Sequence[Pose2]) -> Any:

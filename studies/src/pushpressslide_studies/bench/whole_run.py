@@ -54,7 +54,7 @@ def _row(name: str) -> Row:
     simulated = float(records[0].arrays["time"][-1]) + task.motion.control_period
     ticks = [record.arrays["tick_total"] for record in records]
     pose = records[0].arrays["object_pose_3d"][-1]
-    apart = math.dist(played[0].object_pose[4:], pose[4:])
+    distances = math.dist(played[0].object_pose[4:], pose[4:])
     return {
         "task": name,
         "tick_us": 1e6 * min(float(np.median(t)) for t in ticks),
@@ -64,5 +64,5 @@ def _row(name: str) -> Row:
         "run_over_played_back": statistics.median(ratios),
         "wall_per_simulated": min(whole) / simulated,
         "planned_s": sum(solution.planning_time.values()),
-        "apart_mm": 1e3 * apart,
+        "apart_mm": 1e3 * distances,
     }

@@ -172,9 +172,9 @@ def _claim(
         if not good(result)
     ]
     bad += runs.failures
-    why = "; ".join(bad) or " ".join(dict.fromkeys(v.why for v in runs.variants))
+    reason = "; ".join(bad) or " ".join(dict.fromkeys(v.why for v in runs.variants))
     return Claim(
-        experiment.title, words, paper, measured, verdict(not bad), why, figure
+        experiment.title, words, paper, measured, verdict(not bad), reason, figure
     )
 
 

@@ -48,9 +48,9 @@ def html(rows: Sequence[Correction]) -> str:
     lines = []
     marks = []
     for row in rows:
-        why = f'<span class="why">{escape(row.why)} Mechanics {escape(row.section)}.</span>'
+        reason = f'<span class="why">{escape(row.why)} Mechanics {escape(row.section)}.</span>'
         lines.append(
-            [f'<th colspan="4" scope="rowgroup">{escape(row.claim)}<br>{why}</th>']
+            [f'<th colspan="4" scope="rowgroup">{escape(row.claim)}<br>{reason}</th>']
         )
         marks.append(' class="claim"')
         for figure in row.figures:
@@ -75,8 +75,8 @@ def markdown(rows: Sequence[Correction]) -> str:
             f"| {f.what} | {_rho(f)} | {f.shown(f.paper)} | {f.shown(f.holds)} |"
             for f in row.figures
         ]
-        why = f"{row.why} ([mechanics](../../docs/mechanics.md), {row.section})"
-        parts.append(f"**{row.claim}.** {why}\n\n" + "\n".join(lines))
+        reason = f"{row.why} ([mechanics](../../docs/mechanics.md), {row.section})"
+        parts.append(f"**{row.claim}.** {reason}\n\n" + "\n".join(lines))
     return "\n\n".join(parts)
 
 

@@ -21,13 +21,13 @@ def renewed(page: str, name: str, text: str) -> str:
 
     Raises ValueError for a page without the two marks.
     """
-    begin = f"<!-- {name}: begin (generated) -->"
+    start = f"<!-- {name}: begin (generated) -->"
     end = f"<!-- {name}: end -->"
-    head, first, rest = page.partition(begin)
+    head, first, rest = page.partition(start)
     _, last, tail = rest.partition(end)
     if not first or not last:
-        raise ValueError(f"the page lacks {begin!r} or {end!r}")
-    return f"{head}{begin}\n\n{text.strip()}\n\n{end}{tail}"
+        raise ValueError(f"the page lacks {start!r} or {end!r}")
+    return f"{head}{start}\n\n{text.strip()}\n\n{end}{tail}"
 
 
 def summary_of(table: str) -> str:

@@ -284,8 +284,8 @@ def _figures_of_constant(press: Press, straight: float) -> Iterator[PaperAxleFig
     yield f("centre of pressure from the CoM", None, cop, cop, note=end_lifts)
     yield f("lever d, centre of pressure to contact", 0.054, lever, lever)
     paper = (PAPER_C * press.half_diagonal) ** 2
-    why = "the pressure's variance"
-    yield f("(c r0)^2 with c = 0.6", 0.036, paper, variance, "m²", why)
+    reason = "the pressure's variance"
+    yield f("(c r0)^2 with c = 0.6", 0.036, paper, variance, "m²", reason)
     distance = press.paper_distance()
     yield f("axle to centre of pressure, c = 0.6", 0.67, distance, variance / lever)
     added = (

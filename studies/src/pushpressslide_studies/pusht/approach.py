@@ -31,8 +31,8 @@ def on_way(X_WB: Pose2, pusher: Pusher, push: Push) -> Point:
     The longest of ``STEPS`` on which it does not touch the T, by the exact servo.
     """
     goal = _before(X_WB, push)
-    way = free_space(X_WB, pusher.position, goal) or (goal,)
-    targets = [_along((pusher.position, *way), step) for step in STEPS]
+    path = free_space(X_WB, pusher.position, goal) or (goal,)
+    targets = [_along((pusher.position, *path), step) for step in STEPS]
     for target in targets:
         if _clear(X_WB, pusher, target):
             return target
@@ -47,11 +47,11 @@ def _before(X_WB: Pose2, push: Push) -> Point:
 def _along(polyline: Sequence[Point], length: float) -> Point:
     """Return the point [px] of a way at a length from its start, or its end."""
     for a, b in pairwise(polyline):
-        piece = math.dist(a, b)
-        if piece >= length > 0.0:
-            part = length / piece
+        segment = math.dist(a, b)
+        if segment >= length > 0.0:
+            part = length / segment
             return (a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1]))
-        length -= piece
+        length -= segment
     return polyline[-1]
 
 

@@ -62,18 +62,18 @@ def free_space(X_WB: Pose2, start: Point, goal: Point) -> tuple[Point, ...]:
     the goal likewise. It is empty where there is none: turns are made only where the
     pusher can be sent.
     """
-    begin = X_WB.unapply(start)
+    first = X_WB.unapply(start)
     end = X_WB.unapply(goal)
     turns = [node for node in _nodes() if reachable(X_WB.apply(node))]
-    places = [nearest_free(begin), nearest_free(end), *turns]
-    way = _shortest(places)
-    if not way:
+    places = [nearest_free(first), nearest_free(end), *turns]
+    path = _shortest(places)
+    if not path:
         return ()
-    if math.dist(places[0], begin) == 0.0:
-        way = way[1:]
+    if math.dist(places[0], first) == 0.0:
+        path = path[1:]
     if math.dist(places[1], end) > 0.0:
-        way = [*way, end]
-    return tuple(X_WB.apply(place) for place in way)
+        path = [*path, end]
+    return tuple(X_WB.apply(place) for place in path)
 
 
 def reachable(point: Point) -> bool:
@@ -110,16 +110,16 @@ def _shortest(places: Sequence[Point]) -> list[Point]:
                 heapq.heappush(queue, (further, there))
     if 1 not in before:
         return []
-    way = [1]
-    while way[-1] in before:
-        way.append(before[way[-1]])
-    return [places[index] for index in reversed(way)]
+    path = [1]
+    while path[-1] in before:
+        path.append(before[path[-1]])
+    return [places[index] for index in reversed(path)]
 
 
 def way_length(X_WB: Pose2, start: Point, goal: Point) -> float:
     """Return the length [px] of ``free_space``; infinite where there is none."""
-    way = free_space(X_WB, start, goal)
-    if not way:
+    path = free_space(X_WB, start, goal)
+    if not path:
         return math.inf
-    ends = (start, *way)
+    ends = (start, *path)
     return sum(math.dist(a, b) for a, b in pairwise(ends))

@@ -74,7 +74,7 @@ def play(
     is seen, and of its angle times rho.
     """
     random = np.random.default_rng(seed)
-    begin = perf_counter()
+    start = perf_counter()
     values, _ = game.reset(seed=seed)
     state = State()
     overlap = 0.0
@@ -95,7 +95,7 @@ def play(
         over = success or cut
     if watch is not None:
         watch(game)
-    wall_time = perf_counter() - begin
+    wall_time = perf_counter() - start
     return Episode(seed, steps, overlap, reward, bool(success), state.plans, wall_time)
 
 

@@ -88,11 +88,11 @@ def joins(start: Pose2, goal: Pose2) -> Joins:
     """
     tried = contacts()
     triples = _triples(tried)
-    begin = _placed(start, tried.centers)[triples[:, 0]]
+    first = _placed(start, tried.centers)[triples[:, 0]]
     end = _placed(goal, tried.centers)[triples[:, 2]]
     near = tried.distances[triples[:, 0], triples[:, 1]]
     far = tried.distances[triples[:, 1], triples[:, 2]]
-    line = end - begin
+    line = end - first
     distance = np.hypot(line[:, 0], line[:, 1])
     meet = (distance <= near + far) & (distance >= np.abs(near - far)) & (distance > 0)
     triples = triples[meet]
