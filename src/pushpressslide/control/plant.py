@@ -1,5 +1,5 @@
 """Simulators that were written for earlier versions: one object with all parts of a
-cell. It goes with version 0.5.
+cell. It goes with version 0.6.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ class Plant(Protocol):
 def cell_of(plant: Plant, arms: int) -> Cell:
     """Cell of a plant with a number of ``arms``; with a DeprecationWarning."""
     warnings.warn(
-        "a plant of one piece goes with version 0.5; give run_loop a Cell "
+        "a plant of one piece goes with version 0.6; give run_loop a Cell "
         "(pushpressslide.control.cell)",
         DeprecationWarning,
         stacklevel=3,

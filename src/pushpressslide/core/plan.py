@@ -15,6 +15,7 @@ from pushpressslide.core.path import ArcPath, SpeedProfile
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import SKIPPED, Refusal
+from pushpressslide.core.renamed import Renamed
 from pushpressslide.core.task import Restart, Task
 from pushpressslide.core.twist_path import TwistPath
 
@@ -134,6 +135,8 @@ class Choice:
     refusal: Refusal | None = None  # None: it can do the task
     leg: int = 0  # of the task, that it begins with
 
+    merits = Renamed("summary")
+
     @property
     def feasible(self) -> bool:
         """Whether it can do the task."""
@@ -143,14 +146,6 @@ class Choice:
     def evaluated(self) -> bool:
         """False if skipped because an equally fast choice was already feasible."""
         return self.refusal is None or self.refusal.code != SKIPPED
-
-    @property
-    def merits(self) -> str:
-        """Old name of ``summary``, with a DeprecationWarning; it goes with 0.6."""
-        import warnings
-
-        warnings.warn("Choice.merits: use summary", DeprecationWarning, stacklevel=2)
-        return self.summary
 
     @property
     def verdict(self) -> str:
@@ -201,6 +196,8 @@ class Plan:
     # that took the place of the rest after recoveries, one after the other
     later: tuple[Plan, ...] = ()
 
+    searched = Renamed("from_search")
+
     @property
     def queries(self) -> tuple[MotionQuery, ...]:
         """What was asked for, one motion for each leg."""
@@ -212,7 +209,7 @@ class Plan:
         return self.queries[self.segments[0].leg]
 
     def part(self, segment: Segment) -> Task:
-        """Task of a segment's leg; for plants, with which it goes in version 0.5."""
+        """Task of a segment's leg; for plants, with which it goes in version 0.6."""
         import warnings
 
         warnings.warn("Plan.part: use Plan.queries", DeprecationWarning, stacklevel=2)

@@ -10,9 +10,9 @@ from pushpressslide.planar.cell import planar_cell
 
 
 def PlanarPlant(plan: Plan) -> Cell:
-    """As ``planar.cell.planar_cell``, with a DeprecationWarning; it goes with 0.5."""
+    """As ``planar.cell.planar_cell``, with a DeprecationWarning; it goes with 0.6."""
     warnings.warn(
-        "PlanarPlant goes with version 0.5: use pushpressslide.planar.cell.planar_cell",
+        "PlanarPlant goes with version 0.6: use pushpressslide.planar.cell.planar_cell",
         DeprecationWarning,
         stacklevel=2,
     )

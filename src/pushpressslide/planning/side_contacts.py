@@ -85,7 +85,7 @@ def before_contacts(
     """Return how far [m] before their contacts tips begin to touch: as far as the motion
     says, or as the narrowest notch leaves room for.
 
-    Given a task and contacts, as plants do, it warns; that goes with version 0.5.
+    Given a task and contacts, as plants do, it warns; that goes with version 0.6.
     """
     if contacts is None:
         return _before_contacts_of(scene, motion)
