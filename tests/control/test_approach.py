@@ -39,7 +39,7 @@ ARM = JointPath(
 
 def places(path, duration):
     times = np.arange(0.0, duration, STEP)
-    return times, np.array([path.at(t)[0] for t in times])
+    return times, np.array([path.state_at(t)[0] for t in times])
 
 
 def test_a_tip_travels_over_the_object_at_a_finite_speed() -> None:

@@ -36,7 +36,7 @@ def test_a_point_beside_the_path_is_projected_onto_it(path, share, offset, behin
     assert abs(left - offset) < 1e-9
     assert abs(math.remainder(heading - pose.yaw, 2.0 * math.pi)) < 1e-6
     assert math.dist((found.x, found.y), (pose.x, pose.y)) < 1e-7
-    assert curvature in [k for k, _ in path.pieces] + [0.0]
+    assert curvature in [k for k, _ in path.sections] + [0.0]
 
 
 @given(paths)
@@ -55,15 +55,15 @@ def test_an_eased_path_turns_as_much_without_jumps_of_its_curvature(path, half):
     step = path.length / n
     turning = 0.0
     largest = 0.0
-    before = path.pieces[0][0]
+    before = path.sections[0][0]
     for i in range(n):
         s = (i + 0.5) * step
         curvature = path.curvature(s) + path.eased(s, half)[1]
         turning += curvature * step
         largest = max(largest, abs(curvature - before))
         before = curvature
-    jumps = [abs(b - a) for (a, _), (b, _) in itertools.pairwise(path.pieces)]
-    windows = [min(half, s, path.length - s) for s, _ in path.starts[1:-1]]
+    jumps = [abs(b - a) for (a, _), (b, _) in itertools.pairwise(path.sections)]
+    windows = [min(half, s, path.length - s) for s, _ in path.section_starts[1:-1]]
     steepest = sum(j / (2.0 * w) for j, w in zip(jumps, windows, strict=True))
     assert abs(turning - path.turning) < 3.0 * sum(jumps) * step + 1e-9
     assert largest <= steepest * step + 1e-9
@@ -75,7 +75,7 @@ def test_the_heading_of_an_eased_path_belongs_to_its_curvature(path, half, share
     step = 1e-6
     turned = path.eased(s + step, half)[0] - path.eased(s - step, half)[0]
     bent = path.eased(s, half)[1]
-    if all(abs(s - bend) > 2.0 * step for bend, _ in path.starts):
+    if all(abs(s - bend) > 2.0 * step for bend, _ in path.section_starts):
         assert turned / (2.0 * step) == pytest.approx(bent, abs=0.05)
 
 

@@ -61,7 +61,7 @@ def counted(push: Plan) -> tuple[list[SearchResult], list[int]]:
 
     found = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(DrakeClearance, "least", count)
+        patch.setattr(DrakeClearance, "min_distance", count)
         stream = search(ArmProblem(DRAKE, push, 0))
         counts = [postures]
         for result in stream:

@@ -63,7 +63,7 @@ def test_it_touches_the_exact_surface_so_that_beside_its_twist_it_errs_in_second
                     twist.vx + speed * dx,
                     twist.vy + speed * dy,
                     twist.w + speed * dw / scale,
-                    twist.of,
+                    twist.point,
                 )
                 fx, fy, tau, _ = exact_wrench(samples, MU, near).moved_to(
                     surface.center

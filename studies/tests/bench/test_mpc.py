@@ -22,7 +22,7 @@ def test_a_reference_goes_straight_on_beyond_the_end(push) -> None:
 
 
 def test_the_closed_forms_bring_the_object_to_the_end(push) -> None:
-    found = mpc.controlled(push, push.believed, mpc.closed_form(push))
+    found = mpc.controlled(push, push.believed_world, mpc.closed_form(push))
     assert found.position < 0.003
     assert math.degrees(found.yaw) < 1.0
     assert len(found.times) > 100
@@ -32,7 +32,7 @@ def test_the_closed_forms_bring_the_object_to_the_end(push) -> None:
 def test_the_opponents_do_what_they_are_there_for(push, kind) -> None:
     """A weak opponent proves nothing: these track the path, too."""
     pytest.importorskip("casadi")
-    found = mpc.controlled(push, push.believed, mpc.predictive(push, kind))
+    found = mpc.controlled(push, push.believed_world, mpc.predictive(push, kind))
     assert found.position < 0.006
     assert math.degrees(found.yaw) < 2.0
 

@@ -17,7 +17,7 @@ place = st.floats(100.0, 400.0)
 pose = st.builds(Pose2, place, place, st.floats(-math.pi, math.pi))
 
 
-@given(start=pose, goal=pose, drawn=st.integers(0, 10**6))
+@given(start=pose, goal=pose, seed=st.integers(0, 10**6))
 def test_every_join_ends_at_its_goal(start: Pose2, goal: Pose2, seed: int) -> None:
     found = joins(start, goal)
     assert len(found.triples) > 1000
