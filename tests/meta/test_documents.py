@@ -108,7 +108,7 @@ def test_the_readmes_python_runs() -> None:
 
 
 def test_every_mode_is_in_the_page_on_choosing_one() -> None:
-    page = (ROOT / "docs" / "choosing-a-mode.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "modes.md").read_text(encoding="utf-8")
     for name in MODES:
         assert f"| `{name}` |" in page
 
