@@ -86,7 +86,7 @@ def test_the_loop_at_the_pace_of_a_clock_reaches_the_goal(
     ("sets", "figures"),
     re.findall(
         r"^\| (nothing|`[a-z_]+[.=].*?`) \| (\S+ / \S+ \| \S+) \|$",
-        page("noise-and-beliefs.md"),
+        page("uncertainty.md"),
         re.MULTILINE,
     ),
 )
