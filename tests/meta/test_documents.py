@@ -22,7 +22,11 @@ ROOT = Path(__file__).parents[2]
 STUDIES = ROOT / "studies"
 DOCS = sorted([*(ROOT / "docs").glob("*.md"), *(STUDIES / "docs").glob("*.md")])
 HEADS = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "studies/README.md")
-PAGES = [*(ROOT / name for name in HEADS), *DOCS]
+PAGES = [
+    *(ROOT / name for name in HEADS),
+    *DOCS,
+    ROOT / "docs" / "troubleshooting.yaml",
+]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 every_page = pytest.mark.parametrize(
     "page", PAGES, ids=[str(p.relative_to(ROOT)) for p in PAGES]

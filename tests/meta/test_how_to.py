@@ -59,17 +59,13 @@ def test_three_pushes_lead_round_the_post_and_one_does_not() -> None:
     assert len(plan.placements) == 1
     with pytest.raises(pps.InfeasibleTaskError) as refused:
         pps.plan(pps.load_task("post", [*only, "limits.legs=1"]))
-    words = re.search(
-        r'"(face 1: [^"]*)"', " ".join(page("sequences.md").split())
-    )
+    words = re.search(r'"(face 1: [^"]*)"', " ".join(page("sequences.md").split()))
     assert words
     assert words.group(1) in str(refused.value)
 
 
 def test_what_may_move_is_pushed_where_no_way_leads_past() -> None:
-    sets = re.findall(
-        r"--set '?([^\s']+)'?", page("sequences.md").split("<!-- -->")[1]
-    )
+    sets = re.findall(r"--set '?([^\s']+)'?", page("sequences.md").split("<!-- -->")[1])
     assert len(sets) == 5
     plan = pps.plan(pps.load_task("post", sets))
     assert [segment.mode for segment in plan.segments] == ["rear_push"]
