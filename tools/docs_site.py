@@ -9,6 +9,7 @@ stands below studies/ on the site.
 from __future__ import annotations
 
 import ast
+import csv
 import importlib
 import os
 import posixpath
@@ -40,6 +41,7 @@ MOVED = {
     "CONTRIBUTING.md": "contributing.md",
     "LICENSE": "license.md",
     "CITATION.cff": "citation.md",
+    "docs/task-fields.csv": "task-fields.md",
     "docs/troubleshooting.yaml": "troubleshooting.md",
     "examples": "examples/index.md",
     "studies/README.md": "studies/index.md",
@@ -125,6 +127,19 @@ def commands() -> tuple[str, str]:
         text=True,
     ).stdout
     return "commands.md", text
+
+
+def task_fields() -> tuple[str, str]:
+    """Return name and text of the page of docs/task-fields.csv."""
+    text = (ROOT / "docs" / "task-fields.csv").read_text(encoding="utf-8")
+    titles, *rows = csv.reader(text.splitlines())
+    lines = [titles, ["---"] * len(titles)]
+    for name, words, default, meaning in rows:
+        lines.append([f"`{name}`", words, f"`{default}`", meaning])
+    table = "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    about = "Every field of a [task file](task-file.md). \"or null\": the field may also be"
+    about += " null, which is then its default.\n"
+    return "task-fields.md", f"# Fields of a task file\n\n{about}\n{table}\n"
 
 
 TROUBLESHOOTING = """# Troubleshooting
@@ -259,6 +274,7 @@ def made() -> Iterator[tuple[str, str]]:
     yield from api()
     yield data()
     yield commands()
+    yield task_fields()
     yield troubleshooting()
 
 
