@@ -137,7 +137,9 @@ def task_fields() -> tuple[str, str]:
     for name, words, default, meaning in rows:
         lines.append([f"`{name}`", words, f"`{default}`", meaning])
     table = "\n".join(f"| {' | '.join(line)} |" for line in lines)
-    about = "Every field of a [task file](task-file.md). \"or null\": the field may also be"
+    about = (
+        'Every field of a [task file](task-file.md). "or null": the field may also be'
+    )
     about += " null, which is then its default.\n"
     return "task-fields.md", f"# Fields of a task file\n\n{about}\n{table}\n"
 
