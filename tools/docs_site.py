@@ -9,6 +9,7 @@ stands below studies/ on the site.
 from __future__ import annotations
 
 import ast
+import csv
 import importlib
 import os
 import posixpath
@@ -21,6 +22,7 @@ from typing import Any
 
 import nbclient
 import nbformat
+import yaml
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
@@ -39,6 +41,8 @@ MOVED = {
     "CONTRIBUTING.md": "contributing.md",
     "LICENSE": "license.md",
     "CITATION.cff": "citation.md",
+    "docs/task-fields.csv": "task-fields.md",
+    "docs/troubleshooting.yaml": "troubleshooting.md",
     "examples": "examples/index.md",
     "studies/README.md": "studies/index.md",
     "studies/docs/data": "studies/data/index.md",
@@ -125,6 +129,105 @@ def commands() -> tuple[str, str]:
     return "commands.md", text
 
 
+def task_fields() -> tuple[str, str]:
+    """Return name and text of the page of docs/task-fields.csv."""
+    text = (ROOT / "docs" / "task-fields.csv").read_text(encoding="utf-8")
+    titles, *rows = csv.reader(text.splitlines())
+    lines = [titles, ["---"] * len(titles)]
+    for name, words, default, meaning in rows:
+        lines.append([f"`{name}`", words, f"`{default}`", meaning])
+    table = "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    about = (
+        'Every field of a [task file](task-file.md). "or null": the field may also be'
+    )
+    about += " null, which is then its default.\n"
+    return "task-fields.md", f"# Fields of a task file\n\n{about}\n{table}\n"
+
+
+TROUBLESHOOTING = """# Troubleshooting
+
+Every refusal is one line with the deciding number and its bound. The tables go by its
+code, as `result.json` and a `Refusal` in Python have it.
+
+## A package is missing
+
+`engine drake: Drake is not installed` and the like name the extra that brings it:
+`pip install 'pushpressslide[drake]'`. `reproduce`, `bench` and `gym-pusht` come with
+`pip install pushpressslide-studies`. Without Drake `--engine planar` runs a task.
+
+## A task file is refused at once
+
+Exit status 2, and one line: file, field, value, what is allowed.
+
+{files}
+
+## Results cannot be written
+
+Exit status 2.
+
+{folders}
+
+Ctrl-C, or a request to terminate, ends any command with status 130. What a run recorded
+and the samples that a sweep finished are kept. The next command into the folder removes
+what a killed process left half-written (`.NAME.PROCESS.part`).
+
+## No mode can do the task
+
+The line names the reason of one mode. `pps select TASK`, or `--verbose` of `pps run` and
+`pps plan`, shows those of all; `--joints` also asks for the arms' joint paths. Begin with
+the mode that ought to do it: `pps plan TASK --mode NAME`.
+
+{refusals}
+
+`pps run` may also refuse arms that come too near to each other, or an object that is
+led beyond the support that is modelled: move the bases apart, or the goal nearer.
+
+## A run does not reach its goal
+
+Exit status 1. `reason` in `result.json` has the code, `events` what went wrong before;
+[results](results.md#limits) has the limits. Look at that time in `replay.html`, and at
+the contact forces in `report.html`.
+
+{endings}
+
+## A run takes long
+
+Half of its time is Drake's physics, and a quarter of that goes into memory. With jemalloc
+or mimalloc the same run, to the bit, is
+[5 to 8 % faster](../studies/docs/benchmarks.md#memory):
+`LD_PRELOAD=libjemalloc.so.2 pps run TASK`. `--engine planar` needs no arms and no contact
+simulation. `planning_time` in `result.json` is the time of planning.
+"""
+
+
+def remedies(rows: list[dict[str, Any]]) -> str:
+    """Return a table of codes, or of messages, with their remedies."""
+    titles = list(rows[0])
+    lines = [titles, ["---"] * len(titles)]
+    for row in rows:
+        values = dict(row)
+        if "codes" in row:
+            values["codes"] = ", ".join(f"`{code}`" for code in row["codes"])
+        lines.append([values[title] for title in titles])
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def troubleshooting() -> tuple[str, str]:
+    """Return name and text of the page of docs/troubleshooting.yaml."""
+    text = (ROOT / "docs" / "troubleshooting.yaml").read_text(encoding="utf-8")
+    tables = yaml.safe_load(text)
+    refusals = "\n\n".join(
+        f"### {title}\n\n{remedies(rows)}" for title, rows in tables["refusals"].items()
+    )
+    page = TROUBLESHOOTING.format(
+        refusals=refusals,
+        endings=remedies(tables["endings"]),
+        files=remedies(tables["files"]),
+        folders=remedies(tables["folders"]),
+    )
+    return "troubleshooting.md", page
+
+
 def modules(room: Path) -> Iterator[str]:
     """Yield the full names of the modules of a room that have words of their own."""
     for path in sorted(room.rglob("*.py")):
@@ -173,6 +276,8 @@ def made() -> Iterator[tuple[str, str]]:
     yield from api()
     yield data()
     yield commands()
+    yield task_fields()
+    yield troubleshooting()
 
 
 def on_files(files: Files, *, config: MkDocsConfig) -> Files:

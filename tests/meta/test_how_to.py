@@ -17,12 +17,14 @@ def page(name: str) -> str:
     return (DOCS / name).read_text(encoding="utf-8")
 
 
-def block(name: str, language: str) -> str:
-    return page(name).split(f"```{language}\n")[1].split("```")[0]
+def block(heading: str, language: str) -> str:
+    """Return the first block of a language below a heading of your-setup.md."""
+    section = page("your-setup.md").split(f"\n## {heading}\n")[1].split("\n## ")[0]
+    return section.split(f"```{language}\n")[1].split("```")[0]
 
 
 def test_the_object_of_the_page_is_pressed_and_not_pushed_in_its_notch() -> None:
-    task = task_from_data(yaml.safe_load(block("own-object.md", "yaml")), "own-object")
+    task = task_from_data(yaml.safe_load(block("Your object", "yaml")), "my-l")
     choices = pps.select(task)
     assert choices[0].mode == "press_slide"
     assert choices[0].feasible
@@ -39,8 +41,8 @@ def test_the_arm_of_the_page_is_one_that_a_task_can_have(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    exec(compile(block("own-robot.md", "python"), "own-robot", "exec"), {})
-    robot = yaml.safe_load(block("own-robot.md", "yaml"))["robots"][0]
+    exec(compile(block("Your robot", "python"), "own-robot", "exec"), {})
+    robot = yaml.safe_load(block("Your robot", "yaml"))["robots"][0]
     robot["model"] = str(tmp_path / robot["model"])
     task = pps.load_task("rear-push-rear", [f"robots={[robot]}"])
     assert pps.select(task)[0].feasible
@@ -57,17 +59,13 @@ def test_three_pushes_lead_round_the_post_and_one_does_not() -> None:
     assert len(plan.placements) == 1
     with pytest.raises(pps.InfeasibleTaskError) as refused:
         pps.plan(pps.load_task("post", [*only, "limits.legs=1"]))
-    words = re.search(
-        r'"(face 1: [^"]*)"', " ".join(page("obstacles-and-legs.md").split())
-    )
+    words = re.search(r'"(face 1: [^"]*)"', " ".join(page("sequences.md").split()))
     assert words
     assert words.group(1) in str(refused.value)
 
 
 def test_what_may_move_is_pushed_where_no_way_leads_past() -> None:
-    sets = re.findall(
-        r"--set '?([^\s']+)'?", page("obstacles-and-legs.md").split("<!-- -->")[1]
-    )
+    sets = re.findall(r"--set '?([^\s']+)'?", page("sequences.md").split("<!-- -->")[1])
     assert len(sets) == 5
     plan = pps.plan(pps.load_task("post", sets))
     assert [segment.mode for segment in plan.segments] == ["rear_push"]
@@ -77,7 +75,7 @@ def test_the_loop_at_the_pace_of_a_clock_reaches_the_goal(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(time, "sleep", lambda seconds: None)
-    exec(compile(block("hardware.md", "python"), "hardware", "exec"), {})
+    exec(compile(block("On hardware", "python"), "hardware", "exec"), {})
     assert capsys.readouterr().out.startswith("goal_reached at most ")
 
 
@@ -86,7 +84,7 @@ def test_the_loop_at_the_pace_of_a_clock_reaches_the_goal(
     ("sets", "figures"),
     re.findall(
         r"^\| (nothing|`[a-z_]+[.=].*?`) \| (\S+ / \S+ \| \S+) \|$",
-        page("noise-and-beliefs.md"),
+        page("uncertainty.md"),
         re.MULTILINE,
     ),
 )

@@ -1,22 +1,29 @@
 """Every refusal and every bad ending of a run has its remedy in the documents."""
 
 import ast
-import re
+from collections import Counter
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
+
+import yaml
 
 from pushpressslide.core.record import ReasonCode
 from pushpressslide.core.refusal import SKIPPED
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "troubleshooting.md").read_text(encoding="utf-8")
-REFUSED, ENDED = PAGE.split("## A run does not reach its goal")
+TABLES = yaml.safe_load(
+    (ROOT / "docs" / "troubleshooting.yaml").read_text(encoding="utf-8")
+)
+REFUSED = [row for rows in TABLES["refusals"].values() for row in rows]
+ENDED = TABLES["endings"]
 
 
-def codes_of(text: str) -> set[str]:
-    """Return the codes in the first cells of the tables of a page."""
-    cells = re.findall(r"^\| (`[a-z_]+`(?:, `[a-z_]+`)*) \|", text, re.MULTILINE)
-    return {code for cell in cells for code in re.findall(r"[a-z_]+", cell)}
+def codes_of(rows: list[dict[str, Any]]) -> set[str]:
+    """Return the codes of some rows, each of which stands there once."""
+    codes = Counter(code for row in rows for code in row["codes"])
+    assert set(codes.values()) == {1}
+    assert all(row["remedy"] for row in rows)
+    return set(codes)
 
 
 def refused() -> set[str]:

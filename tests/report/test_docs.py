@@ -18,7 +18,7 @@ def keys(value):
 
 
 def test_every_field_of_the_result_is_documented(arm_run):
-    text = (DOCS / "result.md").read_text("utf-8")
+    text = (DOCS / "results.md").read_text("utf-8")
     missing = [
         n
         for n in keys(result(arm_run.task, arm_run.plan, arm_run.record))
@@ -28,7 +28,7 @@ def test_every_field_of_the_result_is_documented(arm_run):
 
 
 def test_every_array_of_the_record_is_documented(arm_run):
-    text = (DOCS / "record.md").read_text("utf-8")
+    text = (DOCS / "results.md").read_text("utf-8")
     general = {"body_post": "body_<name>"}
     names = [general.get(n, n.replace("_0", "_<i>")) for n in arm_run.record.arrays]
     assert not [n for n in names if f"`{n}`" not in text]
@@ -39,4 +39,4 @@ def test_every_array_of_the_record_is_documented(arm_run):
 )
 def test_every_other_field_of_a_record_is_documented(name):
     assert name in Record.__slots__
-    assert f"`{name}`" in (DOCS / "record.md").read_text("utf-8")
+    assert f"`{name}`" in (DOCS / "results.md").read_text("utf-8")

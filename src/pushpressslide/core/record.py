@@ -1,6 +1,6 @@
 """What a run leaves behind: time series, and why it ended.
 
-Names, shapes and units are listed in docs/record.md.
+Names, shapes and units are listed in docs/results.md.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Ending:
 class Record:
     """Time series of one run, and how it ended."""
 
-    # (N, ...) for N ticks, by the names of docs/record.md
+    # (N, ...) for N ticks, by the names of docs/results.md
     arrays: Mapping[str, NDArray[np.float64]]
     reason: ReasonCode
     reason_text: str

@@ -1,7 +1,7 @@
 """Ellipsoids fitted to pushes: with one parameter (rho), and of any shape about the
 centre of mass.
 
-Source: docs/mechanics.md, section 1; docs/identification.md.
+Source: docs/mechanics.md, section 1; docs/uncertainty.md.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 pushes.
 
 The height of the push enters: it moves load to the far side (docs/mechanics.md, 1.2).
-Source: docs/mechanics.md, section 1; docs/identification.md.
+Source: docs/mechanics.md, section 1; docs/uncertainty.md.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Pairs of wrench and motion from recorded pushes, with the conventions of the logs.
 
-Source: docs/identification.md. All in the body frame B: origin at the projected centre
+Source: docs/uncertainty.md. All in the body frame B: origin at the projected centre
 of mass, axes of the object as tracked.
 """
 

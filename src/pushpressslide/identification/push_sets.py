@@ -1,7 +1,7 @@
 """Sets of recorded pushes: what was pushed, on which pins, and the pairs of wrench and
 motion.
 
-The object is the aluminium prism of the published sets (docs/identification.md); a
+The object is the aluminium prism of the published sets (docs/uncertainty.md); a
 folder's name gives the pins that it stands on.
 """
 

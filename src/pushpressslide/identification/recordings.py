@@ -2,7 +2,7 @@
 ICRA 2016).
 
 One log holds N pushes: poses of the object before and after, forces and poses of the
-probe on the way. The format is described in docs/identification.md.
+probe on the way. The format is described in docs/uncertainty.md.
 """
 
 from __future__ import annotations

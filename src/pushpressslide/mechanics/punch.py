@@ -4,7 +4,7 @@ The contact problem of a rigid punch on an elastic half-space (Boussinesq; Johns
 "Contact Mechanics", 1985, section 3.4 and 5.9): the load settles so that the support
 sinks as a plane under the whole face, each load sinking it by 1/distance. The elastic
 constants do not matter. A face that is harder than its support comes near it, and
-measured pushes of one agree (docs/identification.md).
+measured pushes of one agree (docs/uncertainty.md).
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The figures of one run: result.json, field by field.
 
-docs/result.md says what each means.
+docs/results.md says what each means.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ def opening_refusal(
 
     What of the base the opening leaves carries the load as long as the centre of
     pressure of the drag, the weight included, lies within its convex hull
-    (docs/walls.md). ``poses``: X_WG along the path that begins with ``segment``.
+    (docs/modes.md). ``poses``: X_WG along the path that begins with ``segment``.
     """
     opening = query.scene.support.opening
     shape = query.body.shape

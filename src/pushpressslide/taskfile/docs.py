@@ -1,10 +1,12 @@
-"""The table of fields in docs/task-file.md, made from the schema.
+"""The fields of docs/task-file.md and docs/task-fields.csv, made from the schema.
 
-Renew it by ``python -m pushpressslide.taskfile.docs docs/task-file.md``.
+Renew them by ``python -m pushpressslide.taskfile.docs docs/task-file.md``.
 """
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import sys
 from collections.abc import Iterator, Mapping
@@ -21,13 +23,16 @@ BEGIN = "<!-- fields: begin (generated) -->"
 END = "<!-- fields: end -->"
 
 
-def _rows(fields: Mapping[str, Field], path: str) -> Iterator[str]:
+TITLES = ("field", "allowed", "default", "meaning")
+
+
+def _rows(fields: Mapping[str, Field], path: str) -> Iterator[tuple[str, ...]]:
     """Yield the row of every field: name, what is allowed, default and meaning."""
     for key, field in fields.items():
         name = path + key
         inner = field.kind.fields or {}
         words = field.kind.words.replace(f" with the fields {', '.join(inner)}", "")
-        yield f"| `{name}` | {words} | {_default(field.absent)} | {field.meaning} |"
+        yield name, words, _default(field.absent), field.meaning
         if "list" in words:
             name += "[i]"
         again = (path == "obstacles[i]." and key in NAMES) or (path and key == "motion")
@@ -40,11 +45,29 @@ def _default(default: Any) -> str:
         return "optional"
     if default is REQUIRED:
         return "required"
-    return f"`{json.dumps(default)}`"
+    return json.dumps(default)
+
+
+def every_field() -> str:
+    """Return the table of all fields, as comma-separated values."""
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(TITLES)
+    table.writerows(_rows(SCHEMA.fields or {}, ""))
+    return text.getvalue()
+
+
+def _sections() -> Iterator[str]:
+    """Yield the rows of a table of the sections of a file."""
+    yield "| section | meaning | its fields |"
+    yield "|---|---|---|"
+    for name, field in (SCHEMA.fields or {}).items():
+        inner = ", ".join(f"`{key}`" for key in field.kind.fields or {})
+        yield f"| `{name}` | {field.meaning} | {inner} |"
 
 
 def with_table(page: str) -> str:
-    """Return a page with its generated table renewed.
+    """Return a page with its generated table of sections renewed.
 
     Raises ValueError for a page without the two marks.
     """
@@ -52,11 +75,11 @@ def with_table(page: str) -> str:
     _, end, tail = rest.partition(END)
     if not start or not end:
         raise ValueError(f"the page lacks {BEGIN!r} or {END!r}")
-    titles = ["| field | allowed | default | meaning |", "|---|---|---|---|"]
-    table = "\n".join([*titles, *_rows(SCHEMA.fields or {}, "")])
+    table = "\n".join(_sections())
     return f"{head}{BEGIN}\n\n{table}\n\n{END}{tail}"
 
 
 if __name__ == "__main__":
     target = Path(sys.argv[1])
     write_whole(target, with_table(target.read_text(encoding="utf-8")))
+    write_whole(target.with_name("task-fields.csv"), every_field())

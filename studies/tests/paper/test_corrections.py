@@ -87,7 +87,8 @@ EXPECTED = {
 
 
 def test_there_is_a_row_for_every_line_of_the_mechanics() -> None:
-    table = MECHANICS.split("## 12.")[1].split("\n|---|---|---|\n")[1]
+    section = MECHANICS.split("\n## 12.")[1].split("\n## ")[0]
+    table = section.split("\n|---|---|---|\n")[1]
     assert (
         len([line for line in table.splitlines() if line.startswith("|")])
         == len(ROWS)

@@ -1,4 +1,4 @@
-"""The closed forms beside independent solvers, on random cases (docs/allocation.md)."""
+"""The closed forms beside independent solvers, on random cases (docs/mechanics.md)."""
 
 from __future__ import annotations
 

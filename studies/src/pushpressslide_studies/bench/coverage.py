@@ -1,6 +1,6 @@
 """What two orthogonal pushes can give, by sampling, beside the paper's formulas.
 
-docs/allocation.md. Lengths are in multiples of the contacts' distance d to the CoM, or
+docs/mechanics.md. Lengths are in multiples of the contacts' distance d to the CoM, or
 of K = rho^2/d.
 """
 
