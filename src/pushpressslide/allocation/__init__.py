@@ -1,5 +1,5 @@
-"""Allocation: from a wanted object wrench to contact forces inside their cones, closed
-form, in plain floats.
+"""Allocation: from a wanted object wrench to contact forces inside their cones, in
+closed form and plain floats.
 """
 
 from pushpressslide.core.room import explorable

@@ -1,4 +1,4 @@
-"""Allocators: kernels with the figures of their contacts."""
+"""Allocators: kernels bound to the figures of their contacts."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ Allocator = Callable[[float, float, float], Allocation]
 def allocator_of(
     kernel: Callable[..., tuple[Any, ...]], first: Any, second: Any
 ) -> Allocator:
-    """Return ``allocate(fx, fy, tau)`` [N, N m] of a kernel with its figures."""
+    """``allocate(fx, fy, tau)`` [N, N m] of a kernel bound to its figures."""
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
-        """Return the allocation of a wrench [N, N m]."""
+        """Allocation of a wrench [N, N m]."""
         forces, normals, margin, status, residual = kernel(fx, fy, tau, first, second)
         words = (forces, normals, margin, STATUSES[status], residual)
         return new(Allocation, words)

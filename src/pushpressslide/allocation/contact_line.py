@@ -1,9 +1,9 @@
-"""The line through two contacts: what a wrench leaves open of their forces, and how
-friction bounds that (docs/mechanics.md, sections 6 and 7).
+"""The line through two contacts: the free split of their forces along it, and its
+bounds by friction (docs/mechanics.md, sections 6 and 7).
 
-In the axes e, from contact 1 to 2, and m = J e the forces are f_1 = (s, g_1) and f_2 =
-(F.e - s, g_2): the parts across the line follow from the wrench, how the part along it
-is split is free.
+Let e be the direction from contact 1 to 2, and m = J e. The forces are f_1 = (s, g_1)
+and f_2 = (F.e - s, g_2). The parts across the line follow from the wrench; the split s
+along it is free.
 """
 
 from __future__ import annotations
@@ -43,17 +43,17 @@ class ContactLine:
         self.middle = (middle_x, middle_y)
 
     def in_axes(self, v: Point) -> Point:
-        """Return (v.e, v.m) of a vector in B."""
+        """Components (v.e, v.m) of a vector in B."""
         return in_axis(self.e, v)
 
     def in_body(self, v: Point) -> Point:
-        """Return in B the vector with components ``v`` in the axes e and m."""
+        """Vector in B with components ``v`` along e and m."""
         return from_axis(self.e, v)
 
     def components(
         self, fx: float, fy: float, tau: float, about: Point = (0.0, 0.0)
     ) -> tuple[float, float, float]:
-        """Return (F.e, g_1, g_2) [N] of a wrench with its moment about ``about`` [m].
+        """Wrench components (F.e, g_1, g_2) [N], with the moment about ``about`` [m].
 
         g_1 = F.m/2 - tau_mid/l and g_2 = F.m/2 + tau_mid/l, tau_mid the moment about
         the middle.
@@ -64,9 +64,10 @@ class ContactLine:
 def check_pair(
     points: Sequence[Point], normals: Sequence[Point], friction: float, split: Split
 ) -> None:
-    """Raise InputError unless forces can be split over two side contacts: friction < 0,
-    normals of other lengths, contacts that coincide, and for "least_friction" normals
-    that lie both along the line of contacts.
+    """Raise InputError unless forces can be split over two side contacts.
+
+    Causes are friction < 0, normals of other lengths, contacts that coincide, and for
+    "least_friction" normals that both lie along the line of contacts.
     """
     check_friction(friction)
     for normal in normals:

@@ -1,10 +1,10 @@
-"""The least load of two presses that holds the centre of pressure at a place along their
-line and drives a twist (docs/mechanics.md, section 7).
+"""The smallest load of two presses that keeps the centre of pressure at a given point
+of their line and drives a twist (docs/mechanics.md, section 7).
 
-With u, the weight over the load, the centre of pressure and the wrench that slides the
-object are polynomials in u, but for the wrench's size. So the loads at which a contact
-is at the edge of its friction disc are roots of polynomials. Between two roots either
-every load is enough or none is.
+Let u be the weight over the load. The centre of pressure and, except for its size, the
+wrench that slides the object are polynomials in u. The loads at which a contact is at
+the edge of its friction disc are therefore roots of polynomials. Between two roots
+either every load is enough or none is.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ HALVINGS = 60  # of the interval around the least load
 
 @dataclass(frozen=True, slots=True)
 class CopFriction:
-    """What the two contacts can give and what the twist asks of them, over the load.
+    """Available and required forces of two contacts for a twist, as functions of the
+    load.
 
     Polynomials in u, the weight over the load, the lowest power first. Forces are
     multiplied by the speed (v, rho w) of the centre of pressure, squares by its square.
@@ -39,9 +40,9 @@ class CopFriction:
     speed_squared: Array
 
     def surplus(self, u: float) -> float:
-        """Return what both contacts can give along the line, less what they must.
+        """Available force of both contacts along the line, minus the required force.
 
-        -inf where one of them cannot give its force across the line.
+        -inf if one of them cannot give its force across the line.
         """
         speed_squared = _polynomial_value(self.speed_squared, u)
         room_left = _squared(self.left, u) * speed_squared
@@ -57,7 +58,7 @@ class CopFriction:
         )
 
     def edges(self) -> Array:
-        """Return every u at which the surplus can change its sign."""
+        """Every u at which the surplus can change sign."""
         room_left = _product(_product(self.left, self.left), self.speed_squared)
         room_left = _sum(room_left, -_product(self.across_left, self.across_left))
         room_right = _product(_product(self.right, self.right), self.speed_squared)
@@ -75,7 +76,7 @@ def cop_friction(
     rho: float,
     frictions: tuple[float, float],
 ) -> CopFriction:
-    """Return the polynomials for a centre of pressure at ``fraction`` of ``line``.
+    """Polynomials for a centre of pressure at ``fraction`` of ``line``.
 
     The line leads from ``left`` [m] to the right contact, in B, whose origin is the
     CoM; ``rho`` [m]; ``frictions`` of the pairs object/support and tip/object.
@@ -105,7 +106,7 @@ def cop_friction(
 
 
 def largest_enough(friction: CopFriction, lower: float, upper: float) -> float | None:
-    """Return the largest u in [``lower``, ``upper``] with a surplus >= 0; None if none."""
+    """Largest u in [``lower``, ``upper``] with a surplus >= 0, or None."""
     if not lower <= upper:
         return None
     if friction.surplus(upper) >= 0.0:
@@ -122,7 +123,7 @@ def largest_enough(friction: CopFriction, lower: float, upper: float) -> float |
 
 
 def _last_enough(friction: CopFriction, low: float, high: float) -> float:
-    """Return the end of the surplus between ``low``, where it is >= 0, and ``high``."""
+    """Last u with a surplus >= 0, between ``low``, where it is >= 0, and ``high``."""
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         if friction.surplus(middle) >= 0.0:
@@ -157,8 +158,10 @@ def _sum(a: Array, b: Array) -> Array:
 
 
 def _roots(polynomial: Array) -> Array:
-    """Return the real parts of all roots: with a root that is not real the row of
-    intervals is finer than it need be.
+    """Real parts of all roots.
+
+    The real part of a complex root only makes the partition into intervals finer than
+    needed.
     """
     size = np.abs(polynomial)
     counts = np.flatnonzero(size > NOTHING * size.max())

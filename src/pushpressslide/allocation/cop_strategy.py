@@ -1,5 +1,5 @@
-"""Loads of two presses that put the centre of pressure where it is wanted
-(docs/mechanics.md, section 7).
+"""Loads of two presses that place the centre of pressure (docs/mechanics.md, section
+7).
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ def safe_loads(
     uses: Sequence[float],
     lightest: float,
 ) -> Point | None:
-    """Return the loads [N] of the left and right contact, none below ``lightest`` [N],
-    at the first of the shares ``uses`` of the contact friction that the cap allows;
-    None if it allows none.
+    """Loads [N] of the left and right contact, none below ``lightest`` [N], or None if
+    the cap allows none.
 
-    For every twist where the contacts are opposite each other and balanced, else the
-    least for ``twist``. Loads that have to be raised keep their ratio, or the fraction.
-    ``presses(use)`` are those with that share of the friction.
+    The first of the friction utilisations ``uses`` that the cap allows is taken. If the
+    contacts are opposite each other and balanced, the loads suffice for every twist,
+    otherwise they are the smallest for ``twist``. Loads that have to be raised keep
+    their ratio, or the fraction. ``presses(use)`` are the presses at that utilisation.
     """
     left = presses(1.0).left
     right = presses(1.0).right
@@ -59,7 +59,7 @@ def safe_loads(
 
 
 def least_loads(presses: TwoPresses, cop: Cop, twist: Twist) -> Point | None:
-    """Return the least loads [N] of the left and right contact for ``twist``.
+    """Smallest loads [N] of the left and right contact for ``twist``.
 
     None if the cap, or any press, is not enough with that centre of pressure.
     """
@@ -73,9 +73,9 @@ def least_loads(presses: TwoPresses, cop: Cop, twist: Twist) -> Point | None:
 
 
 def loads_with(presses: TwoPresses, cop: Cop, heavier: float) -> Point:
-    """Return the loads [N] of which the larger is ``heavier``.
+    """Loads [N] whose larger one is ``heavier``.
 
-    The other is < 0 where that centre of pressure takes a pull.
+    The other is < 0 if that centre of pressure takes a pull.
     """
     weight = presses.weight
     if isinstance(cop, str):
@@ -99,9 +99,7 @@ def possible_fractions(
     uses: Sequence[float],
     lightest: float,
 ) -> Point | None:
-    """Return the least and the greatest fraction, to 0.01, for which there are
-    ``safe_loads``; None if there is none.
-    """
+    """Smallest and largest fraction, to 0.01, with ``safe_loads``, or None."""
     good = [
         f
         for f in FRACTIONS

@@ -18,15 +18,16 @@ from pushpressslide.mechanics.checks import (
 def one_contact_allocator(
     point: Point, normal: Point, friction: float, rho: float
 ) -> Allocator:
-    """Return ``allocate(fx, fy, tau)`` for a side contact at ``point`` [m] in B.
+    """``allocate(fx, fy, tau)`` for a side contact at ``point`` [m] in B.
 
     ``normal`` is the unit inward normal in B. The wrench is about B's origin, the CoM,
     in B. One contact gives only wrenches with tau = point x f and f in the cone of
-    ``friction``; any other is projected to the nearest in the norm diag(1, 1, 1/rho^2),
-    in which the error of the object's twist is least for an ellipsoid of ``rho`` [m].
-    Status "ok" if nothing had to be changed (to 1e-9 of the wrench), "projected" else,
-    "infeasible" if even the best force is zero, and for a wrench that is not finite.
-    Raises ValueError unless ``friction`` is >= 0 and ``rho`` > 0.
+    ``friction``. Any other is projected to the nearest in the norm diag(1, 1, 1/rho^2),
+    in which the error of the object's twist is smallest for an ellipsoid of ``rho``
+    [m]. Status "ok" if nothing had to be changed (to 1e-9 of the wrench), otherwise
+    "projected". The status is "infeasible" if even the best force is zero, and for a
+    wrench that is not finite. Raises ValueError unless ``friction`` is >= 0 and ``rho``
+    > 0.
     """
     check_point(point, "point")
     check_normal(normal)

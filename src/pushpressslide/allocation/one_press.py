@@ -13,15 +13,15 @@ from pushpressslide.mechanics.checks import check_point, check_press, check_rho
 def one_press_allocator(
     point: Point, load: float, friction: float, rho: float, cop: Point = (0.0, 0.0)
 ) -> Allocator:
-    """Return ``allocate(fx, fy, tau)`` for a top contact at ``point`` [m] in B, pressed
-    with ``load`` [N].
+    """``allocate(fx, fy, tau)`` for a top contact at ``point`` [m] in B, pressed with
+    ``load`` [N].
 
-    The wrench is about ``cop`` [m] in B. One contact gives only wrenches with
-    tau = (point - cop) x f and |f| <= friction load. Any other is projected: to the
-    nearest direction in the norm diag(1, 1, 1/rho^2), in which the error of the object's
-    twist is least, then onto the disc. A wrench that is not finite is "infeasible".
-    Raises InputError unless ``point`` and ``cop`` are finite, ``rho`` [m] and ``load``
-    are > 0 and ``friction`` >= 0.
+    The wrench is about ``cop`` [m] in B. One contact gives only wrenches with tau =
+    (point - cop) x f and |f| <= friction load. Any other is projected: to the nearest
+    direction in the norm diag(1, 1, 1/rho^2), in which the error of the object's twist
+    is smallest, then onto the disc. A wrench that is not finite is "infeasible". Raises
+    InputError unless ``point`` and ``cop`` are finite, ``rho`` [m] and ``load`` are > 0
+    and ``friction`` >= 0.
     """
     check_point(point, "point")
     check_point(cop, "cop")

@@ -1,10 +1,10 @@
-"""Two pushes at right angles: what they can give, in closed form (docs/mechanics.md,
-section 6).
+"""Two pushes at right angles: their feasible wrenches in closed form
+(docs/mechanics.md, section 6).
 
-Contact B at (-d, 0) pushes along +x, contact L at (0, d) along -y; both normals pass
+Contact B at (-d, 0) pushes along +x, contact L at (0, d) along -y. Both normals pass
 through the centre of mass, so that only friction turns the object. P = fx, Q = -fy, T =
 tau/d, and u is the friction force of B: f_B = (P + T + u, u), f_L = (-T - u, -Q - u).
-For contacts placed otherwise ``WrenchCone`` says the same.
+``WrenchCone`` gives the same for any other contacts.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pushpressslide.core.pose import Point
 
 
 class Feasibility(NamedTuple):
-    """Whether a wrench is possible, and what decides."""
+    """Feasibility of a wrench, with its tightest condition."""
 
     spare: float  # [N] of the condition that decides; negative: impossible
     condition: str  # which one, in words
@@ -30,8 +30,8 @@ class Feasibility(NamedTuple):
 def feasibility(
     fx: float, fy: float, tau: float, d: float, friction: float
 ) -> Feasibility:
-    """Return the condition of section 6 that holds least for a wrench (fx, fy [N], tau
-    [N m]) about the CoM.
+    """Tightest condition of section 6 for a wrench (fx, fy [N], tau [N m]) about the
+    CoM.
 
     ``d`` [m] is the distance of both contacts to the CoM. With ``friction`` above 1
     every wrench is possible.
@@ -57,14 +57,14 @@ def feasibility(
 
 
 def _friction_factors(mu: float) -> tuple[float, float, float]:
-    """Return mu (1 - mu), mu (1 + mu) and 1 + mu^2."""
+    """The factors mu (1 - mu), mu (1 + mu) and 1 + mu^2."""
     return mu * (1.0 - mu), mu * (1.0 + mu), 1.0 + mu * mu
 
 
 def friction_interval(
     fx: float, fy: float, tau: float, d: float, friction: float
 ) -> tuple[float, float]:
-    """Return the interval [N] of B's friction force u in which both cones are kept.
+    """Interval [N] of B's friction force u in which both cones are kept.
 
     Reversed if empty.
     """
@@ -85,10 +85,10 @@ def friction_interval(
 def forces(
     fx: float, fy: float, tau: float, d: float, friction: float
 ) -> tuple[Point, Point]:
-    """Return the forces [N] of B and L with u = -T/2, moved into its interval.
+    """Forces [N] of B and L with u = -T/2, clipped to its interval.
 
-    For a wrench that is possible. u = -T/2 is the paper's symmetric split; it has the
-    least sum of squared friction forces.
+    For a feasible wrench. u = -T/2 is the paper's symmetric split; it has the smallest
+    sum of squared friction forces.
     """
     low, high = friction_interval(fx, fy, tau, d, friction)
     t = tau / d
@@ -97,8 +97,10 @@ def forces(
 
 
 def least_drift(fx: float, fy: float, tau: float, d: float, friction: float) -> float:
-    """Return the least b >= 0 [N] for which (fx + b, fy - b, tau) is possible: priority
-    of the moment. Inf where none is: for a moment without friction.
+    """Smallest b >= 0 [N] that makes (fx + b, fy - b, tau) feasible: priority of the
+    moment.
+
+    Inf if there is none: for a moment without friction.
     """
     if friction > 1.0:
         return 0.0
@@ -122,8 +124,8 @@ def least_drift(fx: float, fy: float, tau: float, d: float, friction: float) -> 
 def moment_limits(
     fx: float, fy: float, d: float, friction: float
 ) -> tuple[float, float]:
-    """Return the least and the largest moment [N m] beside a force with fx >= 0, fy <=
-    0, friction <= 1.
+    """Smallest and largest moment [N m] that a force with fx >= 0, fy <= 0 allows, for
+    friction <= 1.
     """
     p = fx
     q = -fy
@@ -135,8 +137,7 @@ def moment_limits(
 
 
 def turning_center(fx: float, fy: float, tau: float, rho: float) -> Point:
-    """Return the centre [m] about which a wrench turns an object on the ellipsoid of
-    ``rho`` [m].
+    """Centre [m] about which a wrench turns an object on the ellipsoid of ``rho`` [m].
 
     (-fy, fx) rho^2 / tau, relative to the CoP, about which ``tau`` is taken; ``tau``
     must not be zero.
@@ -148,8 +149,8 @@ def turning_center(fx: float, fy: float, tau: float, rho: float) -> Point:
 def turning_corners(
     d: float, friction: float, rho: float, left: bool
 ) -> tuple[Point, Point]:
-    """Return the centres [m] about which contact B or L alone turns the object, at its
-    friction limit.
+    """Centres [m] about which contact B or L alone turns the object at its friction
+    limit.
 
     To the left: K (1, 1/mu) and K (1/mu, -1), K = rho^2/d; to the right: K (1, -1/mu)
     and K (-1/mu, -1).
@@ -164,13 +165,14 @@ def turning_corners(
 def can_turn_about(
     center: Point, left: bool, d: float, friction: float, rho: float
 ) -> bool:
-    """Return whether two pushes can turn an object to the left (or right) about
-    ``center`` [m], from the CoM.
+    """Whether two pushes can turn an object to the left (or right) about ``center``
+    [m], from the CoM.
 
-    To the left: the segment between the two corners, moved anywhere into the quadrant
-    x, y >= 0; to the right: its mirror image about y = -x. Both unbounded, disjoint,
-    and joined only through infinity. With ``friction`` above 1 an object can be turned
-    about every point, without friction about none.
+    To the left, the centres are the segment between the two corners, translated
+    anywhere into the quadrant x, y >= 0. To the right, they are its mirror image about
+    y = -x. Both regions are unbounded, disjoint, and joined only through infinity. With
+    ``friction`` above 1 an object can be turned about every point, without friction
+    about none.
     """
     if friction > 1.0:
         return True
@@ -182,8 +184,8 @@ def can_turn_about(
 
 
 def least_turning_radius(d: float, friction: float, rho: float) -> float:
-    """Return the least distance [m] of a centre of turning to the CoM: K sqrt((1 +
-    1/mu^2) / 2), mu <= 1; inf without friction.
+    """Smallest distance [m] of a turning centre from the CoM: K sqrt((1 + 1/mu^2) / 2),
+    mu <= 1. Inf without friction.
     """
     if friction == 0.0:
         return math.inf
@@ -191,11 +193,11 @@ def least_turning_radius(d: float, friction: float, rho: float) -> float:
 
 
 def translation_radii(d: float, friction: float, rho: float) -> tuple[float, float]:
-    """Return the distances [m] of the centres of turning beside a force along one
-    normal, for friction < 1.
+    """Distances [m] of the turning centres under a force along one normal, for friction
+    < 1.
 
     With all friction at its limit: K (1 + mu^2) / (mu (1 + mu)) and K (1 + mu) / mu.
-    Beside a force along +x both turn to the right, along -y to the left. The paper's
+    Under a force along +x both turn to the right, along -y to the left. The paper's
     d_min and d_max stand for these. Inf without friction.
     """
     if friction == 0.0:

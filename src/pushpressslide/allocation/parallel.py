@@ -19,8 +19,7 @@ from pushpressslide.mechanics.checks import check_caps, check_rho
 def feasibility(
     fx: float, fy: float, tau: float, d_x: float, half_width: float, friction: float
 ) -> Feasibility:
-    """Return the condition that holds least for a wrench (fx, fy [N], tau [N m]) about
-    the CoM.
+    """Tightest condition for a wrench (fx, fy [N], tau [N m]) about the CoM.
 
     Contacts at (-d_x, +-half_width) [m] that push along +x: |tau + d_x fy| <=
     half_width fx, |fy| <= mu fx.
@@ -42,14 +41,14 @@ def parallel_push_allocator(
     caps: Sequence[float] = (math.inf, math.inf),
     projection: Projection = "nearest",
 ) -> Allocator:
-    """Return ``allocate(fx, fy, tau)`` for two side contacts on one face with unit
-    inward ``normal``, in B.
+    """``allocate(fx, fy, tau)`` for two side contacts on one face with unit inward
+    ``normal``, in B.
 
     The normal forces follow from the wrench. The friction force is shared in their
-    ratio, so that both contacts are equally far from slipping, where
-    ``two_contact_allocator`` shares it evenly and takes the lighter contact to the edge
-    of its cone first. All else is as there. Raises InputError where the line of
-    contacts is not at right angles to ``normal``, to 1e-9.
+    ratio, so that both contacts are equally far from slipping.
+    ``two_contact_allocator`` shares it evenly instead and takes the lighter contact to
+    the edge of its cone first. In all other respects they agree. Raises InputError if
+    the line of contacts is not at right angles to ``normal``, to 1e-9.
     """
     line = ContactLine(*points)
     along, _ = line.in_axes(normal)

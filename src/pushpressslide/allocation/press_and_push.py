@@ -1,5 +1,6 @@
 """Allocation to a press from above and a push from the side: the push turns the object
-about the pressed point, the press gives the rest (docs/mechanics.md, section 7).
+about the pressed point, the press gives the remaining force (docs/mechanics.md, section
+7).
 """
 
 from __future__ import annotations
@@ -25,16 +26,16 @@ def press_and_push_allocator(
     friction: float,
     cop: Point = (0.0, 0.0),
 ) -> Allocator:
-    """Return ``allocate(fx, fy, tau)`` for a top contact at ``press`` [m], pressed with
-    ``load`` [N], and a side contact at ``push`` [m] with the unit inward ``normal``;
-    all in B, the wrench about ``cop`` [m].
+    """``allocate(fx, fy, tau)`` for a top contact at ``press`` [m] with ``load`` [N],
+    and a side contact at ``push`` [m] with the unit inward ``normal``.
 
-    Of all forces inside cone and disc that realise it, the push is along its normal, or
-    as near to that as can be. A wrench that the press cannot hold is scaled; where the
-    push would have to pull, its moment is left out: status "projected" in both cases,
-    "infeasible" if nothing is left, and for a wrench that is not finite. Raises
-    InputError unless the places are finite, ``load`` is > 0, ``friction`` >= 0, and the
-    push has a lever about the pressed point.
+    All are in B, the wrench about ``cop`` [m]. Of all forces inside cone and disc that
+    realise it, those with the push nearest to its normal are taken. A wrench that the
+    press cannot hold is scaled. If the push would have to pull, its moment is left out.
+    The status is "projected" in both cases. It is "infeasible" if nothing is left, and
+    for a wrench that is not finite. Raises InputError unless the places are finite,
+    ``load`` is > 0, ``friction`` >= 0, and the push has a lever about the pressed
+    point.
     """
     check_point(cop, "cop")
     line = ContactLine(press, push)

@@ -1,11 +1,11 @@
 """Normal loads of two top contacts: in a given ratio, for a given centre of pressure,
-the least, and against a wall (docs/mechanics.md, section 7).
+the smallest, and against a wall (docs/mechanics.md, section 7).
 
 The wrench that slides the object grows with the load, and the centre of pressure moves
-with the ratio. So the loads for one twist are found by steps, in a tenth of a
-millisecond to some milliseconds, for planning. For a centre of pressure they are exact
-(``cop_load``); the loads for all twists are one formula. The height of the contacts,
-which moves the centre of pressure along the force, is left out.
+with the ratio. The loads for one twist are therefore found by iteration, in a tenth of
+a millisecond to some milliseconds, for planning. For a centre of pressure they are
+exact (``cop_load``); the loads for all twists are one formula. The height of the
+contacts, which moves the centre of pressure along the force, is neglected.
 """
 
 from __future__ import annotations
@@ -42,7 +42,9 @@ GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 class PressLoads(NamedTuple):
-    """Normal loads for a twist, and what goes with them."""
+    """Normal loads for a twist, with contact forces, centre of pressure, margin and
+    status.
+    """
 
     # [N] tangential, of the left and right contact ON the object, in B
     forces: tuple[Point, Point]
@@ -59,9 +61,9 @@ class PressLoads(NamedTuple):
 class TwoPresses:
     """Two top contacts on an object whose CoM is the origin of B.
 
-    Raises InputError for friction or a weight < 0, rho or cap <= 0, and contacts in one
-    place. Methods with ``gravity`` take a weight [N] in the plane, in B: on a wall, where
-    ``weight`` is 0.
+    Raises InputError for friction or a weight < 0, rho or cap <= 0, and contacts that
+    coincide. Methods with ``gravity`` take a weight [N] in the plane, in B: on a wall,
+    where ``weight`` is 0.
     """
 
     left: Point  # [m] in B
@@ -85,8 +87,8 @@ class TwoPresses:
 
     @property
     def least_fraction(self) -> float:
-        """Least N_i / N of each contact for a turn about the centre of pressure: (mu_s
-        / mu_a) rho / l; inf without friction at the contacts.
+        """Smallest N_i / N of each contact for a turn about the centre of pressure:
+        (mu_s / mu_a) rho / l. Inf without friction at the contacts.
         """
         if self.contact_friction == 0.0:
             return math.inf
@@ -98,8 +100,7 @@ class TwoPresses:
         )
 
     def press_for_every_twist(self) -> float:
-        """Return the sum [N] of two equal normals that drives every twist, inf if no
-        press does.
+        """Sum [N] of two equal normals that drives every twist. Inf if no press does.
 
         For contacts opposite each other about the CoM; needs mu_a > mu_s sqrt(1 + 4
         rho^2 / l^2).
@@ -115,7 +116,7 @@ class TwoPresses:
     def loads_for(
         self, normals: Point, twist: Twist, gravity: Point = (0.0, 0.0)
     ) -> PressLoads:
-        """Return what ``normals`` [N] do for ``twist`` (of any body point, in B)."""
+        """Effects of ``normals`` [N] for ``twist`` (of any body point, in B)."""
         cop, wrench = self._wrench(normals, twist, gravity)
         total = normals[0] + normals[1]
         share = normals[1] / total if total > 0.0 else 0.5
@@ -130,7 +131,7 @@ class TwoPresses:
     def in_ratio(
         self, share: float | Side, twist: Twist, gravity: Point = (0.0, 0.0)
     ) -> PressLoads:
-        """Return the least loads in a ratio.
+        """Smallest loads in a ratio.
 
         At the cap and "infeasible" if that is not enough.
         """
@@ -140,13 +141,13 @@ class TwoPresses:
     def for_share(
         self, share: float | Side, twist: Twist, gravity: Point = (0.0, 0.0)
     ) -> PressLoads:
-        """Return the least loads for ``twist`` with ``share`` of the two presses on the
-        right contact.
+        """Smallest loads for ``twist`` with the fraction ``share`` of the total load on
+        the right contact.
 
-        "balanced" is one half; "left" and "right" put the centre of pressure as far to
-        that side as a turn on the spot allows. Where that needs more than the cap: the
-        ratio that needs least, "projected"; where this does too: this ratio at the cap,
-        "infeasible".
+        "balanced" is one half. "left" and "right" put the centre of pressure as far to
+        that side as a turn on the spot allows. If that needs more than the cap, the
+        ratio with the smallest loads is taken, "projected". If this does too, it is
+        this ratio at the cap, "infeasible".
         """
         found = self.in_ratio(share, twist, gravity)
         if found.status != "ok":
@@ -156,12 +157,12 @@ class TwoPresses:
     def for_cop(
         self, fraction: float, twist: Twist, gravity: Point = (0.0, 0.0)
     ) -> PressLoads:
-        """Return the least loads for ``twist`` with the centre of pressure at
-        ``fraction`` in (0, 1) of the way from the left to the right contact, along
-        their line. They are exact: no smaller loads within the cap do it.
+        """Smallest loads for ``twist`` with the centre of pressure at ``fraction`` in
+        (0, 1) from the left to the right contact, along their line.
 
-        Where that needs more than the cap, or no press is enough, as in ``for_share``;
-        without a weight that presses, the same as ``for_share``.
+        They are exact: no smaller loads within the cap do it. If that needs more than
+        the cap, or no press is enough, the result is as in ``for_share``. Without a
+        weight that presses, the two methods are the same.
         """
         if self.weight == 0.0:
             return self.for_share(fraction, twist, gravity)
@@ -171,9 +172,9 @@ class TwoPresses:
         return self.loads_for(normals, twist)
 
     def _normals_for_cop(self, fraction: float, twist: Twist) -> Point | None:
-        """Return the least normals [N] with the centre of pressure at ``fraction``.
+        """Smallest normals [N] with the centre of pressure at ``fraction``.
 
-        None where no loads within the cap drive ``twist``.
+        None if no loads within the cap drive ``twist``.
         """
         if not all(map(math.isfinite, twist[:3])):
             return None
@@ -202,14 +203,14 @@ class TwoPresses:
         return (max(left, 0.0), max(right, 0.0))
 
     def for_least_press(self, twist: Twist, gravity: Point = (0.0, 0.0)) -> PressLoads:
-        """Return the loads for ``twist`` in the ratio that needs least.
+        """Loads for ``twist`` in the ratio with the smallest total.
 
-        "infeasible" if none is enough. The least of a row of ratios, refined by golden
-        section.
+        "infeasible" if none is enough. The ratio is the best of a grid, refined by
+        golden section.
         """
 
         def press(share: float) -> float:
-            """Return the least sum of presses [N] in a ratio."""
+            """Smallest total press [N] in a ratio."""
             return self._least_total(share, twist, gravity)
 
         step = 1.0 / RATIOS
@@ -237,9 +238,7 @@ class TwoPresses:
     def _wrench(
         self, normals: Point, twist: Twist, gravity: Point
     ) -> tuple[Point, tuple[float, float, float]]:
-        """Return the centre of pressure, and about it the wrench that the contacts have
-        to give.
-        """
+        """Centre of pressure, and about it the wrench that the contacts have to give."""
         left, right = normals
         load = self.weight + left + right
         cop = (
@@ -253,12 +252,12 @@ class TwoPresses:
         return cop, (slide.fx - held.fx, slide.fy - held.fy, slide.tau - held.tau)
 
     def _least_total(self, share: float | Side, twist: Twist, gravity: Point) -> float:
-        """Return the least sum [N] of normals in a ratio, inf if it is above the cap."""
+        """Smallest sum [N] of normals in a ratio. Inf if it is above the cap."""
         line = ContactLine(self.left, self.right)
         mu = self.contact_friction
 
         def surplus(total: float) -> float:
-            """Return what a sum [N] is above the press that it needs."""
+            """Excess of a sum [N] over the press that it needs."""
             normals = self._shared(share, total)
             cop, wrench = self._wrench(normals, twist, gravity)
             return total - least_press(
@@ -268,14 +267,14 @@ class TwoPresses:
         return _first_enough(surplus, self._max_total(share))
 
     def _max_total(self, share: float | Side) -> float:
-        """Return the largest sum [N] of normals in a ratio."""
+        """Largest sum [N] of normals in a ratio."""
         if isinstance(share, str):
             lower = self._least_of_side(share)
             return min(2.0 * self.cap, (self.cap + lower * self.weight) / (1.0 - lower))
         return self.cap / max(share, 1.0 - share)
 
     def _shared(self, share: float | Side, total: float) -> Point:
-        """Return both normals [N] of a sum, in a given ratio."""
+        """Both normals [N] of a sum, in a given ratio."""
         if isinstance(share, str):
             lighter = min(
                 self._least_of_side(share) * (self.weight + total), 0.5 * total
@@ -286,18 +285,18 @@ class TwoPresses:
         return (1.0 - share) * total, share * total
 
     def _least_of_side(self, side: Side) -> float:
-        """Return the part of the load that the lighter contact carries."""
+        """Fraction of the load on the lighter contact."""
         if side == "balanced":
             return 0.5
         return min(self.least_fraction + margins.SPARE_LOAD, 0.5)
 
 
 def _first_enough(surplus: Callable[[float], float], upper: float) -> float:
-    """Return the least total with surplus(total) >= 0, to ``EXACT`` of ``upper``.
+    """Smallest total with surplus(total) >= 0, to ``EXACT`` of ``upper``.
 
     Inf if there is none. ``surplus`` is nearly linear: false position (Illinois),
-    always with a bracket. It may fall again, where more press moves the centre of
-    pressure away from where the object is to turn; hence the ``TOPS``.
+    always with a bracket. It may fall again, if more press moves the centre of pressure
+    away from the turning centre; hence the ``TOPS``.
     """
     width = EXACT * upper
     low = width
@@ -332,14 +331,12 @@ def _first_enough(surplus: Callable[[float], float], upper: float) -> float:
 def wall_press(
     weight: float, contact_friction: float, wall_friction: float, up: float
 ) -> float:
-    """Return the least sum [N] of two equal normals that slides an object along a wall.
+    """Smallest sum [N] of two equal normals that slides an object along a wall.
 
-    Inf if none does.
-
-    ``weight`` [N] acts in the plane and does not press; ``up`` is the part of the
-    direction of sliding that points up, 1 up, 0 sideways, -1 down. Without turning, the
-    contacts level with the CoM on either side, a press mg / (sqrt(mu_w^2 up^2 + mu_a^2
-    - mu_w^2) - mu_w up).
+    Inf if none does. ``weight`` [N] acts in the plane and does not press; ``up`` is the
+    upward component of the direction of sliding: 1 up, 0 sideways, -1 down. Without
+    turning, and with the contacts level with the CoM on either side, the press is mg /
+    (sqrt(mu_w^2 up^2 + mu_a^2 - mu_w^2) - mu_w up).
     """
     b = wall_friction * up
     square = b * b + contact_friction**2 - wall_friction**2
@@ -348,8 +345,7 @@ def wall_press(
 
 
 def wall_hold(weight: float, contact_friction: float, wall_friction: float) -> float:
-    """Return the least sum [N] of two equal normals that holds an object at rest on a
-    wall.
+    """Smallest sum [N] of two equal normals that holds an object at rest on a wall.
 
     Both frictions carry the ``weight`` [N]: mg / (mu_a + mu_w); inf without friction.
     """

@@ -22,32 +22,32 @@ from pushpressslide.mechanics.checks import check_friction
 
 
 class PressAllocator(Protocol):
-    """An allocator that is told the normal forces and the centre of pressure of the
-    moment.
+    """An allocator that takes the normal forces and the reference point of the moment
+    as arguments.
     """
 
     def __call__(
         self, fx: float, fy: float, tau: float, normals: Point, cop: Point = (0.0, 0.0)
     ) -> Allocation:
-        """Return the tangential forces for a wrench about ``cop`` [m], in B."""
+        """Tangential forces for a wrench about ``cop`` [m], in B."""
         ...
 
 
 def two_press_allocator(points: Sequence[Point], friction: float) -> PressAllocator:
-    """Return ``allocate(fx, fy, tau, normals, cop)`` for top contacts at two ``points``
-    [m] in B.
+    """``allocate(fx, fy, tau, normals, cop)`` for top contacts at two ``points`` [m] in
+    B.
 
-    The wrench is about ``cop`` [m], in B: the centre of pressure of the ``normals`` [N]
-    that the contacts press with, best as measured. The force along the line of contacts
-    is shared in the ratio of what each disc, of radius ``friction`` times normal, has
-    left for it: without antagonistic shear, and inside both discs whenever any split
-    is.
+    The wrench is about ``cop`` [m], in B: the centre of pressure of the contacts'
+    ``normals`` [N], preferably measured ones. Each disc has the radius ``friction``
+    times normal. The force along the line of contacts is shared in the ratio of the
+    remaining capacities of the discs. The split has no antagonistic shear, and is
+    inside both discs whenever any split is.
 
-    A wrench beyond the discs is scaled onto them, status "projected": its direction is
+    A wrench beyond the discs is scaled onto them, status "projected". Its direction is
     kept, but below the limit surface nothing moves, so that this twist cannot be driven
-    at these normals. "infeasible" if nothing is left of it, it is not finite, or a
-    normal is not finite and >= 0. Raises InputError for contacts that coincide, or
-    friction < 0.
+    at these normals. The status is "infeasible" if nothing is left of it, it is not
+    finite, or a normal is not finite and >= 0. Raises InputError for contacts that
+    coincide, or friction < 0.
     """
     check_friction(friction)
     first, second = points
@@ -57,12 +57,12 @@ def two_press_allocator(points: Sequence[Point], friction: float) -> PressAlloca
 
 
 def _allocator(pair: PressPair) -> PressAllocator:
-    """Return the allocator with its figures."""
+    """The allocator bound to its figures."""
 
     def allocate(
         fx: float, fy: float, tau: float, normals: Point, cop: Point = (0.0, 0.0)
     ) -> Allocation:
-        """Return the allocation of a wrench [N, N m] about ``cop`` [m]."""
+        """Allocation of a wrench [N, N m] about ``cop`` [m]."""
         forces, normals, margin, status, residual = two_presses(
             fx, fy, tau, normals, cop, pair
         )
@@ -75,7 +75,7 @@ def _allocator(pair: PressPair) -> PressAllocator:
 def least_press(
     parts: tuple[float, float, float], friction: float, share: float
 ) -> float:
-    """Return the least sum [N] of two normal forces of which contact 2 has the part
+    """Smallest sum [N] of two normal forces of which contact 2 has the fraction
     ``share`` in [0, 1].
     """
     along, g1, g2 = parts
@@ -85,7 +85,7 @@ def least_press(
 
 
 def least_presses(parts: tuple[float, float, float], friction: float) -> Point:
-    """Return the two normal forces [N] of least sum: |f_i| / mu, with F.e shared as
+    """The two normal forces [N] with the smallest sum: |f_i| / mu, with F.e shared as
     |g_1| to |g_2|.
     """
     along, g1, g2 = parts

@@ -1,10 +1,9 @@
-"""The wrenches that two side contacts can give, as a cone; and where a wrench outside
-of it is moved to.
+"""The cone of wrenches that two side contacts can give, and projections onto it.
 
 Source: docs/mechanics.md, section 6. The cone is spanned by four edge wrenches, one for
-each edge of the two friction cones. Scaling never brings a wrench into a cone, so what
-is wanted has to be changed: to the nearest wrench, or with the force kept, or with the
-moment kept. Closed forms of fixed cost, plain floats.
+each edge of the two friction cones. Scaling never brings a wrench into a cone, so that
+the wanted wrench has to be changed: to the nearest wrench, or with the force kept, or
+with the moment kept. Closed forms of fixed cost, plain floats.
 """
 
 from __future__ import annotations
@@ -54,8 +53,8 @@ class WrenchCone:
         friction: float,
         rho: float,
     ) -> None:
-        """Prepare the cone. Raises InputError unless the points are finite, ``friction``
-        is >= 0, ``rho`` > 0 and both normals have unit length.
+        """Precompute the cone. Raises InputError unless the points are finite,
+        ``friction`` is >= 0, ``rho`` > 0 and both normals have unit length.
         """
         for point in points:
             check_point(point, "point")
@@ -84,8 +83,9 @@ class WrenchCone:
         self._push = (normals[0][0] + normals[1][0], normals[0][1] + normals[1][1])
 
     def _planes_across(self, planes: Sequence[Vector]) -> list[Vector]:
-        """Return normals of planes that bound a flat cone, which that of contacts
-        without friction is: those at right angles to its plane, or about its line.
+        """Normals of planes that bound a flat cone, as of contacts without friction.
+
+        The planes are at right angles to the cone's plane, or contain its line.
         """
         first = self._edges[0]
         if planes:
@@ -95,7 +95,7 @@ class WrenchCone:
         return [aside, _cross(first, aside), first]
 
     def _facets(self, normal: Vector) -> Iterator[Vector]:
-        """Yield the facets of the plane with a ``normal``: none where edges lie on both
+        """Yield the facets of the plane with a ``normal``. Empty if edges lie on both
         sides of it.
         """
         size = math.sqrt(_dot(normal, normal))
@@ -109,17 +109,16 @@ class WrenchCone:
                 yield a, b, c / self._rho
 
     def margin(self, fx: float, fy: float, tau: float) -> float:
-        """Return the number [N] that decides: distance of a wrench to the nearest
-        facet, negative outside.
+        """Distance [N] of a wrench to the nearest facet, negative outside.
 
-        Infinite where the contacts can give every wrench.
+        Infinite if the contacts can give every wrench.
         """
         return min(
             (a * fx + b * fy + c * tau for a, b, c in self.facets), default=math.inf
         )
 
     def nearest(self, fx: float, fy: float, tau: float) -> EdgeForces:
-        """Return the forces whose wrench is nearest to one that is not inside the cone."""
+        """Contact forces of the cone's wrench nearest to one outside the cone."""
         k1, k2, k3, k4 = nearest_parts(fx, fy, tau / self._rho, self._cone)
         a, b, c, d = self._cone[0]
         first = (k1 * a[0] + k2 * b[0], k1 * a[1] + k2 * b[1])
@@ -129,17 +128,17 @@ class WrenchCone:
     def moved_by(
         self, projection: Projection
     ) -> Callable[[float, float, float], Vector]:
-        """Return what moves a wrench into the cone, or leaves it, with its force or its
-        moment kept.
+        """Projection of a wrench onto the cone that keeps its force or its moment, if
+        it can.
         """
         if projection == "force_priority":
             return self.with_force_kept
         return self.with_torque_kept
 
     def with_force_kept(self, fx: float, fy: float, tau: float) -> Vector:
-        """Return the wrench of the cone with this force and the nearest moment.
+        """Wrench of the cone with this force and the nearest moment.
 
-        Where no moment makes the force possible, the wrench as it is.
+        The wrench itself if no moment makes the force feasible.
         """
         low = -math.inf
         high = math.inf
@@ -157,10 +156,10 @@ class WrenchCone:
         return (fx, fy, min(max(tau, low), high))
 
     def with_torque_kept(self, fx: float, fy: float, tau: float) -> Vector:
-        """Return the wrench of the cone with this moment and the least more force along
+        """Wrench of the cone with this moment and the smallest additional force along
         the sum of the normals.
 
-        Where no such force is enough, the wrench as it is.
+        The wrench itself if no such force is enough.
         """
         px, py = self._push
         drift = 0.0

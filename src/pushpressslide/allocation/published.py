@@ -1,5 +1,4 @@
-"""The paper's own formulas for two contacts, by name, so that the difference can be
-shown; used nowhere else.
+"""The paper's own formulas for two contacts, named for comparison only.
 
 They check no cone. Equations are numbered as in studies/docs/paper-map.md; forces [N]
 on the object, in B, moments about the CoM.
@@ -16,9 +15,9 @@ from pushpressslide.mechanics.contacts import least_norm_forces
 
 
 def synchronised_pushes(fx: float, fy: float) -> tuple[Point, Point]:
-    """Return two equal forces from behind (case 3, mode 1; eq. 18).
+    """Two equal forces from behind (case 3, mode 1; eq. 18).
 
-    Their moment is -d_x fy, whatever was wanted.
+    Their moment is -d_x fy, independent of the wanted one.
     """
     return (0.5 * fx, 0.5 * fy), (0.5 * fx, 0.5 * fy)
 
@@ -26,10 +25,9 @@ def synchronised_pushes(fx: float, fy: float) -> tuple[Point, Point]:
 def differential_pushes(
     fx: float, tau: float, half_width: float
 ) -> tuple[Point, Point]:
-    """Return the left and right force from behind, without friction (case 3, mode 2;
-    eq. 20).
+    """Left and right force from behind, without friction (case 3, mode 2; eq. 20).
 
-    The paper takes this for a differential drive; a force is negative, a pull, for
+    The paper takes this for a differential drive. A force is negative, a pull, for
     |tau| > half_width fx: no turning in place, no reverse.
     """
     half = 0.5 * tau / half_width
@@ -39,8 +37,8 @@ def differential_pushes(
 def orthogonal_pushes(
     fx: float, fy: float, tau: float, d: float, bias: float = 0.0
 ) -> tuple[Point, Point]:
-    """Return the forces of contact B at (-d, 0) and L at (0, d), friction split evenly
-    (case 4; eqs. 22, 23).
+    """Forces of contact B at (-d, 0) and L at (0, d), friction split evenly (case 4;
+    eqs. 22, 23).
 
     The ``bias`` [N] on both normal forces is not internal: the forces add up to (fx +
     bias, fy - bias, tau).
@@ -50,11 +48,10 @@ def orthogonal_pushes(
 
 
 def least_bias(fx: float, fy: float, tau: float, d: float, friction: float) -> float:
-    """Return the least bias [N] that puts the forces of ``orthogonal_pushes`` into
-    their cones.
+    """Smallest bias [N] that puts the forces of ``orthogonal_pushes`` into their cones.
 
-    Never smaller than ``orthogonal.least_drift``, the least that any split needs; inf
-    for a moment without friction.
+    Never smaller than ``orthogonal.least_drift``, the smallest that any split needs.
+    Inf for a moment without friction.
     """
     p = fx
     q = -fy
@@ -66,8 +63,8 @@ def least_bias(fx: float, fy: float, tau: float, d: float, friction: float) -> f
 
 
 def unicycle_distances(d: float, friction: float, rho: float) -> tuple[float, float]:
-    """Return d_min and d_max [m], between which case 4 has its tracking points, one
-    left and one right.
+    """The paper's d_min and d_max [m], between which case 4 has its tracking points,
+    one left and one right.
 
     (1 -+ mu^2) K / mu^2. The centres they stand for are
     ``orthogonal.translation_radii``; both turn the same way. Inf without friction.
@@ -81,10 +78,10 @@ def unicycle_distances(d: float, friction: float, rho: float) -> tuple[float, fl
 def pressed_forces(
     points: Sequence[Point], fx: float, fy: float, tau: float
 ) -> tuple[Point, ...]:
-    """Return the tangential forces at ``points`` [m] with the least sum of squares
-    (case 5; eq. 24).
+    """Tangential forces at ``points`` [m] with the smallest sum of squares (case 5; eq.
+    24).
 
     The moment is about the CoM, the limit surface about the CoP: unless the two
-    coincide, an object that was meant to translate also turns.
+    coincide, an object that should translate also turns.
     """
     return least_norm_forces(points, Wrench(fx, fy, tau))

@@ -1,4 +1,4 @@
-"""Two side contacts that keep a reserve of friction where they can."""
+"""Two side contacts that keep a reserve of friction if they can."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ def reserving_allocator(
     rho: float,
     projection: Projection = "nearest",
 ) -> Allocator:
-    """Return the ``two_contact_allocator`` of the preferred use of the friction where that gives
-    the wrench, else that of all of it.
+    """The ``two_contact_allocator`` of the preferred friction utilisation if that gives
+    the wrench, otherwise that of the full friction.
     """
     preferred = two_contact_allocator(
         points, normals, margins.PREFERRED_USE * friction, rho
@@ -28,7 +28,7 @@ def reserving_allocator(
     exact = two_contact_allocator(points, normals, friction, rho, projection=projection)
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
-        """Return the forces of a wrench in B."""
+        """Forces of a wrench in B."""
         allocation = preferred(fx, fy, tau)
         return allocation if allocation.status == "ok" else exact(fx, fy, tau)
 

@@ -1,4 +1,4 @@
-"""Loads of two presses that lead an object along one twist, or what stands against any
+"""Loads of two presses that lead an object along one twist, or the refusal of all loads
 (docs/mechanics.md, section 7).
 """
 
@@ -39,10 +39,11 @@ def slide_loads(
     points: tuple[Point, Point],
     path: TwistPath,
 ) -> tuple[Refusal | None, list[Point]]:
-    """Return what stands against the loads, and loads [N] at ``points`` to try for a
-    body's ``path``: ``cap`` [N] each where none do.
+    """Refusal of the loads, or None, and the loads [N] at ``points`` to try for a
+    body's ``path``.
 
-    Raises RefusedError where no two tips can press so.
+    The loads are ``cap`` [N] each if none suffice. Raises RefusedError if no two tips
+    can press so.
     """
     cop: Cop = COP if motion.cop is None else motion.cop
     twist = path.initial_twist(ORIGIN)
@@ -51,7 +52,7 @@ def slide_loads(
     rho = touching_ellipsoid(pressures(scene)(ORIGIN), mu_s, twist).rho
 
     def presses(share: float = 1.0) -> TwoPresses:
-        """Return the presses with a share of the contact friction."""
+        """The presses with a fraction of the contact friction."""
         return TwoPresses(*points, scene.weight_on, mu_s, share * mu_a, rho, cap)
 
     press = motion.press_force
@@ -73,8 +74,8 @@ def slide_loads(
 def _loads_at_limit(
     presses: Presses, cop: Cop, twist: Twist, allowed: float
 ) -> tuple[Refusal, list[Point]]:
-    """Return what stands against the loads, and loads [N] at the cap. Raises
-    RefusedError where no two tips can press so.
+    """Refusal of the loads, or None, and the loads [N] at the cap. Raises RefusedError
+    if no two tips can press so.
     """
     pair = presses()
     mu_a = pair.contact_friction
@@ -92,8 +93,8 @@ def _loads_at_limit(
 def slip_refusal(
     normals: Point, utilisation: float, allowed: float, note: str = ""
 ) -> Refusal:
-    """Return that two presses of ``normals`` [N] slip at a friction ``utilisation``
-    above what is ``allowed``.
+    """Refusal of two presses of ``normals`` [N] that slip, at a friction
+    ``utilisation`` above the ``allowed`` one.
     """
     left, right = normals
     text = (
@@ -104,8 +105,8 @@ def slip_refusal(
 
 
 def cop_fraction(scene: Scene, contacts: Sequence[Contact]) -> float:
-    """Return the centre of pressure without drag as part of the way from the left to
-    the right contact.
+    """Centre of pressure without drag, as a fraction of the line from the left to the
+    right contact.
     """
     left, right = (contact.point for contact in contacts)
     x, y = resting_cop(scene, contacts)
@@ -114,9 +115,7 @@ def cop_fraction(scene: Scene, contacts: Sequence[Contact]) -> float:
 
 
 def _given_loads(presses: TwoPresses, cop: Cop, given: float, cap: float) -> Point:
-    """Return the loads [N] of a given press. Raises RefusedError where it is too hard or
-    too light.
-    """
+    """Loads [N] of a given press. Raises RefusedError if it is too hard or too light."""
     normals = loads_with(presses, cop, given)
     if given > cap:
         text = f"motion.press_force of {{figure:Ng}}, {FORCE_ALLOWED}"
@@ -133,7 +132,7 @@ def _given_loads(presses: TwoPresses, cop: Cop, given: float, cap: float) -> Poi
 
 
 def _cop_refusal(presses: Presses, cop: float, twist: Twist, allowed: float) -> Refusal:
-    """Return what stands against a wanted centre of pressure."""
+    """Refusal of a wanted centre of pressure, or None."""
     cap = presses().cap
     can = possible_fractions(presses, twist, (allowed,), margins.ARM.least_press)
     span = "and so does any other"

@@ -1,4 +1,4 @@
-"""The twists that two side contacts can drive: their wrench cone, seen through the
+"""The twists that two side contacts can drive: their wrench cone mapped through the
 limit surface.
 """
 
@@ -32,7 +32,7 @@ class TwistCone:
     def __init__(
         self, contacts: Sequence[Contact], friction: float, surface: DraggedSurface
     ) -> None:
-        """Prepare all that does not depend on the twist."""
+        """Precompute the parts that do not depend on the twist."""
         self.contacts = tuple(contacts)
         self.surface = surface
         points = [c.point for c in contacts]
@@ -50,14 +50,15 @@ class TwistCone:
                 self._edges.append((fx / size, fy / size, tau / size))
 
     def wrench(self, vx: float, vy: float, w: float) -> Wrench:
-        """Return the wrench about the CoM that drives a twist of it."""
+        """Wrench about the CoM that drives a twist of it."""
         return self.surface.wrench(Twist(vx, vy, w)).moved_to(ORIGIN)
 
     def cone_margin(self, vx: float, vy: float, w: float) -> float:
-        """Return how far inside the cone the wrench of a twist is [rad].
+        """Angle [rad] of a twist's wrench from the edge of the cone, negative outside
+        (see ``angle``).
 
-        Negative outside, see ``angle``. In the norm diag(1, 1, 1/rho^2), so that it is
-        by this angle too that the twist may be turned.
+        In the norm diag(1, 1, 1/rho^2), in which the twist may be turned by the same
+        angle.
         """
         fx, fy, tau, _ = self.wrench(vx, vy, w)
         size = math.hypot(fx, fy, tau / self.surface.rho)
@@ -67,7 +68,7 @@ class TwistCone:
         return math.asin(max(-1.0, min(1.0, margin / size)))
 
     def cone_margins(self, twists: Array) -> Array:
-        """Return ``cone_margin`` (m,) of twists (m, 3)."""
+        """``cone_margin`` (m,) of twists (m, 3)."""
         cx, cy = self.surface.center
         rho = self.surface.rho
         vx, vy, w = twists.T
@@ -81,8 +82,10 @@ class TwistCone:
         return out
 
     def angle(self, vx: float, vy: float, w: float) -> float:
-        """Return ``cone_margin`` [rad]; but outside, where that is of the nearest facet's
-        plane, the angle to the nearest wrench of the cone, negative.
+        """``cone_margin`` [rad] inside, and minus the angle to the nearest wrench of
+        the cone outside.
+
+        Outside, ``cone_margin`` itself refers to the plane of the nearest facet.
         """
         wanted = self.wrench(vx, vy, w)
         nearest = self.nearest(wanted)
@@ -95,9 +98,9 @@ class TwistCone:
         )
 
     def nearest(self, wrench: Wrench) -> Wrench | None:
-        """Return the nearest wrench of the cone, about B's origin.
+        """Nearest wrench of the cone, about B's origin.
 
-        None for one of the cone.
+        None for a wrench inside the cone.
         """
         fx, fy, tau, _ = wrench.moved_to(ORIGIN)
         if self._wrenches.margin(fx, fy, tau) >= 0.0:
@@ -111,7 +114,7 @@ class TwistCone:
         )
 
     def rays(self, margin: float) -> list[TwistRate]:
-        """Return twists near the cone's edges and between them, ``margin`` [rad] inside."""
+        """Twists near the cone's edges and between them, ``margin`` [rad] inside."""
         middle = tuple(0.25 * sum(parts) for parts in zip(*self._edges, strict=True))
         out = []
         for a, b in ((0, 0), (1, 1), (2, 2), (3, 3), *combinations(range(4), 2)):

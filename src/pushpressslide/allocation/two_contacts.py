@@ -1,14 +1,14 @@
 """Allocation to two side contacts, anywhere on the object: four force components for
 the three of a wrench (docs/mechanics.md, sections 5 and 6).
 
-The split "least_friction" has the least sum of squared friction forces: section 6's
-u = -T/2, moved as little as needed. "least_force" has the least sum of squared forces:
-an even share along the line of contacts, moved as little as needed; it squeezes less
-and is nearer to slipping.
+The split "least_friction" has the smallest sum of squared friction forces: section 6's
+u = -T/2, changed as little as needed. "least_force" has the smallest sum of squared
+forces: an even share along the line of contacts, changed as little as needed. It
+squeezes less and is nearer to slipping.
 
-The projection "nearest" moves a wrench to the nearest in diag(1, 1, 1/rho^2);
-"force_priority" in its moment alone; "torque_priority" by a force along the sum of the
-normals; to the nearest where these two do not help.
+The projection "nearest" moves a wrench to the nearest in diag(1, 1, 1/rho^2).
+"force_priority" changes its moment alone, "torque_priority" adds a force along the sum
+of the normals. If these two do not help, the nearest wrench is taken.
 """
 
 from __future__ import annotations
@@ -44,16 +44,16 @@ def two_contact_allocator(
     projection: Projection = "nearest",
     split: Split = "least_friction",
 ) -> Allocator:
-    """Return ``allocate(fx, fy, tau)`` for side contacts at two ``points`` [m] in B.
+    """``allocate(fx, fy, tau)`` for side contacts at two ``points`` [m] in B.
 
     With unit inward ``normals``; the wrench is about B's origin, in B. Of all forces
     inside the cones of ``friction`` that realise it, ``split`` chooses one. A wrench
-    outside the cone is moved, in the norm of an ellipsoid of ``rho`` [m], as
-    ``projection`` says; one that needs more normal force than ``caps`` [N] is scaled.
-    Status "ok" if nothing had to be changed (to 1e-9 of the wrench), "projected" else,
-    "infeasible" if the best force is zero, and for a wrench that is not finite. Raises
-    ValueError for contacts that coincide, friction < 0, rho or caps <= 0, and for
-    "least_friction" where both normals lie along the line of contacts.
+    outside the cone is projected by ``projection``, in the norm of an ellipsoid of
+    ``rho`` [m]. One that needs more normal force than ``caps`` [N] is scaled. Status
+    "ok" if nothing had to be changed (to 1e-9 of the wrench), otherwise "projected".
+    The status is "infeasible" if the best force is zero, and for a wrench that is not
+    finite. Raises ValueError for contacts that coincide, friction < 0, rho or caps <=
+    0, and for "least_friction" if both normals lie along the line of contacts.
     """
     check_rho(rho)
     check_caps(caps)
@@ -82,13 +82,16 @@ def moving_allocator(
     general: tuple[Linear, Rest],
     projected: Callable[[float, float, float], Wrench],
 ) -> Allocator:
-    """Return the allocator of a kernel that leaves wrenches outside of the cone to the
-    caller: they are moved, and to the nearest of the ``general`` contacts from there.
+    """Allocator of a kernel that leaves the projection of wrenches outside the cone to
+    the caller.
+
+    Such a wrench is projected, and from there to the nearest wrench of the ``general``
+    contacts.
     """
     first, second = figures
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
-        """Return the allocation of a wrench [N, N m]."""
+        """Allocation of a wrench [N, N m]."""
         answer = kernel(fx, fy, tau, first, second)
         if answer[3] == ELSEWHERE:
             aim = projected(fx, fy, tau)

@@ -23,13 +23,12 @@ def wall_loads(
     uses: Sequence[float],
     min_use: float,
 ) -> Point:
-    """Return equal loads [N] of the left and right contact that drive every one of
-    ``steps``, each at least ``min_use`` [N], at the first of the shares ``uses`` of the
-    contact friction that the cap allows.
+    """Equal loads [N] of the left and right contact that drive every one of ``steps``,
+    each at least ``min_use`` [N].
 
-    ``presses(use)`` are those with that share of the friction, on an object that its
-    weight does not press. Raises ValueError, with the number that decides, where the
-    cap allows none.
+    The first of the friction utilisations ``uses`` that the cap allows is taken.
+    ``presses(use)`` are the presses at that utilisation, on an object that its weight
+    does not press. Raises ValueError, with the deciding number, if the cap allows none.
     """
     for use in uses:
         pair = presses(use)
@@ -41,7 +40,7 @@ def wall_loads(
 
 
 def _problem(presses: TwoPresses, steps: Sequence[Step], min_use: float) -> str:
-    """Why no two presses within their cap do it, in one line."""
+    """Reason in one line why no two presses within their cap suffice."""
     mu_a = presses.contact_friction
     mu_w = presses.support_friction
     cap = presses.cap
@@ -69,7 +68,7 @@ def _problem(presses: TwoPresses, steps: Sequence[Step], min_use: float) -> str:
 
 
 def _up(twist: Twist, gravity: Point) -> float:
-    """The part of the CoM's motion that points up, against gravity.
+    """Upward component of the CoM's direction of motion, against gravity.
 
     0 for a turn on the spot.
     """

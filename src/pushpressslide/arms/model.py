@@ -1,4 +1,4 @@
-"""What an arm that is driven by torques needs: its own dynamics, encoders and motors."""
+"""Interface of a torque-driven arm: its dynamics, encoders and motors."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from pushpressslide.robots.facts import RobotFacts
 
 
 class ArmModel(Protocol):
-    """Kinematics and dynamics of one arm; any library of rigid bodies can fill it in."""
+    """Kinematics and dynamics of one arm, implemented by any library of rigid bodies."""
 
     @property
     def facts(self) -> RobotFacts:
-        """The maker's limits of its joints."""
+        """The manufacturer's joint limits."""
 
     @property
     def size(self) -> int:
-        """Number of its joints, n."""
+        """Number n of joints."""
 
     def state_at(self, x: Array) -> ArmDynamics:
         """Pose and velocity of the tip, Jacobian, mass matrix and bias torques at joint
@@ -37,11 +37,11 @@ class Drives(Protocol):
         """Time [s] of the cell's clock."""
 
     def joints(self) -> Array:
-        """Joint positions and velocities (2 n,) [rad, rad/s] now."""
+        """Present joint positions and velocities (2 n,) [rad, rad/s]."""
 
     def tip_force(self, arm: ArmDynamics) -> Vector3:
-        """Force [N] of the tip ON what it touches now, world axes, of an ``arm`` whose
-        joints are where they were read last.
+        """Present force [N] of the tip ON the object, world axes, of an ``arm`` whose
+        joints are those last read.
         """
 
     def drive(self, torque: Array) -> None:
@@ -49,5 +49,5 @@ class Drives(Protocol):
 
 
 def at_rest(q: Array) -> Array:
-    """State (2 n,) of joints at rest at positions ``q`` (n,)."""
+    """State (2 n,) of resting joints at positions ``q`` (n,)."""
     return np.concatenate([q, np.zeros_like(q)])

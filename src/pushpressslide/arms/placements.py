@@ -1,4 +1,4 @@
-"""Joint paths of torque-driven arms, from one placement to the next one."""
+"""Joint paths of torque-driven arms, from one placement to the next."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pushpressslide.planning.free_space import Bounds
 
 
 class ArmPlacements:
-    """As ``control.cell.Placements``, by the search for joint paths."""
+    """A ``control.cell.Placements`` based on the search for joint paths."""
 
     def __init__(
         self,
@@ -25,8 +25,9 @@ class ArmPlacements:
         paths: Sequence[tuple[ArmPath, ...]],
         within: Bounds | None = None,
     ) -> None:
-        """Lead ``arms`` along ``paths``, a set for each placement; ``within`` [m] bounds
-        where the object may be led: x_min, x_max, y_min, y_max.
+        """Lead ``arms`` along ``paths``, a set for each placement.
+
+        ``within`` [m] bounds the region of the object: x_min, x_max, y_min, y_max.
         """
         self._library = library
         self._arms = arms
@@ -37,8 +38,8 @@ class ArmPlacements:
     def begin_placement(
         self, query: MotionQuery, postures: Sequence[Array] | None = None
     ) -> None:
-        """Give the arms the joint paths of the next placement of ``query``; arms that are
-        at ``postures`` (n,) [rad] are led to its beginning first.
+        """Give the arms the joint paths of the next placement of ``query``. Arms at
+        ``postures`` (n,) [rad] are led to its start first.
         """
         taken = self._prepared.paths.pop(0)
         paths = [path for path, _ in taken]
@@ -51,14 +52,14 @@ class ArmPlacements:
             arm.follow(path, attitude, period, frame)
 
     def prepare(self) -> PlacementPaths:
-        """A preparation of joint paths from where the arms were read last."""
+        """A preparation of joint paths from the last measured postures."""
         self._prepared = PlacementPaths(
             self._library, postures=self._postures(), within=self._within
         )
         return self._prepared
 
     def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
-        """Take the next joint paths, from where the arms were read last."""
+        """Take the next joint paths, from the last measured postures."""
         self.begin_placement(placement.query, self._postures())
 
     def _postures(self) -> tuple[Array, ...]:

@@ -1,4 +1,4 @@
-"""One arm that is driven by joint torques: its model, its executor, its joint path."""
+"""One torque-driven arm: its model, its executor, its joint path."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ RATE_TIME = 0.05  # [s] over which the rate of the joint reference is smoothed
 
 
 class TorqueArm(Driverless):
-    """One arm: its model, its drives, its executor, and its joint path."""
+    """One torque-driven arm: its model, its drives, its executor, and its joint path."""
 
     interface: Interface = "torque"
 
     def __init__(
         self, model: ArmModel, drives: Drives, joint_stiffness: float = 0.0
     ) -> None:
-        """Take the arm of a model; ``joint_stiffness`` [N m/rad] is as of
+        """Build the arm from a model. ``joint_stiffness`` [N m/rad] is that of
         ``control.execution.Execution``.
         """
         self.model = model
@@ -59,8 +59,9 @@ class TorqueArm(Driverless):
         period: float,
         frame: SupportFrame = TABLE,
     ) -> None:
-        """Take ``path`` as the joint reference, with the tool held as in ``attitude``,
-        in control periods of ``period`` [s]; ``frame`` is the support's.
+        """Take ``path`` as the joint reference, with the tool held as in ``attitude``.
+
+        Control periods are ``period`` [s]; ``frame`` is the support's.
         """
         facts = self.model.facts
         self.path = path
@@ -78,7 +79,7 @@ class TorqueArm(Driverless):
         )
 
     def read(self) -> ArmState:
-        """Joints, and the tip's place, velocity and force by them."""
+        """Joint state, and the tip's position, velocity and force derived from it."""
         state = self.model.state_at(self._drives.joints())
         self.state = state
         frame = self._frame
@@ -90,7 +91,7 @@ class TorqueArm(Driverless):
         return ArmState(self._drives.time, self.tip, self._reading())
 
     def send(self, command: ArmCommand) -> Applied:
-        """Apply the torque that executes a command where the arm was read last."""
+        """Apply the torque that executes a command, at the last measured state."""
         limited = self._limited_torque(command)
         self._limited = limited
         self._drives.drive(limited.torque)
@@ -121,13 +122,13 @@ class TorqueArm(Driverless):
 
     @property
     def _torque(self) -> Array:
-        """Torques (n,) [N m] as last applied; before the first, those of an arm that is
-        held at rest.
+        """Torques (n,) [N m] as last applied. Before the first, those that hold the arm
+        at rest.
         """
         return self.state.bias if self._limited is None else self._limited.torque
 
     def _reading(self) -> ArmReading:
-        """What the joints do, and what the last command asked of them."""
+        """Joint state, and the reference of the last command."""
         state = self.state
         if self._limited is None:
             return ArmReading(state.q, state.v)
@@ -135,8 +136,8 @@ class TorqueArm(Driverless):
         return ArmReading(state.q, state.v, asked.share, asked.rate_share)
 
     def _take_posture(self, posture: Array) -> None:
-        """Lead the reference to ``posture`` (n,) [rad], and note how it changes: what is
-        planned anew under way may be far from it.
+        """Lead the reference to ``posture`` (n,) [rad], and note its change: a replan
+        may be far from it.
         """
         if len(self._rate) == 0:
             self._rate = np.zeros_like(posture)

@@ -1,1 +1,1 @@
-"""The controller, closed form, for any mode and any plant."""
+"""The closed-form controller, for any mode and any plant."""

@@ -1,5 +1,5 @@
-"""How the controller adapts: it steers less while contacts are near slipping, and pushes
-harder while tips that are led do not move.
+"""Adaptation of the controller: less steering while contacts are near slipping, more
+force while servoed tips stand still.
 """
 
 from __future__ import annotations
@@ -24,7 +24,9 @@ TipSpeed = tuple[Vector3, Vector3]
 
 
 class Adaptation(NamedTuple):
-    """Factors that follow what the contacts bear, and what the object resists with."""
+    """Factors on steering and forces that adapt to contact utilisation and to the
+    object's resistance.
+    """
 
     steering_scale: float = 1.0  # share of the steering that may be used
     force_scale: float = 1.0  # on the contact forces
@@ -37,9 +39,10 @@ class Adaptation(NamedTuple):
         drag: float | None,
         dt: float,
     ) -> Adaptation:
-        """Adaptation after a tick of ``dt`` [s] at the largest friction
-        ``utilisation`` of all contacts; ``speeds`` are those of tips that a servo leads,
-        ``drag`` [N] is identified.
+        """Adaptation after a tick of ``dt`` [s] at the largest friction ``utilisation``
+        of all contacts.
+
+        ``speeds`` are those of tips led by a servo; ``drag`` [N] is identified.
         """
         steering_scale = eased_steering_scale(
             self.steering_scale, utilisation, dt, STEERING_SCALE
@@ -47,8 +50,11 @@ class Adaptation(NamedTuple):
         return Adaptation(steering_scale, self._force_scale(speeds, dt), drag)
 
     def force_gain(self, gain: float, planned: float) -> float:
-        """Factor on the contact forces, with a ``gain`` of their own and the ``planned``
-        support friction [N]: friction, mass, or a load that the object pushes differ.
+        """Factor on the contact forces, with a ``gain`` of their own and the
+        ``planned`` support friction [N].
+
+        It compensates for errors of friction or mass, and for a load that the object
+        pushes.
         """
         ratio = 1.0
         if self.drag is not None:
@@ -56,8 +62,10 @@ class Adaptation(NamedTuple):
         return gain * ratio * self.force_scale
 
     def _force_scale(self, speeds: Sequence[TipSpeed], dt: float) -> float:
-        """Factor on the contact forces after a tick: a servo of velocities alone lets
-        rest what is held by more than it gives.
+        """Factor on the contact forces after a tick.
+
+        A velocity servo alone cannot move an object whose resistance exceeds the
+        servo's force.
         """
         led = 0.0
         moved = 0.0

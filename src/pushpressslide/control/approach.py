@@ -1,5 +1,7 @@
-"""The approach: free motion to where the touch begins, as a source of commands beside
-the controller. Arms follow joint paths; on a plant without arms the tips travel.
+"""The approach: free motion to the start of the touch, a source of commands next to the
+controller.
+
+Arms follow joint paths; on a plant without arms the tips travel.
 """
 
 from __future__ import annotations
@@ -41,17 +43,17 @@ TRAVEL_SPEED = 0.25  # [m/s] of a tip without an arm, at its fastest
 class Approach(ABC):
     """Leads all arms or tips to a placement.
 
-    An arm that holds a contact from the placement before keeps on obeying its last tip
+    An arm that keeps a contact from the previous placement goes on obeying its last tip
     command.
     """
 
     def __init__(
         self, start: Pose2, held_commands: TipCommands, began: float, duration: float
     ) -> None:
-        """Prepare to move from time ``began`` [s] on, for ``duration`` [s].
+        """Start at time ``began`` [s], for ``duration`` [s].
 
-        ``start`` is X_WG where the placement is planned to begin; ``held_commands`` has the
-        command of each arm that keeps its contact, None for the others.
+        ``start`` is the planned X_WG at the start of the placement. ``held_commands``
+        has the command of each arm that keeps its contact, None for the others.
         """
         self._began = began
         self._halted: float | None = None  # [s]
@@ -60,7 +62,7 @@ class Approach(ABC):
         self.arrival = began + duration  # [s] when the touch begins
 
     def step(self, time: float) -> tuple[Commands, ControlLog]:
-        """Return one command per arm at ``time`` [s], and the log of the tick."""
+        """One command per arm at ``time`` [s], and the log of the tick."""
         elapsed, rate = self._clock(time)
         commands = tuple(
             self._command(i, held, elapsed, rate) for i, held in enumerate(self.held)
@@ -73,11 +75,11 @@ class Approach(ABC):
         self.arrival = math.inf
 
     def at_rest(self, time: float) -> bool:
-        """Return whether the approach has come to rest after a halt."""
+        """Whether the approach has come to rest after a halt."""
         return self._halted is not None and time - self._halted > HALT + SETTLE
 
     def _clock(self, time: float) -> tuple[float, float]:
-        """Return the time [s] on the path and its rate: 1, less after a halt."""
+        """Time [s] on the path and its rate, which is 1, or less after a halt."""
         if self._halted is None:
             return time - self._began, 1.0
         share = min((time - self._halted) / HALT, 1.0)
@@ -88,11 +90,11 @@ class Approach(ABC):
     def _command(
         self, arm: int, held_commands: TipCommand | None, elapsed: float, rate: float
     ) -> ArmCommand:
-        """Return an arm's command ``elapsed`` [s] on its path, passed at ``rate``."""
+        """Command of an arm ``elapsed`` [s] on its path, traversed at ``rate``."""
 
 
 class JointApproach(Approach):
-    """Leads arms along their joint paths; the path of an arm that holds a contact gives
+    """Leads arms along their joint paths. The path of an arm that keeps a contact gives
     its posture only.
     """
 
@@ -103,7 +105,7 @@ class JointApproach(Approach):
         held_commands: TipCommands,
         began: float,
     ) -> None:
-        """Prepare to follow ``paths``, one per arm; the others as of an approach."""
+        """Follow ``paths``, one per arm. The other parameters are those of an approach."""
         longest = max(float(path.approach_time[-1]) for path in paths)
         super().__init__(start, held_commands, began, longest + SETTLE)
         self._paths = paths
@@ -119,19 +121,19 @@ class JointApproach(Approach):
 
 @dataclass(frozen=True, slots=True)
 class TipPath:
-    """A way of a tip through ``corners`` [m], at rest at each of them."""
+    """A path of a tip through ``corners`` [m], at rest at each of them."""
 
     corners: tuple[Vector3, ...]
 
     @property
     def duration(self) -> float:
-        """How long it takes [s]."""
+        """Duration [s] of the path."""
         return sum(
             ramp_time(math.dist(a, b), TRAVEL_SPEED) for a, b in pairwise(self.corners)
         )
 
     def state_at(self, elapsed: float) -> tuple[Vector3, Vector3]:
-        """Return place [m] and velocity [m/s] ``elapsed`` [s] after the beginning."""
+        """Position [m] and velocity [m/s] ``elapsed`` [s] after the start."""
         for a, b in pairwise(self.corners):
             time = ramp_time(math.dist(a, b), TRAVEL_SPEED)
             if elapsed < time:
@@ -144,7 +146,7 @@ class TipPath:
 
 
 class TipApproach(Approach):
-    """Leads tips without arms: up, across, and down to before their contacts."""
+    """Leads tips without arms: up, across, and down to a point before their contacts."""
 
     def __init__(
         self,
@@ -153,8 +155,8 @@ class TipApproach(Approach):
         held_commands: TipCommands,
         began: float,
     ) -> None:
-        """Prepare to follow ``paths``, one per tip, None for one that stays where it
-        is; the others as of an approach.
+        """Follow ``paths``, one per tip, None for one that stays in place. The other
+        parameters are those of an approach.
         """
         longest = max((p.duration for p in paths if p is not None), default=0.0)
         super().__init__(
@@ -173,7 +175,7 @@ class TipApproach(Approach):
 
 
 def free_tip(position: Vector3, velocity: Vector3) -> TipCommand:
-    """Command of a tip that touches nothing, about a ``position`` [m] that moves at a
+    """Command of a tip without contact, about a ``position`` [m] that moves at a
     ``velocity`` [m/s].
     """
     return TipCommand(
@@ -191,9 +193,7 @@ def free_tip(position: Vector3, velocity: Vector3) -> TipCommand:
 
 
 def tip_path(start: Vector3, end: Vector3, above: float) -> TipPath:
-    """Return the way from ``start`` to ``end`` [m] at a height of at least ``above``
-    [m].
-    """
+    """Path from ``start`` to ``end`` [m] at a height of at least ``above`` [m]."""
     height = max(above, start[2], end[2])
     up = (start[0], start[1], height)
     over = (end[0], end[1], height)

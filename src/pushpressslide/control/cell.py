@@ -1,7 +1,7 @@
-"""What a plan is run on: arms, a tracker of the object, and a clock.
+"""The cell that a plan runs on: arms, a tracker of the object, and a clock.
 
 A simulator gives all three, and a robot cell does. Each is a protocol of a few members,
-and each can be another one. Poses, points and forces are about x, y and height of the
+and can be replaced separately. Poses, points and forces are in x, y and height of the
 support's frame (core/support_frame.py), on a table the world's.
 """
 
@@ -25,7 +25,7 @@ Interface = Literal["tip", "torque", "velocity", "position"]
 
 
 class ArmState(NamedTuple):
-    """What an arm measures."""
+    """Measurements of an arm."""
 
     time: float  # [s] of the cell's clock
     tip: TipState
@@ -33,7 +33,7 @@ class ArmState(NamedTuple):
 
 
 class Applied(NamedTuple):
-    """What became of a command; nothing is known of a tip without an arm."""
+    """What was really applied of a command. Nothing is known of a tip without an arm."""
 
     torque: Array | None = None  # (n,) [N m]
     reference: Array | None = None  # (n,) [rad] that the joints were led to
@@ -45,39 +45,39 @@ class Applied(NamedTuple):
 class Arm(Protocol):
     """One robot arm with its tip, its limits, its executor and its own rate.
 
-    It goes on obeying a command until the next one.
+    It obeys a command until the next one.
     """
 
     interface: Interface
 
     @property
     def limits(self) -> ArmLimits | None:
-        """Limits of its joints; None for a tip without an arm."""
+        """Limits of the joints. None for a tip without an arm."""
 
     @property
     def path(self) -> JointPath | None:
-        """Its joint path in this placement, from where the arm was as the placement
-        began; None for a tip without an arm.
+        """Joint path in this placement, from the arm's configuration at its start. None
+        for a tip without an arm.
         """
 
     def connect(self) -> None:
-        """Begin to drive it; called before the first read."""
+        """Start to drive the arm. Called before the first read."""
 
     def read(self) -> ArmState:
-        """What is measured now."""
+        """Present measurements."""
 
     def send(self, command: ArmCommand) -> Applied:
-        """Obey ``command`` until the next one; what was really applied.
+        """Obey ``command`` until the next one. Returns what was really applied.
 
-        None: rest where the joint path along the contact begins.
+        None: rest at the start of the joint path along the contact.
         """
 
     def disconnect(self) -> None:
-        """Cease to drive it, at rest; called once, however the run ended."""
+        """Stop driving the arm, at rest. Called once, however the run ended."""
 
 
 class Clock(Protocol):
-    """Physics that advance, or a wall clock that waits."""
+    """Simulated physics that advance, or a wall clock that waits."""
 
     # time stands still until ``advance``, and sensors have the faults that the task says
     simulated: bool
@@ -87,14 +87,14 @@ class Clock(Protocol):
         """Time [s] since the start."""
 
     def advance(self) -> None:
-        """Let the time pass until the next control period begins."""
+        """Let time pass until the next control period starts."""
 
     def failure(self) -> str | None:
-        """Why the run cannot go on; None while it can."""
+        """Reason why the run cannot go on, or None."""
 
 
 class Truth(NamedTuple):
-    """What a recorder is told of a tick: more than a robot sees."""
+    """True state for the record of a tick, more than a robot can measure."""
 
     X_WG: Pose2  # of the object as the tick began
     tips: tuple[TipState, ...]  # as it began
@@ -108,45 +108,46 @@ class Truth(NamedTuple):
 
 
 class Witness(Protocol):
-    """Tells a recorder the truth, as only a simulator can."""
+    """Reports the true state to a recorder, as only a simulator can."""
 
     @property
     def facts(self) -> Mapping[str, Any]:
-        """What is to be known of the whole run."""
+        """Facts about the whole run."""
 
     def observe(self) -> Truth:
-        """The truth of the tick that was passed last."""
+        """True state of the last completed tick."""
 
 
 class Placements(Protocol):
-    """Where the arms go from one placement to the next one."""
+    """Arm motions from one placement to the next."""
 
     def prepare(self) -> PlacementPlanner:
-        """An empty preparation of placements from where the arms are now, in place of
-        all that are ahead.
+        """An empty preparation of placements from the present state of the arms, in
+        place of all that are ahead.
         """
 
     def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
-        """Go on with the next placement; arms in ``kept_arms`` keep their contacts."""
+        """Go on with the next placement. Arms in ``kept_arms`` keep their contacts."""
 
 
 class TipsAlone:
-    """Placements of tips without arms: they travel there by themselves."""
+    """Placements of tips without arms, which travel by themselves."""
 
     def prepare(self) -> PlacementPlanner:
-        """A preparation that takes any plan."""
+        """A preparation that accepts any plan."""
         return PlansAlone()
 
     def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
-        """Nothing has to be done."""
+        """Do nothing."""
 
 
 @dataclass(frozen=True)
 class Cell:
-    """Everything that a plan is run on.
+    """Arms, tracker and clock on which a plan runs.
 
-    It begins with the object at its true start and the arms where the approach to the
-    first placement begins, or all as a run left it that this one goes on from.
+    A cell starts with the object at its true start and the arms at the start of the
+    approach to the first placement, or in the final state of a run that this one
+    continues.
     """
 
     name: str  # of the engine, as in a record
@@ -158,19 +159,19 @@ class Cell:
 
     @property
     def arm_limits(self) -> tuple[ArmLimits, ...]:
-        """Limits of each arm; none where tips move without arms."""
+        """Limits of each arm. Empty for tips without arms."""
         limits = [arm.limits for arm in self.arms]
         return tuple(one for one in limits if one is not None)
 
     @property
     def joint_paths(self) -> tuple[JointPath, ...]:
-        """Joint path of each arm; none where tips move without arms."""
+        """Joint path of each arm. Empty for tips without arms."""
         paths = [arm.path for arm in self.arms]
         return tuple(path for path in paths if path is not None)
 
     @contextmanager
     def connected(self) -> Iterator[None]:
-        """Drive the arms; they are disconnected however it ends."""
+        """Context in which the arms are driven. They are disconnected however it ends."""
         driven: list[Arm] = []
         try:
             for arm in self.arms:
@@ -186,14 +187,14 @@ class Driverless:
     """An arm that needs no connection, as in a simulator."""
 
     def connect(self) -> None:
-        """Nothing has to be done."""
+        """Do nothing."""
 
     def disconnect(self) -> None:
-        """Nothing has to be done."""
+        """Do nothing."""
 
 
 class TipAlone(Driverless):
-    """What all tips without arms have in common."""
+    """Base of all tips without arms."""
 
     interface: Interface = "tip"
     limits: ArmLimits | None = None

@@ -6,9 +6,9 @@
     release  draw the tips back, unless nothing else carries the object; then done
 
 State in, state out: ``init(measurement) -> state``, ``step(state, measurement) ->
-(commands, log, state, event)``. It sees what a robot would see: object pose, tip state,
-contact force. It never raises; what went wrong is in ``state.phase.failure``. What an
-event leads to is the supervisor's to decide, which may plan.
+(commands, log, state, event)``. It uses only what a robot measures: object pose, tip
+state, contact force. It never raises; a failure is in ``state.phase.failure``. The
+supervisor decides on events, and may plan.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ NO_TIMES = (0.0, 0.0)
 
 
 class Step(NamedTuple):
-    """What a tick comes to."""
+    """Result of a controller tick."""
 
     commands: Commands  # one per arm; None: it has no contact
     log: ControlLog
@@ -84,7 +84,7 @@ class Step(NamedTuple):
 
 
 class PhaseStep(NamedTuple):
-    """The same of a phase."""
+    """Result of a phase's tick."""
 
     commands: tuple[TipCommand, ...]  # one per contact
     state: ControllerState
@@ -93,9 +93,9 @@ class PhaseStep(NamedTuple):
 
 
 class Controller:
-    """Closed-form control of one placement of a plan; hold one per run of it.
+    """Closed-form control of one placement of a plan. Use one instance per run of it.
 
-    A run takes a class derived from this one as ``controller``.
+    A run accepts a subclass as ``controller``.
     """
 
     seen = Renamed("filtered_pose")
@@ -109,12 +109,12 @@ class Controller:
         execution: Execution = USUAL,
         estimator: Callable[[MotionQuery], Estimator] = ObjectEstimator,
     ) -> None:
-        """Prepare everything that does not change from tick to tick.
+        """Precompute everything that is constant during the placement.
 
-        ``number`` is the placement's index in the plan; ``gap`` [m] is the free path
-        that the approach leaves before the touch (default: as the task asks for);
-        ``back`` [m] is how far the tips can be drawn back from the end; ``execution``
-        may change the laws; ``estimator`` makes one of what was asked for.
+        ``number`` is the placement's index in the plan. ``gap`` [m] is the free path
+        that the approach leaves before the touch (default: the task's). ``back`` [m] is
+        the largest retreat of the tips at the end. ``execution`` may change the laws.
+        ``estimator`` makes an estimator of a query.
         """
         self.back = min(margins.ARM.retreat, back)
         self.execution = execution
@@ -138,15 +138,16 @@ class Controller:
         self.supervisor = Supervisor(self.placement, self.law.servo, patience)
 
     def tracking_law(self, query: MotionQuery, segment: Segment) -> Tracker:
-        """What leads the object along a ``segment``: its mode's law. A class of one's
-        own may return another one, with the guidance of ``core.guidance``.
+        """Tracking law of a ``segment``: its mode's law.
+
+        A subclass may return another one, with the guidance of ``core.guidance``.
         """
         return self.execution.tracker(query, segment)
 
     def init(
         self, measurement: Measurement, held_commands: Commands = ()
     ) -> ControllerState:
-        """Return the state at the start of the touch.
+        """State at the start of the touch.
 
         ``held_commands`` are the commands of arms that have not let go.
         """
@@ -179,8 +180,9 @@ class Controller:
         measurement: Measurement,
         failure: Failure,
     ) -> ControllerState:
-        """Return the state that ends the run safely because of ``failure``: the tips
-        slow down, then draw back or hold; tips that were drawing back stay.
+        """State that ends the run safely because of ``failure``.
+
+        The tips slow down, then draw back or hold; tips that were drawing back stay.
         """
         drawn = 0.0 if state.phase.name == "release" else 1.0
         stopped = enter_phase(state, "release", measurement, failure)
@@ -189,8 +191,8 @@ class Controller:
     def halted(
         self, state: ControllerState, measurement: Measurement
     ) -> ControllerState:
-        """Return the state in which tips that draw back stay where they are led now;
-        those that still stand at their contacts will draw back.
+        """State in which retreating tips stop at their present reference. Those still
+        at their contacts will draw back.
         """
         phase = state.phase
         share = _share_back(phase, measurement.time)
@@ -201,7 +203,7 @@ class Controller:
         )
 
     def step(self, state: ControllerState, measurement: Measurement) -> Step:
-        """Commands, what was decided, the next state, and an event."""
+        """Commands, log, next state and event of a tick."""
         state, instant = self._estimated(state, measurement)
         name = state.phase.name
         if name == "touch":
@@ -218,7 +220,7 @@ class Controller:
     def _estimated(
         self, state: ControllerState, measurement: Measurement
     ) -> tuple[ControllerState, Instant]:
-        """The state with the estimate of this tick, and what is known at it."""
+        """State with this tick's estimate, and the instant's known quantities."""
         time = measurement.time
         tips = measurement.tips
         phase = state.phase
@@ -244,7 +246,7 @@ class Controller:
     def _log(
         self, state: ControllerState, time: float, decision: Decision | None
     ) -> ControlLog:
-        """What was decided at a ``time`` [s], for the record."""
+        """Log of the decision at a ``time`` [s]."""
         following = state.following
         thought = partial(self._thought, following.began, time, decision)
         wall_times = NO_TIMES if decision is None else decision.wall_times
@@ -253,7 +255,9 @@ class Controller:
     def _thought(
         self, began: float | None, time: float, decision: Decision | None
     ) -> Thought:
-        """What was thought at a ``time`` [s] of a motion that ``began`` [s]."""
+        """Log of the controller's belief at a ``time`` [s] of a motion that ``began``
+        [s].
+        """
         clock = 0.0 if began is None else time - began
         reference = self.planned.body_pose(clock).compose(self.X_BG)
         yaw = wrap_angle(reference.yaw)
@@ -276,8 +280,8 @@ class Controller:
     def normal_forces(
         self, state: ControllerState, measurement: Measurement
     ) -> list[float]:
-        """Return the normal force [N] measured at each tip; of a tip that has no
-        contact, the size of its force.
+        """Normal force [N] measured at each tip. For a tip without contact, the size of
+        its force.
         """
         X_WB = measurement.object_pose.compose(self.X_GB)
         forces = [math.hypot(*tip.force) for tip in measurement.tips]
@@ -289,12 +293,12 @@ class Controller:
         return forces
 
     def filtered_pose(self, state: ControllerState) -> Pose2:
-        """Return X_WG at the last tick, freed from noise as far as it can be."""
+        """Filtered X_WG at the last tick."""
         return state.estimate.X_WG.compose(self.X_GB).compose(self.X_BG)
 
     def missed(self, pose: Pose2) -> Ending | None:
-        """Return by how much an object left at ``pose``, X_WG, misses the goal of this
-        placement; None if it does not.
+        """Error by which an object at ``pose``, X_WG, misses the goal of this
+        placement, or None.
         """
         goal = self.placement.last.goal
         tolerance = self.placement.last.tolerance
@@ -337,8 +341,8 @@ class Controller:
     def _touch_yaw(
         self, state: ControllerState, yaw: float, elapsed: float, aligned: float
     ) -> float:
-        """Return the wanted yaw of the tools [rad]: from the planned one to the
-        object's ``yaw``, over the time [s] in which the tips line up.
+        """Wanted yaw of the tools [rad]: from the planned one to the object's ``yaw``,
+        over the alignment time [s] of the tips.
         """
         if not state.phase.align:
             return yaw
@@ -388,9 +392,7 @@ class Controller:
         commands: Sequence[TipCommand],
         contacts: Sequence[Contact],
     ) -> list[TipSpeed]:
-        """Velocities of the tips, as commanded and measured; of those alone that a
-        servo drives.
-        """
+        """Commanded and measured velocities of the servoed tips."""
         if not self.law.servo:
             return []
         return [
@@ -399,7 +401,7 @@ class Controller:
         ]
 
     def _release(self, state: ControllerState, instant: Instant) -> PhaseStep:
-        """Draw the tips back; after a failure slow down first, and go on holding an
+        """Draw the tips back. After a failure slow down first, and keep holding an
         object that nothing else carries.
         """
         phase = state.phase
@@ -416,7 +418,7 @@ class Controller:
     def _drawn_back(
         self, state: ControllerState, instant: Instant
     ) -> tuple[TipCommand, ...]:
-        """Commands of tips on their way back, or that hold."""
+        """Commands of tips that draw back or hold."""
         phase = state.phase
         failed = phase.failure is not None
         holds = failed and not self.placement.scene.carried(instant.X_WG)
@@ -463,7 +465,7 @@ def _touches(
 
 
 def _law(query: MotionQuery, execution: Execution, placement: Placement) -> Law:
-    """Algorithm 1 with the figures of a query."""
+    """Algorithm 1 with the parameters of a query."""
     into = placement.entry
     mover = TipMover(
         query.motion.servo_damping if execution.servo else 0.0,
@@ -490,32 +492,31 @@ def _law(query: MotionQuery, execution: Execution, placement: Placement) -> Law:
 
 
 def _sunk(into: Insertion | None) -> float:
-    """How much lower than it rests on top a pressing tip has slid off [m]; an object
-    that goes down into an opening takes its tips along.
+    """Depth [m] below its place on top at which a pressing tip has slid off.
+
+    An object that goes down into an opening takes its tips along.
     """
     return margins.ARM.sunk if into is None else math.inf
 
 
 def _rest(phase: PhaseState) -> float:
-    """Return how long [s] the tips stand still before they draw back."""
+    """Time [s] for which the tips stand still before they draw back."""
     return 0.0 if phase.failure is None else margins.ARM.rest_time
 
 
 def _ramp_back(phase: PhaseState, time: float) -> float:
-    """Return the share of the time of a way back that has passed, if nothing halts it."""
+    """Elapsed fraction of the retreat's time, without a halt."""
     elapsed = time - phase.since - _rest(phase)
     return elapsed / ramp_time(margins.ARM.retreat)
 
 
 def _share_back(phase: PhaseState, time: float) -> float:
-    """Return the share of the way back that tips are led, if nothing halts them."""
+    """Fraction of the retreat's length that the tips have moved, without a halt."""
     return smooth(_ramp_back(phase, time))
 
 
 def _way_back(phase: PhaseState, time: float) -> WayBack:
-    """Return how the tips are led along a way back of 1 m: they are halted where
-    ``phase.drawn`` says so.
-    """
+    """Retreat of the tips over a length of 1 m, halted at ``phase.drawn``."""
     share = _share_back(phase, time)
     if share >= phase.retreat_fraction:
         return WayBack(phase.retreat_fraction, 0.0, 0.0)
@@ -531,7 +532,7 @@ def _at_rest(tips: Sequence[TipState], contacts: Sequence[Contact]) -> bool:
 
 
 def _touch_push(segment: Segment) -> float:
-    """Return what each pushing tip presses with before the motion begins [N]."""
+    """Force [N] of each pushing tip before the motion starts."""
     sides = sum(contact.kind == "side" for contact in segment.contacts)
     push = margins.TOUCH_SHARE * segment.drive.max_friction / max(sides, 1)
     return max(0.6, push)

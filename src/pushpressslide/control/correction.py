@@ -1,4 +1,4 @@
-"""Replanning on the way: a path from where the object really is costs microseconds, so
+"""Replanning during the motion: a path from the measured state costs microseconds, so
 that errors need not be chased.
 """
 
@@ -34,7 +34,7 @@ from pushpressslide.selection.tool_use import tool_refusal
 
 @dataclass(frozen=True, slots=True)
 class Replan:
-    """Better segments from here, to start at speed."""
+    """Better segments from the present state, to start at speed."""
 
     segments: tuple[Segment, ...]
     progress: float  # [m] on the first one's path
@@ -42,15 +42,15 @@ class Replan:
 
 
 class Replanner:
-    """Replans segments of one plan; its plans are free as those of a selection are."""
+    """Replans segments of one plan, with the same collision checks as selection."""
 
     def __init__(self, queries: Sequence[MotionQuery]) -> None:
-        """Hold what was asked for, by leg."""
+        """Store the queries by leg."""
         self.queries = queries
 
     def believing(self, rho: float | None) -> Replanner:
-        """Return a replanner that believes ``rho`` [m] where another one was told;
-        None: itself.
+        """Replanner that believes ``rho`` [m] in place of a given one. The same one for
+        None.
         """
         if rho is None or self.queries[0].scene.rho is None:
             return self
@@ -61,10 +61,9 @@ class Replanner:
     def replan(
         self, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
-        """Return ``segments`` replanned from where object and contacts really are.
+        """The ``segments`` replanned from the measured object pose and contacts.
 
-        None are returned if the new path is longer than what was ``measured`` allows, or
-        is not free.
+        Empty if the new path is longer than ``measured`` allows, or is not free.
         """
         first = segments[0]
         query = self.queries[first.leg]
@@ -72,9 +71,7 @@ class Replanner:
         return fresh if _free(query, fresh) else ()
 
     def retry(self, segment: Segment, measured: Measured) -> tuple[Segment, ...]:
-        """Return the segments of another attempt at a segment's goal; empty if there is
-        none.
-        """
+        """Segments of a retry of a segment's goal. Empty if there is none."""
         query = self.queries[segment.leg]
         mode = MODES[segment.mode]
         made = mode.retry(query, segment, measured)
@@ -90,12 +87,12 @@ class Replanner:
         since_last: float,
         estimates: ParameterEstimates = NOTHING,
     ) -> Replan | None:
-        """Return better segments from here; None if all is well.
+        """Better segments from here, or None if no replan is needed.
 
-        Made when a contact has slid or the tracking point is off the path, unless that
-        would take a detour; or when the virtual axle or the centre of mass is found
-        elsewhere.
-        ``since_last`` [s] is the time since the last replan.
+        A replan is made when a contact has slid or the tracking point is off the path,
+        unless that would take a detour. It is also made when the virtual axle or the
+        centre of mass is identified elsewhere. ``since_last`` [s] is the time since the
+        last replan.
         """
         followed = segments[0]
         left = followed.path.length - guidance.progress
@@ -124,9 +121,11 @@ class Replanner:
 
 
 def _free(query: MotionQuery, segments: Sequence[Segment]) -> bool:
-    """Whether segments, the first of the leg of ``query``, stay in the workspace, keep
-    clear of obstacles, do not tip into an opening or over an edge, and push straight
-    with a tool.
+    """Whether segments, the first of the leg of ``query``, stay in the workspace and
+    keep clear of obstacles.
+
+    They also have to keep off openings and edges that would tip the object, and to push
+    straight with a tool.
     """
     if not segments:
         return True
@@ -156,7 +155,7 @@ def _free(query: MotionQuery, segments: Sequence[Segment]) -> bool:
 
 
 def _axle_error(segment: Segment, identified: Identified | None) -> float:
-    """Return how far [m] the virtual axle was seen to be from where it is planned."""
+    """Distance [m] between the identified virtual axle and the planned one."""
     if identified is None:
         return 0.0
     X = segment.X_BV
@@ -165,8 +164,10 @@ def _axle_error(segment: Segment, identified: Identified | None) -> float:
 
 
 def _at_speed(segments: Sequence[Segment], profile: SpeedProfile) -> Replan:
-    """Return segments begun at the speed of ``profile``: before the first path lies the
-    piece on which its own profile would have reached it.
+    """Segments that start at the speed of ``profile``.
+
+    A path segment is put before the first one, on which its own profile would have
+    reached that speed.
     """
     ramp = 0.5 * profile.speed * profile.speed / profile.acceleration
     first, *others = segments
@@ -175,7 +176,7 @@ def _at_speed(segments: Sequence[Segment], profile: SpeedProfile) -> Replan:
 
 
 def sides_of(body: ObjectModel, contacts: Sequence[Contact]) -> tuple[Side | None, ...]:
-    """Return the side of ``body`` that each contact is on; None of one on its top."""
+    """Side of ``body`` that each contact is on. None for one on its top."""
     return tuple(
         body.shape.side(contact.point, contact.normal, body.center_of_mass)
         if contact.kind == "side"
@@ -190,19 +191,20 @@ def touched_points(
     X_WB: Pose2,
     tips: Sequence[TipState],
 ) -> tuple[Point, ...]:
-    """Return where the tips of ``contacts`` touch the surface of the object, in B [m],
-    by their own kinematics; ``sides`` are as ``sides_of`` tells.
+    """Points [m] in B at which the tips of ``contacts`` touch the object, by their own
+    kinematics.
 
-    On the line of its face, the circle of a round side, or the top: a tip's measured
-    depth is not a slide.
+    ``sides`` are those of ``sides_of``. The points are projected onto the line of the
+    face, the circle of a round side, or the top, so that a tip's measured depth does
+    not count as a slide.
     """
     pairs = zip(contacts, sides, strict=True)
     return tuple([touched_point(side, X_WB, tips[c.arm]) for c, side in pairs])
 
 
 def touched_point(side: Side | None, X_WB: Pose2, tip: TipState) -> Point:
-    """Where a ``tip`` touches a ``side`` of the object, or its top where that is None,
-    in B [m].
+    """Point [m] in B at which a ``tip`` touches a ``side`` of the object, or its top if
+    that is None.
     """
     x, y, _ = tip.position
     point = X_WB.unapply((x, y))
@@ -210,15 +212,13 @@ def touched_point(side: Side | None, X_WB: Pose2, tip: TipState) -> Point:
 
 
 def slide(contacts: Sequence[Contact], contact_points: Sequence[Point]) -> float:
-    """Return how far the farthest contact has slid from where it is planned [m]."""
+    """Largest slide [m] of a contact from its planned place."""
     pairs = zip(contact_points, contacts, strict=True)
     return max(math.dist(point, contact.point) for point, contact in pairs)
 
 
 def side_slide(contacts: Sequence[Contact], contact_points: Sequence[Point]) -> float:
-    """Return how far the farthest contact on a side face has slid from where it is
-    planned [m].
-    """
+    """Largest slide [m] of a contact on a side face from its planned place."""
     pairs = zip(contact_points, contacts, strict=True)
     return max(
         (math.dist(p, contact.point) for p, contact in pairs if contact.kind == "side"),
@@ -227,8 +227,9 @@ def side_slide(contacts: Sequence[Contact], contact_points: Sequence[Point]) -> 
 
 
 def press_creep(contacts: Sequence[Contact], contact_points: Sequence[Point]) -> float:
-    """Return how far the only contact, on top, has slid from where it is planned, over
-    its planned distance from the CoM; 0 for other contacts, and for one at the CoM.
+    """Slide of the only contact, on top, over its planned distance from the CoM.
+
+    0 for other contacts, and for one at the CoM.
     """
     contact = contacts[0]
     distance = math.hypot(*contact.point)
@@ -238,9 +239,9 @@ def press_creep(contacts: Sequence[Contact], contact_points: Sequence[Point]) ->
 
 
 def rest_of(segment: Segment, progress: float) -> Segment:
-    """Return a segment along arcs without the first ``progress`` [m] of its path.
+    """Segment along arcs without the first ``progress`` [m] of its path.
 
-    A segment along another kind of path is returned as it is.
+    A segment along another kind of path is returned unchanged.
     """
     path = segment.path
     if not isinstance(path, ArcPath):
@@ -249,7 +250,7 @@ def rest_of(segment: Segment, progress: float) -> Segment:
 
 
 def led_in(path: MotionPath, length: float) -> MotionPath:
-    """Return ``path`` with ``length`` [m] put before its start."""
+    """``path`` with ``length`` [m] put before its start."""
     if isinstance(path, ArcPath):
         return ArcPath(
             advance(path.start, 0.0, -length), ((0.0, length), *path.sections)

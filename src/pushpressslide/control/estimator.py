@@ -1,8 +1,8 @@
-"""Where the object is and what it is like, from stamped poses, what it was led with,
-and the contact forces.
+"""Estimate of the object's state and parameters from stamped poses, its commanded
+motion and the contact forces.
 
-Another estimator takes the place of ``ObjectEstimator`` if it has the two functions of
-``Estimator``: a run is given one by ``RunOptions.estimator``.
+Another estimator can replace ``ObjectEstimator`` if it has the two functions of
+``Estimator``: ``RunOptions.estimator`` passes one to a run.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ NO_TWIST = Twist(0.0, 0.0, 0.0)
 
 
 class Estimate(NamedTuple):
-    """What is known of the object at a time."""
+    """Estimated state and parameters of the object at a time."""
 
     time: float  # [s]
     X_WG: Pose2
@@ -46,7 +46,7 @@ class Estimate(NamedTuple):
 
 
 class Observation(NamedTuple):
-    """What an estimator is given at a tick."""
+    """Input of an estimator at a tick."""
 
     time: float  # [s]
     pose: StampedPose | None  # None: nothing new
@@ -58,19 +58,19 @@ class Observation(NamedTuple):
 
 
 class Estimator(Protocol):
-    """Keeps no attribute that changes: its state goes in and comes out."""
+    """An estimator without mutable attributes: its state is passed in and out."""
 
     def start(self, pose: StampedPose) -> Any:
-        """State at the start of a placement, with the object seen at ``pose``."""
+        """State at the start of a placement, with the object at the measured ``pose``."""
         ...
 
     def step(self, state: Any, observation: Observation) -> tuple[Estimate, Any]:
-        """Estimate at a tick, and the next state; it never raises."""
+        """Estimate at a tick, and the next state. It never raises."""
         ...
 
 
 class EstimatorState(NamedTuple):
-    """What the estimator remembers between ticks."""
+    """State of the estimator between ticks."""
 
     pose: StampedPose  # the last one that was measured
     time: float  # [s] of the last tick
@@ -93,7 +93,7 @@ class ObjectEstimator:
         self._gain = pose_gain(query.sensing)
 
     def start(self, pose: StampedPose) -> EstimatorState:
-        """State in which nothing is identified."""
+        """State without identified parameters."""
         return EstimatorState(pose, pose.time)
 
     def step(
@@ -121,8 +121,8 @@ class ObjectEstimator:
         )
 
     def _pose(self, state: EstimatorState, observation: Observation) -> Pose2:
-        """X_WG: where the object should have moved since the last tick, corrected by
-        what was measured; where the camera missed it, not corrected.
+        """X_WG predicted from the motion since the last tick, corrected by the measured
+        pose. Not corrected if the camera missed it.
         """
         measured = observation.pose
         before = state.X_WG
@@ -146,15 +146,16 @@ class ObjectEstimator:
 
 
 def pose_gain(sensing: Sensing) -> float:
-    """Return the share of a measured pose's error that corrects the predicted one: 1
-    without noise, less where it is larger than POSE_NOISE or YAW_NOISE.
+    """Fraction of a measured pose's error that corrects the predicted one.
+
+    It is 1 without noise, and less if the noise exceeds POSE_NOISE or YAW_NOISE.
     """
     noise = max(sensing.position_noise / POSE_NOISE, sensing.yaw_noise / YAW_NOISE)
     return min(1.0, max(LEAST_GAIN, 1.0 / max(noise * noise, 1e-12)))
 
 
 def stamped(measurement: Measurement) -> StampedPose:
-    """Pose of a measurement with its time, whether it is new or the last one seen."""
+    """Pose of a measurement with its time, either new or the last one measured."""
     time = measurement.pose_time
     return StampedPose(
         measurement.time if time is None else time, measurement.object_pose
@@ -164,7 +165,9 @@ def stamped(measurement: Measurement) -> StampedPose:
 def _carried_over(
     state: EstimatorState, prediction: Prediction
 ) -> tuple[AxleState, CenterState]:
-    """What stays known of virtual axle and CoM where a plan predicts others."""
+    """Identification state of virtual axle and CoM that stays valid under a plan with
+    other predictions.
+    """
     axle = state.axle
     center = state.center
     before = state.prediction
@@ -178,8 +181,8 @@ def _carried_over(
 def _identified(
     axle: AxleState, center: CenterState, X_WB: Pose2, observation: Observation
 ) -> tuple[AxleState, CenterState]:
-    """What is identified of virtual axle and CoM after a tick in which the first contact
-    drives the object.
+    """Identification state of virtual axle and CoM after a tick in which the first
+    contact drives the object.
     """
     binding = observation.binding
     contact = binding.segment.contacts[0]
@@ -198,8 +201,8 @@ def _identified(
 def _estimates(
     predicted: Prediction, axle: AxleState, center: CenterState
 ) -> ParameterEstimates:
-    """What is identified: virtual axle and CoM where they contradict the plan, and rho
-    with the axle.
+    """Identified virtual axle and CoM if they contradict the plan, and rho with the
+    axle.
     """
     identified = None
     if predicted.axle is not None:

@@ -1,4 +1,6 @@
-"""How a plan is executed, beside what its task says: as usual, or for an experiment."""
+"""Execution options of a plan beyond its task: the usual laws, or those of an
+experiment.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,7 @@ FORCE_ALONE = 1.05  # times friction: of a push that nothing but its force drive
 
 @dataclass(frozen=True, slots=True)
 class Execution:
-    """The laws that an experiment may change; by default those of every run."""
+    """The laws that an experiment may change. The defaults are those of every run."""
 
     servo: bool = True  # whether a velocity servo is added to the feed-forward force
     # factor on that force; with a factor nothing but the servo is added to it
@@ -24,7 +26,7 @@ class Execution:
     joint_stiffness: float = 0.0
 
     def tracker(self, query: MotionQuery, segment: Segment) -> Tracker:
-        """The tracking law of a segment of ``query``: its mode's own."""
+        """Tracking law of a segment of ``query``: its mode's own."""
         return MODES[segment.mode].tracker(query, segment)
 
     @property
@@ -36,7 +38,7 @@ class Execution:
 
     @property
     def changed(self) -> str | None:
-        """What is not as in every run, as a record says it; None where all is."""
+        """Description of the changed laws for the record, or None if none is changed."""
         return None if self == USUAL else repr(self)
 
 

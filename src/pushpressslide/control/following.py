@@ -1,5 +1,5 @@
-"""What is followed: a segment with its closed-form laws, how far it has come, and what
-comes after it.
+"""The followed segment with its closed-form laws, the progress along it, and the
+segments ahead.
 """
 
 from __future__ import annotations
@@ -42,12 +42,12 @@ class BoundLaws:
     def contact_points(
         self, X_WB: Pose2, tips: Sequence[TipState]
     ) -> tuple[Point, ...]:
-        """Return where the tips touch the object [m], in B."""
+        """Points [m] in B at which the tips touch the object."""
         return touched_points(self.segment.contacts, self.sides, X_WB, tips)
 
 
 def bind_laws(scene: Scene, segment: Segment, tracker: Tracker) -> BoundLaws:
-    """Return the laws of a segment's mode for its contacts, led by ``tracker``."""
+    """Laws of a segment's mode for its contacts, led by ``tracker``."""
     mode = MODES[segment.mode]
     contacts = segment.contacts
     tip_points = tuple(
@@ -61,7 +61,7 @@ def bind_laws(scene: Scene, segment: Segment, tracker: Tracker) -> BoundLaws:
 
 
 class Prediction(NamedTuple):
-    """What a plan says of the object that measurements may contradict."""
+    """Predictions of a plan that measurements may contradict."""
 
     axle: AxleIdentifier | None = None  # compares with its virtual axle
     center: CenterIdentifier | None = None  # compares with its CoM
@@ -69,7 +69,9 @@ class Prediction(NamedTuple):
 
 
 class Following(NamedTuple):
-    """What is followed; another segment is another one of these."""
+    """The followed segment and the progress along it. Another segment is another
+    instance.
+    """
 
     binding: BoundLaws  # now
     segment: Segment  # as planned, before any replanning
@@ -86,11 +88,13 @@ class Following(NamedTuple):
 
     @property
     def left(self) -> float:
-        """Rest of the binding's path [m]."""
+        """Remaining length [m] of the path."""
         return self.binding.segment.path.length - self.progress
 
     def begun(self, time: float) -> Following:
-        """The same, whose motion begins at a ``time`` [s] if it has not begun."""
+        """The same with its motion started at a ``time`` [s], unless it was started
+        before.
+        """
         following = self
         if self.reference is None:
             reference = self.binding.segment
@@ -98,18 +102,18 @@ class Following(NamedTuple):
         return following if self.began is not None else following._replace(began=time)
 
     def delayed(self, passed: float) -> Following:
-        """The same that goes on ``passed`` [s] later."""
+        """The same, shifted ``passed`` [s] later."""
         return self._replace(
             clock_start=self.clock_start + passed,
             reference_start=self.reference_start + passed,
         )
 
     def joint_progress(self, X_WB: Pose2) -> float:
-        """Place on the PLANNED path [m] at which the joint reference is taken: as far
-        from the end as the object is on its own path.
+        """Arc length [m] on the planned path at which to read the joint reference.
 
-        Where a turn on the spot goes on as arcs, whose lengths are another point's, it
-        is the nearest place to the object at ``X_WB``.
+        The remaining length is that of the current path. If a spin was replanned as
+        arcs, whose lengths are another point's, the planned pose nearest to the object
+        at ``X_WB`` is used.
         """
         planned = self.segment
         path = planned.path
@@ -120,18 +124,18 @@ class Following(NamedTuple):
         return self.joint_start + max(0.0, path.length - self.left)
 
     def replanned_as_arcs(self, segment: Segment) -> bool:
-        """Whether ``segment`` drives along arcs where its leg was planned along
-        twists.
-        """
+        """Whether ``segment`` drives along arcs while its leg was planned along twists."""
         planned = self.segment
         twists = isinstance(planned.path, TwistPath)
         same_leg = segment.leg == planned.leg
         return twists and isinstance(segment.path, ArcPath) and same_leg
 
     def joint_reference(self, X_WB: Pose2, time: float, timed: bool) -> float:
-        """Place on the planned path [m] at which the joint reference is taken in the
-        move; a ``timed`` one is where it is planned at this ``time`` [s], the paper's
-        q(t), at most JOINT_LEAD from the object at ``X_WB``.
+        """Arc length [m] on the planned path at which to read the joint reference
+        during the move.
+
+        A ``timed`` reference is the planned one at this ``time`` [s], the paper's q(t),
+        at most JOINT_LEAD from the object at ``X_WB``.
         """
         here = self.joint_progress(X_WB)
         reference = self.reference

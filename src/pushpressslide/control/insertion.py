@@ -1,9 +1,9 @@
-"""How a pressed object goes into an opening of the support, up to its back.
+"""Insertion of a pressed object into an opening of the support, up to its back.
 
-Once the support no longer carries it the object drops in, and the tips follow: pressed
-with its load against a damper that keeps them to the speed at which they could still
-stop at the back, the arm's own inertia braked by feed-forward. All is told by how deep
-the tips are.
+Once the support no longer carries it the object drops in, and the tips follow. They are
+pressed with their load against a damper, which keeps them to the speed at which they
+could still stop at the back; feed-forward brakes the arm's own inertia. Only the depth
+of the tips is measured.
 """
 
 from __future__ import annotations
@@ -29,26 +29,25 @@ LANDING = 0.05  # [m/s^2] of the tips before the back, [m/s] at which they meet 
 
 @dataclass(frozen=True, slots=True)
 class Insertion:
-    """The way into the opening that the goal lies in."""
+    """Insertion into the opening that the goal lies in."""
 
     stop: float  # [m] depth of its back
     # of each contact: its arm, and the tip's height [m] on the face
     tips: tuple[tuple[int, float], ...]
 
     def depths(self, tips: Sequence[TipState]) -> list[float]:
-        """Return how much deeper each tip is than when it would just touch the face on
-        the support [m].
+        """Depth [m] of each tip below its position on the face of an object on the
+        support.
         """
         return [height - tips[arm].position[2] for arm, height in self.tips]
 
     def speeds(
         self, measured: Sequence[TipState], begun: Sequence[Vector3]
     ) -> list[float | None]:
-        """Return the speed [m/s] at which each tip may go in; None while the support is
-        pressed.
+        """Allowed insertion speed [m/s] of each tip. None while the support is pressed.
 
-        ``begun`` [m]: where each tip was when the motion began, pressed into the face
-        by its load.
+        ``begun`` [m] is the depth of each tip at the start of the motion, pressed into
+        the face by its load.
         """
         tips = (measured[arm] for arm, _ in self.tips)
         if (
@@ -60,14 +59,14 @@ class Insertion:
         return [math.sqrt(2.0 * BRAKE * left + LANDING * LANDING) for left in lefts]
 
     def seated(self, tips: Sequence[TipState]) -> bool:
-        """Return whether all tips are as deep as they go, and at rest."""
+        """Whether all tips are fully inserted and at rest."""
         fastest = max(abs(tips[arm].velocity[2]) for arm, _ in self.tips)
         return min(self.depths(tips)) > self.stop - SEATED and fastest < AT_REST
 
 
 def braking(speed: float, allowed: float) -> float:
-    """Return the deceleration [m/s^2] that keeps a tip that goes in at ``speed`` [m/s]
-    to what is allowed.
+    """Deceleration [m/s^2] that keeps a tip inserted at ``speed`` [m/s] within the
+    allowed speed.
     """
     return BRAKE * min(1.0, (speed / allowed) ** 2) if speed > 0.0 else 0.0
 
@@ -75,7 +74,7 @@ def braking(speed: float, allowed: float) -> float:
 def insertion_of(
     scene: Scene, goal: Pose2, contacts: Sequence[Contact]
 ) -> Insertion | None:
-    """Return how to enter the opening that ``goal``, X_WG, lies in, or None."""
+    """Insertion into the opening that ``goal``, X_WG, lies in, or None."""
     opening = scene.support.opening
     if opening is None or not scene.enters(goal):
         return None

@@ -1,5 +1,5 @@
-"""Where a joint path wants the joints: by time on the approach, by arc length along the
-contact's path.
+"""Reference joint positions of a joint path: by time on the approach, by arc length
+along the contact's path.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ Array = NDArray[np.float64]
 
 
 def approach_reference(path: JointPath, elapsed: float) -> tuple[Array, Array]:
-    """Return joint positions (n,) [rad] and velocities (n,) [rad/s] of the approach.
+    """Joint positions (n,) [rad] and velocities (n,) [rad/s] of the approach.
 
-    ``elapsed`` [s] is the time since it began. After its end the joints are at rest.
+    ``elapsed`` [s] is the time since its start. After its end the joints are at rest.
     """
     times = path.approach_time
     q = path.approach
@@ -27,10 +27,11 @@ def approach_reference(path: JointPath, elapsed: float) -> tuple[Array, Array]:
 
 
 def path_reference(path: JointPath, progress: float) -> Array:
-    """Return joint positions (n,) [rad] at arc length ``progress`` [m] of the contact's
-    path; below zero those of a tip that has so much left to its touch, beyond the end
-    those of one that is drawn back so far; those of the nearer end where they are not
-    known.
+    """Joint positions (n,) [rad] at arc length ``progress`` [m] of the contact's path.
+
+    Below zero they are those of a tip at that distance before its touch, beyond the end
+    those of one retreated by that distance. If these are not known, they are those of
+    the nearer end.
     """
     touch = path.touch
     if progress < 0.0 and touch is not None and len(touch) > 1:
@@ -46,14 +47,14 @@ def path_reference(path: JointPath, progress: float) -> Array:
 
 
 def _between(grid: Array, rows: Array, value: float) -> Array:
-    """Return ``rows`` (k, n) at a rising ``grid`` (k,), interpolated at a value (n,)."""
+    """``rows`` (k, n) at a rising ``grid`` (k,), interpolated at a value (n,)."""
     i, share = _interval(grid, value)
     out: Array = rows[i] + share * (rows[i + 1] - rows[i])
     return out
 
 
 def _interval(grid: Array, value: float) -> tuple[int, float]:
-    """Return which interval of a rising ``grid`` holds ``value``, and the share of the
+    """Interval of a rising ``grid`` that holds ``value``, and the fraction of the
     interval up to it.
     """
     i = min(max(int(grid.searchsorted(value)) - 1, 0), len(grid) - 2)

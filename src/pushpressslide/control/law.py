@@ -1,11 +1,11 @@
-"""The paper's Algorithm 1: one tick of the motion, from where the object is to what the
-tips do.
+"""The paper's Algorithm 1: one tick of the motion, from the object's state to the tip
+commands.
 
     track     the twist that leads the object along its path, and the wrench for it
     allocate  contact forces inside their cones that make up the wrench
     regulate  each tip: its force, a servo along its motion, its normal force
 
-It is pure: what is remembered goes in and comes out.
+It is a pure function: its state is passed in and out.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ CATCH_UP = 1.5  # [1/s] pull of the time reference on the progress
 
 
 class Decision(NamedTuple):
-    """What a tick of the motion comes to."""
+    """Result of a tick of the motion."""
 
     guidance: Guidance
     allocation: Allocation
@@ -59,7 +59,7 @@ class Law:
         tips: Sequence[TipMemory],
         clock: Callable[[], float],
     ) -> Decision:
-        """What the tips do at an instant; ``clock`` [s] is for the record alone."""
+        """Tip commands at an instant. ``clock`` [s] is for the record alone."""
         X_WB = instant.X_WB
         binding = following.binding
         segment = binding.segment
@@ -93,7 +93,7 @@ class Law:
         return Decision(guidance, allocation, commands, memories, felt, wall_times)
 
     def speed(self, following: Following, time: float) -> float:
-        """Speed [m/s] along the path: the profile's, and what catches up."""
+        """Speed [m/s] along the path: the profile's, plus a term that catches up."""
         profile = following.binding.segment.profile
         planned = profile.state_at(time - following.clock_start)
         left = following.left
@@ -105,7 +105,7 @@ class Law:
     def _holds(
         self, following: Following, allocation: Allocation
     ) -> list[ContactKeeping | None]:
-        """What keeps each tip at its planned contact; None where nothing has to."""
+        """Contact keeping of each tip. None if it is not needed."""
         contacts = following.segment.contacts
         if not self.servo:
             return [None] * len(contacts)
@@ -114,7 +114,9 @@ class Law:
     def _entry_speeds(
         self, instant: Instant, tips: Sequence[TipMemory]
     ) -> list[float | None]:
-        """Speed [m/s] at which each tip may go into an opening; None where none does."""
+        """Allowed insertion speed [m/s] of each tip into an opening. None if there is
+        no opening.
+        """
         if self.insertion is None:
             return [None] * len(tips)
         return self.insertion.speeds(instant.tips, [memory.start for memory in tips])

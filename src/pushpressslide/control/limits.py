@@ -1,7 +1,7 @@
-"""The limits that the run loop enforces, whatever the plant: joint speed, joint
-position, torque and its rate, contact force, and jumps of a reference.
+"""Limits that the run loop enforces on every plant: joint speed, joint position, torque
+and its rate, contact force, and jumps of a reference.
 
-A guard sees every tick before its commands reach the arms. On a breach it returns the
+A guard checks every tick before its commands reach the arms. On a breach it returns the
 ending, and the run loop stops the arms safely.
 """
 
@@ -47,7 +47,7 @@ class ArmLimits:
 
 @dataclass(frozen=True, slots=True)
 class ArmReading:
-    """What one arm's joints do at a tick, and what the tick before asked of them."""
+    """Joint state of one arm at a tick, and its command of the previous tick."""
 
     q: Array  # (n,) [rad]
     v: Array  # (n,) [rad/s]
@@ -58,7 +58,7 @@ class ArmReading:
 
 @dataclass(slots=True)
 class _Memory:
-    """What a guard remembers of one arm."""
+    """State of a guard for one arm."""
 
     forces: deque[float]
     overload: int = 0  # ticks so far at which more than its torque was asked
@@ -69,7 +69,7 @@ class _Memory:
 
 @dataclass(slots=True)
 class Guard:
-    """Judges every tick of one run by the limits."""
+    """Checks every tick of one run against the limits."""
 
     normal_force: float  # [N] limits.normal_force
     period: float  # [s]
@@ -85,14 +85,16 @@ class Guard:
         self._speeds = [arm.velocity.tolist() for arm in self.arms]
 
     def forget_references(self) -> None:
-        """Forget the references: a new placement begins, with references of its own."""
+        """Forget the references: a new placement starts, with references of its own."""
         self._first_rooms = None
         for memory in self._memories.values():
             memory.reference = None
 
     def successor(self, normal_force: float, held_commands: Commands) -> Guard:
-        """Guard of what follows a recovery, with another limit of the normal force [N]:
-        it knows the commands that the arms are ``held_commands`` by till then.
+        """Guard for the run after a recovery, with another limit of the normal force
+        [N].
+
+        It knows the commands by which the arms are ``held_commands`` until then.
         """
         other = Guard(normal_force, self.period, self.arms, anew=True)
         for arm, command in enumerate(held_commands):
@@ -105,7 +107,7 @@ class Guard:
         readings: Sequence[ArmReading],
         commands: Commands,
     ) -> Ending | None:
-        """Return the first limit that is broken, None if all hold.
+        """First limit that is broken, or None.
 
         ``forces`` [N] are the normal forces measured at the tips, one per robot;
         ``commands`` are those about to be applied.
@@ -125,8 +127,10 @@ class Guard:
         return found
 
     def near_joint_limit(self, readings: Sequence[ArmReading]) -> bool:
-        """Return whether a joint has come as near to its limit as an arm that draws back
-        may bring it: to where it is held off, or nearer than it was at first.
+        """Whether a joint is as near to its limit as a retreating arm may bring it.
+
+        The bound is the repulsion zone of the limit, or the joint's initial distance if
+        that is smaller.
         """
         spaces = [
             minimum(_limit_distances(limits, reading))
@@ -236,13 +240,13 @@ class Guard:
 
 
 def _limit_distances(limits: ArmLimits, reading: ArmReading) -> Array:
-    """Return how far each joint is from the nearer end of its range (n,)."""
+    """Distance of each joint from the nearer end of its range (n,)."""
     out: Array = np.minimum(reading.q - limits.lower, limits.upper - reading.q)
     return out
 
 
 def _tip_jump(before: TipCommand, command: TipCommand) -> float:
-    """Return how far [m] a reference jumps along the axes that hold the tip in both."""
+    """Jump [m] of a reference along the axes that hold the tip both before and after."""
     x0, y0, z0 = before.position
     x1, y1, z1 = command.position
     dx, dy = x1 - x0, y1 - y0

@@ -1,4 +1,4 @@
-"""One placement of a plan: what does not change while it is run."""
+"""One placement of a plan: everything that is constant while it is run."""
 
 from __future__ import annotations
 
@@ -20,9 +20,7 @@ from pushpressslide.planning.workspace import poses_along
 
 
 class Placement:
-    """The segments of one placement, what was asked for, and what binds their
-    laws.
-    """
+    """The segments of one placement, their queries, and the binding of their laws."""
 
     def __init__(
         self,
@@ -30,7 +28,7 @@ class Placement:
         number: int,
         tracker: Callable[[MotionQuery, Segment], Tracker],
     ) -> None:
-        """Take the ``number``th placement of ``plan``; ``tracker`` makes the tracking
+        """Take the ``number``th placement of ``plan``. ``tracker`` makes the tracking
         law of a segment.
         """
         placements = plan.placements
@@ -58,25 +56,25 @@ class Placement:
             self.kept_arms = arms_kept(self.segments, placements[number + 1])
 
     def axle_identifier(self, segment: Segment) -> AxleIdentifier | None:
-        """Return what identifies the virtual axle in a segment."""
+        """Identifier of the virtual axle in a segment."""
         query = self.queries[segment.leg]
         return MODES[segment.mode].identifier(query, segment)
 
     def center_identifier(
         self, segment: Segment, center: Point
     ) -> CenterIdentifier | None:
-        """Return what identifies the CoM in a segment planned with it at ``center``."""
+        """Identifier of the CoM in a segment planned with it at ``center``."""
         query = self.queries[segment.leg]
         return MODES[segment.mode].center_identifier(query, segment, center)
 
     def bound_laws(self, segment: Segment) -> BoundLaws:
-        """The laws of a segment."""
+        """Laws of a segment."""
         query = self.queries[segment.leg]
         return bind_laws(self.scene, segment, self._tracker(query, segment))
 
 
 def share_of_tolerance(pose: Pose2, goal: Pose2, tolerance: Tolerance) -> float:
-    """Return how far an object at ``pose``, X_WG, is from its goal, over the tolerance."""
+    """Error of an object at ``pose``, X_WG, from its goal, over the tolerance."""
     off = math.dist(pose.position, goal.position) / tolerance.position
     turned = abs(wrap_angle(pose.yaw - goal.yaw)) / tolerance.yaw
     return max(off, turned)

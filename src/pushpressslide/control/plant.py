@@ -1,5 +1,6 @@
-"""Simulators that were written for earlier versions: one object with all parts of a
-cell. It goes with version 0.6.
+"""Simulators written for earlier versions: one object with all parts of a cell.
+
+No longer accepted from version 0.5 on.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class PlantRow:
-    """What a plant adds to the record of one tick."""
+    """Fields that a plant adds to the record of one tick."""
 
     # of G's origin along x and y [m/s], and the yaw rate [rad/s]
     object_twist: Vector3
@@ -39,9 +40,9 @@ class PlantRow:
 
 
 class Plant(Protocol):
-    """An object on its support with the arms at it, as one object.
+    """An object on its support with its arms, as one object.
 
-    ``control.cell.Cell`` takes its place.
+    Superseded by ``control.cell.Cell``.
     """
 
     name: str
@@ -52,7 +53,7 @@ class Plant(Protocol):
 
     @property
     def joint_paths(self) -> tuple[JointPath, ...]:
-        """Joint path of each arm; empty where tips move without arms."""
+        """Joint path of each arm. Empty for tips without arms."""
 
     @property
     def meta(self) -> Mapping[str, Any]:
@@ -63,10 +64,10 @@ class Plant(Protocol):
         """Joint limits of each arm."""
 
     def readings(self) -> tuple[ArmReading, ...]:
-        """Joints of each arm at the last measurement."""
+        """Joint state of each arm at the last measurement."""
 
     def measure(self) -> Measurement:
-        """The truth at this time."""
+        """True state at this time."""
 
     def apply(self, commands: Commands) -> None:
         """Command every arm until the next call."""
@@ -75,20 +76,20 @@ class Plant(Protocol):
         """Let one control period pass."""
 
     def row(self) -> PlantRow:
-        """What is recorded of the tick."""
+        """Record fields of the tick."""
 
     def diverged(self) -> str | None:
-        """Why the run cannot go on; None while it can."""
+        """Reason why the run cannot go on, or None."""
 
     def prepare(self) -> PlacementPlanner:
-        """An empty preparation from where the arms are."""
+        """An empty preparation from the present state of the arms."""
 
     def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
         """Go on with the next placement."""
 
 
 def cell_of(plant: Plant, arms: int) -> Cell:
-    """Cell of a plant with a number of ``arms``; with a DeprecationWarning."""
+    """Cell of a plant with a number of ``arms``. Gives a DeprecationWarning."""
     warnings.warn(
         "a plant of one piece goes with version 0.6; give run_loop a Cell "
         "(pushpressslide.control.cell)",
@@ -121,7 +122,7 @@ class _Whole:
         return self.plant.meta
 
     def measurement(self) -> Measurement:
-        """As the plant measures it at this time."""
+        """Measurement of the plant at this time."""
         measured = self._measured
         if measured is None or measured.time != self.plant.time:
             measured = self.plant.measure()
@@ -152,7 +153,7 @@ class _Whole:
 
 
 class _PlantArm(Driverless):
-    """One of the arms of a plant, which takes the commands of all together."""
+    """One arm of a plant whose arms take their commands together."""
 
     def __init__(self, whole: _Whole, index: int) -> None:
         self._whole = whole
@@ -183,5 +184,5 @@ class _PlantArm(Driverless):
 
 
 def _one(every: Sequence[T], index: int) -> T | None:
-    """What one arm has; None where no arm has any."""
+    """Value of one arm. None if no arm has any."""
     return every[index] if every else None

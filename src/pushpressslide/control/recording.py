@@ -33,7 +33,7 @@ NO_VECTOR = (np.nan, np.nan, np.nan)
 
 
 class Tick(NamedTuple):
-    """One pass of the run loop: what was true, thought, commanded, and came of it."""
+    """One pass of the run loop: true state, belief, commands and applied values."""
 
     time: float  # [s] at its start
     truth: Truth
@@ -48,7 +48,7 @@ class Tick(NamedTuple):
 
 
 class _Noted(NamedTuple):
-    """A tick, and what was followed in it."""
+    """A tick, and the segment followed in it."""
 
     tick: Tick
     segment: Segment
@@ -58,8 +58,9 @@ class _Noted(NamedTuple):
 
 
 class Recorder:
-    """Collects the ticks of a run and makes the arrays of its record when it is over:
-    what is done between two ticks is paid for with cold caches.
+    """Collects the ticks of a run, and makes the arrays of its record at the end.
+
+    Work between two ticks would cost cold caches.
     """
 
     def __init__(self, plan: Plan) -> None:
@@ -77,7 +78,7 @@ class Recorder:
         return len(self._noted)
 
     def begin_placement(self, plan: Plan, number: int) -> None:
-        """Note that the placement of that ``number`` of ``plan`` begins."""
+        """Note the start of the placement of that ``number`` of ``plan``."""
         self._number += 1
         self._earlier = self._number - number
         self._plan = plan
@@ -106,7 +107,7 @@ class Recorder:
         )
 
     def arrays(self) -> dict[str, Array]:
-        """Return the arrays of all ticks so far."""
+        """Arrays of all ticks so far."""
         ticks = [noted.tick for noted in self._noted]
         columns = {
             **self._plan_columns(),
@@ -135,7 +136,7 @@ class Recorder:
         }
 
     def _contact_columns(self, ticks: Sequence[Tick]) -> dict[str, Column]:
-        """Where the tips of arms are touched."""
+        """Contact points of the arms' tips."""
         if not ticks or not ticks[0].joints:
             return {}
         radii = [robot.tip_radius for robot in self._plan.task.robots]
@@ -155,8 +156,8 @@ class Recorder:
         plan: Plan,
         meta: Mapping[str, Any],
     ) -> Record:
-        """Return the record of ``plan`` as it was run, with the ``arrays`` of all ticks
-        and those of the paths.
+        """Record of the executed ``plan``, with the ``arrays`` of all ticks and those
+        of the paths.
         """
         placements = self._plan.placements[self._placement :]
         paths = [segment.path for segment in self._followed]
@@ -191,7 +192,7 @@ class Recorder:
 
 
 def _place(noted: _Noted) -> tuple[int, Pose2]:
-    """What a vehicle frame is told by: the segment's identity, and X_GB."""
+    """Key of a vehicle frame: the segment's identity, and X_GB."""
     return id(noted.segment), noted.X_GB
 
 
@@ -213,7 +214,7 @@ def _log_columns(ticks: Sequence[Tick]) -> dict[str, Column]:
 
 
 def _twists(ticks: Sequence[Tick]) -> Column:
-    """Twists of the object; where nobody knows them, by its poses."""
+    """Twists of the object, by differences of its poses if they are not known."""
     twists: list[Vector3] = []
     for before, tick in zip([*ticks[:1], *ticks[:-1]], ticks, strict=True):
         twist = tick.truth.twist
@@ -235,8 +236,8 @@ def _forces(truth: Truth) -> tuple[Vector3, ...]:
 
 
 def contact_point(tip: TipState, radius: float) -> Vector3:
-    """Return where the sphere of a ``tip`` is touched [m], by the direction of its
-    force; NaN where that is too small.
+    """Contact point [m] on the sphere of a ``tip``, by the direction of its force. NaN
+    if the force is too small.
     """
     size = math.hypot(*tip.force)
     if size <= FELT_FORCE:
@@ -246,7 +247,7 @@ def contact_point(tip: TipState, radius: float) -> Vector3:
 
 
 def _joint_columns(ticks: Sequence[Tick]) -> dict[str, Column]:
-    """What the joints of arms did, and what was applied to them."""
+    """Joint states of the arms, and the commands applied to them."""
     columns: dict[str, Column] = {}
     for i in range(len(ticks[0].joints) if ticks else 0):
         joints = [tick.joints[i] for tick in ticks]
@@ -307,7 +308,7 @@ def _extra_columns(ticks: Sequence[Tick]) -> dict[str, Column]:
 
 
 def _array(column: Column) -> Array:
-    """Return the rows of a column as one array: of many short arrays in a fifth of the
+    """Rows of a column as one array. For many short arrays this takes a fifth of the
     time of ``np.array``.
     """
     if len(column) > 0 and isinstance(column[0], np.ndarray):

@@ -1,5 +1,5 @@
-"""What goes on after the arms have let go: the task from where the object is seen, by
-what was identified, planned anew with any mode and any contacts that it allows.
+"""Recovery: plans the remaining task from the measured pose, with identified parameters
+and any allowed mode and contacts.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ RECOVERABLE: frozenset[ReasonCode] = frozenset(
 def restart(
     scene: Scene, segment: Segment, pose: Pose2, estimates: ParameterEstimates
 ) -> Restart:
-    """Return where a task in ``scene`` goes on that was left in ``segment`` with the
-    object at ``pose``, X_WG.
+    """Start of the remaining task in ``scene``, left in ``segment`` with the object at
+    ``pose``, X_WG.
     """
     x, y = scene.body.center_of_mass
     dx, dy = estimates.center
@@ -55,12 +55,12 @@ def restart(
 def planned_anew(
     plan: Plan, restart_state: Restart, prepare: Callable[[], PlacementPlanner]
 ) -> Plan:
-    """Return the plan of what is left of the task of ``plan``, in a preparation that
-    ``prepare`` returns empty.
+    """Plan of the remaining task of ``plan``, in a preparation that ``prepare`` returns
+    empty.
 
-    Where that cannot be done as the task names it, with free contacts. Where what was
-    identified leads nowhere, by the friction that was believed: an object that jams
-    drags too. Raises InfeasibleTaskError where there is none.
+    If the task's own mode and contacts lead nowhere, they are free. If the identified
+    parameters lead nowhere, the believed friction is used: an object that jams also
+    seems to drag. Raises InfeasibleTaskError if there is no plan.
     """
     task = plan.task
     free = replace(restart_state, free=True)

@@ -1,8 +1,8 @@
-"""The run loop: it runs one plan in any cell.
+"""The run loop: runs one plan in any cell.
 
 Commands come from the approach while the arms move freely, then from the controller.
-When a placement is done the next one is handed over. A guard sees every command before
-it is sent; where a limit is broken the arms stop safely. The controller, the guard, the
+When a placement is done, the next one starts. A guard checks every command before it is
+sent; if a limit is broken, the arms stop safely. The controller, the guard, the
 watches, the clock, the user or the time limit end the run.
 """
 
@@ -77,7 +77,7 @@ TOUCH_AND_RELEASE = 4.0  # [s] typical time of both, for the progress
 
 @dataclass(frozen=True, slots=True)
 class RunOptions:
-    """What a caller may ask of a run in any cell."""
+    """Options of a run in any cell."""
 
     seed: int = 0  # of the sensor noise
     # called with time and expected duration [s] every PROGRESS_TICKS
@@ -105,10 +105,10 @@ def run_loop(
     options: RunOptions | None = None,
     watches: Sequence[Watch] = (),
 ) -> Record:
-    """Run ``plan`` in a cell from its start and return the record.
+    """Run ``plan`` in a cell from its start, and return the record.
 
-    Nothing is decided by wall time: a simulator that is deterministic gives the same
-    record for the same seed.
+    Nothing is decided by wall time: a deterministic simulator gives the same record for
+    the same seed.
     """
     if not isinstance(cell, Cell):
         cell = cell_of(cell, len(plan.task.robots))
@@ -118,8 +118,10 @@ def run_loop(
 
 @contextmanager
 def _uncollected() -> Iterator[None]:
-    """Leave out Python's search for unreachable cycles, which a tick of 0.1 s in each
-    run waited for: a run makes none that are worth it.
+    """Context without Python's search for unreachable cycles, which would delay one
+    tick of each run by 0.1 s.
+
+    A run makes no cycles worth collecting.
     """
     collected = gc.isenabled()
     gc.disable()
@@ -131,9 +133,9 @@ def _uncollected() -> Iterator[None]:
 
 
 class RunLoop:
-    """One run: the present placement, what is ahead, and what ends it.
+    """One run: the present placement, those ahead, and the conditions that end it.
 
-    The arms are connected by whoever begins it: ``with cell.connected()``.
+    The caller connects the arms: ``with cell.connected()``.
     """
 
     def __init__(
@@ -143,7 +145,7 @@ class RunLoop:
         options: RunOptions | None = None,
         watches: Sequence[Watch] = (),
     ) -> None:
-        """Put the first placement before ``cell``; nothing has moved yet."""
+        """Load the first placement into ``cell``. Nothing has moved yet."""
         options = options or RunOptions()
         query = plan.query
         period = query.motion.control_period
@@ -193,8 +195,8 @@ class RunLoop:
     def step(self) -> Ending | None:
         """Pass one control period: measure, decide, guard, send, advance, record.
 
-        Returns why the run is over, None while it goes on. After a recovery the tick
-        is the last one before the new approach.
+        Returns the reason why the run is over, or None while it goes on. After a
+        recovery the tick is the last one before the new approach.
         """
         if self.cell.clock.time >= self.time_limit:
             text = f"limits.time of {self.time_limit:g} s is over"
@@ -210,7 +212,7 @@ class RunLoop:
         return None
 
     def record(self, ending: Ending, wall_time: float = 0.0) -> Record:
-        """Return the record of all steps so far, which took ``wall_time`` [s]."""
+        """Record of all steps so far, which took ``wall_time`` [s]."""
         arrays = self.recorder.arrays()
         plan = self.plan
         for earlier, count in reversed(self.earlier):
@@ -228,7 +230,7 @@ class RunLoop:
         )
 
     def measure(self) -> tuple[Measurement, list[ArmReading]]:
-        """What tracker and arms measure now, and the joints of the arms."""
+        """Measurements of tracker and arms, and the joints of the arms."""
         time = self.cell.clock.time
         states = [arm.read() for arm in self.cell.arms]
         pose = self.tracker.read()
@@ -244,12 +246,12 @@ class RunLoop:
 
     @property
     def approaching(self) -> bool:
-        """Whether the arms are still on their way to the touch."""
+        """Whether the arms are still approaching the touch."""
         return self.cell.clock.time < self.approach.arrival
 
     def drive(self, commands: Commands) -> Measurement:
-        """Pass one control period under ``commands`` of somebody else, which nobody
-        judges or records; what is measured at its end.
+        """Pass one control period under external ``commands``, neither guarded nor
+        recorded. Returns the measurements at its end.
         """
         self._send(commands)
         self.cell.clock.advance()
@@ -257,7 +259,7 @@ class RunLoop:
         return measurement
 
     def _own_laws(self) -> dict[str, str]:
-        """What a record says of laws that are not the usual ones; else nothing."""
+        """Note for the record on changed laws. Empty if there are none."""
         options = self.options
         own: dict[str, str] = {}
         if options.execution.changed is not None:
@@ -267,7 +269,7 @@ class RunLoop:
         return own
 
     def _tick(self) -> tuple[Tick, Measurement]:
-        """Pass one control period; return what came of it, and what was measured."""
+        """Pass one control period. Returns the tick and its measurements."""
         began = perf_counter()
         measurement, readings = self.measure()
         read = perf_counter()
@@ -303,8 +305,8 @@ class RunLoop:
         return [arm.send(command) for arm, command in arms]
 
     def _truth(self, measurement: Measurement) -> Truth:
-        """What is recorded of the tick that was passed: what was measured, if nobody
-        knows better.
+        """True state of the completed tick for the record, or the measured one if no
+        witness knows better.
         """
         witness = self.cell.witness
         if witness is not None:
@@ -328,7 +330,7 @@ class RunLoop:
         return step.commands, step.log
 
     def _supervise(self, commands: Commands, measurement: Measurement) -> None:
-        """Decide on the event of this tick, if there is one; ``commands`` are what the
+        """Decide on the event of this tick, if there is one. ``commands`` are those the
         arms obey.
         """
         event = self.event
@@ -346,8 +348,8 @@ class RunLoop:
             self.state = state.delayed(passed)
 
     def _while_holding(self, plan: Callable[[], T], held_commands: Commands) -> T:
-        """What a ``plan`` comes to. Where the clock runs the arms are commanded to stay
-        where they are meanwhile, tick by tick, by ``held_commands``.
+        """Result of ``plan``. If the clock runs meanwhile, the arms hold their
+        positions, tick by tick, by ``held_commands``.
         """
         if self.cell.clock.simulated:
             return plan()
@@ -363,7 +365,7 @@ class RunLoop:
         return planned.result()
 
     def _runaways(self, readings: Sequence[ArmReading]) -> list[str | None]:
-        """What the joints of each arm do that nothing asked for."""
+        """Description of uncommanded motion of each arm's joints, or None."""
         watched = zip(self.joint_watches, readings, strict=True)
         return [watch.step(reading.v.tolist()) for watch, reading in watched]
 
@@ -373,7 +375,7 @@ class RunLoop:
         readings: Sequence[ArmReading],
         commands: Commands,
     ) -> Ending | None:
-        """Return the limit that is broken at this tick."""
+        """Limit that is broken at this tick, or None."""
         if self.state is None:
             forces = [math.hypot(*tip.force) for tip in measurement.tips]
         else:
@@ -381,8 +383,8 @@ class RunLoop:
         return self.guard.breach(forces, readings, commands)
 
     def _stop(self, breach: Ending, measurement: Measurement, phase: Phase) -> None:
-        """Stop safely because of a ``breach`` in a ``phase``: slow down, then draw back
-        or, where nothing else carries the object, hold it.
+        """Stop safely because of a ``breach`` in a ``phase``: slow down, then draw
+        back, or hold an object that nothing else carries.
         """
         time = measurement.time
         text = f"{breach.text} (at {time:.2f} s, {phase})"
@@ -406,7 +408,7 @@ class RunLoop:
     def _begin_placement(
         self, held_commands: TipCommands, time: float, measurement: Measurement | None
     ) -> None:
-        """Begin the present placement at ``time`` [s], with the tips as measured."""
+        """Start the present placement at ``time`` [s], with the tips as measured."""
         placement = self.placements[self.number]
         query = placement.query
         paths = self.cell.joint_paths
@@ -432,8 +434,9 @@ class RunLoop:
         self.expected = self._expected(time)
 
     def _expected(self, time: float) -> float:
-        """When the run is expected to end [s], in a placement that begins at ``time``;
-        later approaches are taken to last as long as its own.
+        """Expected end [s] of the run, in a placement that starts at ``time``.
+
+        Later approaches are assumed to last as long as its own.
         """
         ahead = self.placements[self.number :]
         approach = self.approach.arrival - time
@@ -441,7 +444,7 @@ class RunLoop:
         return time + (approach + TOUCH_AND_RELEASE) * len(ahead) + motions
 
     def _hand_over(self, tick: Tick, measurement: Measurement) -> None:
-        """Begin the next placement; arms that keep their contact go on as commanded."""
+        """Start the next placement. Arms that keep their contact go on as commanded."""
         kept_arms = self.controller.kept_arms
         held_commands = tuple(
             command if i in kept_arms and isinstance(command, TipCommand) else None
@@ -454,11 +457,11 @@ class RunLoop:
         self.recorder.begin_placement(self.plan, self.number)
 
     def _recovers(self, ending: Ending, tick: Tick, measurement: Measurement) -> bool:
-        """Plan anew what is left, from where object and arms are, and begin it; return
-        whether that can be done, and in time.
+        """Try to recover: replan the remaining task from the current state and start
+        it. False if no plan ends in time.
 
-        The arms hold meanwhile, since planning may take seconds of a cell's time. None
-        is planned from an arm that did not draw back.
+        The arms hold meanwhile, since planning may take seconds of a cell's time. There
+        is no recovery from an arm that did not draw back.
         """
         gave_up = self.stopping is not None and self.stopping.took_over
         if self.recoveries == 0 or gave_up:
@@ -486,15 +489,17 @@ class RunLoop:
         return True
 
     def _retriable_ending(self, ending: Ending, pose: Pose2) -> Ending | None:
-        """Return what went wrong, if arms that have drawn back could begin anew."""
+        """Failure to recover from, if the arms have drawn back and a restart is
+        possible. Otherwise None.
+        """
         if ending.code == "goal_reached":
             return self.controller.missed(pose)
         return ending if ending.code in RECOVERABLE else None
 
     def _restart(self, pose: Pose2) -> Restart:
-        """Where the task goes on with the object at ``pose``, X_WG.
+        """Start of the remaining task with the object at ``pose``, X_WG.
 
-        Raises InfeasibleTaskError where the arms cannot let go of it.
+        Raises InfeasibleTaskError if the arms cannot let go of it.
         """
         scene = self.plan.task.scene
         segment = self.controller.segments[0]
@@ -509,7 +514,7 @@ class RunLoop:
         return restart(scene, segment, pose, found)
 
     def _hold(self, tick: Tick) -> Commands:
-        """Command all arms, or tips without arms, to stay where they are; return the
+        """Command all arms, or tips without arms, to hold their positions. Returns the
         commands.
         """
         held_commands: Commands = tuple(
@@ -525,7 +530,7 @@ class RunLoop:
         return held_commands
 
     def _check_in_time(self, plan: Plan) -> None:
-        """Raise InfeasibleTaskError where ``plan``, begun now, does not end in time."""
+        """Raise InfeasibleTaskError if ``plan``, started now, does not end in time."""
         needed = plan.duration + margins.ARM.regrasp * len(plan.placements)
         left = self.time_limit - self.cell.clock.time
         if needed > left:
@@ -534,7 +539,7 @@ class RunLoop:
             )
 
     def _note(self, time: float, failure: Ending, missing: str | None = None) -> None:
-        """Note what went wrong, and what was lacking for another attempt."""
+        """Note the failure, and why there was no recovery from it."""
         self.events.append(
             {
                 "time": time,
@@ -546,8 +551,10 @@ class RunLoop:
         )
 
     def _resume(self, plan: Plan, held_commands: Commands) -> None:
-        """Begin ``plan`` in place of the rest of the present one, now: planning has
-        taken what it has of the cell's time, under the commands ``held_commands``.
+        """Start ``plan`` now, in place of the rest of the present one.
+
+        Planning has taken its share of the cell's time, under the commands
+        ``held_commands``.
         """
         measurement, _ = self.measure()
         time = measurement.time
@@ -572,7 +579,7 @@ class RunLoop:
         )
 
     def _ending(self, tick: Tick) -> Ending | None:
-        """Return the first ending that a watch finds."""
+        """First ending that a watch reports."""
         for watch in self.watches:
             ending = watch(tick)
             if ending is not None:
@@ -591,7 +598,7 @@ class RunLoop:
         return Ending("goal_reached") if failure is None else Ending(*failure)
 
     def _stopped_short(self, stopping: Stop, time: float) -> Ending | None:
-        """How a run ends whose arms did not draw back, once they rest at ``time`` [s]."""
+        """Ending of a run whose arms did not draw back, once they rest at ``time`` [s]."""
         assert self.breach is not None
         if not stopping.at_rest(time):
             return None
@@ -620,7 +627,9 @@ class RunLoop:
 
 
 def _runaway(runaways: Sequence[str | None]) -> Ending | None:
-    """Ending of a run in which an arm's joints run away, from what each arm's do."""
+    """Ending of a run in which an arm's joints run away, from the descriptions of all
+    arms.
+    """
     for arm, text in enumerate(runaways):
         if text is not None:
             return Ending("runaway", f"arm {arm} runs away: {text}")
@@ -628,7 +637,7 @@ def _runaway(runaways: Sequence[str | None]) -> Ending | None:
 
 
 def still(commands: Commands, tips: Sequence[TipState]) -> Commands:
-    """Commands by which ``tips`` [m] stay where they are, and press as they did."""
+    """Commands that hold ``tips`` [m] in place with their present press."""
     return tuple(
         _still(command, tip) if isinstance(command, TipCommand) else command
         for command, tip in zip(commands, tips, strict=True)
@@ -655,9 +664,11 @@ def _still(command: TipCommand, tip: TipState) -> TipCommand:
 def tip_paths(
     placement: Plan, held_commands: TipCommands, measurement: Measurement | None
 ) -> list[TipPath | None]:
-    """Return the way of each tip without an arm, over the object: to before its planned
-    contact, or to its robot's base, where a tip waits that has none. None for one that
-    holds its contact, and at the start of a run.
+    """Path of each tip without an arm, over the object, to a point before its planned
+    contact.
+
+    A tip without a contact goes to its robot's base, where it waits. None for one that
+    keeps its contact, and at the start of a run.
     """
     query = placement.query
     scene = query.scene

@@ -1,5 +1,5 @@
-"""What a simulated robot sees instead of the truth: noise, bias, delay and drop-outs of
-each sensor (task field ``sensing``).
+"""Sensor models of a simulated robot: noise, bias, delay and drop-outs of each sensor
+(task field ``sensing``).
 """
 
 from __future__ import annotations
@@ -24,21 +24,21 @@ T = TypeVar("T")
 
 
 class DelayLine(Generic[T]):
-    """Returns what went in a fixed number of ticks ago; at first, the first that did."""
+    """Delays values by a fixed number of ticks. At first it returns the first value."""
 
     def __init__(self, delay: float, dt: float) -> None:
         """Delay by ``delay`` [s], rounded to ticks of ``dt`` [s]."""
         self._line: deque[T] = deque(maxlen=1 + round(delay / dt))
 
     def through(self, value: T) -> T:
-        """Put ``value`` in and return what comes out."""
+        """Put ``value`` in, and return the delayed value."""
         self._line.append(value)
         return self._line[0]
 
 
 class SensedTracker:
-    """A tracker with the faults of a sensor: each pose is seen with noise and a bias,
-    or not at all, and comes late.
+    """A tracker with sensor faults: each pose has noise and a bias, or is missed, and
+    comes late.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class SensedTracker:
         random: np.random.Generator,
         dt: float,
     ) -> None:
-        """Prepare the delay line; ``dt`` [s] is the control period."""
+        """Set up the delay line. ``dt`` [s] is the control period."""
         self.truth = Pose2()  # X_WG as last read
         self._tracker = tracker
         self._sensing = sensing
@@ -59,7 +59,7 @@ class SensedTracker:
         self._out: StampedPose | None = None  # what that came to
 
     def read(self) -> StampedPose | None:
-        """What comes out of the sensor; the same if it is read twice at one time."""
+        """Delayed, noisy pose. The same if it is read twice at one time."""
         pose = self._tracker.read()
         if pose is None:
             return None
@@ -87,7 +87,7 @@ class SensedTracker:
 
 
 class SensedArm:
-    """An arm whose tip's place and force have noise and a bias, and come late."""
+    """An arm whose tip position and force have noise and a bias, and come late."""
 
     def __init__(
         self,
@@ -96,8 +96,10 @@ class SensedArm:
         streams: tuple[np.random.Generator, np.random.Generator],
         dt: float,
     ) -> None:
-        """Prepare the delay lines; ``streams`` of place and force, which all arms share;
-        ``dt`` [s] is the control period.
+        """Set up the delay lines.
+
+        ``streams`` are the noise of position and force, shared by all arms; ``dt`` [s]
+        is the control period.
         """
         self.arm = arm
         self.interface = arm.interface
@@ -110,12 +112,12 @@ class SensedArm:
 
     @property
     def limits(self) -> ArmLimits | None:
-        """The arm's own."""
+        """Limits of the wrapped arm."""
         return self.arm.limits
 
     @property
     def path(self) -> JointPath | None:
-        """The arm's own."""
+        """Joint path of the wrapped arm."""
         return self.arm.path
 
     def connect(self) -> None:
@@ -127,7 +129,7 @@ class SensedArm:
         self.arm.disconnect()
 
     def read(self) -> ArmState:
-        """What comes out of the sensors; the same if they are read twice at one time."""
+        """Delayed, noisy measurements. The same if they are read twice at one time."""
         state = self.arm.read()
         out = self._out
         if out is not None and out.time == state.time:
@@ -139,7 +141,7 @@ class SensedArm:
         return self._out
 
     def send(self, command: ArmCommand) -> Applied:
-        """Send to the arm."""
+        """Send a command to the arm."""
         return self.arm.send(command)
 
     def _tip(self, tip: TipState) -> TipState:
@@ -154,12 +156,12 @@ class SensedArm:
 
 
 class SensedTruth:
-    """What was true before the sensors made something else of it."""
+    """The true state before the sensors distort it."""
 
     facts: Mapping[str, Any] = {}
 
     def __init__(self, tracker: SensedTracker, arms: Sequence[SensedArm]) -> None:
-        """Watch a tracker and arms."""
+        """Wrap a tracker and arms."""
         self._tracker = tracker
         self._arms = arms
 
@@ -169,11 +171,11 @@ class SensedTruth:
 
 
 def sensed(cell: Cell, sensing: Sensing, seed: int, dt: float) -> Cell:
-    """``cell`` seen and felt through sensors with the faults that ``sensing`` tells;
-    those of pose, place and force have streams of noise of their own.
+    """The ``cell`` observed through sensors with the faults of ``sensing``.
 
-    They are read at every tick of a run, whether or not anything is done with it, so
-    that a delay is always one in time. ``dt`` [s] is the control period.
+    Pose, position and force have separate noise streams. They are read at every tick of
+    a run, whether or not they are used, so that a delay is always one in time. ``dt``
+    [s] is the control period.
     """
     if sensing == Sensing():
         return cell

@@ -1,4 +1,4 @@
-"""What the controller remembers between ticks, and is given at one."""
+"""The controller's state between ticks, and its input at one."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ Failure = tuple[ReasonCode, str]
 
 
 class TipContext(NamedTuple):
-    """What the laws of one tip are given at a tick."""
+    """Input of the laws of one tip at a tick."""
 
     contact: Contact
     tip: TipState
@@ -46,7 +46,7 @@ class TipContext(NamedTuple):
 
 
 class TipMemory(NamedTuple):
-    """What is remembered of one tip."""
+    """State of one tip between ticks."""
 
     start: Vector3  # [m] where it was when the phase began
     advance_start: Pose2 | None = (
@@ -69,7 +69,9 @@ class TipMemory(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class StallWatch:
-    """Where an object has been since a time, but for less than counts as motion."""
+    """The object's pose since a time, while it has moved by less than the motion
+    threshold.
+    """
 
     pose: Pose2  # X_WB
     since: float  # [s]
@@ -77,14 +79,14 @@ class StallWatch:
 
 @dataclass(frozen=True, slots=True)
 class ContactLosses:
-    """How often contact was lost about one place."""
+    """Number of contact losses near one place."""
 
     pose: Pose2  # X_WB at the first of them
     count: int
 
 
 class Watches(NamedTuple):
-    """What is kept an eye on: what goes wrong, and how often it was mended."""
+    """Monitored failures, and the numbers of their corrections."""
 
     lost: float | None = None  # [s] since when contact is missing
     losses: ContactLosses | None = None
@@ -95,7 +97,7 @@ class Watches(NamedTuple):
 
 
 class PhaseState(NamedTuple):
-    """A phase; another one begins with another one of these."""
+    """A phase. Each new phase is a new instance."""
 
     name: Phase
     since: float  # [s]
@@ -110,8 +112,9 @@ class PhaseState(NamedTuple):
 
 
 class ControllerState(NamedTuple):
-    """Everything that the controller remembers between ticks: tuples, of which another
-    one with a few other fields is made in a tenth of a dataclass's time.
+    """State of the controller between ticks.
+
+    It consists of tuples: replacing a few fields takes a tenth of a dataclass's time.
     """
 
     phase: PhaseState
@@ -122,8 +125,8 @@ class ControllerState(NamedTuple):
     watches: Watches = Watches()
 
     def delayed(self, passed: float) -> ControllerState:
-        """The same that begins now, ``passed`` [s] after it was planned, with an object
-        that has not been led meanwhile.
+        """The same state started now, ``passed`` [s] after it was planned, with an
+        object that was not moved meanwhile.
         """
         phase = self.phase
         watches = self.watches
@@ -141,7 +144,7 @@ class ControllerState(NamedTuple):
 
 
 class Instant(NamedTuple):
-    """What is known at a tick."""
+    """Known quantities at a tick."""
 
     time: float  # [s]
     dt: float  # [s] since the last tick
@@ -150,8 +153,8 @@ class Instant(NamedTuple):
     tips: tuple[TipState, ...]  # as measured
 
     def context(self, contact: Contact, tool_yaw: float, progress: float) -> TipContext:
-        """What the laws of the tip at a ``contact`` are given, with ``tool_yaw`` [rad]
-        and ``progress`` [m] wanted of the tool and the joints.
+        """Input of the laws of the tip at a ``contact``, with ``tool_yaw`` [rad] wanted
+        of the tool and ``progress`` [m] of the joints.
         """
         tip = self.tips[contact.arm]
         return TipContext(
@@ -162,19 +165,17 @@ class Instant(NamedTuple):
 def tip_position(
     contact: Contact, X_WB: Pose2, radius: float, gap: float = 0.0
 ) -> Vector3:
-    """Return where the centre of a tip of ``radius`` [m] is, ``gap`` [m] before its
-    contact [m].
-    """
+    """Centre of a tip of ``radius`` [m], ``gap`` [m] before its contact [m]."""
     point, height = contact.tip_place(radius, gap)
     x, y = X_WB.apply(point)
     return (x, y, height)
 
 
 def sunk(contact: Contact, tip: TipState, radius: float, max_depth: float) -> bool:
-    """Whether a ``tip`` of ``radius`` [m] that presses on top of an object is beside it:
-    by more than ``max_depth`` [m] lower than it rests there.
+    """Whether a ``tip`` of ``radius`` [m] that should press on top has slid off: it is
+    more than ``max_depth`` [m] below its height there.
 
-    Nothing holds it then: pressed on, it falls beside the object on the support.
+    Nothing holds it then: with more press it falls onto the support next to the object.
     """
     if contact.kind != "top":
         return False
@@ -183,7 +184,7 @@ def sunk(contact: Contact, tip: TipState, radius: float, max_depth: float) -> bo
 
 
 def contact_yaw(contact: Contact, X_WB: Pose2) -> float:
-    """Return the yaw [rad] of the contact frame.
+    """Yaw [rad] of the contact frame.
 
     It is that of the face's normal, and under a press that of the object.
     """
@@ -193,14 +194,14 @@ def contact_yaw(contact: Contact, X_WB: Pose2) -> float:
 
 
 def pressed(force: Vector3, direction: Vector3) -> float:
-    """Return the normal force [N] of a tip whose force on the object is ``force``."""
+    """Normal force [N] of a tip whose force on the object is ``force``."""
     return force[0] * direction[0] + force[1] * direction[1] + force[2] * direction[2]
 
 
 def by_arm(
     commands: tuple[TipCommand, ...], contacts: tuple[Contact, ...], arms: int
 ) -> tuple[TipCommand | None, ...]:
-    """Return one command per arm: None for an arm without a contact."""
+    """One command per arm, None for an arm without a contact."""
     out: list[TipCommand | None] = [None] * arms
     for command, contact in zip(commands, contacts, strict=True):
         out[contact.arm] = command
@@ -208,34 +209,32 @@ def by_arm(
 
 
 def smooth(u: float) -> float:
-    """Return the minimum-jerk ramp from 0 to 1 at ``u``, clamped outside [0, 1]."""
+    """Minimum-jerk ramp from 0 to 1 at ``u``, clamped outside [0, 1]."""
     u = min(max(u, 0.0), 1.0)
     return u * u * u * (10.0 + u * (6.0 * u - 15.0))
 
 
 def smooth_rate(u: float) -> float:
-    """Return the derivative of the minimum-jerk ramp at ``u``, zero outside [0, 1]."""
+    """First derivative of the minimum-jerk ramp at ``u``, zero outside [0, 1]."""
     u = min(max(u, 0.0), 1.0)
     return 30.0 * u * u * (1.0 - u) * (1.0 - u)
 
 
 def smooth_change(u: float) -> float:
-    """Return the second derivative of the minimum-jerk ramp at ``u``, zero outside [0,
-    1].
-    """
+    """Second derivative of the minimum-jerk ramp at ``u``, zero outside [0, 1]."""
     u = min(max(u, 0.0), 1.0)
     return 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u)
 
 
 def ramp_time(distance: float, speed: float = ALIGN_SPEED) -> float:
-    """Return how long a minimum-jerk move over ``distance`` [m] takes at ``speed`` [m/s] at
-    its fastest [s].
+    """Time [s] of a minimum-jerk move over ``distance`` [m] with peak speed ``speed``
+    [m/s].
     """
     return 1.875 * math.fabs(distance) / speed
 
 
 def between(a: Vector3, b: Vector3, share: float) -> Vector3:
-    """Return the point [m] at ``share`` of the way from ``a`` to ``b``."""
+    """Point [m] at the fraction ``share`` from ``a`` to ``b``."""
     return (
         a[0] + share * (b[0] - a[0]),
         a[1] + share * (b[1] - a[1]),
@@ -249,7 +248,7 @@ def enter_phase(
     now: Instant | Measurement,
     failure: Failure | None = None,
 ) -> ControllerState:
-    """State at the start of a phase, with the tips as they are measured ``now``.
+    """State at the start of a phase, with the tips as measured ``now``.
 
     The regulator of the normal force is kept only by a press that goes on.
     """
@@ -269,7 +268,7 @@ def enter_phase(
 
 
 def estimates(state: ControllerState) -> ParameterEstimates:
-    """What is identified, with rho as it was last where it is not identified now."""
+    """Identified parameters, with the last known rho if it is not identified now."""
     found = state.estimate.parameters
     rho = state.following.rho
     if found.rho is not None or rho is None:

@@ -1,10 +1,11 @@
-"""A stop by levels: what the arms do once a limit is broken.
+"""A stop by levels: the reaction of the arms to a broken limit.
 
     draw back   the controller leads the tips away, while the arms obey
     hold        an arm that does not obey stays where it is
     brake       an arm whose joints run away: its weight is held, its joints are damped
 
-A level is never left for a lower one. An arm that runs away brakes, and the others hold.
+A level is never left for a lower one. An arm that runs away brakes, and the others
+hold.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ LONGEST = 1.5  # [s] that is waited for it, from when an arm ceases to draw back
 
 
 class StopLevel(IntEnum):
-    """How far a stop has gone with one arm."""
+    """Level of a stop for one arm."""
 
     DRAW_BACK = 0
     HOLD = 1
@@ -44,8 +45,10 @@ class StopLevel(IntEnum):
 
 @dataclass(slots=True)
 class JointWatch:
-    """Watches one arm's joints for speeds that no command asks for: that grow from tick
-    to tick, change sign from tick to tick, or are far above their limit.
+    """Watches one arm's joints for uncommanded speeds.
+
+    Such speeds grow from tick to tick, change sign from tick to tick, or are far above
+    their limit.
     """
 
     limits: Sequence[float]  # (n,) [rad/s]
@@ -62,8 +65,8 @@ class JointWatch:
         self._flips = [0] * n
 
     def step(self, rates: list[float]) -> str | None:
-        """What the first joint that runs away does, from its ``rates`` (n,) [rad/s] at
-        this tick; None while all are led.
+        """Description of the first joint that runs away, from its ``rates`` (n,)
+        [rad/s] at this tick, or None.
         """
         before = self._before
         self._before = rates
@@ -86,7 +89,7 @@ class JointWatch:
         return found
 
     def _complaint(self, j: int, speed: float) -> str | None:
-        """What stands against a joint ``j`` at a ``speed`` [rad/s]."""
+        """Complaint about a joint ``j`` at a ``speed`` [rad/s], or None."""
         limit = self.limits[j]
         name = f"joint {j + 1}"
         if not speed <= BEYOND * limit:  # or no number
@@ -104,7 +107,7 @@ class JointWatch:
 
 @dataclass(slots=True)
 class Stop:
-    """One stop: the level of each arm, and what it is commanded there."""
+    """One stop: the level of each arm, and its commands there."""
 
     arms: Sequence[ArmLimits]
     began: float  # [s]
@@ -134,10 +137,10 @@ class Stop:
         runaways: Sequence[str | None],
         commands: Commands,
     ) -> Commands:
-        """Commands at ``time`` [s], one per robot: the controller's ``commands`` of arms
-        that draw back, else what the arm's level asks for.
+        """Commands at ``time`` [s], one per robot: the controller's ``commands`` of
+        arms that draw back, and those of the arm's level otherwise.
 
-        ``runaways`` say of each arm what its joints do that nothing asked for.
+        ``runaways`` describe the uncommanded joint motion of each arm.
         """
         if not readings:
             return commands
@@ -156,7 +159,7 @@ class Stop:
 
     def at_rest(self, time: float) -> bool:
         """Whether a stop that took over is done at ``time`` [s]: all joints rest, or
-        have been given long enough.
+        the waiting time is over.
         """
         rested = self._resting * self.period >= REST_TIME
         return rested or time - self._waiting > LONGEST
@@ -164,7 +167,7 @@ class Stop:
     def _level(
         self, arm: int, time: float, reading: ArmReading, runaway: str | None
     ) -> StopLevel:
-        """Level that an arm needs at ``time`` [s]."""
+        """Required level of an arm at ``time`` [s]."""
         if runaway is not None:
             return StopLevel.BRAKE
         asked = reading.torque_share  # a stop itself changes torques quickly

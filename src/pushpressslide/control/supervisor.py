@@ -1,8 +1,8 @@
-"""What comes next in the motion: a table of transitions that is asked in its order at
-every tick.
+"""The supervisor of the motion: a table of transitions, evaluated in order at every
+tick.
 
-``TRANSITIONS`` is the policy. The first row whose event holds says what is done; a row
-asks nothing of those below it.
+``TRANSITIONS`` is the policy. The first row whose event holds decides the action. A row
+does not depend on those below it.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class Moment(NamedTuple):
 
     @property
     def left(self) -> float:
-        """Rest of the path [m]."""
+        """Remaining length [m] of the path."""
         return self.state.following.left
 
 
@@ -69,25 +69,27 @@ class Settled(NamedTuple):
 
 
 class Supervisor:
-    """Decides on the events of one placement; it plans, and may take its time."""
+    """Decides on the events of one placement. It plans, and may exceed a tick."""
 
     def __init__(self, placement: Placement, servo: bool, patience: float) -> None:
-        """Watch ``placement``; ``servo``: the tips are led, not pushed by a force alone;
-        ``patience`` [s] is how long a contact may be missing.
+        """Watch ``placement``.
+
+        With ``servo``, the tips are led by velocity, not by a force alone. ``patience``
+        [s] is the time for which a contact may be missing.
         """
         self.placement = placement
         self.servo = servo
         self.patience = patience
 
     def step(self, event: Moment | Settled) -> ControllerState:
-        """State after an event: in the motion, what the first row that holds leads to."""
+        """State after an event. In the motion, the first row that holds decides."""
         if isinstance(event, Settled):
             return self._begin_motion(event.state, event.instant)
         moment = self._watched(event)
         return self._row(moment).act(self, moment)
 
     def plans(self, event: Moment | Settled) -> bool:
-        """Whether what ``event`` leads to may take longer than a tick."""
+        """Whether the action of ``event`` may take longer than a tick."""
         return isinstance(event, Settled) or self._row(self._watched(event)).plans
 
     def _row(self, moment: Moment) -> Transition:
@@ -98,7 +100,7 @@ class Supervisor:
         raise AssertionError("the last row always holds")
 
     def _watched(self, moment: Moment) -> Moment:
-        """The same, with what is watched of an object that stands still."""
+        """The same with the stall watch updated."""
         still = self._still(moment.state, moment.instant)
         watches = moment.state.watches
         if still is not watches.still:
@@ -118,7 +120,7 @@ class Supervisor:
         return _stopped(moment, ("goal_missed", text))
 
     def stalled(self, moment: Moment) -> bool:
-        """The object stands still where it should move."""
+        """The object stands still although it should move."""
         return self._rested(moment) > margins.ARM.stall_time
 
     def stop_stalled(self, moment: Moment) -> ControllerState:
@@ -129,12 +131,12 @@ class Supervisor:
         return _stopped(moment, ("goal_missed", text))
 
     def arrived_midway(self, moment: Moment) -> bool:
-        """A segment is over, and another one with the same contacts is ahead."""
+        """A segment is over, and the next one has the same contacts."""
         following = moment.state.following
         return bool(following.ahead) and self._arrived(following, moment.instant)
 
     def go_on(self, moment: Moment) -> ControllerState:
-        """Follow the next segment from where the object is, or the mode's retry in its
+        """Follow the next segment from the object's pose, or the mode's retry in its
         place.
         """
         ahead = moment.state.following.ahead
@@ -145,8 +147,8 @@ class Supervisor:
         return self._arrived(moment.state.following, moment.instant)
 
     def end(self, moment: Moment) -> ControllerState:
-        """Retry where the goal is missed; else hold what nothing else carries, or let
-        go.
+        """Retry if the goal is missed; otherwise let go, or hold what nothing else
+        carries.
         """
         state = moment.state
         instant = moment.instant
@@ -158,7 +160,7 @@ class Supervisor:
         )
 
     def lost_for_good(self, moment: Moment) -> bool:
-        """Contact is lost once more at a place where it was lost again and again."""
+        """Contact is lost once more at a place where it was lost repeatedly."""
         return self.lost(moment) and self._losses(moment).count > LOSSES
 
     def stop_lost(self, moment: Moment) -> ControllerState:
@@ -180,7 +182,7 @@ class Supervisor:
         return again._replace(phase=again.phase._replace(align=False))
 
     def crept(self, moment: Moment) -> bool:
-        """A press has crept, and there is way left to mend it."""
+        """A press has crept, and enough path is left to correct it."""
         planned = self.placement.segments[0].contacts
         crept = press_creep(planned, moment.contact_points) > margins.CREPT
         return crept and self._may_retouch(moment)
@@ -190,7 +192,7 @@ class Supervisor:
         return self._touch_planned_place(moment.state, moment.instant, crept=True)
 
     def slid(self, moment: Moment) -> bool:
-        """A push has slid along its face, and there is way left to mend it."""
+        """A push has slid along its face, and enough path is left to correct it."""
         contacts = moment.state.following.segment.contacts
         slid = side_slide(contacts, moment.contact_points) > margins.ARM.retouch
         return slid and self._may_retouch(moment)
@@ -208,11 +210,11 @@ class Supervisor:
         return moment.state
 
     def otherwise(self, moment: Moment) -> bool:
-        """Nothing else holds."""
+        """No other event holds."""
         return True
 
     def _rested(self, moment: Moment) -> float:
-        """How long [s] the object has stood still."""
+        """Time [s] for which the object has stood still."""
         still = moment.state.watches.still
         return moment.instant.time - still.since if still else 0.0
 
@@ -221,7 +223,7 @@ class Supervisor:
         return enough and moment.state.watches.retouches < RETOUCHES
 
     def _losses(self, moment: Moment) -> ContactLosses:
-        """How often contact was lost here, with this time."""
+        """Number of contact losses here, this one included."""
         X_WB = moment.instant.X_WB
         before = moment.state.watches.losses
         within = margins.ARM.retouch
@@ -230,8 +232,9 @@ class Supervisor:
         return ContactLosses(X_WB, 1)
 
     def _still(self, state: ControllerState, instant: Instant) -> StallWatch | None:
-        """Return where the object was when it last moved, in this phase; None where it
-        may rest, as with a force alone, or at a goal where it is waited for.
+        """Pose and time of the last motion in this phase.
+
+        None while resting is allowed (pure force control, or waiting at the goal).
         """
         if self.placement.waits or not self.servo:
             return None
@@ -244,15 +247,15 @@ class Supervisor:
         return StallWatch(instant.X_WB, instant.time)
 
     def _distance_from(self, pose: Pose2, X_WB: Pose2) -> float:
-        """Return how far the object has come from ``pose``, X_WB, turns included [m]."""
+        """Displacement [m] of the object from ``pose``, X_WB, turns included."""
         turned = self.placement.object.radius * abs(wrap_angle(X_WB.yaw - pose.yaw))
         return math.dist(X_WB.position, pose.position) + turned
 
     def _touch_planned_place(
         self, state: ControllerState, instant: Instant, crept: bool
     ) -> ControllerState:
-        """Let go, and touch again where the segment was planned to be touched; harder a
-        press that ``crept``.
+        """Let go, and touch the planned place of the segment again. A press that
+        ``crept`` presses harder.
         """
         following = state.following
         followed = following.binding.segment
@@ -322,7 +325,7 @@ class Supervisor:
     def _begin_motion(
         self, state: ControllerState, instant: Instant
     ) -> ControllerState:
-        """Begin to move, replanned from where object and contacts turn out to be."""
+        """Start the motion, replanned from the measured object pose and contacts."""
         time = instant.time
         following = state.following
         rest = rest_of(following.binding.segment, following.progress)
@@ -357,7 +360,9 @@ class Supervisor:
         return enter_phase(state._replace(following=following), "move", instant)
 
     def _arrived(self, following: Following, instant: Instant) -> bool:
-        """Whether a segment is over; in an opening, or held, when it rests."""
+        """Whether a segment is over. In an opening, or held, it ends when the object
+        rests.
+        """
         left = following.left
         if following.ahead or not self.placement.waits:
             return left <= margins.ARM.stop
@@ -370,9 +375,7 @@ class Supervisor:
         return late > SEAT_TIME or (left <= margins.ARM.stop and rests)
 
     def _retry(self, state: ControllerState, instant: Instant) -> tuple[Segment, ...]:
-        """Return segments that take the object to its goal in another attempt, if it is
-        not there.
-        """
+        """Segments of a retry that takes the object to its goal. Empty if it is there."""
         following = state.following
         query = self.placement.queries[following.segment.leg]
         off = share_of_tolerance(instant.X_WG, query.goal, query.tolerance)
@@ -391,8 +394,10 @@ class Supervisor:
         return fresh if self._can_follow(fresh, instant.time) else ()
 
     def _can_follow(self, segments: Sequence[Segment], time: float) -> bool:
-        """Whether ``segments`` begun at ``time`` [s] end in time, and beside the planned
-        way: elsewhere nobody has looked whether the arms can follow.
+        """Whether ``segments`` started at ``time`` [s] end in time, near the planned
+        path.
+
+        Away from that path nobody has checked whether the arms can follow.
         """
         return self._in_time(segments, time) and (
             self.placement.reaches_far or self._is_near_plan(segments)
@@ -413,7 +418,9 @@ class Supervisor:
         )
 
     def _in_time(self, segments: Sequence[Segment], time: float) -> bool:
-        """Whether ``segments`` begun at ``time`` [s] end before the run has to."""
+        """Whether ``segments`` started at ``time`` [s] end before the time limit of the
+        run.
+        """
         ends = time + math.fsum(segment.profile.duration for segment in segments)
         part = self.placement.queries[self.placement.segments[0].leg]
         return ends < part.limits.time - ramp_time(margins.ARM.retreat)
@@ -421,7 +428,7 @@ class Supervisor:
     def _next_segment(
         self, state: ControllerState, ahead: tuple[Segment, ...], instant: Instant
     ) -> ControllerState:
-        """Go on with the first of ``ahead``, from where the object is, without letting
+        """Go on with the first of ``ahead``, from the object's pose, without letting
         go.
         """
         before = state.following
@@ -459,8 +466,8 @@ class Supervisor:
         instant: Instant,
         estimates: ParameterEstimates,
     ) -> tuple[tuple[Segment, ...], Point, int]:
-        """The segments ``ahead`` from where the object is, or the retry that takes their
-        place; p_BCom [m] that they are planned with, and how many retries there were.
+        """The segments ``ahead`` from the object's pose, or the retry that takes their
+        place, the p_BCom [m] they are planned with, and the number of retries.
         """
         X_WB = instant.X_WB
         following = state.following
@@ -502,7 +509,7 @@ def _with_losses(moment: Moment, losses: ContactLosses) -> Moment:
 
 
 class Transition(NamedTuple):
-    """A row of the table: an event, and what it leads to."""
+    """A row of the table: an event and its action."""
 
     holds: Callable[[Supervisor, Moment], bool]
     act: Callable[[Supervisor, Moment], ControllerState]
@@ -510,12 +517,12 @@ class Transition(NamedTuple):
 
     @property
     def event(self) -> str:
-        """Its name."""
+        """Name of the event."""
         return self.holds.__name__.replace("_", " ")
 
     @property
     def words(self) -> tuple[str, str]:
-        """When it holds and what is done then, as their functions say."""
+        """Condition and action in words, from the docstrings of their functions."""
         when, then = (
             " ".join((function.__doc__ or "").split())
             for function in (self.holds, self.act)

@@ -1,4 +1,4 @@
-"""The first plan of a placement over time: what errors are judged by."""
+"""The first plan of a placement over time, the reference for errors."""
 
 from __future__ import annotations
 
@@ -11,14 +11,12 @@ from pushpressslide.core.pose import Pose2
 
 @dataclass(frozen=True, slots=True)
 class Timeline:
-    """The planned segments of a placement, one after the other without a pause."""
+    """The planned segments of a placement, in sequence without a pause."""
 
     segments: Sequence[Segment]
 
     def body_pose(self, elapsed: float) -> Pose2:
-        """Return the planned X_WB ``elapsed`` [s] after the motion began; at the goal
-        once all is over.
-        """
+        """Planned X_WB ``elapsed`` [s] after the motion began. The goal after the end."""
         for segment in self.segments[:-1]:
             duration = segment.profile.duration
             if elapsed < duration:

@@ -1,6 +1,4 @@
-"""What the tips do in the move: from contact forces and the object's twist to tip
-commands.
-"""
+"""Tip commands of the move, from contact forces and the object's twist."""
 
 from __future__ import annotations
 
@@ -43,21 +41,21 @@ TOOL_ACCELERATION = 5.0  # [rad/s^2] the same of the tool's turning
 
 
 class Felt(NamedTuple):
-    """What a tip feels of its contact."""
+    """Measured state of a tip's contact."""
 
     lost: bool
     friction_utilisation: float
 
 
 class ContactKeeping(NamedTuple):
-    """What keeps a pushing tip at its contact beside another one."""
+    """Correction that keeps a pushing tip at its contact, next to another one."""
 
     place: Point  # [m] of the tip's centre, as planned, in B
     min_force: float  # [N] of normal force that it is led on to feel
 
 
 class TipTask(NamedTuple):
-    """What a tip is to do at a tick."""
+    """Task of a tip at a tick."""
 
     twist: Twist  # of the object, in B
     center: Point  # [m] of the tip's centre, in B
@@ -69,7 +67,7 @@ class TipTask(NamedTuple):
 
 
 class _Normal(NamedTuple):
-    """How a tip behaves along its height above the support."""
+    """Command of a tip along its height above the support."""
 
     height: float  # [m] of the reference
     stiffness: float  # [N/m]
@@ -95,8 +93,11 @@ class TipMover:
     sunk: float = margins.ARM.sunk
 
     def samples(self, contact: Contact) -> int:
-        """Return over how many measurements the normal force is averaged before a loss
-        is judged: their mean is margins.LOSS_SIGMAS surer than the drop that counts as loss.
+        """Number of measurements over which the normal force is averaged before a loss
+        is detected.
+
+        The standard error of the mean is then margins.LOSS_SIGMAS times smaller than
+        the drop that counts as loss.
         """
         if self.noise == 0.0:
             return 1
@@ -109,8 +110,8 @@ class TipMover:
     def holds(
         self, planned: Sequence[Contact], normals: Sequence[float]
     ) -> list[ContactKeeping | None]:
-        """What keeps each of two pushing tips at its ``planned`` contact, with
-        ``normals`` [N] allocated; None of others.
+        """Contact keeping of each of two pushing tips at its ``planned`` contact, with
+        ``normals`` [N] allocated. None for other contacts.
         """
         if sum(contact.kind == "side" for contact in planned) < 2:
             return [None] * len(planned)
@@ -121,7 +122,7 @@ class TipMover:
     def step(
         self, memory: TipMemory, context: TipContext, task: TipTask
     ) -> tuple[TipCommand, TipMemory, Felt]:
-        """Return the tip's command, what to remember, and what it feels."""
+        """Command of the tip, its next state, and its measured contact."""
         contact = context.contact
         X_WB = context.X_WB
         tip = context.tip
@@ -181,8 +182,8 @@ class TipMover:
         task: TipTask,
         normal_force: float,
     ) -> tuple[_Normal, TipMemory]:
-        """Return how the tip behaves along its height, and what to remember of it;
-        ``normal_force`` [N] is measured.
+        """Command of the tip along its height, and its next state. ``normal_force`` [N]
+        is measured.
         """
         contact = context.contact
         tip = context.tip
@@ -204,7 +205,7 @@ class TipMover:
         return _Normal(height, HEIGHT_STIFFNESS, HEIGHT_DAMPING), memory
 
     def _loss_threshold(self, contact: Contact) -> float:
-        """Return the normal force [N] below which a contact counts as lost."""
+        """Normal force [N] below which a contact counts as lost."""
         return max(
             margins.KEPT_SHARE * self.threshold, margins.LOSS_SHARE * contact.load
         )
@@ -212,8 +213,8 @@ class TipMover:
     def _utilisation(
         self, force: Vector3, normal: Vector3, normal_force: float
     ) -> float:
-        """Return the friction utilisation of a ``force`` on the object that has
-        ``normal_force`` [N] along its ``normal``.
+        """Friction utilisation of a ``force`` on the object with ``normal_force`` [N]
+        along its ``normal``.
         """
         shear = math.hypot(
             force[0] - normal_force * normal[0], force[1] - normal_force * normal[1]
@@ -223,8 +224,8 @@ class TipMover:
     def _motion(
         self, memory: TipMemory, context: TipContext, task: TipTask
     ) -> tuple[Point, Point]:
-        """Return velocity [m/s] and acceleration [m/s^2] of the tip's reference along
-        the support.
+        """Velocity [m/s] and acceleration [m/s^2] of the tip's reference along the
+        support.
         """
         at_tip = task.twist.moved_to(task.center)
         before = memory.velocity or (0.0, 0.0)
@@ -241,8 +242,10 @@ class TipMover:
 
 
 def _turning(before: float, wanted: float, dt: float) -> tuple[float, float]:
-    """Return rate [rad/s] and acceleration [rad/s^2] of the tool's reference after a
-    tick of ``dt`` [s], from the rate ``before`` to the ``wanted`` one.
+    """Rate [rad/s] and acceleration [rad/s^2] of the tool's reference after a tick of
+    ``dt`` [s].
+
+    The rate goes from ``before`` to the ``wanted`` one.
     """
     most = TOOL_ACCELERATION * dt
     turn = min(max(wanted, before - most), before + most)
@@ -252,14 +255,14 @@ def _turning(before: float, wanted: float, dt: float) -> tuple[float, float]:
 def _reseating_velocity(
     context: TipContext, hold: ContactKeeping, normal_force: float, speed: float
 ) -> Point:
-    """Return the velocity [m/s], along the support, that leads a pushing tip back to its
-    contact: along the face to where it is planned, and on into a face that it feels
-    less of than ``hold.least``; ``normal_force`` [N] is what it feels, ``speed`` [m/s]
-    at which it moves else.
+    """Velocity [m/s], along the support, that leads a pushing tip back to its contact.
 
-    Its servo follows the twist that is wanted. Where the object turns otherwise, the
-    friction of a lightly loaded tip cannot hold it against the servo. A tip that sticks
-    turns the object on its way back: hence only by a share of its speed.
+    It leads along the face to the planned place, and on into a face that the tip
+    presses with less than ``hold.least``. ``normal_force`` [N] is measured; ``speed``
+    [m/s] is the tip's speed without this correction. The servo follows the wanted
+    twist. If the object turns otherwise, the friction of a lightly loaded tip cannot
+    hold it against the servo. A tip that sticks turns the object while it moves back:
+    hence the correction is limited to a fraction of its speed.
     """
     nx, ny, _ = context.contact.direction(context.X_WB)
     x, y = context.X_WB.apply(hold.place)
@@ -274,12 +277,13 @@ def _reseating_velocity(
 
 
 def eased_height(height: float | None, tip: float, wanted: float, dt: float) -> float:
-    """Return the height [m] at which a pushing tip is held after a tick of ``dt`` [s]:
-    the ``tip``'s own, which the friction at the face keeps, near the ``wanted`` one;
-    ``height`` is that of the tick before.
+    """Height [m] at which a pushing tip is held after a tick of ``dt`` [s], near the
+    ``wanted`` one.
 
-    A spring to a fixed height leans on the face with a tenth of a newton for each 0.05
-    mm, all the friction there is where a light object is pushed.
+    It follows the ``tip``'s own height, which the friction at the face keeps;
+    ``height`` is that of the previous tick. A spring to a fixed height loads the face
+    with a tenth of a newton for each 0.05 mm, which is all the friction of a light
+    object.
     """
     if height is None:
         height = tip
@@ -288,7 +292,7 @@ def eased_height(height: float | None, tip: float, wanted: float, dt: float) -> 
 
 
 def _within(force: Point, limit: float) -> Point:
-    """Return ``force``, no larger than ``limit`` [N]."""
+    """``force`` limited to ``limit`` [N]."""
     size = math.hypot(*force)
     if size <= limit:
         return force
@@ -298,7 +302,7 @@ def _within(force: Point, limit: float) -> Point:
 def missing(
     felt: Sequence[Felt], contacts: Sequence[Contact], normals: Sequence[float]
 ) -> bool:
-    """Return whether a contact is lost that is to press, or to push with a good share
+    """Whether a contact is lost that should press, or push with a considerable fraction
     of all ``normals`` [N].
     """
     if not any(one.lost for one in felt):

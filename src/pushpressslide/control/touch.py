@@ -1,7 +1,8 @@
 """Phase touch: the tips line up with their contacts and advance until they feel the
-object, or see that they push it: a light one slides before its force is felt.
+object, or until it is seen to move.
 
-Then the normal forces settle. Contacts from the side and from above do the same.
+A light object slides before its force is felt. Then the normal forces settle. Contacts
+from the side and from above do the same.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ STILL = (0.0, 0.0, 0.0)
 
 
 class TouchStep(NamedTuple):
-    """What the touch of one tip comes to at a tick."""
+    """Result of one tip's touch at a tick."""
 
     command: TipCommand
     memory: TipMemory
@@ -43,7 +44,7 @@ class TouchStep(NamedTuple):
 
 
 class WayBack(NamedTuple):
-    """How far a tip is drawn off its contact, and how that changes."""
+    """Retreat length of a tip from its contact, with its rates."""
 
     distance: float  # [m]
     speed: float  # [m/s]
@@ -64,7 +65,7 @@ class TipTouch:
     sunk: float = margins.ARM.sunk
 
     def align_time(self, memory: TipMemory, contact: Contact, X_WB: Pose2) -> float:
-        """Return how long the tip takes to line up before its contact [s]."""
+        """Time [s] for the tip to line up before its contact."""
         before = tip_position(
             contact, memory.advance_start or X_WB, self.radius, self.gap
         )
@@ -73,10 +74,10 @@ class TipTouch:
     def step(
         self, memory: TipMemory, context: TipContext, elapsed: float, aligned: float
     ) -> TouchStep:
-        """Return the tip's command, what to remember, and whether its touch is complete.
+        """Command of the tip, its next state, and whether its touch is complete.
 
-        ``elapsed`` [s] since the phase began; ``aligned`` [s] at which the advance
-        begins, 0 to go on from where the tip is.
+        ``elapsed`` [s] is the time since the phase began. ``aligned`` [s] is the start
+        of the advance, 0 to go on from the tip's position.
         """
         if memory.held_command is not None:
             return TouchStep(memory.held_command, memory, True)
@@ -133,9 +134,10 @@ class TipTouch:
         elapsed: float,
         aligned: float,
     ) -> tuple[Vector3, float]:
-        """Return where the tip's advance counts from [m], and how far it is led [m]: from
-        the free path before the object that was ``advance_start``, X_WB, or from where the tip
-        was when it lost its contact.
+        """Start of the tip's advance [m], and the commanded advance [m].
+
+        It starts at the end of the free path before the object ``advance_start`` at
+        X_WB, or at the tip's position when it lost its contact.
         """
         contact = context.contact
         before = tip_position(contact, advance_start, self.radius, self.gap)
@@ -151,7 +153,7 @@ class TipTouch:
         return _ahead(start, n, -ahead), depth + min(ahead, self.gap)
 
     def force_of(self, contact: Contact) -> float:
-        """Return what the tip presses ``contact`` with in the end [N]."""
+        """Final force [N] of the tip on ``contact``."""
         if contact.kind == "top":
             return contact.load
         return self.push
@@ -164,8 +166,9 @@ class TipTouch:
         duration: float,
         here: bool,
     ) -> TouchStep:
-        """Press at ``place`` [m] with more and more force; contact was felt
-        ``duration`` [s] ago, and is if the object is still ``here``.
+        """Press at ``place`` [m] with a rising force.
+
+        Contact was felt ``duration`` [s] ago, and still is if the object is ``here``.
         """
         normal = context.contact.direction(context.X_WB)
         force = self.force_of(context.contact)
@@ -179,7 +182,7 @@ class TipTouch:
         return TouchStep(command, memory, duration > settled and here)
 
     def _too_long(self, duration: float) -> str | None:
-        """Return what is wrong with a touch whose advance began ``duration`` [s] ago."""
+        """Failure of a touch whose advance began ``duration`` [s] ago, or None."""
         arm = margins.ARM
         most = (self.gap + arm.touch_depth) / arm.touch_speed + arm.longest_touch
         if duration < most:
@@ -187,8 +190,10 @@ class TipTouch:
         return f"contact felt and lost again for {most:.1f} s"
 
     def _pushes(self, context: TipContext, advance_start: Pose2) -> bool:
-        """Whether the tip is seen to push the object from the side: it has moved on from
-        where it was ``advance_start``, X_WB, with the tip at its contact.
+        """Whether the tip is seen to push the object from the side.
+
+        The object has then moved from the X_WB at which it was ``advance_start``, with
+        the tip at its contact.
         """
         contact = context.contact
         if contact.kind == "top":
@@ -206,8 +211,10 @@ class TipTouch:
 def _felt(
     memory: TipMemory, here: bool, context: TipContext, depth: float
 ) -> TipMemory:
-    """Return since when, and at which depth [m], the object is felt to be ``here``; a
-    tip that lost it advances again from where it is.
+    """Time of the first contact and its depth [m], if the object is felt to be
+    ``here``.
+
+    A tip that lost it advances again from its position.
     """
     felt = memory.felt
     time = context.time
@@ -238,8 +245,7 @@ def held_at(
     velocity: Vector3 = (0.0, 0.0, 0.0),
     push: float | None = None,
 ) -> TipCommand:
-    """Return the command of a tip that is held at ``position`` [m], moving at
-    ``velocity`` [m/s].
+    """Command of a tip held at ``position`` [m], moving at ``velocity`` [m/s].
 
     With ``push`` [N] it pushes along its normal instead.
     """
@@ -266,7 +272,7 @@ def held_at(
 
 
 def drawn_back(context: TipContext, start: Vector3, retreat: WayBack) -> TipCommand:
-    """Return the command of a tip that is drawn off its contact from ``start`` [m]."""
+    """Command of a tip that retreats from its contact, starting at ``start`` [m]."""
     n = context.contact.direction(context.X_WB)
     position, velocity, acceleration = (
         _ahead(origin, n, -moved)

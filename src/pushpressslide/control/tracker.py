@@ -1,4 +1,4 @@
-"""Where poses of the object come from."""
+"""Source of the object's measured poses."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from pushpressslide.core.pose import Pose2
 
 
 class StampedPose(NamedTuple):
-    """A measured pose of the object, and when it was measured."""
+    """A measured pose of the object, and its time."""
 
     time: float  # [s]
     X_WG: Pose2
 
 
 class ObjectTracker(Protocol):
-    """A simulator, a camera, a topic: whatever sees the object.
+    """Any source of the object's pose: a simulator, a camera, a topic.
 
     It is read once a tick, and must not wait for a new pose.
     """
 
     def read(self) -> StampedPose | None:
-        """The newest pose X_WG with the time [s] of the cell's clock at which it was
-        seen; None where there is none since the last call.
+        """The newest pose X_WG with its time [s] on the cell's clock. None if there is
+        none since the last call.
         """

@@ -1,5 +1,5 @@
-"""Watches: what else ends a run. A watch sees every tick and returns an Ending, or None
-while all is well.
+"""Watches: further conditions that end a run. A watch sees every tick and returns an
+Ending, or None.
 """
 
 from __future__ import annotations

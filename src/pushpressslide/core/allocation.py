@@ -1,5 +1,5 @@
-"""The answer of an allocator: contact forces, their margin and a status, never an
-exception.
+"""The result of an allocator: contact forces, their margin and a status. It never
+raises.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ class Allocation(NamedTuple):
 def nothing(
     normals: tuple[float, ...], wrench: tuple[float, float, float]
 ) -> Allocation:
-    """Return zero forces, "infeasible", for a ``wrench`` of which nothing can be given.
+    """Zero forces, "infeasible", for a ``wrench`` that cannot be realised at all.
 
-    ``normals`` [N] are zero for pushes, and for presses those that they press with.
+    ``normals`` [N] are zero for pushes, and the present ones for presses.
     """
     zeros = tuple((0.0, 0.0) for _ in normals)
     return Allocation(zeros, normals, 0.0, "infeasible", wrench)

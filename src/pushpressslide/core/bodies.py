@@ -1,8 +1,8 @@
 """The bodies of a task that can be moved, and the task of moving one of them.
 
-A task with ``goals`` is done in stages. A stage is one body's motion to one pose: an
-ordinary task whose object is that body, and whose obstacles are all other bodies where
-they are at that moment.
+A task with ``goals`` is done in stages. A stage is one body's motion to one pose. It is
+an ordinary task whose object is that body, and whose obstacles are all other bodies at
+their poses of that moment.
 """
 
 from __future__ import annotations
@@ -31,27 +31,27 @@ class Stage:
 
 
 def start_state(task: Task) -> WorldState:
-    """Return the state in which the task begins, with the object at its planned start."""
+    """State at the start of the task, with the object at its planned start."""
     others = {o.name: o.pose for o in task.obstacles if o.movable}
     return WorldState({OBJECT: task.start, **others})
 
 
 def body_shape(task: Task, body: str) -> Shape:
-    """Return the shape of a body of the task."""
+    """Shape of a body of the task."""
     if body == OBJECT:
         return task.object.shape
     return _obstacle(task, body).shape
 
 
 def obstacle_name(body: str, driven_body: str) -> str:
-    """Return what a body is called in the stage in which ``driven_body`` is the object."""
+    """Name of a body in the stage in which ``driven_body`` is the object."""
     if body == driven_body:
         return OBJECT
     return SET_DOWN if body == OBJECT else body
 
 
 def in_stage(state: WorldState, driven_body: str) -> WorldState:
-    """Return a state with the bodies called as in the stage in which ``driven_body`` is the
+    """State with the bodies named as in the stage in which ``driven_body`` is the
     object.
     """
     poses = {obstacle_name(body, driven_body): X for body, X in state.poses.items()}
@@ -60,7 +60,7 @@ def in_stage(state: WorldState, driven_body: str) -> WorldState:
 
 
 def goal_places(task: Task) -> tuple[tuple[str, Shape, Pose2], ...]:
-    """Return every goal of a task: the body's name, its shape, and X_WG there."""
+    """Every goal of a task: the body's name, its shape, and its X_WG there."""
     if task.goals:
         wanted = dict.fromkeys((goal.body, goal.pose) for goal in task.goals)
         return tuple((body, body_shape(task, body), X) for body, X in wanted)
@@ -72,11 +72,11 @@ def goal_places(task: Task) -> tuple[tuple[str, Shape, Pose2], ...]:
 
 
 def stage_task(task: Task, stage: Stage, start: WorldState) -> Task:
-    """Return the ordinary task of a stage that begins in a state.
+    """Ordinary task of a stage that starts in a state.
 
     The body is as the task has it: its own mass and shape, and its own friction with
-    the support. What ``motion`` says of face, contacts and height is said of the
-    task's object alone.
+    the support. The face, contacts and height of ``motion`` apply to the task's object
+    alone.
     """
     obstacles = [_at_its_pose(o, start) for o in task.obstacles if o.name != stage.body]
     common = replace(task, start=start.poses[stage.body], goal=stage.goal, goals=())
@@ -117,7 +117,7 @@ def _at_its_pose(obstacle: Obstacle, state: WorldState) -> Obstacle:
 
 
 def _set_down(task: Task, pose: Pose2) -> Obstacle:
-    """Return the task's object as an obstacle at ``pose``, X_WG."""
+    """The task's object as an obstacle at ``pose``, X_WG."""
     return Obstacle(
         SET_DOWN,
         task.object.shape,

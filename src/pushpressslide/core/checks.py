@@ -1,7 +1,8 @@
-"""What the numbers of a scene must be: one check each, for all constructors of public
-data. Each raises InputError, in one line, with the field, the value and what is allowed.
+"""Checks of the numbers of a scene, one each, for all constructors of public data.
 
-What a file may hold is narrower: ``core.field_spec`` has the ranges, the reader checks them.
+Each raises InputError, in one line, with the field, the value and the allowed range.
+The ranges of a file are narrower: they are in ``core.entry``, and the reader checks
+them.
 """
 
 from __future__ import annotations
@@ -42,8 +43,8 @@ def check_pose(pose: Pose2, name: str) -> None:
 
 
 def check_fields(data: Any) -> None:
-    """Raise InputError unless the numbers among a dataclass's fields are finite, and have
-    the sign that the task file asks of them.
+    """Raise InputError unless the numbers among a dataclass's fields are finite and
+    have the sign required by the task file.
     """
     kind: Any = type(data)
     for name, unit, allowed in field_rules(kind):
@@ -54,7 +55,7 @@ def check_fields(data: Any) -> None:
 
 @cache
 def field_rules(kind: Any) -> tuple[tuple[str, str, str], ...]:
-    """Return name, unit and allowed numbers of each field."""
+    """Name, unit and allowed numbers of each field."""
     rules = []
     for one in fields(kind):
         spec = one.metadata.get("entry")
@@ -72,7 +73,7 @@ def field_rules(kind: Any) -> tuple[tuple[str, str, str], ...]:
 
 
 def _holds(value: Any, allowed: str) -> bool:
-    """Return whether all numbers in a value are as allowed."""
+    """Whether all numbers in a value are allowed."""
     if isinstance(value, float | int):
         if not math.isfinite(value):
             return False

@@ -1,4 +1,4 @@
-"""What a controller is given and what it answers, at every tick, whatever the engine."""
+"""Input and output of a controller at every tick, for any engine."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class TipState:
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """All that a robot would see."""
+    """All measurements available to a robot."""
 
     time: float  # [s]
     object_pose: Pose2  # X_WG
@@ -44,7 +44,8 @@ class Measurement:
 
 @dataclass(frozen=True, slots=True)
 class TipCommand:
-    """Wanted behaviour of one tip: a force plus an impedance about a moving reference.
+    """Commanded behaviour of one tip: a force plus an impedance about a moving
+    reference.
 
     Force on the object: force + stiffness * (position - measured) + damping * (velocity
     - measured), the last two per axis of the contact frame (n: in the plane at
@@ -73,7 +74,7 @@ class TipCommand:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointCommand:
-    """Wanted joint motion of one arm in free space."""
+    """Commanded joint motion of one arm in free space."""
 
     position: NDArray[np.float64]  # (n,) [rad]
     velocity: NDArray[np.float64]  # (n,) [rad/s]
@@ -81,7 +82,7 @@ class JointCommand:
 
 @dataclass(frozen=True, slots=True)
 class BrakeCommand:
-    """No motion is wanted of an arm: its weight is held, and its joints are damped."""
+    """Command without motion: the arm's weight is held, and its joints are damped."""
 
 
 # None: the arm rests where its joint path along the contact begins
@@ -92,7 +93,7 @@ Commands = tuple[ArmCommand, ...]
 
 
 class Thought(NamedTuple):
-    """What a controller thought at one tick."""
+    """Internal quantities of a controller at one tick."""
 
     reference: Pose2  # X_WG at the same TIME
     # along [m], left [m], heading [rad]; reference minus actual

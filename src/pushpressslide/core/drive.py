@@ -1,4 +1,4 @@
-"""What every reduced model of a segment tells, whatever the mode."""
+"""Common interface of the reduced models of all modes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pushpressslide.core.pose import Point, Pose2
 class Drive(Protocol):
     """The reduced model with which one segment is driven: frozen data.
 
-    Classes are in ``rom/drives.py``, or beside a mode that brings its own.
+    Classes are in ``rom/drives.py``, or in the file of a mode that brings its own.
     """
 
     @property
@@ -30,5 +30,5 @@ class Drive(Protocol):
 
     @property
     def center(self) -> Point:
-        """Point [m] in B that wrenches are about: the CoM, or the CoP of presses."""
+        """Reference point [m] in B of wrenches: the CoM, or the CoP of presses."""
         ...

@@ -1,6 +1,6 @@
 """Errors, all with one root.
 
-Every message is one line that says what is wrong, the value, and what is allowed.
+Every message is one line with the cause, the value, and the allowed range.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ LONGEST_PATH = 4096  # characters, as of Linux
 
 
 class PushPressSlideError(Exception):
-    """Root of every error that this package raises on purpose."""
+    """Root of all deliberate errors of this package."""
 
 
 class TaskError(PushPressSlideError):
-    """A task file that cannot be used: names the file, the field, the value and what is
-    allowed.
+    """A task file that cannot be used: names the file, the field, the value and the
+    allowed range.
 
     One line: ``file: field: value is not allowed; what is allowed``, or ``file: what is
     wrong`` if no field is to blame.
@@ -44,8 +44,8 @@ class TaskError(PushPressSlideError):
 
 
 class RobotFileError(TaskError):
-    """A robot's file that no arm can be made of: names the file, the link or joint, the
-    value and what is allowed.
+    """A robot's file that does not define an arm: names the file, the link or joint,
+    the value and the allowed range.
     """
 
     def __init__(self, path: str, place: str, value: object, allowed: str) -> None:
@@ -54,7 +54,9 @@ class RobotFileError(TaskError):
 
 
 class WriteError(PushPressSlideError, OSError):
-    """A file or folder of results that cannot be written: no room left, or not allowed."""
+    """A file or folder of results that cannot be written: no space left, or not
+    allowed.
+    """
 
     def __init__(self, path: object, error: OSError) -> None:
         reason = error.strerror or str(error) or type(error).__name__
@@ -62,36 +64,34 @@ class WriteError(PushPressSlideError, OSError):
 
 
 class InputError(PushPressSlideError, ValueError):
-    """A figure that a constructor cannot use: names it, its value and what is allowed."""
+    """A number that a constructor cannot use: names it, its value and the allowed
+    range.
+    """
 
 
 class MissingFrameError(PushPressSlideError):
-    """A robot's model that does not have the frame that is named as its tip."""
+    """A robot's model without the frame named as its tip."""
 
 
 class MissingPackageError(PushPressSlideError, ImportError):
-    """A package of an extra that is not installed; the message holds the command that
+    """A package of an extra that is not installed. The message holds the command that
     installs it.
     """
 
 
 def path_value(path: str) -> str:
-    """A path as the value of a message: whole, unless no file can have it."""
+    """A path as the value of a message: in full, unless no file can have it."""
     return Shown(repr(path)) if len(path) <= LONGEST_PATH else path
 
 
 class Shown(str):
-    """A value that is put in a message as it is, without quotes: numbers with their
-    units.
-    """
+    """A value inserted into a message without quotes: numbers with their units."""
 
     __slots__ = ()
 
 
 def _bounded(value: object) -> str:
-    """Return a repr of at most about 80 characters, in bounded time whatever the value
-    refers to.
-    """
+    """Repr of at most about 80 characters, in bounded time for any value."""
     short = reprlib.Repr()
     short.maxstring = short.maxother = short.maxlong = 60
     text = " ".join(short.repr(value).split())
@@ -99,7 +99,7 @@ def _bounded(value: object) -> str:
 
 
 class InfeasibleTaskError(PushPressSlideError):
-    """No mode, path or joint path can do the task; the message holds the deciding
+    """No mode, path or joint path can do the task. The message holds the deciding
     number.
     """
 
@@ -112,4 +112,4 @@ class InfeasibleTaskError(PushPressSlideError):
 
 
 class SimulationError(PushPressSlideError):
-    """The physics engine could not go on."""
+    """The physics engine failed."""

@@ -1,4 +1,4 @@
-"""What the task file says of a field of the data: metadata of the dataclasses.
+"""Field specs of the task file: metadata of the dataclasses.
 
 The reader, its messages, the dump, the tables of the documentation and the JSON Schema
 are all derived from it; a field is added where its dataclass is.
@@ -22,7 +22,7 @@ FRICTIONS = "(0, 2)"
 
 @dataclass(frozen=True, slots=True)
 class FieldSpec:
-    """One field of the task file."""
+    """Spec of one field of the task file."""
 
     meaning: str
     # of the file; an angle is in degrees there ("deg", key in _deg), in radians here
@@ -38,7 +38,7 @@ class FieldSpec:
 def field_spec(
     meaning: str, unit: str = "", within: str = "", **details: Any
 ) -> Mapping[str, FieldSpec]:
-    """Return the metadata of a field that the task file has.
+    """Metadata of a field of the task file.
 
     ``details`` are those of :class:`Entry`.
     """
@@ -48,6 +48,6 @@ def field_spec(
 def setting(
     default: T, meaning: str, unit: str = "", within: str = "", **details: Any
 ) -> T:
-    """Return a field with a default that the task file has."""
+    """Dataclass field with a default and a task file spec."""
     metadata = field_spec(meaning, unit, within, **details)
     return field(default=default, metadata=metadata)

@@ -1,4 +1,6 @@
-"""Footprints in the scene: overlaps, gaps, and what a ledge or an opening carries."""
+"""Footprints in the scene: overlaps, gaps, and their part carried by a ledge or next to
+an opening.
+"""
 
 from __future__ import annotations
 
@@ -23,13 +25,13 @@ SAME_EDGE = 1e-6
 
 
 def overlap_area(shape_1: Shape, X_W1: Pose2, shape_2: Shape, X_W2: Pose2) -> float:
-    """Return the area [m^2] that two footprints share."""
+    """Common area [m^2] of two footprints."""
     return float(shape_1.placed(X_W1).intersection(shape_2.placed(X_W2)).area)
 
 
 def gaps(shape: Shape, poses: Sequence[Pose2], others: Sequence[Polygon]) -> Array:
-    """Return the distances (n, k) [m] of a footprint at n ``poses`` X_WG to k polygons
-    in W; zero where they overlap.
+    """Distances (n, k) [m] of a footprint at n ``poses`` X_WG from k polygons in W.
+    Zero if they overlap.
     """
     import numpy as np
     import shapely
@@ -46,9 +48,7 @@ def gaps(shape: Shape, poses: Sequence[Pose2], others: Sequence[Polygon]) -> Arr
 
 
 def overlaps(shape: Shape, poses: Sequence[Pose2], other: Polygon) -> Array:
-    """Return the areas (n,) [m^2] that a footprint at n ``poses`` X_WG shares with a
-    polygon in W.
-    """
+    """Common areas (n,) [m^2] of a footprint at n ``poses`` X_WG and a polygon in W."""
     import shapely
 
     out: Array = shapely.area(shapely.intersection(all_placed(shape, poses), other))
@@ -56,7 +56,7 @@ def overlaps(shape: Shape, poses: Sequence[Pose2], other: Polygon) -> Array:
 
 
 def all_placed(shape: Shape, poses: Sequence[Pose2]) -> NDArray[np.object_]:
-    """Return the footprint at n ``poses`` X_WG as n polygons for Shapely."""
+    """The footprint at n ``poses`` X_WG as n Shapely polygons."""
     import numpy as np
     import shapely
 
@@ -70,10 +70,10 @@ def all_placed(shape: Shape, poses: Sequence[Pose2]) -> NDArray[np.object_]:
 
 
 def depth_beside(shape: Shape, X_WG: Pose2, opening: Opening, point: Point) -> float:
-    """Return the depth [m] of a point in what an opening leaves of a footprint.
+    """Depth [m] of a point in the part of a footprint outside an opening.
 
-    What is left counts with its convex hull. The depth is negative outside, and
-    infinite where no part of the footprint is over the opening.
+    This part counts with its convex hull. The depth is negative outside, and infinite
+    if no part of the footprint is over the opening.
     """
     from shapely import Point as Place
     from shapely import box
@@ -96,11 +96,11 @@ def depth_beside(shape: Shape, X_WG: Pose2, opening: Opening, point: Point) -> f
 def edge_depths(
     shape: Shape, poses: Sequence[Pose2], points: Array, region: Polygon
 ) -> Array:
-    """Return how far (n,) [m] points (n, 2) in W are inside the edge over which a
-    footprint at n ``poses`` X_WG would tip from a region of W.
+    """Depths (n,) [m] of points (n, 2) in W inside the tipping edge of a footprint at n
+    ``poses`` X_WG on a region of W.
 
-    What the region carries of the footprint counts with its convex hull. Depths are
-    negative beyond it, and infinite where nothing of the hull's edge is the region's.
+    The carried part of the footprint counts with its convex hull. Depths are negative
+    beyond it, and infinite if the hull has no edge on the region's edge.
     """
     import numpy as np
     import shapely
@@ -126,11 +126,11 @@ def edge_depths(
 
 
 def middle_room(support: Support, shape: Shape) -> BaseGeometry | None:
-    """Return where in W an object's centre of mass may be on a table with an edge, with
-    its margin; None where there is no edge.
+    """Region in W of an object's centre of mass, with its margin, on a table with an
+    edge. None if there is no edge.
 
-    Where base and table are convex it is where ``edge_depths`` of a resting object
-    allows it, else less.
+    If base and table are convex, it is the region allowed by ``edge_depths`` of a
+    resting object, otherwise less.
     """
     from shapely import Polygon
 
@@ -144,8 +144,8 @@ def middle_room(support: Support, shape: Shape) -> BaseGeometry | None:
 def around(
     shape: Shape, X_WG: Pose2, distance: float, count: int
 ) -> tuple[list[Point], float]:
-    """Return ``count`` points even around a footprint, ``distance`` [m] off it, and how
-    far apart [m].
+    """``count`` evenly spaced points around a footprint, ``distance`` [m] off it, and
+    their spacing [m].
     """
     line = shape.placed(X_WG).buffer(distance).exterior
     points = [line.interpolate(i / count, normalized=True) for i in range(count)]

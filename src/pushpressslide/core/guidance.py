@@ -1,4 +1,4 @@
-"""What a tracking law asks of the object at one tick."""
+"""The output of a tracking law at one tick."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from pushpressslide.core.wrench import Twist, Wrench
 
 
 class Guidance(NamedTuple):
-    """Wanted wrench and twist, and where on the path that is.
+    """Wanted wrench and twist, and the nearest point of the path.
 
-    As numbers: objects of their own take longer to make than what they hold.
+    Plain numbers: nested objects take longer to construct than their content.
     """
 
     progress: float  # [m] arc length of the path's nearest point

@@ -1,4 +1,4 @@
-"""A knock: another body pushes the object aside while the arms move it."""
+"""A disturbance: another body pushes the object aside while the arms move it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Knock:
-    """When another body pushes the object, where, and how far."""
+    """Time, place and distance of a push by another body."""
 
     share: float  # of the direct way, turns included, that the object has come by then
     side: int  # 1: beside the centre of mass so that it turns to the left; -1: right

@@ -1,14 +1,15 @@
-"""The one table of physical margins: how near to its limits a motion may be planned and
-driven, and from where on something counts as small, slow or off.
+"""The one table of physical margins: distances to limits in plans and control, and
+thresholds for small, slow or off-path.
 
-Where the physics is the object's, a margin is a plain number: a length over the
-object's radius (``ObjectModel.radius``) or over the tip's, a share of the friction, an
-angle, a time over a length by a speed. What the arm and its sensors decide is in units,
-in ``ArmMargins``: a small object makes no arm quicker. Quasi-static motions therefore
-scale: with every length by k, the forces by any factor and the speeds by sqrt(k), those
-of the arm included, a plan is the same plan (tests/modes/test_scaling.py).
+If the physics is the object's, a margin is a plain number: a length over the object's
+radius (``ObjectModel.radius``) or over the tip's, a fraction of the friction, an angle,
+a time over a length by a speed. Margins that depend on the arm and its sensors have
+units and are in ``ArmMargins``: a small object makes no arm quicker. Quasi-static
+motions therefore scale. If every length is multiplied by k, the forces by any factor
+and the speeds by sqrt(k), those of the arm included, the plan is the same
+(tests/modes/test_scaling.py).
 
-Numbers that only say how finely something is computed stay where they are used.
+Numbers that only set the resolution of a computation stay where they are used.
 """
 
 from __future__ import annotations
@@ -276,7 +277,7 @@ SQUARE = math.radians(20.0)
 
 @dataclass(frozen=True, slots=True)
 class ArmMargins:
-    """What arms, tools and sensors decide, whatever the object."""
+    """Margins set by arms, tools and sensors, independent of the object."""
 
     response: float = field(default=0.8, metadata={"unit": "s"})
     """In which the servo has an object's motion where it is wanted: a law that corrects
@@ -422,20 +423,18 @@ class ArmMargins:
     """Between two plans made under way."""
 
     def shortest(self, speed: float) -> float:
-        """Return the shortest way [m] over which errors are corrected at ``speed``
-        [m/s].
-        """
+        """Shortest path [m] over which errors are corrected at ``speed`` [m/s]."""
         return self.response * speed
 
     def loss_time(self, kind: str) -> float:
-        """Return the time [s] without contact force before a tip of a contact of a
-        ``kind`` goes back to touch.
+        """Time [s] without contact force before a tip of a contact of a ``kind``
+        returns to the touch.
         """
         return self.push_loss_time if kind == "side" else self.press_loss_time
 
     def look_ahead(self, length: float, speed: float, min_length: float = 0.0) -> float:
-        """Return the look-ahead [m] of a vehicle of some ``length`` [m], at ``min_length``
-        [m] where that is possible.
+        """Look-ahead [m] of a vehicle of some ``length`` [m], at least ``min_length``
+        [m] if possible.
         """
         wanted = max(LOOK_AHEAD * length, min_length, self.shortest(speed))
         return min(wanted, max(self.longest_look_ahead, self.shortest(speed)))
@@ -446,21 +445,19 @@ ARM = ArmMargins()
 
 
 def inset(tip_radius: float) -> float:
-    """Return how far [m] a contact stays inside the edges of its face or of the top."""
+    """Distance [m] of a contact inside the edges of its face or of the top."""
     return INSET * tip_radius
 
 
 def drag_ratio(measured: float, expected: float) -> float:
-    """Return the drag [N] that was ``measured`` over what was ``expected``, as far as it
-    counts.
-    """
+    """Ratio of the ``measured`` drag [N] to the ``expected`` one, clipped to ``DRAG``."""
     least, most = DRAG
     return min(max(measured / expected, least), most)
 
 
 def longest(detour: tuple[float, float], left: float, radius: float) -> float:
-    """Return the longest way [m] of a plan made anew, where ``left`` [m] are left, for
-    an object of a ``radius`` [m].
+    """Longest allowed path [m] of a replan with ``left`` [m] remaining, for an object
+    of a ``radius`` [m].
     """
     ratio, slack = detour
     return ratio * left + slack * radius

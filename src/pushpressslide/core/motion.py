@@ -1,4 +1,4 @@
-"""How a motion is to be done, within which limits, and how well it is to end.
+"""Options, limits and tolerances of a motion.
 
 SI units and radians; docs/task-file.md documents the fields as a file has them.
 """
@@ -35,7 +35,7 @@ FORCE_ALLOWED = f"allowed {{allowed:Ng}}, {PLANNED_SHARE:g} of limits.normal_for
 
 @dataclass(frozen=True, slots=True)
 class Tolerance:
-    """When the goal counts as reached."""
+    """Errors within which the goal counts as reached."""
 
     position: float = setting(0.01, "largest position error", "m", "(0, 1]")
     yaw: float = setting(math.radians(2.0), "largest yaw error", "deg", "(0, 180]")
@@ -56,8 +56,8 @@ ON_THE_WAY = Tolerance(margins.ARM.via, margins.ARM.turned_via)
 
 @dataclass(frozen=True, slots=True)
 class ToolUse:
-    """The object is a tool: with a side face it pushes another body to that body's
-    goal.
+    """Use of the object as a tool that pushes another body with a side face to that
+    body's goal.
     """
 
     body: str  # name of a movable obstacle
@@ -99,7 +99,7 @@ class Limits:
 
     @property
     def planned_force(self) -> float:
-        """Normal force [N] that plans keep to: the rest is for the regulator's ripple."""
+        """Normal force [N] allowed in plans. The rest is for the regulator's ripple."""
         return PLANNED_SHARE * self.normal_force
 
 
@@ -154,12 +154,12 @@ class Sensing:
 
     @property
     def felt_force(self) -> float:
-        """Normal force [N] from which on a contact is felt."""
+        """Normal force [N] above which a contact is detected."""
         return max(margins.ARM.felt_force, margins.FELT_SIGMAS * self.force_noise)
 
     @property
     def seen_motion(self) -> float:
-        """Way [m] from which on an object is seen to have moved."""
+        """Displacement [m] above which motion of an object is detected."""
         return max(margins.ARM.slid, margins.FELT_SIGMAS * self.position_noise)
 
     @property
@@ -169,7 +169,7 @@ class Sensing:
 
     @property
     def delay_of_tips(self) -> float:
-        """Delay [s] of the tips' places."""
+        """Delay [s] of the tips' positions."""
         return self.delay if self.tip_delay is None else self.tip_delay
 
     @property
@@ -180,7 +180,7 @@ class Sensing:
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """How the motion is to be done; defaults suit the shipped robots."""
+    """Options of the motion. Defaults suit the shipped robots."""
 
     speed: float = setting(
         0.05, "speed of the tracking point along its path", "m/s", "(0, 0.2]"
@@ -287,10 +287,10 @@ class Motion:
 
     @property
     def only_arm(self) -> int | None:
-        """Index of the only arm that may touch the object; None: any may."""
+        """Index of the only arm that may touch the object, or None if any may."""
         return None if self.arm is None else ARM_NAMES.index(self.arm)
 
     @property
     def freed(self) -> Motion:
-        """The motion with the choice of face, contacts and vehicle left to the mode."""
+        """The motion with free choice of face, contacts and vehicle by the mode."""
         return replace(self, face=None, contacts=None, vehicle=None)

@@ -1,7 +1,7 @@
-"""How plans, records and results show themselves in a notebook.
+"""Rich display of plans, records and results in a notebook.
 
-The pictures are made in ``jobs.notebook``, which stands above: it is looked up by name
-when a notebook asks.
+The pictures are made in ``jobs.notebook``, a higher layer: it is looked up by name on
+demand.
 """
 
 from __future__ import annotations
@@ -13,6 +13,6 @@ MAKERS = "pushpressslide.jobs.notebook"
 
 
 def html_of(thing: Any, maker: str) -> str:
-    """Return what the function ``maker`` makes of a thing, as HTML."""
+    """HTML of a thing by the function ``maker``."""
     made: str = getattr(importlib.import_module(MAKERS), maker)(thing)
     return made

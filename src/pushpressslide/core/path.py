@@ -13,8 +13,8 @@ from pushpressslide.kernels.arc_path import eased, nearest, trapezoid
 
 
 def advance(pose: Pose2, curvature: float, length: float) -> Pose2:
-    """Return the pose reached from ``pose`` after ``length`` [m] along its heading at
-    constant ``curvature`` [1/m].
+    """Pose reached from ``pose`` after ``length`` [m] along its heading at constant
+    ``curvature`` [1/m].
     """
     half = 0.5 * curvature * length
     chord = length * (
@@ -30,8 +30,8 @@ def advance(pose: Pose2, curvature: float, length: float) -> Pose2:
 
 @dataclass(frozen=True)
 class ArcPath:
-    """A forward path of a car-like point: the start pose, then (curvature [1/m], length
-    [m] >= 0) pieces.
+    """A forward path of a car-like point: the start pose, then pieces of (curvature
+    [1/m], length [m] >= 0).
 
     Poses are those of the vehicle frame V in the world: origin at the tracking point, x
     along the heading. The yaw along the path is continuous, not wrapped.
@@ -82,7 +82,7 @@ class ArcPath:
         return len(self.sections) - 1
 
     def pose(self, s: float) -> Pose2:
-        """Return the pose at arc length ``s`` [m].
+        """Pose at arc length ``s`` [m].
 
         Outside [0, length] the path goes on straight.
         """
@@ -98,22 +98,22 @@ class ArcPath:
         )
 
     def rest(self, s: float) -> ArcPath:
-        """Return what of the path comes after arc length ``s`` in [0, length]."""
+        """Rest of the path after arc length ``s`` in [0, length]."""
         i = self._section_index(s)
         curvature = self.sections[i][0]
         end = self.section_starts[i + 1][0]
         return ArcPath(self.pose(s), ((curvature, end - s), *self.sections[i + 1 :]))
 
     def curvature(self, s: float) -> float:
-        """Return the signed curvature [1/m] at arc length ``s``; zero outside the path."""
+        """Signed curvature [1/m] at arc length ``s``. Zero outside the path."""
         if s < 0.0 or s > self.length or not self.sections:
             return 0.0
         return self.sections[self._section_index(s)][0]
 
     @cached_property
     def _bends(self) -> tuple[tuple[float, float, float], ...]:
-        """Where the curvature changes: arc length [m], by how much [1/m], and how far the
-        nearer end of the path is [m].
+        """Jumps of the curvature: arc length [m], size [1/m], and distance of the
+        nearer end of the path [m].
         """
         out = []
         for i in range(1, len(self.sections)):
@@ -123,18 +123,18 @@ class ArcPath:
         return tuple(out)
 
     def eased(self, s: float, half: float) -> tuple[float, float]:
-        """Return what is added at arc length ``s`` [m] to heading [rad] and curvature
-        [1/m] where the path is averaged over ``half`` [m] before and behind.
+        """Corrections of heading [rad] and curvature [1/m] at arc length ``s`` [m] for
+        the path averaged over ``half`` [m] before and behind.
 
-        Its curvature then has no jumps; the path itself moves by ``half`` squared times
+        The curvature then has no jumps; the path itself moves by ``half`` squared times
         the jump over 12, at most.
         """
         return eased(s, half, self._bends)
 
     @cached_property
     def _projections(self) -> tuple[tuple[float, ...], ...]:
-        """A ``kernels.arc_path.Piece`` for each piece, and for the straight line after
-        the end.
+        """One ``kernels.arc_path.Piece`` for each piece, and one for the straight line
+        after the end.
         """
         rows = []
         pieces = (*self.sections, (0.0, math.inf))
@@ -159,14 +159,14 @@ class ArcPath:
     def rows(
         self,
     ) -> tuple[tuple[tuple[float, ...], ...], tuple[tuple[float, ...], ...]]:
-        """What ``kernels.arc_path.nearest`` knows a path by: its pieces and its bends."""
+        """Rows of the path for ``kernels.arc_path.nearest``: its pieces and its bends."""
         return self._projections, self._bends
 
     def nearest(
         self, x: float, y: float, s: float, half: float = 0.0
     ) -> tuple[float, float, float, float]:
-        """Return where the path is nearest to (x, y) [m], on the piece of arc length
-        ``s`` or one after it.
+        """Point of the path nearest to (x, y) [m], on the piece of arc length ``s`` or
+        one after it.
 
         Arc length [m], offset to the left of (x, y) [m], heading [rad] and curvature
         [1/m] of that point, both ``eased`` over ``half`` [m]. Closed form, no
@@ -187,7 +187,7 @@ class SpeedProfile:
 
     @cached_property
     def cruise(self) -> float:
-        """Highest speed that is reached [m/s]."""
+        """Highest speed reached [m/s]."""
         return min(self.speed, math.sqrt(max(self.length, 0.0) * self.acceleration))
 
     @cached_property
@@ -199,5 +199,5 @@ class SpeedProfile:
         return self.length / v + v / self.acceleration
 
     def state_at(self, t: float) -> tuple[float, float]:
-        """Return arc length [m] and speed [m/s] at time ``t`` [s], held at the ends."""
+        """Arc length [m] and speed [m/s] at time ``t`` [s], clamped at the ends."""
         return trapezoid(t, self.length, self.cruise, self.acceleration)

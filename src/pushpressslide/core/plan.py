@@ -1,4 +1,4 @@
-"""What selection and planning return: contacts, segments, a choice, a plan."""
+"""Results of selection and planning: contacts, segments, a choice, a plan."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ ENOUGH = 8
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """Where one arm touches the object."""
+    """Contact of one arm with the object."""
 
     arm: int  # index into the task's robots
     kind: Literal["side", "top"]
@@ -42,24 +42,24 @@ class Contact:
     load: float = 0.0  # [N] that a top contact is pressed with, as planned
 
     def same_place(self, other: Contact) -> bool:
-        """Return whether the same arm touches the same place, however hard."""
+        """Whether the same arm touches the same place, with any load."""
         return replace(self, load=0.0) == replace(other, load=0.0)
 
     def shifted(self, offset: Point) -> Contact:
-        """Return the contact with its point ``offset`` [m] further on."""
+        """The contact with its point displaced by ``offset`` [m]."""
         x, y = self.point
         return replace(self, point=(x + offset[0], y + offset[1]))
 
     def direction(self, X_WB: Pose2) -> Vector3:
-        """Return the unit vector from the tip into the object, in the support's frame."""
+        """Unit vector from the tip into the object, in the support's frame."""
         if self.kind == "top":
             return (0.0, 0.0, -1.0)
         x, y = X_WB.rotate(self.normal)
         return (x, y, 0.0)
 
     def tip_place(self, radius: float, gap: float = 0.0) -> tuple[Point, float]:
-        """Return where the centre of a tip of ``radius`` [m] is, ``gap`` [m] before the
-        contact: its place in B [m] and its height above the support [m].
+        """Centre of a tip of ``radius`` [m], ``gap`` [m] before the contact: its
+        position in B [m] and its height above the support [m].
         """
         out = radius + gap
         if self.kind == "top":
@@ -69,7 +69,7 @@ class Contact:
 
 
 def same_places(first: Sequence[Contact], second: Sequence[Contact]) -> bool:
-    """Return whether two sets of contacts are the same, however hard they press."""
+    """Whether two sets of contacts are the same, with any loads."""
     if len(first) != len(second):
         return False
     return all(a.same_place(b) for a, b in zip(first, second, strict=True))
@@ -77,7 +77,7 @@ def same_places(first: Sequence[Contact], second: Sequence[Contact]) -> bool:
 
 @dataclass(frozen=True)
 class Segment:
-    """A piece of motion: one mode, its contacts, one reduced model, one timed path."""
+    """One motion: one mode, its contacts, one reduced model, one timed path."""
 
     mode: str
     contacts: tuple[Contact, ...]
@@ -109,22 +109,22 @@ class Segment:
         return self.path
 
     def same_placement(self, other: Segment) -> bool:
-        """Return whether the same mode does both with the same contacts."""
+        """Whether two segments have the same mode and the same contacts."""
         return self.mode == other.mode and same_places(self.contacts, other.contacts)
 
     def body_pose(self, s: float) -> Pose2:
-        """Return the planned X_WB at arc length ``s`` [m]."""
+        """Planned X_WB at arc length ``s`` [m]."""
         return self.path.pose(s).compose(self.X_VB)
 
     def follows(self, path: MotionPath) -> Segment:
-        """Return the segment along another path, at the same speed."""
+        """The segment along another path, at the same speed."""
         profile = replace(self.profile, length=path.length)
         return replace(self, path=path, profile=profile)
 
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """One mode at one placement of its contacts, judged for a task."""
+    """One mode at one placement of its contacts, evaluated for a task."""
 
     mode: str
     label: str = ""  # which placement it is, in words; nothing reads it again
@@ -139,24 +139,26 @@ class Choice:
 
     @property
     def feasible(self) -> bool:
-        """Whether it can do the task."""
+        """Whether the choice can do the task."""
         return self.refusal is None
 
     @property
     def evaluated(self) -> bool:
-        """False if skipped because an equally fast choice was already feasible."""
+        """Whether the choice was evaluated in full. False if it was skipped because an
+        equally fast choice was already feasible.
+        """
         return self.refusal is None or self.refusal.code != SKIPPED
 
     @property
     def verdict(self) -> str:
-        """What was decided, in a word or two."""
+        """The decision in a word or two."""
         if self.feasible:
             return "possible"
         return "refused" if self.evaluated else "passed over"
 
     @property
     def reason(self) -> str:
-        """One line: what it offers, or the number that decides against it."""
+        """One line: the summary of the choice, or the number that decides against it."""
         text = self.summary if self.refusal is None else str(self.refusal)
         return f"{self.label}: {text}" if self.label and text else self.label or text
 
@@ -169,24 +171,22 @@ class Choice:
 
     @property
     def friction_margin(self) -> float | None:
-        """Least distance [rad] of the planned forces to a cone's edge."""
+        """Smallest angle [rad] of the planned forces from a cone's edge."""
         return self.segments[0].cone_margin if self.segments else None
 
     def __repr__(self) -> str:
-        """Return one line."""
+        """One line."""
         time = "" if self.time is None else f", {self.time:.1f} s"
         return f"Choice({self.mode}: {self.verdict}{time}; {self.reason})"
 
     def refused(self, refusal: Refusal | None) -> Choice:
-        """Return the choice with a reason against it; None: with none."""
+        """The choice with another refusal, or with none."""
         return replace(self, refusal=refusal)
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """A task and the segments that do it, in order; of a run, also what was planned
-    anew in place of the rest.
-    """
+    """A task and its segments, in order. The plan of a run also contains its replans."""
 
     task: Task
     segments: tuple[Segment, ...] = ()  # none: nothing is planned yet
@@ -200,16 +200,16 @@ class Plan:
 
     @property
     def queries(self) -> tuple[MotionQuery, ...]:
-        """What was asked for, one motion for each leg."""
+        """One motion query for each leg."""
         return self.task.queries(from_search=self.from_search, may_push=self.may_push)
 
     @property
     def query(self) -> MotionQuery:
-        """What was asked for in the first leg."""
+        """Motion query of the first leg."""
         return self.queries[self.segments[0].leg]
 
     def part(self, segment: Segment) -> Task:
-        """Task of a segment's leg; for plants, with which it goes in version 0.6."""
+        """Task of a segment's leg. For plants; it goes with version 0.6."""
         import warnings
 
         warnings.warn("Plan.part: use Plan.queries", DeprecationWarning, stacklevel=2)
@@ -221,17 +221,17 @@ class Plan:
 
     @property
     def first(self) -> int:
-        """The first leg that is not done where the task goes on."""
+        """The first leg that is not done after the restart."""
         return 0 if self.restart is None else self.restart.leg
 
     def of_choices(self, chosen: Sequence[Choice]) -> Plan:
-        """Return the plan with the segments of one choice for each placement, in order."""
+        """Plan of the segments of one choice for each placement, in order."""
         segments = tuple(segment for choice in chosen for segment in choice.segments)
         return replace(self, segments=segments)
 
     @property
     def placements(self) -> tuple[tuple[Segment, ...], ...]:
-        """The segments in groups: those of a group are done without letting go."""
+        """Groups of segments that are done without letting go."""
         groups: list[list[Segment]] = []
         for segment in self.segments:
             if groups and groups[-1][-1].same_placement(segment):
@@ -242,7 +242,7 @@ class Plan:
 
     @property
     def by_placement(self) -> tuple[Plan, ...]:
-        """One plan for each placement; those that were planned anew included."""
+        """One plan for each placement, the replanned ones included."""
         own = tuple(
             replace(self, segments=group, restart=None, later=())
             for group in self.placements
@@ -250,41 +250,41 @@ class Plan:
         return sum((plan.by_placement for plan in self.later), own)
 
     def begun(self, count: int, rest: Plan) -> Plan:
-        """Return the plan with its first ``count`` placements, gone on with ``rest``."""
+        """Plan of its first ``count`` placements, continued with ``rest``."""
         groups = self.placements[:count]
         segments = tuple(segment for group in groups for segment in group)
         return replace(self, segments=segments).followed(rest)
 
     def followed(self, rest: Plan) -> Plan:
-        """Return the plan gone on with ``rest``."""
+        """The plan continued with ``rest``."""
         return replace(self, later=(*self.later, replace(rest, later=()), *rest.later))
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
-        """The contacts that it begins with."""
+        """The contacts of the first segment."""
         return self.segments[0].contacts
 
     @property
     def goal(self) -> Pose2:
-        """X_WG at its end."""
+        """X_WG at the end."""
         return self.segments[-1].goal
 
     @property
     def true_start(self) -> Pose2:
-        """X_WG at which the object really stands as it begins."""
+        """True X_WG of the object at the start."""
         later = self.segments[0].leg > 0
         return self.query.start if later else self.task.true_start
 
     def object_pose(self, segment: Segment, s: float) -> Pose2:
-        """Return the planned X_WG at arc length ``s`` [m] of a segment."""
+        """Planned X_WG at arc length ``s`` [m] of a segment."""
         return segment.body_pose(s).compose(self.task.X_GB.inverse())
 
     def chosen(self, choices: Sequence[Choice]) -> list[Choice]:
-        """Return those of ``choices`` that the plan consists of."""
+        """Subset of ``choices`` that the plan consists of."""
         return [choice for choice in choices if self._holds(choice.segments)]
 
     def _holds(self, segments: Sequence[Segment]) -> bool:
-        """Return whether ``segments`` stand one after the other in the plan."""
+        """Whether ``segments`` occur consecutively in the plan."""
         count = len(segments)
         starts = range(len(self.segments) - count + 1)
         runs = (self.segments[i : i + count] for i in starts)
@@ -296,17 +296,17 @@ class Plan:
         return sum(segment.profile.duration for segment in self.segments)
 
     def __repr__(self) -> str:
-        """Return one line."""
+        """One line."""
         modes = ", ".join(segment.mode for segment in self.segments)
         return f"Plan({self.task.name!r}: {modes}; {self.duration:.1f} s)"
 
     def _repr_html_(self) -> str:
-        """Return its picture, for a notebook."""
+        """Picture of the plan for a notebook."""
         return html_of(self, "plan_html")
 
 
 def arms_kept(before: Sequence[Segment], after: Sequence[Segment]) -> frozenset[int]:
-    """Return the arms that keep their contact from one placement to the next."""
+    """Arms that keep their contact from one placement to the next."""
     return frozenset(
         contact.arm
         for contact in before[0].contacts
@@ -317,8 +317,8 @@ def arms_kept(before: Sequence[Segment], after: Sequence[Segment]) -> frozenset[
 
 @dataclass(frozen=True, slots=True)
 class JointPath:
-    """Joint positions of one arm, as samples: on the way to the object by time, along
-    the path by arc length.
+    """Joint positions of one arm, as samples: by time on the approach, by arc length
+    along the path.
     """
 
     approach_time: NDArray[np.float64]  # (m,) [s]

@@ -14,13 +14,13 @@ Point = tuple[float, float]
 
 
 def wrap_angle(angle: float) -> float:
-    """Return ``angle`` [rad] wrapped into (-pi, pi]."""
+    """``angle`` [rad] wrapped into (-pi, pi]."""
     wrapped = math.remainder(angle, 2.0 * math.pi)
     return math.pi if wrapped == -math.pi else wrapped
 
 
 def turned_left(a: Point) -> Point:
-    """Return J a: the vector turned by +90 degrees."""
+    """Vector J a: a turned by +90 degrees."""
     return (-a[1], a[0])
 
 
@@ -45,32 +45,32 @@ class Pose2:
         return (self.x, self.y)
 
     def rotate(self, v_B: Point) -> Point:
-        """Return the components in A of a vector given in B."""
+        """Components in A of a vector given in B."""
         c = math.cos(self.yaw)
         s = math.sin(self.yaw)
         return (c * v_B[0] - s * v_B[1], s * v_B[0] + c * v_B[1])
 
     def unrotate(self, v_A: Point) -> Point:
-        """Return the components in B of a vector given in A."""
+        """Components in B of a vector given in A."""
         c = math.cos(self.yaw)
         s = math.sin(self.yaw)
         return (c * v_A[0] + s * v_A[1], -s * v_A[0] + c * v_A[1])
 
     def apply(self, p_B: Point) -> Point:
-        """Return the position in A of a point given in B."""
+        """Position in A of a point given in B."""
         x, y = self.rotate(p_B)
         return (self.x + x, self.y + y)
 
     def unapply(self, p_A: Point) -> Point:
-        """Return the position in B of a point given in A."""
+        """Position in B of a point given in A."""
         return self.unrotate((p_A[0] - self.x, p_A[1] - self.y))
 
     def compose(self, other: Pose2) -> Pose2:
-        """Return X_AC = X_AB X_BC, with self = X_AB; the yaw is not wrapped."""
+        """Pose X_AC = X_AB X_BC, with self = X_AB. The yaw is not wrapped."""
         x, y = self.apply((other.x, other.y))
         return Pose2(x, y, self.yaw + other.yaw)
 
     def inverse(self) -> Pose2:
-        """Return X_BA."""
+        """Pose X_BA."""
         x, y = self.unrotate((-self.x, -self.y))
         return Pose2(x, y, -self.yaw)

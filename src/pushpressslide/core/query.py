@@ -1,4 +1,4 @@
-"""What a planner is asked: whether, and how, one motion leads an object to a goal."""
+"""The input of a planner: one motion of an object to a goal."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ Ends = tuple[Pose2, Pose2]
 
 @dataclass(frozen=True, slots=True)
 class MotionQuery:
-    """One motion of the body of a scene, from a start to a goal, as it is asked for.
+    """One motion of the body of a scene, from a start to a goal.
 
-    ``Task.queries`` makes them of a task, one for each leg.
+    ``Task.queries`` derives one for each leg of a task.
     """
 
     scene: Scene  # as believed; its ``arm`` is that of ``motion``
@@ -35,7 +35,7 @@ class MotionQuery:
 
     @property
     def body(self) -> ObjectModel:
-        """The object that is to be moved."""
+        """The object to be moved."""
         return self.scene.body
 
     @property
@@ -51,16 +51,16 @@ class MotionQuery:
 
     @property
     def yielding(self) -> tuple[Obstacle, ...]:
-        """The obstacles that the object may push on its way."""
+        """The obstacles that the object may push along its path."""
         if not self.may_push:
             return ()
         return tuple(body for body in self.scene.obstacles if body.may_move)
 
     def between(self, start: Pose2, goal: Pose2) -> MotionQuery:
-        """The same from one pose X_WG to another."""
+        """The same query from one pose X_WG to another."""
         return replace(self, start=start, goal=goal)
 
     def moved_by(self, motion: Motion) -> MotionQuery:
-        """The same with another motion, and the arm that it names."""
+        """The same query with another motion, and the arm that it names."""
         scene = replace(self.scene, arm=motion.only_arm)
         return replace(self, motion=motion, scene=scene)

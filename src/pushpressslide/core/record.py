@@ -1,4 +1,4 @@
-"""What a run leaves behind: time series, and why it ended.
+"""The record of a run: time series, and its ending.
 
 Names, shapes and units are listed in docs/results.md.
 """
@@ -37,7 +37,7 @@ ReasonCode = Literal[
 
 @dataclass(frozen=True, slots=True)
 class Ending:
-    """Why a run ended: a code, and one line of text with the number that decided."""
+    """Ending of a run: a code, and one line of text with the deciding number."""
 
     code: ReasonCode
     text: str = ""
@@ -45,7 +45,7 @@ class Ending:
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """Time series of one run, and how it ended."""
+    """Time series of one run, and its ending."""
 
     # (N, ...) for N ticks, by the names of docs/results.md
     arrays: Mapping[str, NDArray[np.float64]]
@@ -63,8 +63,10 @@ class Record:
 
     @property
     def success(self) -> bool:
-        """Whether the goal was reached, nothing moved that should not, and no limit was
-        broken. Raises RuntimeError for a run that was not measured.
+        """Whether the goal was reached, nothing moved that should stay, and no limit
+        was broken.
+
+        Raises RuntimeError for a run that was not measured.
         """
         if not self.figures:
             raise RuntimeError(
@@ -74,10 +76,10 @@ class Record:
         return bool(self.figures["success"])
 
     def to_dataframe(self) -> Any:
-        """Return the time series that have a value for each tick as a pandas DataFrame
-        by time [s]; columns of an array (N, 3) end in ``_0``, ``_1`` and ``_2``.
+        """Time series with a value for each tick, as a pandas DataFrame by time [s].
 
-        Raises PushPressSlideError where pandas is not installed.
+        Columns of an array (N, 3) end in ``_0``, ``_1`` and ``_2``. Raises
+        PushPressSlideError if pandas is not installed.
         """
         try:
             pandas = importlib.import_module("pandas")
@@ -97,7 +99,7 @@ class Record:
         return pandas.DataFrame(columns, index=index)
 
     def __repr__(self) -> str:
-        """Return one line."""
+        """One line."""
         ticks = len(self.arrays.get("time", ()))
         modes = ", ".join(self.modes)
         return (
@@ -106,13 +108,13 @@ class Record:
         )
 
     def _repr_html_(self) -> str:
-        """Return its outcome, replay and figures, for a notebook."""
+        """Outcome, replay and figures, for a notebook."""
         return html_of(self, "record_html")
 
 
 class Figures(dict[str, Any]):
-    """What result.json holds; a notebook shows it as a table."""
+    """The content of result.json, shown as a table in a notebook."""
 
     def _repr_html_(self) -> str:
-        """Return the outcome and a table of the figures, for a notebook."""
+        """Outcome and a table of the figures, for a notebook."""
         return html_of(self, "result_html")

@@ -1,4 +1,4 @@
-"""Why something cannot be done, as data; the one place where it becomes English."""
+"""Refusals as data, and the one place where they become English."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Quantity(float):
     __slots__ = ()
 
     def __format__(self, form: str) -> str:
-        """Return the number in the unit that ``form`` begins with, unit included."""
+        """The number in the unit that ``form`` starts with, unit included."""
         unit = next(name for name in SHOWN if form.startswith(name))
         value = float(self)
         if unit == "deg":
@@ -35,8 +35,8 @@ class Quantity(float):
 class Refusal:
     """One reason against a choice, a plan or a task.
 
-    ``text`` has places ``{figure}`` and ``{allowed}`` for the two numbers, formatted
-    as ``Quantity`` does it.
+    ``text`` has placeholders ``{figure}`` and ``{allowed}`` for the two numbers,
+    formatted as ``Quantity`` does it.
     """
 
     code: str  # what stands against it, one word for machines
@@ -46,7 +46,7 @@ class Refusal:
     unit: Unit = ""  # of both
 
     def __str__(self) -> str:
-        """Return one line of English; a number that is absent is "unknown"."""
+        """One line of English. A missing number is "unknown"."""
         return self.text.format(
             figure=_shown(self.figure), allowed=_shown(self.allowed)
         )
@@ -56,7 +56,7 @@ class _Unknown:
     """A number that a refusal's text names and its data lack."""
 
     def __format__(self, form: str) -> str:
-        """Return the same word, whatever the unit."""
+        """The same word for any unit."""
         return "unknown"
 
 
@@ -72,7 +72,7 @@ NOT_EVALUATED = Refusal(
 
 
 class RefusedError(ValueError):
-    """Raised where a model cannot be made; carries the refusal."""
+    """Raised if a model cannot be made. Carries the refusal."""
 
     def __init__(self, refusal: Refusal) -> None:
         super().__init__(str(refusal))
@@ -80,12 +80,12 @@ class RefusedError(ValueError):
 
 
 def literal(text: str) -> str:
-    """Return ``text`` as a part of a refusal's text that has no places."""
+    """``text`` escaped as a part of a refusal's text without placeholders."""
     return text.replace("{", "{{").replace("}", "}}")
 
 
 def refusal_of(error: ValueError, code: str) -> Refusal:
-    """Return what ``error`` says: its own refusal, or its words under ``code``."""
+    """Refusal of ``error``: its own one, or its message under ``code``."""
     if isinstance(error, RefusedError):
         return error.refusal
     return Refusal(code, literal(str(error)))

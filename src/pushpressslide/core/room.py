@@ -1,4 +1,4 @@
-"""A package whose modules are found by ``dir`` and imported when they are first used."""
+"""A package whose modules are found by ``dir`` and imported on first use."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from types import ModuleType
 def explorable(
     package: str,
 ) -> tuple[Callable[[str], ModuleType], Callable[[], list[str]]]:
-    """Return ``__getattr__`` and ``__dir__`` of a package, by its full name."""
+    """Functions ``__getattr__`` and ``__dir__`` of a package, by its full name."""
 
     def modules() -> list[str]:
         path = sys.modules[package].__path__
         return sorted(info.name for info in pkgutil.iter_modules(path))
 
     def find(name: str) -> ModuleType:
-        """Return a module of the package."""
+        """Module of the package."""
         if name not in modules():
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         return importlib.import_module(f"{package}.{name}")

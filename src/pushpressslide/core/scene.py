@@ -1,8 +1,8 @@
-"""The physical question of a task, as planner and controller believe it to be.
+"""The physical scene of a task, as planner and controller believe it to be.
 
-It is a body on a support with arms and obstacles around it. How the body is to be moved
-is not part of it. SI units and radians; docs/task-file.md documents the fields as a
-file has them.
+It is a body on a support with arms and obstacles around it. The motion of the body is
+not part of it. SI units and radians; docs/task-file.md documents the fields as a file
+has them.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ ARM_NAMES: tuple[ArmName, ...] = ("left", "right")
 
 
 def arm_title(arm: int, count: int = 2) -> str:
-    """Return what the arm of a robot is called in a task that has ``count`` robots."""
+    """Name of a robot's arm in a task with ``count`` robots."""
     return "arm" if count == 1 else f"{ARM_NAMES[arm]} arm"
 
 
@@ -62,7 +62,7 @@ class Opening:
         return cx - 0.5 * w, cx + 0.5 * w, cy - 0.5 * h, cy + 0.5 * h
 
     def holds(self, pose: Pose2, shape: Shape) -> bool:
-        """Return whether a shape at ``pose`` fits the opening's outline."""
+        """Whether a shape at ``pose`` fits the opening's outline."""
         x_min, x_max, y_min, y_max = shape.bounds(pose)
         w, h = self.size
         cx, cy = self.center
@@ -73,7 +73,7 @@ class Opening:
 
 @dataclass(frozen=True, slots=True)
 class Support:
-    """What the object slides on."""
+    """The surface that the object slides on."""
 
     kind: Literal["table", "wall", "incline"] = setting("table", "kind of support")
     friction: float = setting(
@@ -110,7 +110,7 @@ class Support:
 
     @property
     def name(self) -> str:
-        """Its kind with an article, for messages."""
+        """Kind with an article, for messages."""
         return f"an {self.kind}" if self.kind[0] in "aeiou" else f"a {self.kind}"
 
 
@@ -120,7 +120,7 @@ CENTROID: Point = (math.nan, math.nan)
 
 @dataclass(frozen=True, slots=True)
 class ObjectModel:
-    """The object to be moved; without ``center_of_mass`` that of even density."""
+    """The object to be moved. Without ``center_of_mass`` its density is uniform."""
 
     shape: Shape = field(
         metadata=field_spec("exactly one shape; it defines the frame G")
@@ -138,9 +138,7 @@ class ObjectModel:
     )
 
     def __post_init__(self) -> None:
-        """Put the centre of mass at the centroid where none is given; check the
-        numbers.
-        """
+        """Set a missing centre of mass to the centroid, and check the numbers."""
         if self.center_of_mass is CENTROID:
             object.__setattr__(self, "center_of_mass", self.shape.centroid)
         check_fields(self)
@@ -154,13 +152,13 @@ class ObjectModel:
 
     @property
     def radius(self) -> float:
-        """Distance [m] of its farthest corner from the centre of mass."""
+        """Distance [m] of the farthest corner from the centre of mass."""
         return self.shape.farthest(self.center_of_mass)
 
 
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """One arm (or a free tip, ``hand``) and where its base stands."""
+    """One arm (or a free tip, ``hand``) and the pose of its base."""
 
     model: str = field(
         metadata=field_spec(
@@ -226,12 +224,12 @@ class Obstacle:
 
     @property
     def footprint(self) -> Polygon:
-        """Its footprint in W for Shapely."""
+        """Footprint in W as a Shapely polygon."""
         return self.shape.placed(self.pose)
 
     @property
     def nominal(self) -> Obstacle:
-        """The obstacle as planner and controller are told it."""
+        """The obstacle as believed by planner and controller."""
         return replace(
             self,
             mass=assumption(self.believed_mass, self.mass),
@@ -243,7 +241,7 @@ class Obstacle:
 
 @dataclass(frozen=True, slots=True)
 class Belief:
-    """What planner and controller assume; what is None is believed as it is true."""
+    """Assumptions of planner and controller. None means the true value."""
 
     support_friction: float | None = setting(
         None, "support.friction; null: the true one", within=FRICTIONS
@@ -278,13 +276,13 @@ class Belief:
 
 
 def assumption(belief: Value | None, true: Value) -> Value:
-    """Return what is believed; where that is None, what is true."""
+    """The believed value, or the true one if the belief is None."""
     return true if belief is None else belief
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What there is, as believed, and what follows from it whatever the motion."""
+    """The believed scene, with derived quantities that do not depend on the motion."""
 
     body: ObjectModel
     support: Support
@@ -311,63 +309,64 @@ class Scene:
 
     @property
     def weight(self) -> Point:
-        """Weight [N]: size along the support, and into it."""
+        """Weight [N]: its component along the support, and into it."""
         return math.hypot(*self.weight_along), self.weight_on
 
     @property
     def weight_along(self) -> Point:
-        """Part of the weight along x and y of the support [N]: none on a table."""
+        """Component of the weight along x and y of the support [N]. Zero on a table."""
         x, y, _ = self._weight()
         return (x, y)
 
     @property
     def weight_on(self) -> float:
-        """Part of the weight that presses the object on its support [N]: none on a
+        """Component of the weight that presses the object on its support [N]. Zero on a
         wall.
         """
         return -self._weight()[2]
 
     @property
     def inset(self) -> float:
-        """How far [m] contacts stay inside the edges of a face or of the top."""
+        """Distance [m] of contacts inside the edges of a face or of the top."""
         return margins.inset(self.tip_radius)
 
     @property
     def tip_radius(self) -> float:
-        """Radius of the largest tip [m] that may touch the object."""
+        """Radius [m] of the largest tip that may touch the object."""
         return max(robot.tip_radius for robot in self.tips)
 
     @property
     def sure(self) -> float:
-        """What is left of a friction utilisation for a plan whose frictions may be
-        wrong: the least contact friction and the largest of the support, over those
-        believed.
+        """Factor on a friction utilisation for uncertain frictions.
+
+        It is the smallest contact friction over the largest of the support, relative to
+        the believed ones.
         """
         return (1.0 - self.friction_error) / (1.0 + self.friction_error)
 
     @property
     def least_contact_friction(self) -> float:
-        """Friction of the pair tip/object, if it is less than believed."""
+        """Lower bound of the friction of the pair tip/object, by its uncertainty."""
         return (1.0 - self.friction_error) * self.contact_friction
 
     @property
     def friction_uses(self) -> tuple[float, ...]:
-        """Shares of contacts' friction that a motion may take, the best first."""
+        """Friction utilisations of contacts that a motion may have, the best first."""
         return tuple(self.sure * use for use in margins.FRICTION_USES)
 
     @property
     def run_ins(self) -> tuple[float, ...]:
-        """Look-aheads of straight end after the turns of a manoeuvre."""
+        """Lengths of the run-in of a manoeuvre, in look-aheads."""
         return margins.RUN_INS_UNSURE if self.center_error else margins.RUN_INS
 
     @property
     def pin_uses(self) -> tuple[float, ...]:
-        """The same of a press that holds a point."""
+        """Friction utilisations of a press that holds a point, the best first."""
         return tuple(self.sure * use for use in margins.PIN_USES)
 
     def max_friction(self, press: float = 0.0) -> float:
-        """Return the friction of the support [N] against straight sliding under a
-        ``press`` [N] on top.
+        """Friction of the support [N] against straight sliding under a ``press`` [N] on
+        top.
         """
         return self.support.friction * (self.weight_on + press)
 
@@ -379,12 +378,12 @@ class Scene:
 
     @property
     def bases(self) -> tuple[tuple[float, float, float], ...]:
-        """Where the robots' bases are: x, y and height about the support [m]."""
+        """Positions of the robots' bases: x, y and height above the support [m]."""
         frame = self.support.frame
         return tuple(frame.coordinates(robot.base) for robot in self.robots)
 
     def lowered(self, X_WG: Pose2, distance: float) -> Pose2:
-        """Return a pose moved ``distance`` [m] the way the weight pulls."""
+        """Pose displaced by ``distance`` [m] along the weight's component in the plane."""
         x, y = self.weight_along
         size = math.hypot(x, y)
         return replace(
@@ -392,7 +391,7 @@ class Scene:
         )
 
     def on_ledge(self, X_WG: Pose2, within: float = LEDGE_GAP) -> bool:
-        """Return whether a fixed obstacle is ``within`` [m] below the object at a pose."""
+        """Whether a fixed obstacle is ``within`` [m] below the object at a pose."""
         fixed = [obstacle for obstacle in self.obstacles if not obstacle.movable]
         if not fixed:
             return False
@@ -402,13 +401,13 @@ class Scene:
         )
 
     def carried(self, X_WG: Pose2) -> bool:
-        """Return whether an object that is let go at a pose stays: by the support's
-        friction, on a ledge or in the opening.
+        """Whether an object released at a pose stays there: by the support's friction,
+        on a ledge or in the opening.
         """
         return self.rests or self.on_ledge(X_WG) or self.enters(X_WG)
 
     def enters(self, X_WG: Pose2) -> bool:
-        """Return whether the object at a pose lies in an opening of the support."""
+        """Whether the object at a pose lies in an opening of the support."""
         opening = self.support.opening
         return opening is not None and opening.holds(X_WG, self.body.shape)
 

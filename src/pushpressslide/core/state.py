@@ -1,8 +1,8 @@
-"""Where everything is between two motions: what a motion begins from and leaves.
+"""The state of bodies and arms between two motions: the start and the end of a motion.
 
-A task says where all begins. From there planners and engines go from state to state:
-the stages of several bodies, a plant that goes on from another one, what is left after
-a recovery.
+A task gives the initial state. From there planners and engines go from state to state:
+the stages of several bodies, a plant that continues another run, the remaining task
+after a recovery.
 """
 
 from __future__ import annotations
@@ -25,20 +25,20 @@ Joints = tuple[float, ...]  # [rad] of one arm
 
 @dataclass(frozen=True, slots=True)
 class HeldContacts:
-    """The contacts of a mode, however hard they press."""
+    """The contacts of a mode, with any loads."""
 
     mode: str
     contacts: tuple[Contact, ...]  # without loads
 
     @classmethod
     def by(cls, mode: str, contacts: tuple[Contact, ...]) -> HeldContacts:
-        """Return contacts of a mode without their loads."""
+        """Contacts of a mode without their loads."""
         return cls(mode, tuple(replace(contact, load=0.0) for contact in contacts))
 
 
 @dataclass(frozen=True)
 class WorldState:
-    """Where the bodies that can be moved are, how the arms stand, what they hold."""
+    """Poses of the movable bodies, configurations of the arms, and the held contacts."""
 
     # X_WG of bodies by name; any other is as the task has it
     poses: Mapping[str, Pose2]
@@ -56,11 +56,11 @@ class WorldState:
         return self.poses[OBJECT]
 
     def with_body_at(self, body: str, X_WG: Pose2) -> WorldState:
-        """Return the state with one body at ``X_WG`` and nothing held."""
+        """State with one body at ``X_WG`` and no held contacts."""
         return replace(
             self, poses={**self.poses, body: X_WG}, held_contacts=None, spatial={}
         )
 
     def __hash__(self) -> int:
-        """Return the hash of what is compared."""
+        """Hash of the compared fields."""
         return hash((frozenset(self.poses.items()), self.joints, self.held_contacts))

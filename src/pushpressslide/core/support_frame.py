@@ -1,10 +1,9 @@
-"""The frame that plans live in, on any support: x and y along the surface, height out
-of it.
+"""The frame of plans, on any support: x and y along the surface, height out of it.
 
 On a table x, y and height are the world's axes. On a wall x points to the left and y up
-as seen by the robots that face it, and height out of the wall towards them: these axes
+as seen by the robots that face it, and height out of the wall towards them. These axes
 are left-handed in the world, so that a yaw, from x to y, is about the normal that
-points INTO the wall. All that lies in the plane is the same either way.
+points INTO the wall. Everything within the plane is the same in both cases.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ WORLD_AXES: Matrix3 = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 @dataclass(frozen=True, slots=True)
 class SupportFrame:
-    """Where the axes of plans are in the world: p_W = origin + axes p."""
+    """Axes of plans in the world: p_W = origin + axes p."""
 
     origin: Vector3 = (0.0, 0.0, 0.0)  # [m]
     # rows; its columns are the world directions of x, y and height
@@ -33,8 +32,8 @@ class SupportFrame:
 
     @classmethod
     def of_wall(cls, origin: Vector3, yaw: float) -> SupportFrame:
-        """Return the frame of a wall through ``origin`` [m] whose normal points along
-        ``yaw`` [rad].
+        """Frame of a wall through ``origin`` [m] whose normal points along ``yaw``
+        [rad].
         """
         c = math.cos(yaw)
         s = math.sin(yaw)
@@ -43,8 +42,8 @@ class SupportFrame:
 
     @classmethod
     def of_incline(cls, angle: float) -> SupportFrame:
-        """Return the frame of a plane through the world's origin that rises along x by
-        ``angle`` [rad].
+        """Frame of a plane through the world's origin that rises along x by ``angle``
+        [rad].
         """
         c = math.cos(angle)
         s = math.sin(angle)
@@ -52,7 +51,7 @@ class SupportFrame:
 
     @property
     def normal(self) -> Vector3:
-        """World direction out of the support, in which heights are counted."""
+        """World direction out of the support, along which heights are measured."""
         return self.direction((0.0, 0.0, 1.0))
 
     @property
@@ -62,19 +61,19 @@ class SupportFrame:
 
     @property
     def handedness(self) -> float:
-        """1 where x, y and height are right-handed, -1 where they are left-handed."""
+        """1 if x, y and height are right-handed, -1 if they are left-handed."""
         a, b, c = self.spin_axis
         x, y, z = self.normal
         return math.copysign(1.0, a * x + b * y + c * z)
 
     @property
     def spin_axis(self) -> Vector3:
-        """World direction about which a yaw turns: x cross y."""
+        """World direction of the yaw axis: x cross y."""
         (a, b, _), (c, d, _), (e, f, _) = self.axes
         return (c * f - e * d, e * b - a * f, a * d - c * b)
 
     def direction(self, v: Vector3) -> Vector3:
-        """Return the world components of a vector given along x, y and height."""
+        """World components of a vector given along x, y and height."""
         x, y, z = v
         a, b, c = self.axes
         return (
@@ -84,7 +83,7 @@ class SupportFrame:
         )
 
     def components(self, v_W: Vector3) -> Vector3:
-        """Return the components along x, y and height of a vector given in the world."""
+        """Components along x, y and height of a vector given in the world."""
         x, y, z = v_W
         a, b, c = self.axes
         return (
@@ -94,12 +93,12 @@ class SupportFrame:
         )
 
     def point(self, p: Vector3) -> Vector3:
-        """Return where in the world a point (x, y, height) [m] is."""
+        """World position of a point (x, y, height) [m]."""
         x, y, z = self.direction(p)
         return (self.origin[0] + x, self.origin[1] + y, self.origin[2] + z)
 
     def coordinates(self, p_W: Vector3) -> Vector3:
-        """Return x, y and height [m] of a point given in the world."""
+        """X, y and height [m] of a point given in the world."""
         x, y, z = self.origin
         return self.components((p_W[0] - x, p_W[1] - y, p_W[2] - z))
 

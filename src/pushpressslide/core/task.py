@@ -1,10 +1,10 @@
-"""A task as typed, frozen data: what is to be moved, on what, from where to where, and
-by which robots.
+"""A task as typed, frozen data: the object, its support, start and goal, and the
+robots.
 
-Built in one place, ``taskfile/load.py``, which checks every field;
-docs/task-file.md documents the file. SI units and radians throughout (the file has
-degrees where its key ends in ``_deg``). The metadata of a field is all that the file's
-reader, dump and documentation know of it: name it here, and they have it.
+Built in one place, ``taskfile/load.py``, which checks every field; docs/task-file.md
+documents the file. SI units and radians throughout (the file has degrees if its key
+ends in ``_deg``). The file's reader, dump and documentation are derived from the
+metadata of the fields alone.
 """
 
 from __future__ import annotations
@@ -45,9 +45,7 @@ from pushpressslide.geometry.shapes import Shape as Shape
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """One part of a task that is done in several: a mode, and where it takes the
-    object.
-    """
+    """One leg of a task of several: a mode, and the end pose of the object."""
 
     mode: str = field(metadata=field_spec("contact mode", is_name=True))
     goal: Pose2 = field(
@@ -67,7 +65,7 @@ class Leg:
 
 @dataclass(frozen=True, slots=True)
 class BodyGoal:
-    """Where one of several bodies is to be brought."""
+    """Goal pose of one of several bodies."""
 
     body: str  # "object", or the name of a movable obstacle
     pose: Pose2  # X_WG of that body
@@ -78,7 +76,7 @@ class BodyGoal:
 
 @dataclass(frozen=True, slots=True)
 class Restart:
-    """Where a task goes on after a recovery, and what is believed by then."""
+    """State and beliefs from which a task goes on after a recovery."""
 
     state: WorldState  # as seen
     leg: int  # of the task, that is not done
@@ -178,14 +176,14 @@ class Task:
         check_fields(self)
 
     def __repr__(self) -> str:
-        """Return one line; ``dump_task`` returns all of it."""
+        """One line. ``dump_task`` returns the whole task."""
         shape = type(self.object.shape).__name__
         arms = ", ".join(robot.model for robot in self.robots)
         return f"Task({self.name!r}: {shape} of {self.object.mass:g} kg; {arms})"
 
     @property
     def full_belief(self) -> Belief:
-        """What planner and controller assume, with every field but rho given."""
+        """Assumptions of planner and controller, with every field but rho given."""
         scene = self.scene
         return Belief(
             scene.support.friction,
@@ -199,8 +197,8 @@ class Task:
 
     @cached_property
     def scene(self) -> Scene:
-        """The physical question as planner and controller are told it: what is believed
-        stands in place of what is true.
+        """The scene as believed by planner and controller: believed values replace true
+        ones.
         """
         belief = self.belief
         mass = assumption(belief.mass, self.object.mass)
@@ -219,7 +217,7 @@ class Task:
 
     @property
     def query(self) -> MotionQuery:
-        """Whether one motion leads from the start to the goal, its legs left aside."""
+        """Query of one motion from the start to the goal, without legs."""
         return MotionQuery(
             self.scene,
             self.start,
@@ -236,11 +234,12 @@ class Task:
     def queries(
         self, *, from_search: bool = False, may_push: bool = False
     ) -> tuple[MotionQuery, ...]:
-        """One question for each leg, from where the leg before it ends; one for a task
-        without legs. Raises TaskError for a task of several goals, done in stages.
+        """One query for each leg, from the end of the previous leg, or one for a task
+        without legs.
 
-        ``from_search``: the legs were found, not prescribed. ``may_push``: the object may
-        push on its way what may move.
+        Raises TaskError for a task of several goals, done in stages. ``from_search``:
+        the legs were found, not prescribed. ``may_push``: the object may push movable
+        obstacles.
         """
         if self.goals:
             reason = "allowed: null; selection.stages makes stages of a task with goals"
@@ -266,22 +265,23 @@ class Task:
 
     @property
     def X_GB(self) -> Pose2:
-        """Pose of the body frame B, in which contacts and drives are given, in the
-        shape's frame G: its origin is the centre of mass as believed.
+        """Pose of the body frame B in the shape's frame G.
+
+        Contacts and drives are given in B. Its origin is the believed centre of mass.
         """
         x, y = assumption(self.belief.center_of_mass, self.object.center_of_mass)
         return Pose2(x, y, 0.0)
 
     @property
     def center_error(self) -> Point:
-        """Where the centre of mass is believed to be, from where it is, in G [m]."""
+        """Believed minus true centre of mass, in G [m]."""
         x, y = self.object.center_of_mass
         believed = self.X_GB
         return (believed.x - x, believed.y - y)
 
     def resumed(self, restart: Restart) -> Task:
-        """Return the task as it goes on from ``restart``; the goals of what is done
-        are where the object was left.
+        """The task as it goes on from ``restart``. The goals of completed legs are the
+        poses at which the object was left.
         """
         belief = replace(
             self.belief,

@@ -1,5 +1,5 @@
-"""A path of constant body twists: any planar motion, turning on the spot and sliding
-sideways included.
+"""A path of constant body twists: any planar motion, including spins and sideways
+sliding.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ SHORTEST = 1e-12
 
 
 def integrate(pose: Pose2, rate: TwistRate, length: float) -> Pose2:
-    """Return the pose reached from ``pose`` after ``length`` [m] at a constant body
-    twist: the exponential map.
+    """Pose reached from ``pose`` after ``length`` [m] at a constant body twist: the
+    exponential map.
     """
     return Pose2(*carried((pose.x, pose.y, pose.yaw), rate, length))
 
 
 def screw(start: Pose2, end: Pose2) -> TwistRate:
-    """Return the constant body twist (vx, vy [m], w [rad]) that leads from ``start`` to
-    ``end`` in one unit, turning by less than 180 degrees: the logarithm.
+    """Constant body twist (vx, vy [m], w [rad]) that leads from ``start`` to ``end`` in
+    one unit, turning by less than 180 degrees: the logarithm.
     """
     x, y = start.unrotate((end.x - start.x, end.y - start.y))
     w = wrap_angle(end.yaw - start.yaw)
@@ -45,8 +45,8 @@ def screw(start: Pose2, end: Pose2) -> TwistRate:
 
 
 def reached(pose: Pose2, twists: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the poses (m, 3) reached from ``pose`` after one unit of each of
-    ``twists`` (m, 3) of it.
+    """Poses (m, 3) reached from ``pose`` after one unit of each of the body twists
+    ``twists`` (m, 3).
     """
     import numpy as np
 
@@ -65,8 +65,8 @@ def reached(pose: Pose2, twists: NDArray[np.float64]) -> NDArray[np.float64]:
 def screws(
     section_starts: NDArray[np.float64], ends: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return ``screw`` (m, n, 3) of all pairs of m starts and n ends, poses (x, y, yaw)
-    as rows.
+    """``screw`` (m, n, 3) of all pairs of m starts and n ends, given as rows (x, y,
+    yaw).
     """
     import numpy as np
 
@@ -86,11 +86,11 @@ def screws(
 
 @dataclass(frozen=True)
 class TwistPath:
-    """Start pose of the vehicle frame V, then (twist per metre, length [m] >= 0)
-    pieces.
+    """A path of the vehicle frame V: the start pose, then pieces of (twist per metre,
+    length [m] >= 0).
 
-    Length is measured with ``radius`` [m]: turning by one radian counts as that much
-    way, so that every piece's twist has vx^2 + vy^2 + (radius w)^2 = 1.
+    Length is measured with ``radius`` [m]: a turn by one radian counts as that length,
+    so that every piece's twist has vx^2 + vy^2 + (radius w)^2 = 1.
     """
 
     start: Pose2
@@ -102,8 +102,8 @@ class TwistPath:
 
     @classmethod
     def between(cls, poses: tuple[Pose2, ...], radius: float) -> TwistPath:
-        """Return the path through ``poses`` of V, from each to the next at a constant
-        twist; poses that are one are passed over.
+        """Path through ``poses`` of V, from each to the next at a constant twist.
+        Repeated poses are skipped.
         """
         pieces = []
         for a, b in pairwise(poses):
@@ -132,7 +132,7 @@ class TwistPath:
 
     @property
     def distance(self) -> float:
-        """Distance [m] that the tracking point covers; turns on the spot add nothing."""
+        """Distance [m] that the tracking point covers. Turns on the spot add nothing."""
         return sum(math.hypot(vx, vy) * length for (vx, vy, _), length in self.sections)
 
     @property
@@ -147,7 +147,7 @@ class TwistPath:
         return len(self.sections) - 1
 
     def pose(self, s: float) -> Pose2:
-        """Return the pose at arc length ``s`` [m].
+        """Pose at arc length ``s`` [m].
 
         Beyond the ends of the path the motion goes on with the twist there.
         """
@@ -161,7 +161,7 @@ class TwistPath:
         )
 
     def rate(self, s: float) -> TwistRate:
-        """Return the twist per metre at arc length ``s`` [m], in V.
+        """Twist per metre at arc length ``s`` [m], in V.
 
         It is zero for a path without pieces.
         """
@@ -172,12 +172,12 @@ class TwistPath:
         )
 
     def initial_twist(self, point: Point) -> Twist:
-        """Return the twist per metre with which a path of ``point`` [m] in B begins."""
+        """Initial twist per metre of a path of ``point`` [m] in B."""
         return Twist(*self.rate(0.0), point)
 
     def nearest(self, X_WV: Pose2, s: float) -> float:
-        """Return the arc length [m], near ``s`` and not before it, whose pose is
-        nearest to ``X_WV``.
+        """Arc length [m], near ``s`` and not before it, of the pose nearest to
+        ``X_WV``.
 
         One Newton step in the metric of ``radius``: exact for a constant twist up to
         second order in the error.
@@ -193,7 +193,7 @@ class TwistPath:
         return s + max(0.0, ahead)
 
     def led_in(self, length: float) -> TwistPath:
-        """Return the path with ``length`` [m] of the first twist put before its start."""
+        """The path with ``length`` [m] of the first twist put before its start."""
         rate = self.rate(0.0)
         return TwistPath(
             integrate(self.start, rate, -length),

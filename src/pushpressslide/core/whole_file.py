@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all."""
+"""Atomic writing of files: complete or not at all."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ PART = ".part"
 
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
-    """Give a temporary file to be written, which becomes ``path`` when the block ends.
+    """Context of a temporary file that becomes ``path`` when the block ends.
 
-    Makes the folders that are missing. An older file stays until the new one is whole,
-    and is on the disk. Raises WriteError where that cannot be done.
+    Creates missing folders. An older file stays until the new one is complete and on
+    the disk. Raises WriteError if that cannot be done.
     """
     temporary = path.with_name(f".{path.name}.{os.getpid()}{PART}{path.suffix}")
     with writing(path):
@@ -33,10 +33,11 @@ def whole(path: Path) -> Iterator[Path]:
 
 
 def write_whole(path: Path, data: bytes | str) -> Path:
-    """Write ``path`` under a temporary name, rename it when whole, and return ``path``.
+    """Write ``path`` under a temporary name, rename it when complete, and return
+    ``path``.
 
-    Makes the folders that are missing; text is UTF-8. An older file stays until the new
-    one is whole. Raises WriteError where that cannot be done.
+    Creates missing folders; text is UTF-8. An older file stays until the new one is
+    complete. Raises WriteError if that cannot be done.
     """
     with whole(path) as temporary:
         temporary.write_bytes(utf8(data) if isinstance(data, str) else data)
@@ -45,9 +46,7 @@ def write_whole(path: Path, data: bytes | str) -> Path:
 
 @contextmanager
 def writing(path: Path) -> Iterator[None]:
-    """Let an error of the file system inside the block say that ``path`` cannot be
-    written.
-    """
+    """Turn a file system error inside the block into a WriteError about ``path``."""
     try:
         yield
     except WriteError:
@@ -57,9 +56,7 @@ def writing(path: Path) -> Iterator[None]:
 
 
 def utf8(text: str) -> bytes:
-    """The text in UTF-8; bytes that a command line had in another encoding are replaced
-    where they are none.
-    """
+    """The text in UTF-8. Bytes of a command line in another encoding are replaced."""
     try:
         return text.encode("utf-8")
     except UnicodeEncodeError:
@@ -68,13 +65,13 @@ def utf8(text: str) -> bytes:
 
 
 def remove_parts(folder: Path) -> None:
-    """Remove what was left half-written in a folder by a process that was killed."""
+    """Remove half-written files left in a folder by a killed process."""
     for path in folder.rglob(f".*{PART}*"):
         with suppress(OSError):
             path.unlink()
 
 
 def _flush(path: Path) -> None:
-    """Put a file on the disk: a name must not be there before its content."""
+    """Flush a file to the disk: its name must not exist before its content."""
     with path.open("rb") as file:
         os.fsync(file.fileno())

@@ -8,8 +8,8 @@ from pushpressslide.core.pose import Point, cross
 
 
 class Wrench(NamedTuple):
-    """What the robots exert ON the object: force (fx, fy) [N] and moment tau [N m]
-    about the point ``about``.
+    """Force (fx, fy) [N] and moment tau [N m] about the point ``about``, of the robots
+    ON the object.
 
     All in one planar frame, the body frame B unless said otherwise (docs/mechanics.md,
     section 0).
@@ -21,9 +21,7 @@ class Wrench(NamedTuple):
     about: Point = (0.0, 0.0)
 
     def moved_to(self, point: Point) -> Wrench:
-        """Return the same wrench with its moment about ``point``: tau_p = tau_o - (p -
-        o) x F.
-        """
+        """The same wrench with its moment about ``point``: tau_p = tau_o - (p - o) x F."""
         arm = (point[0] - self.about[0], point[1] - self.about[1])
         return Wrench(
             self.fx, self.fy, self.tau - cross(arm, (self.fx, self.fy)), point
@@ -41,8 +39,8 @@ class Twist(NamedTuple):
     point: Point = (0.0, 0.0)
 
     def moved_to(self, point: Point) -> Twist:
-        """Return the same motion as the velocity of another body point: v_p = v_o + w J
-        (p - o).
+        """The same motion as the velocity of another body point: v_p = v_o + w J (p -
+        o).
         """
         rx = point[0] - self.point[0]
         ry = point[1] - self.point[1]

@@ -58,7 +58,9 @@ TINY = 1e-9  # [N m s] of a joint's momentum that counts as none
 
 @dataclass(frozen=True, slots=True)
 class ArmDynamics:
-    """What is known of one arm at a tick; world axes, tip = centre of the tip's sphere."""
+    """Kinematics and dynamics of one arm at a tick, in world axes. The tip is the
+    centre of the tip's sphere.
+    """
 
     q: Array  # (n,) [rad]
     v: Array  # (n,) [rad/s]
@@ -75,7 +77,7 @@ class ArmDynamics:
 
 
 class PostureShare(NamedTuple):
-    """What is left of an arm's joints to their posture, at ``q``."""
+    """Part of the joint motion that is left to the posture, at ``q``."""
 
     q: Array  # (n,) [rad]
     unfelt: Array  # (n, n) of a torque, see ``execution.torque.Unfelt``
@@ -133,21 +135,21 @@ class ArmExecutor:
     def free(
         self, arm: ArmDynamics, q_ref: Array, v_ref: Array, previous: Array
     ) -> LimitedTorque:
-        """Return the torques that track joints in free space; ``previous`` (n,) [N m]
-        are those of the tick before.
+        """Torques that track joints in free space. ``previous`` (n,) [N m] are those of
+        the previous tick.
         """
         rate = min(FREE_RATE, 0.25 / self.dt)
         tau = joint_torque(arm.M, arm.bias, arm.q, arm.v, q_ref, v_ref, rate)
         return limited(tau, previous, self._most, self._most_change)
 
     def brake(self, arm: ArmDynamics, weight: Array, previous: Array) -> LimitedTorque:
-        """Torques that hold the arm's ``weight`` (n,) [N m] and take the speed from its
-        joints, as fast as its torques allow; ``previous`` (n,) [N m] are those of the
-        tick before.
+        """Torques that hold the arm's ``weight`` (n,) [N m] and stop its joints as fast
+        as its torques allow.
 
-        All joints lose the same share of their speed, so that whatever the limits leave
-        of such a torque takes energy from the arm: no more than a torque that can be
-        taken back, at the rate that it may change by, until the arm rests.
+        ``previous`` (n,) [N m] are those of the previous tick. All joints lose the same
+        fraction of their speed, so that a torque clipped by the limits still takes
+        energy from the arm. The torque is bounded so that, at its allowed rate, it can
+        be removed by the time the arm rests.
         """
         momentum = arm.M @ arm.v
         size = np.maximum(np.abs(momentum), TINY)
@@ -165,9 +167,10 @@ class ArmExecutor:
         v_ref: Array,
         previous: Array,
     ) -> LimitedTorque:
-        """Return the torques that execute a tip command, in the posture ``q_ref`` (n,)
-        [rad] that changes by ``v_ref`` (n,) [rad/s]; ``previous`` (n,) [N m] are those
-        of the tick before.
+        """Torques that execute a tip command, in the posture ``q_ref`` (n,) [rad] that
+        changes by ``v_ref`` (n,) [rad/s].
+
+        ``previous`` (n,) [N m] are those of the previous tick.
         """
         velocity = self.frame.components(arm.velocity)
         J = arm.J
@@ -198,9 +201,10 @@ class ArmExecutor:
         moment: Vector3,
         velocity: Vector3,
     ) -> Impedance:
-        """Impedance of the tool's attitude, by a ``moment`` [N m], and of the tip, whose
-        ``velocity`` [m/s] is in the support's frame; ``J`` (6, n) may be one of a tool
-        that gives way.
+        """Impedance of the tool's attitude, by a ``moment`` [N m], and of the tip,
+        whose ``velocity`` [m/s] is in the support's frame.
+
+        ``J`` (6, n) may be that of a tool that gives way.
         """
         place = self.frame.coordinates(arm.position)
         own = servo(command, place, velocity, self.dt)
@@ -223,9 +227,11 @@ class ArmExecutor:
     def _of_posture(
         self, arm: ArmDynamics, J: Array, error: Array, speed: Array
     ) -> Impedance:
-        """Impedance of the joints about their reference, ``error`` (n,) [rad] and
-        ``speed`` (n,) [rad/s] away: felt where the tip does not feel it, and where it
-        hardly moves the tip; ``J`` (6, n) may be one of a tool that gives way.
+        """Impedance of the joints about their reference, with deviations ``error`` (n,)
+        [rad] and ``speed`` (n,) [rad/s].
+
+        It acts only on motion that is not felt at the tip, or hardly moves it. ``J``
+        (6, n) may be that of a tool that gives way.
         """
         share = self._share
         if share is None or share.braked is not None or J is not arm.J:
@@ -248,7 +254,9 @@ class ArmExecutor:
         return Impedance(torque, growth)
 
     def _posture_share(self, arm: ArmDynamics, J: Array) -> PostureShare:
-        """Share of the joints where they are; ``J`` (6, n) as in ``_of_posture``."""
+        """Posture share at the present joint positions. ``J`` (6, n) as in
+        ``_of_posture``.
+        """
         n = len(arm.q)
         JJt = J @ J.T
         none = np.zeros((n, n))
@@ -258,7 +266,7 @@ class ArmExecutor:
         return PostureShare(arm.q, left.share, brake, self._posture.added * felt)
 
     def _moment(self, arm: ArmDynamics, command: TipCommand) -> Vector3:
-        """Return the moment [N m], world axes, that holds the tool's attitude."""
+        """Moment [N m], world axes, that holds the tool's attitude."""
         return tip_moment(
             self.rotation(command.tool_yaw + self.yaw_offset),
             arm.rotation,
@@ -271,13 +279,13 @@ class ArmExecutor:
     def _inertial(
         self, arm: ArmDynamics, command: TipCommand, velocity: Vector3
     ) -> Array:
-        """Return the wrench (6,), world axes, that moves the arm's own inertia as the
-        command asks; ``velocity`` [m/s] of the tip, in the support's frame.
+        """Wrench (6,), world axes, that accelerates the arm's own inertia as commanded.
 
-        Lambda times the acceleration of the reference: without it an arm that is
-        accelerated along the support also presses on it or lifts off, by the inertia's
-        coupling. Less what the tip accelerates by where its joints turn at constant
-        rates: that needs no torque.
+        ``velocity`` [m/s] is the tip's, in the support's frame. It is Lambda times the
+        acceleration of the reference: without it an arm that is accelerated along the
+        support also presses on it or lifts off, by the coupling of its inertia. The
+        tip's acceleration at constant joint rates is subtracted, since it needs no
+        torque.
         """
         spin = _times(command.tool_yaw_acceleration, self._spin_axis)
         moved = self.frame.direction(command.acceleration)
@@ -297,13 +305,13 @@ class ArmExecutor:
         command: TipCommand,
         velocity: Vector3,
     ) -> None:
-        """Add to a ``total`` wrench (6,), world axes, the one by which a tip of
-        ``inertia`` (6, 6) comes to its reference's velocity within ``SERVO_TIME``,
-        beside its damper's force and with it inside the servo's cap; ``velocity`` [m/s]
-        is its own, ``damping`` [N s/m] the damper's.
+        """Add a wrench to the ``total`` one (6,), world axes, that brings the tip to
+        its reference's velocity within ``SERVO_TIME``.
 
-        Nothing along an axis on which the damper alone is as quick. For a tip that no
-        spring leads.
+        ``inertia`` (6, 6) is the tip's, ``velocity`` [m/s] its own velocity,
+        ``damping`` [N s/m] the damper's. Together with the damper's force the wrench is
+        inside the servo's cap. Zero along axes that the damper alone settles within
+        that time. Only for tips without stiffness.
         """
         # wrenches (6, 2) of accelerations along x and y, and their forces (2, 2) there
         if self._flat:
@@ -338,8 +346,8 @@ def _times(factor: float, v: Vector3) -> Vector3:
 
 
 def _principal(xx: float, xy: float, yy: float) -> tuple[float, float, Point]:
-    """Return the smaller and the larger eigenvalue of a symmetric 2 x 2 matrix, and the
-    unit vector that belongs to the larger.
+    """Smaller and larger eigenvalue of a symmetric 2 x 2 matrix, and the unit
+    eigenvector of the larger.
     """
     mean = 0.5 * (xx + yy)
     half = 0.5 * (xx - yy)
@@ -349,8 +357,8 @@ def _principal(xx: float, xy: float, yy: float) -> tuple[float, float, Point]:
 
 
 def _left(mass: float, damping: float) -> float:
-    """Share of a velocity's error that a damper [N s/m] leaves of a ``mass`` [kg] after
-    ``SERVO_TIME``.
+    """Fraction of a velocity error that a damper [N s/m] leaves of a ``mass`` [kg]
+    after ``SERVO_TIME``.
     """
     caught = damping * SERVO_TIME  # [kg] that it leaves nothing of
     return 1.0 - caught / mass if mass > caught else 0.0

@@ -18,7 +18,7 @@ class Servo(NamedTuple):
 
     @property
     def isotropic(self) -> bool:
-        """Whether all directions along the support are the same."""
+        """Whether all directions along the support have the same gains."""
         return self.added[0] == self.added[1]
 
 
@@ -29,8 +29,9 @@ def servo(
     ``period`` [s].
 
     Their force may leave the friction cone, since it also accelerates the arm's own
-    inertia, but is held below ``command.servo_cap``: along the support, and along the
-    height. ``position`` [m] and ``velocity`` [m/s] are the tip's, in the command's axes.
+    inertia. It is kept below ``command.servo_cap``: along the support, and along the
+    height. ``position`` [m] and ``velocity`` [m/s] are the tip's, in the support's
+    frame.
     """
     c = math.cos(command.normal_yaw)
     s = math.sin(command.normal_yaw)
@@ -57,8 +58,8 @@ def servo(
 
 
 def tip_force(command: TipCommand, position: Vector3, velocity: Vector3) -> Vector3:
-    """Force [N] that the tip is to exert on what it touches, in the command's axes: its
-    feed-forward, which is inside the friction cone, and its servo's.
+    """Commanded force [N] of the tip on the object, in the support's frame: its
+    feed-forward, which is inside the friction cone, plus its servo's.
     """
     x, y, z = command.force
     fx, fy, fz = servo(command, position, velocity).force
@@ -66,12 +67,12 @@ def tip_force(command: TipCommand, position: Vector3, velocity: Vector3) -> Vect
 
 
 def _share_within(size: float, limit: float) -> float:
-    """Share of something of a ``size`` that is no larger than ``limit``."""
+    """Largest fraction, at most 1, that limits a ``size`` to ``limit``."""
     return limit / size if size > limit else 1.0
 
 
 def rotation_error(R_wanted: Array, R: Array) -> Vector3:
-    """Return the rotation vector [rad], world axes, from ``R`` to ``R_wanted`` (3, 3).
+    """Rotation vector [rad], world axes, from ``R`` to ``R_wanted`` (3, 3).
 
     It is exact up to 90 degrees.
     """
@@ -87,8 +88,8 @@ def tip_moment(
     stiffness: float,
     damping: float,
 ) -> Vector3:
-    """Return the moment [N m], world axes, of a rotational spring [N m/rad] and damper
-    [N m s/rad].
+    """Moment [N m], world axes, of a rotational spring [N m/rad] and damper [N m
+    s/rad].
 
     The spring is stretched by ``margins.ARM.attitude`` at most: a tool that a joint's
     limit holds back is far off, and turns back slowly.

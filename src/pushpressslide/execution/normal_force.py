@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class NormalForceState:
-    """What the regulator remembers."""
+    """State of the regulator."""
 
     integral: float = 0.0  # [N] of K_i times the error's integral
     ramped: float = 0.0  # [N] the command as ramped so far
@@ -18,11 +18,12 @@ class NormalForceState:
 
 @dataclass(frozen=True, slots=True)
 class NormalForceRegulator:
-    """PI with a ramped command, a clamp, conditional integration, and a reset when
-    contact is lost. A tip that bounces is pressed by the command alone.
+    """PI regulator with a ramped command, a clamp, conditional integration, and a reset
+    when contact is lost.
 
-    Stable behind one sample of delay iff |k_p| < 1 and 0 < k_i dt < 2 (1 - k_p), with
-    the integral updated before the output.
+    A bouncing tip is pressed by the command alone. Stable behind one sample of delay
+    iff |k_p| < 1 and 0 < k_i dt < 2 (1 - k_p), with the integral updated before the
+    output.
     """
 
     k_p: float = 0.3
@@ -33,13 +34,13 @@ class NormalForceRegulator:
     firm: float = 0.5  # of the command: below it a contact is being made or lost
 
     def init(self) -> NormalForceState:
-        """Return the state at rest."""
+        """State at rest."""
         return NormalForceState()
 
     def step(
         self, state: NormalForceState, command: float, measured: float, dt: float
     ) -> tuple[float, NormalForceState]:
-        """Return the normal force to apply [N] in [0, f_max], and the next state."""
+        """Normal force to apply [N] in [0, f_max], and the next state."""
         step = self.ramp * dt
         ramped = min(max(command, state.ramped - step), state.ramped + step)
         if measured < self.contact_threshold:

@@ -34,7 +34,7 @@ FULL_RANK = 1e-6 * np.eye(6)
 
 
 class LimitedTorque(NamedTuple):
-    """Joint torques inside their limits, and what was asked for."""
+    """Joint torques inside their limits, and the commanded ones."""
 
     torque: Array  # (n,) [N m]
     share: float  # largest demanded torque as a share of its limit
@@ -42,7 +42,7 @@ class LimitedTorque(NamedTuple):
 
 
 class Impedance(NamedTuple):
-    """Torque of springs and dampers on an arm's joints, and how it changes in a tick."""
+    """Torque of springs and dampers on an arm's joints, and its change in a tick."""
 
     torque: Array  # (n,) [N m] of springs and dampers, see ``Gains``
     # (n, n) [kg m^2], symmetric and positive semidefinite: h (D + h K) of all dampers D
@@ -51,7 +51,7 @@ class Impedance(NamedTuple):
 
 
 class Unfelt(NamedTuple):
-    """What the tip does not feel of torques and dampers on an arm's joints."""
+    """Part of torques and dampers on an arm's joints that is not felt at the tip."""
 
     share: Array  # (n, n) of a torque
     damper: Array  # (n, n) of a damper of one: symmetric, and positive semidefinite
@@ -73,15 +73,15 @@ def gains(stiffness: float, damping: float, period: float) -> Gains:
 
 
 def held_for_a_tick(impedance: Impedance, M: Array) -> Array:
-    """Torque (n,) [N m] of springs and dampers that is held constant for a tick, on an
-    arm of mass matrix ``M`` (n, n).
+    """Torque (n,) [N m] of springs and dampers that is constant for a tick, on an arm
+    of mass matrix ``M`` (n, n).
 
-    Along each of the arm's motions that the dampers leave apart a damper D on an inertia
-    m would take x = h D / m of the speed in a tick of h: more than all of it from a light
-    joint, which it feeds. Here it takes all of it at most, 1 / x of its torque where x is
-    above 1; elsewhere, as on a heavy arm that an object holds back, it is the damper that
-    was asked for. (The implicit Euler method, 1 / (1 + x), lets that arm lag by a quarter
-    more.) Springs count with their h^2 K / m.
+    Take one of the arm's motions that the dampers do not couple, with a damper D on an
+    inertia m. In a tick of h it would take x = h D / m of the speed: more than all of
+    it from a light joint, which adds energy. Here it takes all of it at most, 1 / x of
+    its torque if x is above 1. Otherwise, as on a heavy arm that an object holds back,
+    it is the commanded damper. (The implicit Euler method, 1 / (1 + x), lets that arm
+    lag by a quarter more.) Springs count with their h^2 K / m.
     """
     torque, added = impedance
     _, exceeded = dpotrf(M - added)  # definite where every x is below 1
@@ -97,13 +97,13 @@ def held_for_a_tick(impedance: Impedance, M: Array) -> Array:
 
 
 def unfelt(J: Array, JJt: Array) -> Unfelt:
-    """Share of a joint torque that neither a force at the tip nor much of a moment on
-    the tool has to hold.
+    """Part of a joint torque that neither a force at the tip nor a large moment on the
+    tool has to hold.
 
     ``J`` (6, n) at the tip, rows [angular; linear], world axes; ``JJt`` (6, 6) is its
-    square. Where the arm can hardly turn the tool its joints are left to such a torque:
+    square. If the arm can hardly turn the tool, its joints are left to this torque:
     nothing else damps them. The wrench that holds a torque is (J J^T)^-1 J torque, and
-    its force has to be zero: J_v torque = 0 is not enough, since a tip that is held
+    its force has to be zero. J_v torque = 0 is not enough, since a tip that is held
     while a moment keeps the tool's attitude feels the force of this wrench.
     """
     identity = np.eye(J.shape[1])
@@ -128,12 +128,11 @@ def near_limit(q: Array, lower: Sequence[float], upper: Sequence[float]) -> bool
 def kept_inside(
     J: Array, q: Array, v: Array, lower: Array, upper: Array, period: float
 ) -> Impedance:
-    """Impedance that keeps joints inside their limits, without a force at the tip: the
+    """Impedance that keeps joints inside their limits without a force at the tip: the
     tool's attitude gives way.
 
-    ``J`` (6, n) as in ``unfelt``; ``lower``, ``upper`` (n,) [rad]; ``period`` [s]
-    of a tick. Zero where all joints are farther inside than
-    ``margins.ARM.joint_buffer``.
+    ``J`` (6, n) as in ``unfelt``; ``lower``, ``upper`` (n,) [rad]; ``period`` [s] of a
+    tick. Zero if all joints are farther inside than ``margins.ARM.joint_buffer``.
     """
     buffer = margins.ARM.joint_buffer
     inside = np.minimum(q - lower, upper - q)
@@ -151,12 +150,12 @@ def kept_inside(
 
 
 def braked(J: Array, JJt: Array) -> Array | None:
-    """Projector (n, n) on the joints' motion that moves the tip least, times a share
-    that grows from 0 to 1 as that motion ceases to; None where it moves the tip by
-    ``SINGULAR`` or more.
+    """Projector (n, n) on the direction of joint motion that moves the tip least, times
+    a factor. None unless that direction moves the tip by less than ``SINGULAR``.
 
-    ``J`` (6, n) and ``JJt`` (6, 6) as in ``unfelt``. An arm that is stretched out
-    coasts through that posture, and bends to the other side, while its tip rests.
+    The factor grows from 0 to 1 as the tip's motion vanishes. ``J`` (6, n) and ``JJt``
+    (6, 6) as in ``unfelt``. A stretched arm coasts through that posture, and bends to
+    the other side, while its tip rests.
     """
     # definite without SINGULAR^2 along its diagonal: no eigenvalue is below that
     _, indefinite = dpotrf(JJt - BRAKED)
@@ -170,12 +169,12 @@ def braked(J: Array, JJt: Array) -> Array | None:
 
 
 def yielding(J: Array, moment: Vector3, q: Array, lower: Array, upper: Array) -> Array:
-    """Return ``J`` (6, n) for a tool that is no longer turned about the axes of joints
-    which its ``moment`` (3,) [N m] presses into their limits: the less, the nearer.
+    """Jacobian ``J`` (6, n) without the tool's rotation about the axes of joints that
+    its ``moment`` (3,) [N m] presses into their limits.
 
-    World axes; ``lower``, ``upper`` (n,) [rad]. Such a joint gives no moment about its
-    axis. Asked for all the same, it comes from the other joints, with a force at the
-    tip.
+    The reduction grows towards the limit. World axes; ``lower``, ``upper`` (n,) [rad].
+    Such a joint gives no moment about its axis. If commanded all the same, the moment
+    would come from the other joints, with a force at the tip.
     """
     buffer = margins.ARM.joint_buffer
     inside = np.minimum(q - lower, upper - q)
@@ -190,8 +189,9 @@ def yielding(J: Array, moment: Vector3, q: Array, lower: Array, upper: Array) ->
 
 
 def _solved(matrix: Array, right: Array) -> Array:
-    """Return the solution of a symmetric system, (k,) or (k, n); quickly of one that is
-    positive definite, as all are but for rounding errors.
+    """Solution of a symmetric system, (k,) or (k, n).
+
+    It is quick for a positive definite one, as all are except for round-off.
     """
     _, solution, indefinite = dposv(matrix, right)
     if indefinite:
@@ -201,11 +201,11 @@ def _solved(matrix: Array, right: Array) -> Array:
 
 
 def task_inertia(J: Array, M: Array) -> Array:
-    """Return Lambda = (J M^-1 J^T)^-1 (6, 6), the inertia that the arm has at its tip.
+    """Task-space inertia Lambda = (J M^-1 J^T)^-1 (6, 6) of the arm at its tip.
 
-    ``J`` (6, n) as in ``unfelt``; ``M`` (n, n) mass matrix. Near a singularity,
-    where it grows without bound, the arm is not to be driven along what it can hardly
-    move: damped least squares, by ``LEAST_MOBILITY``.
+    ``J`` (6, n) as in ``unfelt``; ``M`` (n, n) mass matrix. Near a singularity, where
+    it grows without bound, the arm should not be driven along directions that it can
+    hardly move: damped least squares, by ``LEAST_MOBILITY``.
     """
     mobility = J @ _solved(M, J.T)
     return _solved(mobility @ mobility + LEAST, mobility)
@@ -214,8 +214,8 @@ def task_inertia(J: Array, M: Array) -> Array:
 def joint_torque(
     M: Array, bias: Array, q: Array, v: Array, q_ref: Array, v_ref: Array, rate: float
 ) -> Array:
-    """Return the computed torque (n,) that tracks a joint reference in free space,
-    critically damped at ``rate`` [1/s].
+    """Computed torque (n,) that tracks a joint reference in free space, critically
+    damped at ``rate`` [1/s].
     """
     return M @ (rate * rate * (q_ref - q) + 2.0 * rate * (v_ref - v)) + bias
 
@@ -223,10 +223,11 @@ def joint_torque(
 def limited(
     tau: Array, previous: Array, effort: Sequence[float], most_change: Sequence[float]
 ) -> LimitedTorque:
-    """Return ``tau`` held inside ``effort`` (n,) [N m], and inside ``most_change`` (n,)
-    [N m] from one tick to the next; ``previous`` is the torque (n,) of the tick before.
+    """``tau`` clipped to ``effort`` (n,) [N m], and its change per tick to
+    ``most_change`` (n,) [N m].
 
-    In plain floats: of few joints, in half the time of arrays.
+    ``previous`` is the torque (n,) of the previous tick. In plain floats: for a few
+    joints this takes half the time of arrays.
     """
     torques = []
     share = 0.0

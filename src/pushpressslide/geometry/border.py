@@ -19,7 +19,7 @@ class Edge:
 
     @property
     def length(self) -> float:
-        """Its length [m]."""
+        """Length [m]."""
         return math.dist(self.start, self.end)
 
     @property
@@ -31,7 +31,7 @@ class Edge:
         return turned_left((dx / length, dy / length))
 
     def point_at(self, place: float) -> Point:
-        """Return the point ``place`` [m] from its start."""
+        """Point at distance ``place`` [m] from the start."""
         share = place / self.length
         return (
             self.start[0] + share * (self.end[0] - self.start[0]),
@@ -39,13 +39,13 @@ class Edge:
         )
 
     def transformed(self, X: Pose2) -> Edge:
-        """Return the edge in the frame in which its own has the pose ``X``."""
+        """The edge in the frame in which its own frame has the pose ``X``."""
         return Edge(X.apply(self.start), X.apply(self.end))
 
 
 @dataclass(frozen=True, slots=True)
 class Arc:
-    """A round side; it bulges, its centre is on the object's side."""
+    """A convex round side, with its centre on the object's side."""
 
     center: Point  # [m]
     radius: float  # [m]
@@ -53,7 +53,7 @@ class Arc:
     sweep: float  # [rad] > 0, counter-clockwise
 
     def point_at(self, angle: float) -> Point:
-        """Return the point in the direction ``angle`` [rad] from the centre."""
+        """Point in the direction ``angle`` [rad] from the centre."""
         return (
             self.center[0] + self.radius * math.cos(angle),
             self.center[1] + self.radius * math.sin(angle),
@@ -61,11 +61,11 @@ class Arc:
 
     @property
     def whole(self) -> bool:
-        """Whether it is a circle."""
+        """Whether the arc is a full circle."""
         return self.sweep >= 2.0 * math.pi - 1e-9
 
     def transformed(self, X: Pose2) -> Arc:
-        """Return the arc in the frame in which its own has the pose ``X``."""
+        """The arc in the frame in which its own frame has the pose ``X``."""
         return Arc(X.apply(self.center), self.radius, self.start + X.yaw, self.sweep)
 
 
@@ -80,7 +80,7 @@ class Border:
     sides: tuple[BorderSide, ...]  # in order; the first begins at the first corner
 
     def transformed(self, X: Pose2) -> Border:
-        """Return the border in the frame in which its own has the pose ``X``."""
+        """The border in the frame in which its own frame has the pose ``X``."""
         return Border(
             tuple(X.apply(corner) for corner in self.corners),
             tuple(side.transformed(X) for side in self.sides),
@@ -88,13 +88,13 @@ class Border:
 
 
 def border_of(corners: tuple[Point, ...]) -> Border:
-    """Return the border of a polygon, its corners counter-clockwise [m]."""
+    """Border of a polygon with counter-clockwise corners [m]."""
     following = corners[1:] + corners[:1]
     return Border(corners, tuple(map(Edge, corners, following)))
 
 
 def round_border(radius: float) -> Border:
-    """Return the border of a disc about the origin, of ``radius`` [m]."""
+    """Border of a disc about the origin, of ``radius`` [m]."""
     circle = Arc((0.0, 0.0), radius, 0.0, 2.0 * math.pi)
     step = 2.0 * math.pi / CHORDS
     return Border(tuple(circle.point_at(i * step) for i in range(CHORDS)), (circle,))

@@ -1,8 +1,7 @@
-"""A shape on any simple outline: of straight edges and arcs, concave or not.
+"""A shape on any simple outline of straight edges and arcs, convex or concave.
 
-What is about a tip or about another body counts with the true footprint; what is about
-tipping counts with its convex hull. A load stays on the base as long as its centre is
-inside the hull.
+Contacts and clearances to other bodies use the true footprint, tipping uses its convex
+hull. A load stays on the base as long as its centre is inside the hull.
 """
 
 from __future__ import annotations
@@ -60,7 +59,7 @@ class Hull(Shape):
 
 
 class Outlined(Shape):
-    """What a shape answers by its border."""
+    """Geometry of a shape that is defined by its border."""
 
     @property
     def border(self) -> Border:
@@ -69,12 +68,14 @@ class Outlined(Shape):
 
     @property
     def corners(self) -> tuple[Point, ...]:
-        """Corners of the footprint in G, counter-clockwise [m]; an arc has chords."""
+        """Corners of the footprint in G, counter-clockwise [m]. An arc is represented
+        by chords.
+        """
         return self.border.corners
 
     @property
     def edges(self) -> tuple[Ends | None, ...]:
-        """Ends of each side in G [m]; None of an arc."""
+        """Ends of each side in G [m], None for an arc."""
         return tuple(
             (side.start, side.end) if isinstance(side, Edge) else None
             for side in self.border.sides
@@ -82,7 +83,7 @@ class Outlined(Shape):
 
     @cached_property
     def area(self) -> Polygon:
-        """The footprint in G, for Shapely."""
+        """The footprint in G, as a Shapely polygon."""
         from shapely import Polygon, prepare
 
         area = Polygon(self.corners)
@@ -106,12 +107,12 @@ class Outlined(Shape):
 
     @property
     def middle(self) -> Point:
-        """The hull's."""
+        """Middle of the hull."""
         return self.hull.middle
 
     @property
     def inner_radius(self) -> float:
-        """The hull's [m]."""
+        """Inner radius [m] of the hull."""
         return self.hull.inner_radius
 
     @property
@@ -121,13 +122,15 @@ class Outlined(Shape):
 
     @property
     def half_width(self) -> float:
-        """The hull's [m]."""
+        """Half width [m] of the hull."""
         return self.hull.half_width
 
     @cached_property
     def breadth(self) -> float:
-        """Width [m] of the footprint where it is narrow: four times its area over its
-        perimeter, as of a square, or that of its bounding rectangle.
+        """Width [m] of the footprint's narrow part.
+
+        It is four times its area over its perimeter, as of a square, or the width of
+        its bounding rectangle.
         """
         whole = self.hull.breadth
         if self.convex:
@@ -135,28 +138,28 @@ class Outlined(Shape):
         return min(whole, 4.0 * self.area.area / self.area.length)
 
     def depth(self, point: Point) -> float:
-        """Return how far [m] a point in G lies inside the footprint; < 0 outside."""
+        """Depth [m] of a point in G inside the footprint. Negative outside."""
         from shapely import Point as Place
 
         nearest = min(distance_to_segment(point, a, b) for a, b in self._edges())
         return nearest if self.area.covers(Place(point)) else -nearest
 
     def distance(self, point: Point) -> float:
-        """Return the distance [m] from a point in G to the footprint; 0 inside."""
+        """Distance [m] from a point in G to the footprint. 0 inside."""
         return max(0.0, -self.depth(point))
 
     def holds(self, point: Point, margin: float, origin: Point) -> bool:
-        """Return whether ``point`` [m] in B is ``margin`` [m] inside the footprint."""
+        """Whether ``point`` [m] in B is ``margin`` [m] inside the footprint."""
         return self.depth((point[0] + origin[0], point[1] + origin[1])) >= margin
 
     def depths(self, points: Array, origin: Point) -> Array:
-        """Return how far points (m, 2) [m] in B are inside the hull, in half widths."""
+        """Depths of points (m, 2) [m] in B inside the hull, in half widths."""
         return self.hull.depths(points, origin)
 
     def chords(
         self, direction: Point, margin: float, origin: Point
     ) -> tuple[tuple[float, float], ...]:
-        """Return from where to where [m] a ray from B's origin along a unit vector is
+        """Intervals [m] of a ray from B's origin along a unit vector that are
         ``margin`` [m] inside the outline, the nearest first.
         """
         from shapely import LineString, get_parts
@@ -172,13 +175,13 @@ class Outlined(Shape):
         return tuple(sorted((span[0], span[-1]) for span in spans if span))
 
     def gauge(self) -> Callable[[float, float], float]:
-        """Return that of the hull."""
+        """Gauge of the hull."""
         return self.hull.gauge()
 
     def side_places(
         self, clearance: float, tip_radius: float, origin: Point
     ) -> tuple[SidePlace, ...]:
-        """Return places on what a tip can touch of each side; several on an arc."""
+        """Places on the touchable part of each side, several on an arc."""
         out: list[SidePlace] = []
         for found in touchable(self.border, tip_radius):
             part = found.side
@@ -189,14 +192,14 @@ class Outlined(Shape):
         return tuple(out)
 
     def side(self, point: Point, normal: Point, origin: Point) -> Side:
-        """Return the side on which a contact at ``point`` [m] in B is."""
+        """Side of a contact at ``point`` [m] in B."""
         side = min(
             self.border.sides, key=lambda side: _miss(side, point, normal, origin)
         )
         return _side_in_contact_frame(side, point, normal, origin)
 
     def walls(self, point: Point, normal: Point, origin: Point) -> tuple[Side, ...]:
-        """Return the sides but that of a contact at ``point`` [m] in B."""
+        """All sides except that of a contact at ``point`` [m] in B."""
         own = min(
             self.border.sides, key=lambda side: _miss(side, point, normal, origin)
         )
@@ -214,8 +217,8 @@ class Outlined(Shape):
     def free_space(
         self, point: Point, normal: Point, tip_radius: float, origin: Point
     ) -> float:
-        """Return how far [m] a tip can be drawn back from a contact at ``point`` [m] in
-        B against its inward ``normal``; infinite where nothing is in its way.
+        """Largest retreat [m] of a tip from a contact at ``point`` [m] in B, against
+        its inward ``normal``. Infinite if nothing blocks it.
         """
         at = (point[0] + origin[0], point[1] + origin[1])
         return free_space(self.border, at, normal, tip_radius)
@@ -226,7 +229,7 @@ def _shifted(point: Point, origin: Point) -> Point:
 
 
 def _edge_place(index: int, edge: Edge, clearance: float, origin: Point) -> SidePlace:
-    """Return the place nearest to the line through B's origin along the normal."""
+    """Place nearest to the line through B's origin along the normal."""
     a = _shifted(edge.start, origin)
     length = edge.length
     normal = edge.normal
@@ -244,8 +247,8 @@ def _edge_place(index: int, edge: Edge, clearance: float, origin: Point) -> Side
 def _arc_places(
     index: int, arc: Arc, clearance: float, origin: Point
 ) -> list[SidePlace]:
-    """Return places in the directions in which a whole circle is offered; the middle of
-    an arc on which none of them is.
+    """Places in the standard directions of a full circle. The middle of an arc that
+    contains none of them.
     """
     step = 2.0 * math.pi / ROUND_SIDES
     if arc.whole:
@@ -265,7 +268,9 @@ def _arc_places(
 
 
 def _miss(side: BorderSide, point: Point, normal: Point, origin: Point) -> float:
-    """Return how far [m] a contact is from a side, with what its normal is off it."""
+    """Distance [m] of a contact from a side, plus a penalty for the difference of the
+    normals.
+    """
     x = point[0] + origin[0]
     y = point[1] + origin[1]
     if isinstance(side, Edge):
@@ -285,7 +290,7 @@ def _miss(side: BorderSide, point: Point, normal: Point, origin: Point) -> float
 def _side_in_contact_frame(
     side: BorderSide, point: Point, normal: Point, origin: Point
 ) -> Side:
-    """Return a side as a contact at ``point`` [m] in B sees it."""
+    """Side, in the form used for a contact at ``point`` [m] in B."""
     if isinstance(side, Arc):
         arc = None if side.whole else (side.start, side.sweep)
         return RoundSide(_shifted(side.center, origin), side.radius, normal, arc)

@@ -1,5 +1,5 @@
-"""A polygon as convex pieces: a triangulation whose triangles are merged as far as they
-stay convex (Hertel and Mehlhorn 1983).
+"""Convex decomposition of a polygon: a triangulation whose triangles are merged while
+they stay convex (Hertel and Mehlhorn 1983).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ FLAT = -1e-9  # [rad] turn to the right that counts as none
 
 @lru_cache(maxsize=64)
 def convex_pieces(corners: Polygon) -> tuple[Polygon, ...]:
-    """Return convex polygons that make up a simple one, all counter-clockwise.
+    """Convex polygons that make up a simple one, all counter-clockwise.
 
     A convex polygon is its own only piece.
     """
@@ -33,8 +33,8 @@ def convex_pieces(corners: Polygon) -> tuple[Polygon, ...]:
 
 
 def triangles(corners: Polygon) -> list[tuple[int, int, int]]:
-    """Return a triangulation of a simple polygon by the numbers of its corners, each
-    triangle counter-clockwise.
+    """Triangulation of a simple polygon by corner indices, each triangle
+    counter-clockwise.
     """
     import shapely
 
@@ -48,8 +48,8 @@ def triangles(corners: Polygon) -> list[tuple[int, int, int]]:
 
 
 def _merged_once(polygons: list[Polygon]) -> list[Polygon] | None:
-    """Return the pieces, two of them merged over the longest border that they share;
-    None where no two make a convex one.
+    """The pieces with two of them merged over their longest common edge. None if no two
+    make a convex one.
     """
     owner = {
         edge: i
@@ -71,7 +71,7 @@ def _merged_once(polygons: list[Polygon]) -> list[Polygon] | None:
 
 
 def _joined(one: Polygon, other: Polygon, a: Point, b: Point) -> Polygon:
-    """Return two polygons without the edge between them, a to b in the first."""
+    """Union of two polygons that share the edge from a to b of the first."""
     i = one.index(b)
     j = other.index(a)
     return one[i:] + one[:i] + (other[j:] + other[:j])[1:-1]

@@ -1,4 +1,4 @@
-"""Polygons in the plane: area, centroid, what makes one sound, distance to an edge."""
+"""Polygons in the plane: area, centroid, validity, distance to an edge."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ STRAIGHT = 1e-6
 
 
 def signed_area(polygon: tuple[Point, ...]) -> float:
-    """Return the area [m^2]; it is positive if the corners run counter-clockwise."""
+    """Area [m^2], positive if the corners run counter-clockwise."""
     return 0.5 * sum(
         cross(a, b) for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True)
     )
 
 
 def counter_clockwise(polygon: tuple[Point, ...]) -> tuple[Point, ...]:
-    """Return the corners in counter-clockwise order, the first one staying so."""
+    """Corners in counter-clockwise order. The first one stays first."""
     return polygon if signed_area(polygon) > 0.0 else polygon[:1] + polygon[:0:-1]
 
 
 def centroid(polygon: tuple[Point, ...]) -> Point:
-    """Return the area centroid [m] of a polygon of non-zero area."""
+    """Area centroid [m] of a polygon of non-zero area."""
     x = y = 0.0
     ox, oy = polygon[0]
     moved = tuple((px - ox, py - oy) for px, py in polygon)
@@ -39,7 +39,7 @@ def centroid(polygon: tuple[Point, ...]) -> Point:
 
 
 def turns(polygon: tuple[Point, ...]) -> list[float]:
-    """Return by how much the border turns at each corner [rad], to the left > 0."""
+    """Exterior angle [rad] of the border at each corner, positive to the left."""
     edges = [
         (b[0] - a[0], b[1] - a[1])
         for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True)
@@ -51,9 +51,9 @@ def turns(polygon: tuple[Point, ...]) -> list[float]:
 
 
 def without_straight_corners(polygon: tuple[Point, ...]) -> tuple[Point, ...]:
-    """Return the corners without those at which the border goes straight on.
+    """Corners without those at which the border goes straight on.
 
-    One at which it turns back stays.
+    A corner at which it turns back stays.
     """
     while len(polygon) > 3:
         straight = [abs(turn) < STRAIGHT for turn in turns(polygon)]
@@ -65,12 +65,12 @@ def without_straight_corners(polygon: tuple[Point, ...]) -> tuple[Point, ...]:
 
 
 def is_convex(polygon: tuple[Point, ...]) -> bool:
-    """Return whether a simple polygon, its corners counter-clockwise, is convex."""
+    """Whether a simple polygon, its corners counter-clockwise, is convex."""
     return all(turn > -STRAIGHT for turn in turns(polygon))
 
 
 def convex_hull(polygon: tuple[Point, ...]) -> tuple[Point, ...]:
-    """Return the corners of the convex hull, counter-clockwise, none of them straight."""
+    """Corners of the convex hull, counter-clockwise, without straight ones."""
     from shapely import Polygon
 
     hull = Polygon(polygon).convex_hull
@@ -82,9 +82,9 @@ def convex_hull(polygon: tuple[Point, ...]) -> tuple[Point, ...]:
 
 
 def border_fault(polygon: tuple[Point, ...]) -> str | None:
-    """Return why corners are not those of a simple polygon with an area.
+    """Reason why corners do not form a simple polygon with an area, or None.
 
-    None if they are. Corners on a straight line are allowed.
+    Corners on a straight line are allowed.
     """
     from shapely import Polygon
 
@@ -103,7 +103,7 @@ def border_fault(polygon: tuple[Point, ...]) -> str | None:
 
 
 def distance_to_segment(p: Point, a: Point, b: Point) -> float:
-    """Return the distance [m] from ``p`` to the segment from ``a`` to ``b``."""
+    """Distance [m] from ``p`` to the segment from ``a`` to ``b``."""
     ex = b[0] - a[0]
     ey = b[1] - a[1]
     t = ((p[0] - a[0]) * ex + (p[1] - a[1]) * ey) / (ex * ex + ey * ey)

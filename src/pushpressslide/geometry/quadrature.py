@@ -26,7 +26,7 @@ _RULE = ((0.445948490915965, 0.223381589678011), (0.091576213509771, 0.109951743
 
 
 def as_polygon(corners: Sequence[Point]) -> Array:
-    """Return the corners as an array (n, 2).
+    """Corners as an array (n, 2).
 
     Raises ValueError unless simple and counter-clockwise.
     """
@@ -64,7 +64,7 @@ def _is_simple(polygon: Array) -> bool:
 
 @lru_cache(maxsize=64)
 def base(corners: tuple[Point, ...]) -> Array:
-    """Return ``as_polygon`` of an object's outline, which is asked for again and again.
+    """Cached ``as_polygon`` of an object's outline.
 
     Read-only.
     """
@@ -75,7 +75,7 @@ def base(corners: tuple[Point, ...]) -> Array:
 
 @lru_cache(maxsize=64)
 def base_rule(corners: tuple[Point, ...], resolution: int) -> tuple[Array, Array]:
-    """Return the rule over an object's outline; read-only."""
+    """Quadrature rule over an object's outline. Read-only."""
     points, areas = pieces_rule(convex_polygons(corners), resolution)
     points.setflags(write=False)
     areas.setflags(write=False)
@@ -84,9 +84,9 @@ def base_rule(corners: tuple[Point, ...], resolution: int) -> tuple[Array, Array
 
 @lru_cache(maxsize=64)
 def convex_polygons(corners: tuple[Point, ...]) -> tuple[Array, ...]:
-    """Return the convex polygons that make up an object's outline.
+    """Convex polygons that make up an object's outline.
 
-    Raises ValueError as ``as_polygon``.
+    Raises ValueError as ``as_polygon`` does.
     """
     whole = base(corners)
     if is_convex(corners):
@@ -96,7 +96,7 @@ def convex_polygons(corners: tuple[Point, ...]) -> tuple[Array, ...]:
 
 @lru_cache(maxsize=64)
 def _hull(corners: tuple[Point, ...]) -> Array:
-    """Return the convex hull of an object's outline, counter-clockwise."""
+    """Convex hull of an object's outline, counter-clockwise."""
     if is_convex(corners):
         return base(corners)
     return np.array(convex_hull(corners))
@@ -104,9 +104,7 @@ def _hull(corners: tuple[Point, ...]) -> Array:
 
 @lru_cache(maxsize=64)
 def _base_moments(corners: tuple[Point, ...]) -> tuple[float, Array, Array]:
-    """Return area, centroid (2,), and the inverse (2, 2) of the second moments about
-    it.
-    """
+    """Area, centroid (2,), and the inverse (2, 2) of the second moments about it."""
     area, first, second = moments(base(corners))
     center = first / area
     inverse = np.linalg.inv(second - area * np.outer(center, center)).astype(np.float64)
@@ -116,8 +114,8 @@ def _base_moments(corners: tuple[Point, ...]) -> tuple[float, Array, Array]:
 def whole_pressure(
     corners: tuple[Point, ...], cop: Point
 ) -> tuple[float, Array] | None:
-    """Return (a, b) of ``linear_pressure`` where it presses everywhere on the outline,
-    else None.
+    """Coefficients (a, b) of ``linear_pressure`` if it presses on the whole outline,
+    otherwise None.
     """
     area, center, inverse = _base_moments(corners)
     b: Array = inverse @ (np.array(cop) - center)
@@ -126,9 +124,7 @@ def whole_pressure(
 
 
 def moments(polygon: Array) -> tuple[float, Array, Array]:
-    """Return area, first moments (2,) and second moments (2, 2) about the origin,
-    exactly.
-    """
+    """Exact area, first moments (2,) and second moments (2, 2) about the origin."""
     x, y = polygon.T
     to_x, to_y = _next_corners(polygon).T
     turn = x * to_y - to_x * y
@@ -140,15 +136,15 @@ def moments(polygon: Array) -> tuple[float, Array, Array]:
 
 
 def _next_corners(polygon: Array) -> Array:
-    """Return of each corner the next one (n, 2)."""
+    """Successor of each corner, (n, 2)."""
     return np.concatenate((polygon[1:], polygon[:1]))
 
 
 def clipped(polygon: Array, a: float, b: Array) -> Array:
-    """Return the part of a polygon where a + b . r >= 0, as corners (m, 2).
+    """Part of a polygon where a + b . r >= 0, as corners (m, 2).
 
     m = 0 if there is none. Several parts of a concave polygon are joined by pairs of
-    opposite edges along the line: ``moments`` are right of them too.
+    opposite edges along the line; ``moments`` is correct for them too.
     """
     heights = a + polygon @ b
     if heights.min() >= 0.0:
@@ -171,7 +167,8 @@ def clipped(polygon: Array, a: float, b: Array) -> Array:
 def linear_pressure(
     polygon: Array, cop: Array, hull: Array | None = None
 ) -> tuple[float, Array]:
-    """Return (a, b) of the pressure max(0, a + b . r) with its centre at ``cop`` (2,).
+    """Coefficients (a, b) of the pressure max(0, a + b . r) with its centre at ``cop``
+    (2,).
 
     Its integral is one. ``hull`` is that of a concave polygon. Raises ValueError for a
     CoP on or outside the hull.
@@ -203,7 +200,7 @@ def _check_inside(polygon: Array, cop: Array) -> None:
 
 
 def _least_energy(polygon: Array, target: Array) -> Array:
-    """Return x = (a, b) (3,) of least ``_energy``, by damped Newton steps."""
+    """Minimiser x = (a, b) (3,) of ``_energy``, by damped Newton steps."""
     x = np.array([1.0, 0.0, 0.0])
     value, gradient, hessian = _energy(polygon, target, x)
     for _ in range(100):
@@ -234,10 +231,10 @@ def _least_energy(polygon: Array, target: Array) -> Array:
 
 
 def _energy(polygon: Array, target: Array, x: Array) -> tuple[float, Array, Array]:
-    """Return a convex function of x = (a, b), its gradient (3,) and Hessian (3, 3).
+    """Convex function of x = (a, b), with its gradient (3,) and Hessian (3, 3).
 
-    Half the integral of max(0, a + b . r)^2, less ``target`` . x: least where the
-    pressure has the load target[0] and the moments target[1:].
+    It is half the integral of max(0, a + b . r)^2, minus ``target`` . x. Its minimum is
+    the pressure with the load target[0] and the moments target[1:].
     """
     patch = clipped(polygon, float(x[0]), x[1:])
     hessian = np.zeros((3, 3))
@@ -249,8 +246,7 @@ def _energy(polygon: Array, target: Array, x: Array) -> tuple[float, Array, Arra
 
 
 def polygon_rule(polygon: Array, resolution: float) -> tuple[Array, Array]:
-    """Return points (m, 2) and areas (m,) of a rule over a convex polygon, exact to
-    degree 4.
+    """Points (m, 2) and areas (m,) of a rule over a convex polygon, exact to degree 4.
 
     A fan of triangles about the centroid, each cut into equal parts so that there are
     about 4 ``resolution``^2 of them in all, six points each.
@@ -272,8 +268,10 @@ def polygon_rule(polygon: Array, resolution: float) -> tuple[Array, Array]:
 
 @lru_cache(maxsize=64)
 def _triangle_rule(cuts: int) -> tuple[Array, Array]:
-    """Return points (m, 2), as shares of the two sides from one corner, and shares (m,)
-    of the area, of the rule over a triangle whose sides are cut into ``cuts``.
+    """Points (m, 2) and area fractions (m,) of the rule over a triangle whose sides are
+    cut into ``cuts``.
+
+    Points are given as fractions of the two sides from one corner.
     """
     rule = np.array(
         [(1 - 2 * g, g, g) for g, _ in _RULE] + [(g, 1 - 2 * g, g) for g, _ in _RULE]
@@ -291,8 +289,9 @@ def _triangle_rule(cuts: int) -> tuple[Array, Array]:
 
 
 def pieces_rule(parts: Sequence[Array], resolution: int) -> tuple[Array, Array]:
-    """Return points (m, 2) and areas (m,) of a rule over convex polygons together, as
-    fine as ``polygon_rule`` over one of their whole area.
+    """Points (m, 2) and areas (m,) of a rule over several convex polygons.
+
+    It is as fine as ``polygon_rule`` over one polygon of their total area.
     """
     if len(parts) == 1:
         return polygon_rule(parts[0], resolution)
@@ -308,8 +307,8 @@ def pieces_rule(parts: Sequence[Array], resolution: int) -> tuple[Array, Array]:
 
 
 def disc_rule(radius: float, resolution: int) -> tuple[Array, Array]:
-    """Return points (m, 2) and areas (m,) of a rule over a disc about the origin: Gauss
-    points on rings.
+    """Points (m, 2) and areas (m,) of a rule over a disc about the origin: Gauss points
+    on rings.
     """
     rings = 2 * resolution
     spokes = 6 * resolution
@@ -329,7 +328,7 @@ def disc_rule(radius: float, resolution: int) -> tuple[Array, Array]:
 def polygon_pressure(
     corners: tuple[Point, ...], cop: Point, resolution: int
 ) -> tuple[Array, Array, Array]:
-    """Return points (m, 2), areas (m,) and linear unilateral pressures (m,), unscaled.
+    """Points (m, 2), areas (m,) and linear unilateral pressures (m,), not normalised.
 
     Raises ValueError for a CoP outside the polygon's hull.
     """
@@ -346,8 +345,8 @@ def polygon_pressure(
 def loaded_polygon(
     corners: tuple[Point, ...], cop: Point
 ) -> tuple[Array, float, Array]:
-    """Return the part of an outline that carries, as corners (m, 2), and (a, b) of
-    ``linear_pressure`` there.
+    """Loaded part of an outline, as corners (m, 2), and (a, b) of ``linear_pressure``
+    there.
 
     Several parts of a concave outline are joined as by ``clipped``. Raises ValueError
     for a CoP outside the outline's hull.
@@ -360,7 +359,7 @@ def loaded_polygon(
 
 
 def _lifting_pressure(corners: tuple[Point, ...], cop: Point) -> tuple[float, Array]:
-    """Return (a, b) of ``linear_pressure``."""
+    """Coefficients (a, b) of ``linear_pressure``."""
     place = np.array(cop, dtype=np.float64)
     return linear_pressure(base(corners), place, _hull(corners))
 
@@ -368,11 +367,11 @@ def _lifting_pressure(corners: tuple[Point, ...], cop: Point) -> tuple[float, Ar
 def disc_pressure(
     radius: float, cop: Point, resolution: int
 ) -> tuple[Array, Array, Array]:
-    """Return points (m, 2), areas (m,) and linear unilateral pressures (m,), unscaled.
+    """Points (m, 2), areas (m,) and linear unilateral pressures (m,), not normalised.
 
-    The disc is about the origin. Where a part of it lifts, for |cop| > radius / 4, it
-    is integrated as a polygon of equal second moment. Raises ValueError for a CoP
-    outside it.
+    The disc is about the origin. If a part of it lifts, for |cop| > radius / 4, it is
+    integrated as a polygon of equal second moment. Raises ValueError for a CoP outside
+    it.
     """
     if math.hypot(cop[0], cop[1]) <= 0.25 * radius:
         points, areas = disc_rule(radius, resolution)
@@ -382,9 +381,7 @@ def disc_pressure(
 
 @lru_cache(maxsize=64)
 def disc_corners(radius: float) -> tuple[Point, ...]:
-    """Return the corners of a polygon that has a disc's second moment, about the
-    origin.
-    """
+    """Corners of a polygon about the origin with a disc's second moment."""
     step = 2.0 * math.pi / DISC_CORNERS
     # Second moment of a regular n-gon of circumradius R, over that of the disc: sin(s)
     # (2 + cos(s)) / (3 s).

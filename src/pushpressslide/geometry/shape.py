@@ -1,7 +1,7 @@
-"""What is asked of a shape: an upright body on a footprint.
+"""The interface of a shape: an upright body on a footprint.
 
 A shape is given in its own frame G. A method with an ``origin`` [m] in G takes and
-gives points in B, which has G's axes and its origin there: the projected centre of
+returns points in B, which has G's axes and its origin there: the projected centre of
 mass.
 """
 
@@ -38,8 +38,8 @@ KEPT = 256  # footprints of which the edges are remembered
 
 @lru_cache(maxsize=KEPT)
 def inward_edges(corners: tuple[Point, ...], origin: Point) -> tuple[InwardEdge, ...]:
-    """Return the edges of a convex polygon, counter-clockwise [m], as seen from
-    ``origin`` [m]. A tip on a top asks for them at every tick.
+    """Edges of a convex polygon, counter-clockwise [m], relative to ``origin`` [m].
+    Cached for tips on a top.
     """
     out = []
     for (ax, ay), (bx, by) in zip(corners, corners[1:] + corners[:1], strict=True):
@@ -53,7 +53,7 @@ def inward_edges(corners: tuple[Point, ...], origin: Point) -> tuple[InwardEdge,
 
 
 class Shape:
-    """What every shape answers; here by the corners of a convex footprint."""
+    """Base class of shapes, implemented for the corners of a convex footprint."""
 
     __slots__ = ()
 
@@ -69,7 +69,7 @@ class Shape:
 
     @property
     def corners(self) -> tuple[Point, ...]:
-        """Corners of the footprint in G, counter-clockwise [m]; none of a round one.
+        """Corners of the footprint in G, counter-clockwise [m]. Empty for a round one.
 
         Edge i, the foot of flat side i, leads from corner i to the next.
         """
@@ -77,7 +77,7 @@ class Shape:
 
     @property
     def edges(self) -> tuple[Ends | None, ...]:
-        """Ends of each side of the footprint, counter-clockwise; None of a round one."""
+        """Ends of each side of the footprint, counter-clockwise, None for a round one."""
         return tuple(self._edges())
 
     @property
@@ -102,7 +102,7 @@ class Shape:
 
     @property
     def middle(self) -> Point:
-        """Mean of the corners in G [m]; the centre of a round footprint."""
+        """Mean of the corners in G [m], or the centre of a round footprint."""
         xs, ys = zip(*self.corners, strict=True)
         return (sum(xs) / len(xs), sum(ys) / len(ys))
 
@@ -119,32 +119,32 @@ class Shape:
 
     @property
     def half_width(self) -> float:
-        """Half of the least width of the footprint [m]."""
+        """Half of the smallest width of the footprint [m]."""
         return 0.5 * min(width for _, _, _, width in self._inward_edges(ORIGIN))
 
     @property
     def breadth(self) -> float:
-        """Width [m] of the footprint where it is narrow: of its bounding rectangle."""
+        """Width [m] of the footprint's narrow part: that of its bounding rectangle."""
         x_min, x_max, y_min, y_max = self.bounds(Pose2())
         return min(x_max - x_min, y_max - y_min)
 
     def bounds(self, X_WG: Pose2) -> tuple[float, float, float, float]:
-        """Return x_min, x_max, y_min, y_max [m] of the footprint at a pose."""
+        """Bounds x_min, x_max, y_min, y_max [m] of the footprint at a pose."""
         xs, ys = zip(*(X_WG.apply(corner) for corner in self.corners), strict=True)
         return (min(xs), max(xs), min(ys), max(ys))
 
     def outline(self) -> tuple[Point, ...]:
-        """Return the points [m] in G through which to draw the footprint."""
+        """Points [m] in G through which to draw the footprint."""
         return self.corners
 
     def placed(self, X_WG: Pose2) -> Polygon:
-        """Return the footprint at a pose for Shapely; a circle has 256 sides."""
+        """The footprint at a pose as a Shapely polygon. A circle has 256 sides."""
         from shapely import Polygon
 
         return Polygon([X_WG.apply(corner) for corner in self.corners])
 
     def depth(self, point: Point) -> float:
-        """Return how far [m] a point in G lies inside the footprint; < 0 outside."""
+        """Depth [m] of a point in G inside the footprint. Negative outside."""
         depths = []
         for a, b in self._edges():
             edge = (b[0] - a[0], b[1] - a[1])
@@ -154,22 +154,22 @@ class Shape:
         return min(depths)
 
     def distance(self, point: Point) -> float:
-        """Return the distance [m] from a point in G to the footprint; 0 inside."""
+        """Distance [m] from a point in G to the footprint. 0 inside."""
         if self.depth(point) >= 0.0:
             return 0.0
         return min(distance_to_segment(point, a, b) for a, b in self._edges())
 
     def holds(self, point: Point, margin: float, origin: Point) -> bool:
-        """Return whether ``point`` [m] in B is ``margin`` [m] inside the footprint."""
+        """Whether ``point`` [m] in B is ``margin`` [m] inside the footprint."""
         return all(
             inside + point[0] * nx + point[1] * ny >= margin
             for nx, ny, inside, _ in self._inward_edges(origin)
         )
 
     def depths(self, points: Array, origin: Point) -> Array:
-        """Return how far points (m, 2) [m] in B are inside the outline.
+        """Depths (m,) of points (m, 2) [m] in B inside the outline.
 
-        In half widths across the nearest edge; < 0 outside. Of shape (m,).
+        In half widths across the nearest edge; < 0 outside.
         """
         import numpy as np
 
@@ -180,7 +180,7 @@ class Shape:
     def chords(
         self, direction: Point, margin: float, origin: Point
     ) -> tuple[tuple[float, float], ...]:
-        """Return from where to where [m] a ray from B's origin along a unit vector is
+        """Intervals [m] of a ray from B's origin along a unit vector that are
         ``margin`` [m] inside the outline, the nearest first.
         """
         ux, uy = direction
@@ -192,25 +192,25 @@ class Shape:
         return ((0.0, far),)
 
     def extent(self, direction: Point, origin: Point) -> float:
-        """Return how far [m] the footprint extends from B's origin along a unit vector."""
+        """Extent [m] of the footprint from B's origin along a unit vector."""
         return max(
             (x - origin[0]) * direction[0] + (y - origin[1]) * direction[1]
             for x, y in self.corners
         )
 
     def farthest(self, origin: Point) -> float:
-        """Return the distance [m] from B's origin to the farthest point of the outline."""
+        """Distance [m] from B's origin to the farthest point of the outline."""
         return max(math.dist(corner, origin) for corner in self.corners)
 
     def gauge(self) -> Callable[[float, float], float]:
-        """Return a function of (x, y) [m] from the middle: 0 there, 1 on the outline.
+        """Gauge function of (x, y) [m] from the middle: 0 there, 1 on the outline.
 
         It grows in proportion along each ray (the Minkowski gauge).
         """
         edges = [(x / depth, y / depth) for (x, y), depth in self._outward_edges()]
 
         def gauge(x: float, y: float) -> float:
-            """Return 0 at the middle, 1 on the outline."""
+            """Gauge value: 0 at the middle, 1 on the outline."""
             farthest = 0.0
             for a, b in edges:
                 out = a * x + b * y
@@ -223,11 +223,11 @@ class Shape:
     def side_places(
         self, clearance: float, tip_radius: float, origin: Point
     ) -> tuple[SidePlace, ...]:
-        """Return a place in B on each side that a tip of ``tip_radius`` [m] can touch.
+        """One place in B on each side that a tip of ``tip_radius`` [m] can touch.
 
-        The point nearest to the line through B's origin along the normal that is
-        ``clearance`` [m] away from the corners, or the middle of a short edge. A round
-        side counts as ``ROUND_SIDES`` sides.
+        The place is the point nearest to the line through B's origin along the normal
+        that is ``clearance`` [m] away from the corners, or the middle of a short edge.
+        A round side counts as ``ROUND_SIDES`` sides.
         """
         corners = [(x - origin[0], y - origin[1]) for x, y in self.corners]
         out = []
@@ -247,7 +247,7 @@ class Shape:
         return tuple(out)
 
     def side(self, point: Point, normal: Point, origin: Point) -> Side:
-        """Return the side on which a contact at ``point`` [m] in B is.
+        """Side of a contact at ``point`` [m] in B.
 
         ``normal`` is the contact's inward unit normal.
         """
@@ -260,37 +260,39 @@ class Shape:
         return FlatSide(point, normal, depth, (min(along), max(along)))
 
     def walls(self, point: Point, normal: Point, origin: Point) -> tuple[Side, ...]:
-        """Return the sides that a tip may meet beside that of its contact at ``point``
-        [m] in B; none of a convex footprint.
+        """Sides that a tip may meet besides that of its contact at ``point`` [m] in B.
+        Empty for a convex footprint.
         """
         return ()
 
     def free_space(
         self, point: Point, normal: Point, tip_radius: float, origin: Point
     ) -> float:
-        """Return how far [m] a tip can be drawn back from a contact at ``point`` [m] in
-        B against its inward ``normal``; infinite where nothing is in its way.
+        """Largest retreat [m] of a tip from a contact at ``point`` [m] in B, against
+        its inward ``normal``. Infinite if nothing blocks it.
         """
         return math.inf
 
     @property
     def base_corners(self) -> tuple[Point, ...]:
-        """Corners in G [m] of the polygon that a pressure is spread over: the
-        footprint's; a round one has many.
+        """Corners in G [m] of the polygon that carries the pressure: the footprint's,
+        or many for a round one.
         """
         return self.corners
 
     def base_rule(self, resolution: int) -> tuple[Array, Array]:
-        """Return points (m, 2) [m] in G and areas (m,) [m^2] to integrate over the base."""
+        """Points (m, 2) [m] in G and areas (m,) [m^2] of a quadrature rule over the
+        base.
+        """
         from pushpressslide.geometry import quadrature
 
         return quadrature.base_rule(self.corners, resolution)
 
     def pressure(self, cop: Point, resolution: int) -> tuple[Array, Array, Array]:
-        """Return points and areas like ``base_rule``, and pressures (m,) there.
+        """Points and areas as by ``base_rule``, and pressures (m,) there.
 
-        The pressure is linear and unilateral with its centre at ``cop`` [m] in G, of
-        any size. Raises ValueError for a ``cop`` outside the base.
+        The pressure is linear and unilateral with its centre at ``cop`` [m] in G, not
+        normalised. Raises ValueError for a ``cop`` outside the base.
         """
         from pushpressslide.geometry import quadrature
 
@@ -301,7 +303,7 @@ class Shape:
         return zip(corners, corners[1:] + corners[:1], strict=True)
 
     def _inward_edges(self, origin: Point) -> tuple[InwardEdge, ...]:
-        """The edges as seen from a point of G."""
+        """The edges relative to a point of G."""
         return inward_edges(self.corners, origin)
 
     def _outward_edges(self) -> list[tuple[Point, float]]:

@@ -1,7 +1,7 @@
 """Shapes of objects: boxes, prisms, cylinders, compounds of these, and meshes.
 
-A new kind of shape is one new class: it gives its corners, or its border, or answers
-itself.
+A new kind of shape is one new class, which defines its corners or its border, or
+overrides the methods.
 """
 
 from __future__ import annotations
@@ -43,8 +43,9 @@ OUTLINE_POINTS = 48  # of a drawn circle
 
 @dataclass(frozen=True, slots=True)
 class Box(Shape):
-    """A cuboid; its frame G is at its centre. Raises InputError unless its three lengths
-    are finite and > 0.
+    """A cuboid with its frame G at its centre.
+
+    Raises InputError unless its three lengths are finite and > 0.
     """
 
     size: tuple[float, float, float]  # [m] full lengths along x, y, z
@@ -80,7 +81,7 @@ class Box(Shape):
 
 @dataclass(frozen=True, slots=True)
 class Prism(Shape):
-    """An upright prism on a simple polygon; its frame G is the polygon's own origin.
+    """An upright prism on a simple polygon, with its frame G at the polygon's origin.
 
     One on a concave polygon is a ``ConcavePrism``. Raises InputError for a height that
     is not finite and > 0, and for corners that are not finite or run clockwise.
@@ -90,7 +91,7 @@ class Prism(Shape):
     height: float  # [m]
 
     def __new__(cls, polygon: tuple[Point, ...] = (), height: float = 0.0) -> Prism:
-        """Return a prism that answers by its hull only where that is its footprint."""
+        """A ``Prism`` for a convex polygon, a ``ConcavePrism`` for a concave one."""
         concave = len(polygon) > 2 and cls is Prism and not is_convex(polygon)
         return object.__new__(ConcavePrism if concave else cls)
 
@@ -122,8 +123,9 @@ class ConcavePrism(Outlined, Prism):
 
 @dataclass(frozen=True, slots=True)
 class Cylinder(Shape):
-    """An upright cylinder; its frame G is at its centre. Raises InputError unless radius
-    and height are finite and > 0.
+    """An upright cylinder with its frame G at its centre.
+
+    Raises InputError unless radius and height are finite and > 0.
     """
 
     radius: float  # [m]
@@ -180,40 +182,40 @@ class Cylinder(Shape):
         return f"cylinder, radius {radius}, height {1e3 * self.height:g} mm"
 
     def bounds(self, X_WG: Pose2) -> tuple[float, float, float, float]:
-        """Return x_min, x_max, y_min, y_max [m] of the footprint at a pose."""
+        """Bounds x_min, x_max, y_min, y_max [m] of the footprint at a pose."""
         r = self.radius
         return (X_WG.x - r, X_WG.x + r, X_WG.y - r, X_WG.y + r)
 
     def outline(self) -> tuple[Point, ...]:
-        """Return ``OUTLINE_POINTS`` points of the circle [m]."""
+        """``OUTLINE_POINTS`` points of the circle [m]."""
         angles = (2.0 * math.pi * i / OUTLINE_POINTS for i in range(OUTLINE_POINTS))
         return tuple(
             (self.radius * math.cos(a), self.radius * math.sin(a)) for a in angles
         )
 
     def placed(self, X_WG: Pose2) -> Polygon:
-        """Return the circle at a pose for Shapely, as a polygon of 256 sides."""
+        """Circle at a pose for Shapely, as a polygon of 256 sides."""
         from shapely import Point
 
         return Point(X_WG.x, X_WG.y).buffer(self.radius, quad_segs=64)
 
     def depth(self, point: Point) -> float:
-        """Return how far [m] a point in G lies inside the circle; < 0 outside."""
+        """Depth [m] of a point in G inside the circle. Negative outside."""
         return self.radius - math.hypot(*point)
 
     def distance(self, point: Point) -> float:
-        """Return the distance [m] from a point in G to the disc; 0 inside."""
+        """Distance [m] from a point in G to the disc. 0 inside."""
         return max(math.hypot(*point) - self.radius, 0.0)
 
     def holds(self, point: Point, margin: float, origin: Point) -> bool:
-        """Return whether ``point`` [m] in B is ``margin`` [m] inside the circle."""
+        """Whether ``point`` [m] in B is ``margin`` [m] inside the circle."""
         return (
             math.hypot(point[0] + origin[0], point[1] + origin[1])
             <= self.radius - margin
         )
 
     def depths(self, points: Array, origin: Point) -> Array:
-        """Return the depths (m,) of points (m, 2) over the radius."""
+        """Depths (m,) of points (m, 2), over the radius."""
         import numpy as np
 
         x, y = (points + np.array(origin)).T
@@ -223,9 +225,9 @@ class Cylinder(Shape):
     def chords(
         self, direction: Point, margin: float, origin: Point
     ) -> tuple[tuple[float, float], ...]:
-        """Return one chord: up to the circle that is ``margin`` [m] smaller.
+        """One chord, up to the circle that is ``margin`` [m] smaller.
 
-        It ends at 0 where B's origin is outside that circle and its line misses it.
+        It ends at 0 if B's origin is outside that circle and its line misses it.
         """
         cx, cy = origin
         radius = self.radius - margin
@@ -234,19 +236,19 @@ class Cylinder(Shape):
         return ((0.0, -b + math.sqrt(room) if room > 0.0 else 0.0),)
 
     def extent(self, direction: Point, origin: Point) -> float:
-        """Return how far [m] the circle extends along a unit vector."""
+        """Extent [m] of the circle along a unit vector."""
         return self.radius - origin[0] * direction[0] - origin[1] * direction[1]
 
     def farthest(self, origin: Point) -> float:
-        """Return the distance [m] from B's origin to the circle's far side."""
+        """Distance [m] from B's origin to the circle's far side."""
         return math.hypot(*origin) + self.radius
 
     def gauge(self) -> Callable[[float, float], float]:
-        """Return the distance from the centre over the radius."""
+        """Gauge function: the distance from the centre over the radius."""
         radius = self.radius
 
         def gauge(x: float, y: float) -> float:
-            """Return 0 at the centre, 1 on the circle."""
+            """Gauge value: 0 at the centre, 1 on the circle."""
             return math.hypot(x, y) / radius
 
         return gauge
@@ -254,7 +256,7 @@ class Cylinder(Shape):
     def side_places(
         self, clearance: float, tip_radius: float, origin: Point
     ) -> tuple[SidePlace, ...]:
-        """Return places in ``ROUND_SIDES`` directions."""
+        """Places in ``ROUND_SIDES`` directions."""
         out = []
         for i in range(ROUND_SIDES):
             angle = 2.0 * math.pi * i / ROUND_SIDES
@@ -267,7 +269,7 @@ class Cylinder(Shape):
         return tuple(out)
 
     def side(self, point: Point, normal: Point, origin: Point) -> Side:
-        """Return the round side."""
+        """Round side."""
         return RoundSide((-origin[0], -origin[1]), self.radius, normal)
 
     @property
@@ -278,13 +280,13 @@ class Cylinder(Shape):
         return quadrature.disc_corners(self.radius)
 
     def base_rule(self, resolution: int) -> tuple[Array, Array]:
-        """Return points (m, 2) and areas (m,): Gauss points on rings."""
+        """Points (m, 2) and areas (m,): Gauss points on rings."""
         from pushpressslide.geometry import quadrature
 
         return quadrature.disc_rule(self.radius, resolution)
 
     def pressure(self, cop: Point, resolution: int) -> tuple[Array, Array, Array]:
-        """Return points, areas and pressures; the far side lifts for a far ``cop``."""
+        """Points, areas and pressures. The far side lifts under an off-centre ``cop``."""
         from pushpressslide.geometry import quadrature
 
         return quadrature.disc_pressure(self.radius, cop, resolution)
@@ -303,10 +305,10 @@ class Part:
 
 @dataclass(frozen=True)
 class Compound(Outlined):
-    """The union of upright parts of one height, in one piece without a hole.
+    """The union of upright parts of one height, connected and without holes.
 
-    What remains of a cylinder's side is round. Raises InputError without parts; its
-    border raises ValueError where the union has a hole or several pieces.
+    The remaining part of a cylinder's side is round. Raises InputError without parts.
+    Its border raises ValueError if the union has a hole or is not connected.
     """
 
     parts: tuple[Part, ...]
@@ -334,7 +336,7 @@ class Compound(Outlined):
 
 @dataclass(frozen=True)
 class MeshSolid(Outlined):
-    """An upright solid whose border was read from a mesh; G is the mesh's own frame."""
+    """An upright solid with a border read from a mesh, with the mesh's own frame as G."""
 
     path: str  # of the file
     scale: float  # [m] of one unit of the file
@@ -355,7 +357,7 @@ class MeshSolid(Outlined):
 
     @property
     def centroid(self) -> Point:
-        """Centroid of the solid in G, from above [m]."""
+        """Centroid [m] of the solid in G, projected on the support."""
         return self.center
 
     @property

@@ -1,4 +1,4 @@
-"""The sides of a footprint as contacts see them: flat, or round.
+"""The sides of a footprint at their contacts: flat, or round.
 
 All in B, the frame at the projected centre of mass.
 """
@@ -42,30 +42,30 @@ class FlatSide:
     ends: tuple[float, float]  # [m] along the face, to the left of the normal
 
     def gap(self, tip: Point, tip_radius: float) -> tuple[float, Point]:
-        """Return gap [m] and normal; beside the face the gap is infinite."""
+        """Gap [m] and normal. The gap is infinite beyond the ends of the face."""
         gap = flat_gap(tip, tip_radius, self.normal, self.depth, self.ends)
         return gap, self.normal
 
     def foot(self, point: Point) -> Point:
-        """Return the nearest point of the line through the contact along the face."""
+        """Nearest point of the line through the contact along the face."""
         x, y = self.point
         nx, ny = self.normal
         across = (point[1] - y) * nx - (point[0] - x) * ny
         return (x - across * ny, y + across * nx)
 
     def normal_at(self, point: Point) -> Point:
-        """Return the face's normal, which is the same everywhere."""
+        """Normal of the face, the same at every point."""
         return self.normal
 
     def coordinates(self, x: Array, y: Array) -> Array:
-        """Return the places (N,) along the face [m] of points in B."""
+        """Positions (N,) along the face [m] of points in B."""
         nx, ny = self.normal
         return -ny * x + nx * y
 
 
 @dataclass(frozen=True, slots=True)
 class RoundSide:
-    """A side that is an arc: its normal follows the point that is asked about."""
+    """A side that is an arc, with a normal that depends on the point."""
 
     center: Point  # [m] in B
     radius: float  # [m]
@@ -75,7 +75,7 @@ class RoundSide:
     arc: tuple[float, float] | None = None
 
     def gap(self, tip: Point, tip_radius: float) -> tuple[float, Point]:
-        """Return gap [m] and normal; beside the arc the gap is infinite."""
+        """Gap [m] and normal. The gap is infinite beyond the ends of the arc."""
         x = self.center[0] - tip[0]
         y = self.center[1] - tip[1]
         distance = math.hypot(x, y)
@@ -85,20 +85,20 @@ class RoundSide:
         return gap, (x / distance, y / distance) if distance > 0.0 else self.normal
 
     def foot(self, point: Point) -> Point:
-        """Return the point of the circle in the same direction from its centre."""
+        """Point of the circle in the same direction from its centre."""
         x = point[0] - self.center[0]
         y = point[1] - self.center[1]
         k = self.radius / math.hypot(x, y)
         return (k * x + self.center[0], k * y + self.center[1])
 
     def normal_at(self, point: Point) -> Point:
-        """Return the unit vector from ``point`` to the centre."""
+        """Unit vector from ``point`` to the centre."""
         x = self.center[0] - point[0]
         y = self.center[1] - point[1]
         return (x / math.hypot(x, y), y / math.hypot(x, y))
 
     def coordinates(self, x: Array, y: Array) -> Array:
-        """Return the arcs (N,) from the contact [m] to points in B."""
+        """Arc lengths (N,) from the contact [m] to points in B."""
         import numpy as np
 
         x = x - self.center[0]
@@ -113,9 +113,9 @@ Side = FlatSide | RoundSide
 
 
 def on_arc(arc: tuple[float, float], direction: Point) -> bool:
-    """Return whether a direction from the centre of an arc is one of its own.
+    """Whether a direction from the centre of an arc meets the arc.
 
-    ``arc`` is the angle [rad] of its first point, and how far it goes on from there.
+    ``arc`` is the angle [rad] of its first point, and its extent from there.
     """
     start, sweep = arc
     after = math.atan2(direction[1], direction[0]) - start

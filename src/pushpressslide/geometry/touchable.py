@@ -1,7 +1,7 @@
-"""What of a border a round tip can touch: the border offset outwards by the tip's
-radius (by shapely).
+"""The parts of a border that a round tip can touch, from the border offset outwards by
+the tip's radius (by shapely).
 
-A place on a side can be touched if the tip, beside it, is clear of all the rest. The
+A place on a side can be touched if the tip there is clear of all other sides. The
 inside of a notch whose mouth is narrower than the tip cannot be touched, however wide
 the notch is behind it.
 """
@@ -38,8 +38,8 @@ class Touchable:
 
 @lru_cache(maxsize=64)
 def touchable(border: Border, tip_radius: float) -> tuple[Touchable, ...]:
-    """Return the parts of a border that a tip of ``tip_radius`` [m] can touch: all of
-    it for a point.
+    """Parts of a border that a tip of ``tip_radius`` [m] can touch. A tip of zero
+    radius touches all.
     """
     if tip_radius == 0.0:
         return tuple(Touchable(i, side) for i, side in enumerate(border.sides))
@@ -55,8 +55,10 @@ def touchable(border: Border, tip_radius: float) -> tuple[Touchable, ...]:
 
 
 def free_space(border: Border, point: Point, normal: Point, tip_radius: float) -> float:
-    """Return how far [m] a tip that touches a border at ``point`` can be drawn back
-    along the inward ``normal`` before it meets the border again; infinite if nowhere.
+    """Largest retreat [m] of a tip from a border at ``point``, against the inward
+    ``normal``, before it meets the border again.
+
+    Infinite if it does not.
     """
     from shapely import LineString
     from shapely import Point as Place
@@ -74,8 +76,8 @@ def free_space(border: Border, point: Point, normal: Point, tip_radius: float) -
 
 @lru_cache(maxsize=64)
 def _blocked(border: Border, tip_radius: float, closed: bool) -> Area:
-    """Return where the tip's centre cannot be; ``closed``: nor in a notch that it
-    cannot enter.
+    """Forbidden region of the tip's centre. With ``closed``, notches that the tip
+    cannot enter are included.
     """
     from shapely import Polygon, prepare
 
@@ -88,7 +90,7 @@ def _blocked(border: Border, tip_radius: float, closed: bool) -> Area:
 
 
 def _edge_parts(edge: Edge, tip_radius: float, blocked: Area) -> list[Edge]:
-    """Return the parts of an edge that can be touched, in order."""
+    """Touchable parts of an edge, in order."""
     from shapely import LineString, get_parts
 
     nx, ny = edge.normal
@@ -107,7 +109,7 @@ def _edge_parts(edge: Edge, tip_radius: float, blocked: Area) -> list[Edge]:
 
 
 def _between(edge: Edge, line: LineString, side: LineString) -> Edge:
-    """Return the part of an edge beside a part of its offset line."""
+    """Part of an edge that faces a part of its offset line."""
     from shapely import Point as Place
 
     first, last = sorted(line.project(Place(end)) for end in side.coords)
@@ -115,7 +117,7 @@ def _between(edge: Edge, line: LineString, side: LineString) -> Edge:
 
 
 def _arc_parts(arc: Arc, tip_radius: float, blocked: Area) -> list[Arc]:
-    """Return the parts of an arc that can be touched, in order."""
+    """Touchable parts of an arc, in order."""
     from shapely import contains_xy
 
     steps = max(2, math.ceil(arc.sweep / DEGREE))

@@ -1,6 +1,6 @@
 """The union of footprints that touch or overlap, as one border.
 
-By shapely, on a grid: parts that meet but for rounding meet.
+By shapely, on a grid, so that parts with a gap of the size of round-off are joined.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ ROUND = 0.004  # of a circle's radius: chords are up to half of that inside it
 
 
 def united(borders: Sequence[Border]) -> Border:
-    """Return the border of the union of what ``borders`` enclose.
+    """Border of the union of the areas within ``borders``.
 
-    What remains of a round part is an arc. The first side begins at the lowest corner
-    in y, of several the one that is lowest in x. Raises ValueError where the union is
-    not one piece without a hole.
+    The remaining part of a round border is an arc. The first side starts at the lowest
+    corner in y, of several the one that is lowest in x. Raises ValueError if the union
+    is not connected or has a hole.
     """
     import shapely
 
@@ -48,8 +48,10 @@ def united(borders: Sequence[Border]) -> Border:
 
 
 def bordered(whole: Polygon, arcs: Sequence[Arc] = ()) -> Border:
-    """Return the border of a polygon without holes, whose chords of ``arcs`` stand for
-    the arcs; its first side as of ``united``.
+    """Border of a polygon without holes, in which chords of ``arcs`` stand for the
+    arcs.
+
+    The first side is chosen as in ``united``.
     """
     import shapely
 
@@ -73,8 +75,8 @@ def _edges(corners: tuple[Point, ...]) -> list[Edge]:
 def _without_slivers(
     corners: tuple[Point, ...], arcs: Sequence[Arc]
 ) -> tuple[Point, ...]:
-    """Return the corners without the edges that are left where an edge meets the chords
-    of an arc that it is a tangent of: the end of the edge stays.
+    """Corners without the tiny edges between a straight edge and the chords of an arc
+    tangent to it. The end of the straight edge stays.
     """
     if not arcs:
         return corners
@@ -95,7 +97,7 @@ def _without_slivers(
 
 
 def _circle_of(edge: Edge, arcs: Sequence[Arc]) -> Arc | None:
-    """Return the circle of which an edge is about a chord, or a part of one; or None."""
+    """Circle of which an edge is nearly a chord, or a part of one, or None."""
     middle = edge.point_at(0.5 * edge.length)
     for arc in arcs:
         depths = [
@@ -110,7 +112,7 @@ def _circle_of(edge: Edge, arcs: Sequence[Arc]) -> Arc | None:
 
 
 def _first(corners: Sequence[Point], circles: Sequence[Arc | None]) -> int:
-    """Return the corner at which the first side begins."""
+    """Corner at which the first side starts."""
     begins = [
         i
         for i, circle in enumerate(circles)
@@ -123,7 +125,7 @@ def _first(corners: Sequence[Point], circles: Sequence[Arc | None]) -> int:
 def _sides(
     edges: Sequence[Edge], circles: Sequence[Arc | None]
 ) -> tuple[BorderSide, ...]:
-    """Return the edges, those in a row on one circle as one arc."""
+    """The edges, with consecutive ones on one circle joined into an arc."""
     starts = [
         i
         for i, circle in enumerate(circles)
@@ -140,11 +142,11 @@ def _sides(
 
 
 def _arc(circle: Arc, chords: Sequence[Edge]) -> Arc:
-    """Return the arc over chords in a row of a circle."""
+    """Arc over consecutive chords of a circle."""
     cx, cy = circle.center
 
     def angle(point: Point) -> float:
-        """Return the direction of a point from the centre [rad]."""
+        """Direction [rad] of a point from the centre."""
         return math.atan2(point[1] - cy, point[0] - cx)
 
     start = angle(chords[0].start)

@@ -1,1 +1,3 @@
-"""Rho, friction and pressure of a support, found from motions; recorded data sets."""
+"""Identification of rho, friction and pressure of a support from motions, and recorded
+data sets.
+"""

@@ -1,17 +1,15 @@
-"""Identification on the way: where the centre of mass of an object is that one contact
-moves, across the line to the contact, from measured poses alone (docs/mechanics.md,
-sections 2 to 4).
+"""Online identification of the centre of mass of an object that one contact moves,
+across the line to the contact, from measured poses alone (docs/mechanics.md, sections 2
+to 4).
 
-Whatever turns the object, its virtual axle does not move across its heading. A centre of
-mass elsewhere turns the whole pattern of motions with the line from it to the contact,
-and with it the heading. With the velocity of B's origin along and across the heading
-that is planned, the turn rate w, the axle's place a on the heading and the angle u by
-which the line is turned,
-
+Under any turn, the virtual axle does not move across the heading. A displaced centre of
+mass turns the whole pattern of motions, and the heading, with the line from it to the
+contact. With the velocity of B's origin along and across the planned heading, the turn
+rate w, the axle's coordinate a on the heading and the angle u by which the line is
+turned,
     across = tan(u) along - a w.
-
-Straight motion says what u is, with no force and no model of the friction; a turn says
-what a is, or u as far as a is known.
+Straight motion determines u, with no force and no model of the friction. A turn
+determines a, or u to the accuracy of a.
 """
 
 from __future__ import annotations
@@ -50,7 +48,7 @@ SURE = 2.0
 
 
 class Doubt(NamedTuple):
-    """How far what a segment is planned with may be off: standard deviations."""
+    """Standard deviations of the parameters that a segment is planned with."""
 
     heading: float = HEADING  # [rad] of the line to the contact
     axle: float = 0.0  # [m] of the virtual axle's place on the heading
@@ -65,12 +63,12 @@ class Doubt(NamedTuple):
 def doubt(
     scene: Scene, contact: Point, lever: float, reach: float, height: float
 ) -> Doubt:
-    """Return how far a plan may be off with a ``contact`` [m] in B, at ``height`` [m]
-    above the base and with a ``lever`` [m] about the centre of pressure, which is at a
-    ``reach`` [m] from the axle.
+    """Uncertainty of a plan with a ``contact`` [m] in B, at ``height`` [m] above the
+    base.
 
-    A centre of mass off along the line changes the lever; so does the moment of the
-    drag, by a friction.
+    The ``lever`` [m] is about the centre of pressure, which is at a ``reach`` [m] from
+    the axle. A centre of mass off along the line changes the lever; so does the moment
+    of the drag, through the friction.
     """
     distance = math.hypot(*contact)
     drag = scene.friction_error * scene.support.friction * height
@@ -85,14 +83,14 @@ def doubt(
 
 
 class Window(NamedTuple):
-    """What was seen in a window, in B."""
+    """Measured motion of a window, in B."""
 
     contact: Point  # [m]
     twist: tuple[float, float, float]  # [m/s], [rad/s] about the origin
 
 
 class CenterState(NamedTuple):
-    """The windows so far, and the one that is being filled."""
+    """The windows so far, and the one being filled."""
 
     center: Point = (0.0, 0.0)  # p_BCom [m] as identified
     windows: tuple[Window, ...] = ()
@@ -117,8 +115,9 @@ class CenterIdentifier:
         window: float = WINDOW,
     ) -> None:
         """Bind to a segment that is planned with the axle at ``X_BV`` for a ``contact``
-        and a ``center`` of mass [m] in B. ``window`` [s]: the time over which a twist is
-        taken.
+        and a ``center`` of mass [m] in B.
+
+        ``window`` [s] is the time over which a twist is taken.
         """
         self._off_line = doubt.off_line
         self._window = window
@@ -141,10 +140,10 @@ class CenterIdentifier:
         force: Point,
         contact: Point,
     ) -> CenterState:
-        """Return the next state after a tick.
+        """Next state after a tick.
 
-        ``force`` [N] is that of the tip on the object, along the support, at ``contact``
-        [m], both in B.
+        ``force`` [N] is that of the tip on the object, along the support, at
+        ``contact`` [m], both in B.
         """
         if state.pose is None:
             return state._replace(pose=X_WB, time=time, force=(0.0, 0.0))
@@ -170,14 +169,14 @@ class CenterIdentifier:
         return fresh._replace(windows=windows, center=center, off=off)
 
     def contradicts(self, state: CenterState, followed: Point) -> bool:
-        """Whether the centre is elsewhere than ``followed`` [m], by more than it may be
-        off by.
+        """Whether the identified centre differs from ``followed`` [m] by more than its
+        uncertainty.
         """
         aside = math.dist(state.center, followed) / self._lever
         return aside > max(self._off_line, self._sure * state.off)
 
     def carry_over(self, state: CenterState) -> CenterState:
-        """Return what stays known when a segment ends."""
+        """State that stays valid when a segment ends."""
         known = state.known
         if state.windows:
             straight, mixed, turned, _, _ = self._sums(state.windows, state)
@@ -186,14 +185,14 @@ class CenterIdentifier:
         return CenterState(state.center, known=known, before=state.center)
 
     def _aside(self, point: Point) -> float:
-        """Return how far ``point`` is across the line to the contact [m]."""
+        """Distance [m] of ``point`` across the line to the contact."""
         return point[0] * self._across[0] + point[1] * self._across[1]
 
     def _fit(
         self, state: CenterState, windows: Sequence[Window]
     ) -> tuple[Point, float]:
-        """Return p_BCom [m], on the line through B across the one to the contact, and
-        the standard deviation of that line [rad].
+        """Estimated p_BCom [m], on the line through B across the one to the contact,
+        and its standard deviation as an angle [rad].
         """
         straight, mixed, turned, seen, seen_turned = self._sums(windows, state)
         weight = straight * turned - mixed * mixed
@@ -205,8 +204,8 @@ class CenterIdentifier:
     def _sums(
         self, windows: Sequence[Window], state: CenterState
     ) -> tuple[float, float, float, float, float]:
-        """Return the normal equations of the centre's place across, over the lever, and
-        of the axle's place, over the spread of what is believed of it.
+        """Normal equations of the centre's offset over the lever, and of the axle's
+        offset over the spread of its belief.
         """
         before = self._aside(state.before) / self._lever
         straight = self._prior + state.known
@@ -224,7 +223,7 @@ class CenterIdentifier:
         return straight, mixed, turned, seen, seen_turned
 
     def _row(self, window: Window) -> Row:
-        """Return the equation of a window, in units of its noise."""
+        """Equation of a window, in units of its noise."""
         vx, vy, w = window.twist
         ex, ey = self._heading
         along = vx * ex + vy * ey

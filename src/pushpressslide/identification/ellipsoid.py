@@ -19,7 +19,7 @@ from pushpressslide.identification.pairs import LENGTH, Pairs, unit
 
 @dataclass(frozen=True, eq=False)
 class FittedEllipsoid:
-    """H(W) = w^T M w with w = (fx, fy, tau / LENGTH); the surface is H = 1."""
+    """Ellipsoid H(W) = w^T M w with w = (fx, fy, tau / LENGTH). The surface is H = 1."""
 
     matrix: Array  # (3, 3) [1/N^2], positive definite
 
@@ -34,16 +34,15 @@ class FittedEllipsoid:
         return LENGTH / (self.max_force * math.sqrt(float(self.matrix[2, 2])))
 
     def directions(self, wrenches: Array, heights: Array) -> Array:
-        """Return the unit directions (n, 3) of sliding under ``wrenches`` (n, 3).
+        """Unit directions (n, 3) of sliding under ``wrenches`` (n, 3).
 
-        Heights play no part.
+        Heights are ignored.
         """
         return unit(wrenches / (1.0, 1.0, LENGTH) @ self.matrix)
 
 
 def fit_one_parameter(pairs: Pairs) -> FittedEllipsoid:
-    """Return the ellipsoid, isotropic in translation, with the rho that fits the
-    directions best.
+    """Ellipsoid, isotropic in translation, with the rho that fits the directions best.
 
     Its mu N is the median over the pushes.
     """
@@ -51,13 +50,13 @@ def fit_one_parameter(pairs: Pairs) -> FittedEllipsoid:
 
 
 def fit_full(pairs: Pairs) -> FittedEllipsoid:
-    """Return the ellipsoid of any shape about the CoM that fits the directions best.
+    """Ellipsoid of any shape about the CoM that fits the directions best.
 
     Its mu N is the median over the pushes.
     """
 
     def matrix(z: Array) -> Array:
-        """Return a positive definite matrix (3, 3) of parameters (5,)."""
+        """Positive definite matrix (3, 3) of parameters (5,)."""
         root = np.array(
             [
                 [1.0, 0.0, 0.0],

@@ -1,7 +1,7 @@
 """The exact limit surface of a pressure distribution: from statics alone, or fitted to
 pushes.
 
-The height of the push enters: it moves load to the far side (docs/mechanics.md, 1.2).
+The height of the push matters: it moves load to the far side (docs/mechanics.md, 1.2).
 Source: docs/mechanics.md, section 1; docs/uncertainty.md.
 """
 
@@ -30,7 +30,7 @@ SURE = 1.5  # standard errors by which a fit must beat what statics expects
 
 @dataclass(frozen=True, eq=False)
 class PressureModel:
-    """Loads on points, shifted by the push; sliding by maximum dissipation."""
+    """Loads on points, shifted by the push, with sliding by maximum dissipation."""
 
     points: Array  # (n, 2) [m] in B
     shares: Array  # (n,) of the load at rest, sum 1
@@ -49,22 +49,22 @@ class PressureModel:
         return PressureSamples(self.points, self.weight * self.shares, self.radii)
 
     def directions(self, wrenches: Array, heights: Array) -> Array:
-        """Return the unit directions (n, 3) of sliding under ``wrenches`` (n, 3) at
-        ``heights`` (n,) [m].
+        """Unit directions (n, 3) of sliding under ``wrenches`` (n, 3) at ``heights``
+        (n,) [m].
         """
         return self.slides(wrenches, heights)[0]
 
     def slides(self, wrenches: Array, heights: Array) -> tuple[Array, Array]:
-        """Return the unit directions (n, 3) and the mu N (n,) [N] that put each wrench
-        on the surface.
+        """Unit directions (n, 3) and the mu N (n,) [N] that put each wrench on the
+        surface.
         """
         return slide(
             self.points, self.pushed_shares(wrenches, heights), self.radii, wrenches
         )
 
     def pushed_shares(self, wrenches: Array, heights: Array) -> Array:
-        """Return the shares of the load (m, n) under ``wrenches`` (m, 3) at ``heights``
-        (m,) [m].
+        """Fractions of the load (m, n) under ``wrenches`` (m, 3) at ``heights`` (m,)
+        [m].
 
         The centre of pressure moves by h F / N; the loads change in proportion to
         themselves and linearly over the base, down to zero. That is exact for three
@@ -81,8 +81,7 @@ class PressureModel:
 
 
 def static_model(pressure: PressureSamples, friction: float = 1.0) -> PressureModel:
-    """Return the model without a fit: ``pressure`` [N] at rest, about the centre of
-    mass.
+    """Model without a fit: ``pressure`` [N] at rest, about the centre of mass.
 
     The friction coefficient does not change the predicted directions.
     """
@@ -92,14 +91,14 @@ def static_model(pressure: PressureSamples, friction: float = 1.0) -> PressureMo
 
 
 def fit_pressure(pairs: Pairs, pressure: PressureSamples) -> PressureModel:
-    """Return the model whose pressure and friction fit ``pairs``.
+    """Model whose pressure and friction fit ``pairs``.
 
-    ``pressure`` [N] is what statics expects. The pressure at rest is the expected one
-    times the exponential of a quadratic polynomial in the position: of all
+    ``pressure`` [N] is the one expected by statics. The pressure at rest is the
+    expected one times the exponential of a quadratic polynomial in the position: of all
     distributions with the fitted first and second moments the nearest to the expected
     one. Its five coefficients are fitted to the measured directions, with the ridge
-    toward zero that predicts each push best from the others. Where no ridge predicts
-    better than the expected pressure for sure, they are zero. Friction is the median
+    toward zero that predicts each push best from the others. They are zero unless a
+    ridge is significantly better than the expected pressure. Friction is the median
     over the pushes.
     """
     expected = static_model(pressure)
@@ -107,12 +106,12 @@ def fit_pressure(pairs: Pairs, pressure: PressureSamples) -> PressureModel:
     terms = np.stack([x, y, x * x, x * y, y * y])
 
     def model(coefficients: Array) -> PressureModel:
-        """Return the model with the pressure of the coefficients (5,)."""
+        """Model with the pressure of the coefficients (5,)."""
         shares = expected.shares * np.exp(coefficients @ terms)
         return replace(expected, shares=shares / shares.sum())
 
     def predict(coefficients: Array) -> Array:
-        """Return the directions (n, 3) under the measured wrenches."""
+        """Directions (n, 3) under the measured wrenches."""
         return model(coefficients).directions(pairs.wrenches, pairs.heights)
 
     found = model(_sure_coefficients(predict, pairs.directions, len(terms)))
@@ -123,8 +122,8 @@ def fit_pressure(pairs: Pairs, pressure: PressureSamples) -> PressureModel:
 def _sure_coefficients(
     predict: Callable[[Array], Array], measured: Array, count: int
 ) -> Array:
-    """Return the coefficients (count,) of the ridge that gains most on pushes left out,
-    less ``SURE`` standard errors; zeros where none gains.
+    """Coefficients (count,) of the ridge with the largest gain on left-out pushes,
+    minus ``SURE`` standard errors. Zeros if none gains.
     """
     best = np.zeros(count)
     coefficients = best

@@ -1,4 +1,4 @@
-"""What every fitted model offers, and the least squares that fits them."""
+"""Common interface of the fitted models, and their least squares."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ class SlidingModel(Protocol):
     """Predicts the motion from the wrench."""
 
     def directions(self, wrenches: Array, heights: Array) -> Array:
-        """Return the unit directions (n, 3), as in ``Pairs``, of sliding under
-        ``wrenches`` (n, 3) [N, N m].
+        """Unit directions (n, 3), as in ``Pairs``, of sliding under ``wrenches`` (n, 3)
+        [N, N m].
 
         The wrenches are about the CoM, in B; they act at ``heights`` (n,) [m] above the
         support.
@@ -23,7 +23,7 @@ class SlidingModel(Protocol):
 
 
 class Fit(NamedTuple):
-    """Parameters that fit n measured directions."""
+    """Parameters fitted to n measured directions."""
 
     parameters: Array  # (p,)
     errors: Array  # (n, 3) predicted less measured
@@ -31,11 +31,11 @@ class Fit(NamedTuple):
     ridge: float
 
     def left_out(self) -> Array:
-        """Return the chords (n,) by which each direction would be missed by a fit to
-        the others, to first order.
+        """First-order chords (n,) between each direction and its prediction by a fit to
+        the others.
 
-        Each error is that of the fit times (I - H)^-1, H the part of the direction's
-        own measurement in its prediction.
+        Each error is that of the fit times (I - H)^-1, with H the leverage of the
+        direction's own measurement.
         """
         j = self.jacobian
         p = j.shape[2]
@@ -49,12 +49,12 @@ class Fit(NamedTuple):
 def least_squares(
     predict: Callable[[Array], Array], measured: Array, start: Array, ridge: float
 ) -> Array:
-    """Return the parameters whose directions ``predict(parameters)`` (n, 3) are nearest
-    to ``measured``.
+    """Parameters whose directions ``predict(parameters)`` (n, 3) are nearest to
+    ``measured``.
 
     Least squares of the chords between unit directions, plus ``ridge``^2 times the
-    squared parameters: the scatter of a measured direction over the scatter that a
-    parameter is believed to have.
+    squared parameters. The ridge is the scatter of a measured direction over the
+    believed scatter of a parameter.
     """
     return fitted(predict, measured, start, ridge).parameters
 
@@ -62,11 +62,11 @@ def least_squares(
 def fitted(
     predict: Callable[[Array], Array], measured: Array, start: Array, ridge: float
 ) -> Fit:
-    """Return the fit of ``least_squares`` with its errors and their jacobian."""
+    """Fit of ``least_squares`` with its errors and their jacobian."""
     from scipy import optimize
 
     def residuals(parameters: Array) -> Array:
-        """Return the chords and the ridge as one vector."""
+        """Chords and ridge as one vector."""
         return np.append((predict(parameters) - measured).ravel(), ridge * parameters)
 
     found = optimize.least_squares(residuals, start, diff_step=1e-5, max_nfev=40)

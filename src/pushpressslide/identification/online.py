@@ -1,9 +1,8 @@
-"""Identification on the way: where the virtual axle of one contact is, what turns the
-object, what holds it.
+"""Online identification for one contact: virtual axle, rho, and the drag of the object.
 
 From measured poses and the measured contact force alone. The axle is the point of the
-heading axis (x of the vehicle frame V, through the CoM) that does not move across it;
-rho follows from its distance to the centre of pressure (docs/mechanics.md, sections 2
+heading axis (x of the vehicle frame V, through the CoM) that does not move across it.
+Rho follows from its distance to the centre of pressure (docs/mechanics.md, sections 2
 and 4).
 """
 
@@ -37,15 +36,15 @@ OFF_RHO = 0.1  # the same of an ellipsoid whose rho was told, which may be wrong
 
 
 def window_of(sensing: Sensing, speed: float, lever: float) -> float:
-    """Return the time [s] over which a twist is taken of an object that is driven at
-    ``speed`` [m/s] by a contact at ``lever`` [m], with the noise of ``sensing``.
+    """Time window [s] for the twist of an object driven at ``speed`` [m/s] by a contact
+    at ``lever`` [m], with the noise of ``sensing``.
     """
     noise = max(sensing.position_noise, lever * sensing.yaw_noise)
     return max(WINDOW, WINDOW_WAY * noise / speed)
 
 
 class Identified(NamedTuple):
-    """What was seen so far, the prediction where nothing was."""
+    """Identified values, or the prediction if there are none yet."""
 
     axle: float  # [m] of the virtual axle on the heading axis, from the CoM
     # [m] tan(force angle) per curvature, > 0; rho^2 / d on an ellipsoid
@@ -55,7 +54,7 @@ class Identified(NamedTuple):
 
 
 class AxleState(NamedTuple):
-    """Sums with forgetting, and the window that is being filled."""
+    """Sums with forgetting, and the window being filled."""
 
     pose: Pose2 | None = None  # X_WB at its start
     time: float = 0.0  # [s] of its start
@@ -71,7 +70,7 @@ class AxleState(NamedTuple):
 
 
 class AxleIdentifier:
-    """Least squares with forgetting about a prediction; its state goes in and out."""
+    """Least squares with forgetting about a prediction. Its state is passed in and out."""
 
     def __init__(
         self,
@@ -86,10 +85,10 @@ class AxleIdentifier:
         """Bind to the heading axis at ``yaw`` [rad] in B.
 
         ``lever`` [m] is the contact's signed distance ahead of the centre of pressure
-        along that axis, ``cop`` [m] that centre's place on it. The force at an angle
-        from it is drag / sqrt(1 + stiffness sin^2); (d / rho)^2 if not given. ``off``:
-        share of the axle's distance by which it has to be off its prediction.
-        ``window`` [s]: the time over which a twist is taken.
+        along that axis, ``cop`` [m] that centre's coordinate on it. The force at an
+        angle from it is drag / sqrt(1 + stiffness sin^2); (d / rho)^2 if not given.
+        ``off`` is the fraction of the axle's distance by which it has to differ from
+        its prediction. ``window`` [s] is the time over which a twist is taken.
         """
         self._window = window
         self._axis = (math.cos(yaw), math.sin(yaw))
@@ -107,7 +106,7 @@ class AxleIdentifier:
     def step(
         self, state: AxleState, time: float, X_WB: Pose2, force: Point
     ) -> AxleState:
-        """Return the next state after a tick.
+        """Next state after a tick.
 
         ``force`` [N] is that of the tip on the object, along the support, in B.
         """
@@ -155,8 +154,8 @@ class AxleIdentifier:
     def _drag(
         self, before: float | None, level: float, keep: float, speed: float
     ) -> float | None:
-        """Return what holds the object [N], after a window in which the force was at a
-        ``level`` [N] and the contact moved at ``speed`` [m/s].
+        """Drag of the object [N], after a window in which the force was at a ``level``
+        [N] and the contact moved at ``speed`` [m/s].
         """
         if speed > LEAST_SPEED:
             return level if before is None else keep * before + (1.0 - keep) * level
@@ -165,7 +164,7 @@ class AxleIdentifier:
         return level if level > known else before
 
     def identified(self, state: AxleState) -> Identified | None:
-        """Return the estimates, within bounds of the prediction.
+        """Estimates, within bounds of the prediction.
 
         None while they do not contradict it, or rest on too little turning.
         """

@@ -57,7 +57,7 @@ class Pairs:
 
 
 def unit(rows: Array) -> Array:
-    """Return the rows (n, 3), each divided by its norm."""
+    """The rows (n, 3), each divided by its norm."""
     out: Array = rows / np.linalg.norm(rows, axis=1)[:, None]
     return out
 
@@ -65,8 +65,7 @@ def unit(rows: Array) -> Array:
 def measured_pairs(
     pushes: Sequence[RecordedPush], center_of_mass: Point
 ) -> tuple[Pairs, list[str]]:
-    """Return the pairs of all pushes that give one, and for each of the others why it
-    does not.
+    """Valid pairs of all pushes, and a reason for each of the other pushes.
 
     ``center_of_mass`` [m] in the object's tracked frame.
     """
@@ -83,7 +82,7 @@ def measured_pairs(
 
 
 def _measured(push: RecordedPush, center_of_mass: Point) -> Array | str:
-    """Return the figures (9,) of one push, or why there are none.
+    """Figures (9,) of one push, or the reason why it has none.
 
     They are fx, fy, tau, dx, dy, yaw, contact x, y and height.
     """
@@ -116,7 +115,7 @@ def _measured(push: RecordedPush, center_of_mass: Point) -> Array | str:
 
 
 def _probe_at(push: RecordedPush, time: Array) -> tuple[Array, Array]:
-    """Return where the probe is (n, 2) [m], and its yaw (n,) [rad], at times (n,) [s]."""
+    """Position (n, 2) [m] and yaw (n,) [rad] of the probe at times (n,) [s]."""
     clock = push.probe[:, 0]
     yaw = np.interp(time, clock, np.unwrap(_yaw(push.probe[:, 4:])))
     place = [np.interp(time, clock, push.probe[:, i]) for i in (1, 2)]

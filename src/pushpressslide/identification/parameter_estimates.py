@@ -1,4 +1,4 @@
-"""What was identified on the way, for the plans made there."""
+"""Parameters identified during a run, for its replans."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pushpressslide.identification.online import Identified
 
 
 class ParameterEstimates(NamedTuple):
-    """What measurements say instead of what was believed."""
+    """Measured values that replace believed ones."""
 
     axle: Identified | None = None  # None while the plan is not contradicted
     rho: float | None = None  # [m]; None: as believed
@@ -27,8 +27,8 @@ NOTHING = ParameterEstimates()
 
 
 def dragged_friction(scene: Scene, load: float, drag: float | None) -> float:
-    """Return the support's friction as the force says that slides the object, ``drag``
-    [N] under a ``load`` [N]; as believed where that is not contradicted.
+    """Support friction implied by the ``drag`` [N] of the object under a ``load`` [N]:
+    the belief, unless the measurement contradicts it.
     """
     friction = scene.support.friction
     if drag is None:

@@ -1,5 +1,4 @@
-"""Sets of recorded pushes: what was pushed, on which pins, and the pairs of wrench and
-motion.
+"""Sets of recorded pushes: the object, its pins, and the pairs of wrench and motion.
 
 The object is the aluminium prism of the published sets (docs/uncertainty.md); a
 folder's name gives the pins that it stands on.
@@ -60,15 +59,15 @@ class PushSet:
         return tuple((x - CENTER_OF_MASS[0], y - CENTER_OF_MASS[1]) for x, y in BASE)
 
     def static_pressure(self) -> PressureSamples:
-        """Return the load at rest [N] in B: on the pins by statics, else that of a
-        rigid face.
+        """Load at rest [N] in B: on the pins by statics, otherwise that of a rigid
+        face.
         """
         if self.pins:
             return pin_pressure(self.pins, (0.0, 0.0), self.weight)
         return punch_pressure(self.base, self.weight, (0.0, 0.0), resolution=3)
 
     def uniform_pressure(self) -> PressureSamples | None:
-        """Return the load at rest [N] in B, spread evenly; None on pins."""
+        """Uniform load at rest [N] in B, or None on pins."""
         if self.pins:
             return None
         return polygon_pressure(self.base, self.weight, resolution=6)
@@ -77,11 +76,12 @@ class PushSet:
 def load_sets(
     data: Path, progress: Callable[[float, float], None] | None = None
 ) -> tuple[list[PushSet], list[str]]:
-    """Return one set for each folder with logs at or below ``data``, and a line for
-    each text file that was passed over: no log, or a log without a push.
+    """One set for each folder with logs at or below ``data``, and a line for each
+    skipped text file.
 
-    Raises PushPressSlideError for a log that cannot be read, a set with fewer than
-    ``LEAST_PUSHES``, and where no log holds a push.
+    A text file is skipped if it is not a log, or a log without a push. Raises
+    PushPressSlideError for a log that cannot be read, a set with fewer than
+    ``LEAST_PUSHES``, and if no log holds a push.
     """
     logs, others = find_recordings(data)
     read: dict[Path, list[Recording]] = {}
@@ -104,9 +104,9 @@ def load_sets(
 
 
 def pins_of_name(name: str) -> tuple[Point, ...]:
-    """Return the pins [m] in the tracked frame for x1_x2_x3_y1_y2_y3 [mm].
+    """Pins [m] in the tracked frame for x1_x2_x3_y1_y2_y3 [mm].
 
-    Words may stand before and after them, also numbers before them; none where the name
+    Words may stand before and after them, also numbers before them. Empty if the name
     holds no six numbers in a row.
     """
     for row in NUMBERS.findall(name):
@@ -117,8 +117,9 @@ def pins_of_name(name: str) -> tuple[Point, ...]:
 
 
 def layout_note(name: str) -> str:
-    """Return what a folder's name leaves open of where the object stands; nothing for
-    x1_x2_x3_y1_y2_y3 alone and for a name with ``WHOLE_BASE``.
+    """Note on what a folder's name does not specify of the object's supports.
+
+    Empty for x1_x2_x3_y1_y2_y3 alone and for a name with ``WHOLE_BASE``.
     """
     pins = pins_of_name(name)
     if not pins:
@@ -134,7 +135,7 @@ def layout_note(name: str) -> str:
 
 
 def _names(folders: Sequence[Path]) -> dict[Path, str]:
-    """Short names that tell the folders apart."""
+    """Short names that distinguish the folders."""
     depth = 1
     while len({folder.parts[-depth:] for folder in folders}) < len(folders):
         depth += 1

@@ -1,4 +1,4 @@
-"""A convex polynomial of fourth order, which needs nothing known of the support.
+"""A convex polynomial of fourth order, which needs no knowledge of the support.
 
 After Zhou, Paolini, Bagnell, Mason, "A convex polynomial force-motion model for planar
 sliding", ICRA 2016; here as a sum of fourth powers with coefficients >= 0, which is
@@ -25,16 +25,16 @@ LEVEL_WEIGHT = 0.1
 
 @dataclass(frozen=True, eq=False)
 class FittedQuartic:
-    """H(W) = sum_k c_k (a_k . (fx, fy, tau / rho))^4, to a factor."""
+    """Quartic H(W) = sum_k c_k (a_k . (fx, fy, tau / rho))^4, up to a factor."""
 
     axes: Array  # (k, 3) unit vectors a_k
     coefficients: Array  # (k,) c_k >= 0
     rho: float  # [m] of the one-parameter ellipsoid
 
     def directions(self, wrenches: Array, heights: Array) -> Array:
-        """Return the unit directions (n, 3) of sliding under ``wrenches`` (n, 3).
+        """Unit directions (n, 3) of sliding under ``wrenches`` (n, 3).
 
-        Heights play no part.
+        Heights are ignored.
         """
         along = wrenches / (1.0, 1.0, self.rho) @ self.axes.T
         return unit(
@@ -43,7 +43,7 @@ class FittedQuartic:
 
 
 def fit_quartic(pairs: Pairs) -> FittedQuartic:
-    """Return the sum of fourth powers whose directions are nearest to the measured.
+    """Sum of fourth powers whose directions are nearest to the measured ones.
 
     Non-negative least squares of directions and levels, with a ridge toward the sphere
     in (fx, fy, tau/rho).
@@ -62,7 +62,7 @@ def fit_quartic(pairs: Pairs) -> FittedQuartic:
 
 @dataclass(frozen=True, eq=False)
 class _Residuals:
-    """What the coefficients c (k,) leave of directions, levels and ridge."""
+    """Residuals of directions, levels and ridge for coefficients c (k,)."""
 
     gradients: Array  # (n, 3, k) of the powers at the measured wrenches
     along: Array  # (n, k) of the measured wrenches on the axes
@@ -70,7 +70,7 @@ class _Residuals:
     sphere: Array  # (k,) coefficients of the sphere
 
     def evaluate(self, c: Array) -> tuple[Array, Array]:
-        """Return the residuals (m,) and their derivatives (m, k)."""
+        """Residuals (m,) and their derivatives (m, k)."""
         gradients = self.gradients
         g = gradients @ c
         size = np.linalg.norm(g, axis=1)[:, None, None]
@@ -86,7 +86,7 @@ class _Residuals:
 
 
 def _least_squares(residuals: _Residuals, c: Array) -> Array:
-    """Return the coefficients >= 0 by Gauss-Newton from ``c``.
+    """Coefficients >= 0 by Gauss-Newton from ``c``.
 
     Each step is linear and non-negative, and is halved until it gains.
     """

@@ -2,7 +2,7 @@
 ICRA 2016).
 
 One log holds N pushes: poses of the object before and after, forces and poses of the
-probe on the way. The format is described in docs/uncertainty.md.
+probe during the push. The format is described in docs/uncertainty.md.
 """
 
 from __future__ import annotations
@@ -47,11 +47,11 @@ class Recording:
 
 
 def read_recording(path: Path) -> Recording:
-    """Return the pushes of a log; blank lines are passed over.
+    """Pushes of a log. Blank lines are skipped.
 
     The recorder writes the number of pushes first and each push when it is done, so a
     log may hold fewer whole pushes than its first line says, or none. Raises
-    PushPressSlideError, with the line and what belongs there, for anything else.
+    PushPressSlideError, with the line and its expected content, for anything else.
     """
     rows = _rows(path)
     if not rows:
@@ -79,12 +79,12 @@ def read_recording(path: Path) -> Recording:
 
 
 def find_recordings(data: Path) -> tuple[list[Path], list[Path]]:
-    """Return the logs in ``data``, a log or a folder with logs at any depth, and the
-    texts that are none.
+    """Logs in ``data``, a log or a folder with logs at any depth, and the text files
+    that are not logs.
 
-    In a folder every .txt file counts whose first line is a number, but for the
-    recorder's lists of commanded pushes ("pushaction"). Raises PushPressSlideError
-    where there is no log.
+    In a folder every .txt file counts whose first line is a number, except the
+    recorder's lists of commanded pushes ("pushaction"). Raises PushPressSlideError if
+    there is no log.
     """
     if data.is_file():
         return [data], []
@@ -155,9 +155,9 @@ def _count(path: Path, rows: Sequence[Row], index: int, what: str) -> int:
 
 
 def _block(path: Path, rows: Sequence[Row], first: int, count: int, form: str) -> Array:
-    """Return ``count`` lines of numbers as an array.
+    """Array of ``count`` lines of numbers.
 
-    The first number of ``form`` says how many in each.
+    The first number of ``form`` is the number of columns.
     """
     width = int(form[0])
     lines = rows[first : first + count]
@@ -174,9 +174,9 @@ def _block(path: Path, rows: Sequence[Row], first: int, count: int, form: str) -
 
 
 def _numbers(lines: Sequence[Row]) -> Array:
-    """Return the lines as rows of numbers.
+    """The lines as rows of numbers.
 
-    Without columns if they are not numbers, or unequally many.
+    Without columns if they are not numbers, or have unequal lengths.
     """
     try:
         return np.array([line.split() for _, line in lines], dtype=np.float64)

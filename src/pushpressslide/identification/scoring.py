@@ -1,6 +1,4 @@
-"""What is identified from a set of pushes, and how well models predict pushes they were
-not fitted to.
-"""
+"""Models identified from a set of pushes, and their held-out prediction errors."""
 
 from __future__ import annotations
 
@@ -55,7 +53,7 @@ class Score:
 
 @dataclass(frozen=True, eq=False)
 class Identification:
-    """What one set of pushes says; the models here are fitted to all of its pushes."""
+    """Results for one set of pushes. The models are fitted to all of its pushes."""
 
     push_set: PushSet
     ellipsoid: FittedEllipsoid  # one parameter
@@ -70,8 +68,8 @@ def identified(
     seed: int,
     progress: Progress | None = None,
 ) -> Identification:
-    """Return the models of a set, fitted to all of its pushes, and the scores of models
-    fitted to parts.
+    """Models of a set, fitted to all of its pushes, and scores of models fitted to
+    parts.
 
     ``splits`` random parts with ``fit_share`` of the pushes each; the same seed gives
     the same parts.
@@ -84,7 +82,7 @@ def identified(
 
 
 def fits_of(push_set: PushSet) -> dict[str, Fit]:
-    """Return every model by its name, as a function that fits it to pairs."""
+    """Fitting function of every model, by name."""
     expected = push_set.static_pressure()
     uniform = push_set.uniform_pressure()
     fits: dict[str, Fit] = {
@@ -102,7 +100,7 @@ def fits_of(push_set: PushSet) -> dict[str, Fit]:
 def random_splits(
     n: int, fit_share: float, splits: int, seed: int
 ) -> list[tuple[Rows, Rows]]:
-    """Return ``splits`` random parts of n pushes: rows to fit, rows to test.
+    """Random splits of n pushes, ``splits`` of them: rows to fit, rows to test.
 
     At least one in each.
     """
@@ -118,10 +116,10 @@ def score(
     splits: list[tuple[Rows, Rows]],
     progress: Progress | None = None,
 ) -> dict[str, Score]:
-    """Return the score of each model, fitted to the first and tested on the second rows
-    of each split.
+    """Score of each model, fitted to the first and tested on the second rows of each
+    split.
 
-    Of the test pushes a model is given the wrench and the height of the contact, and no
+    Of the test pushes a model gets the wrench and the height of the contact, and no
     more.
     """
     measured = pairs.directions
@@ -141,6 +139,6 @@ def score(
 
 
 def angles(a: Array, b: Array) -> Array:
-    """Return the angles [rad] (n,) between unit directions (n, 3)."""
+    """Angles [rad] (n,) between unit directions (n, 3)."""
     out: Array = 2.0 * np.arcsin(np.minimum(0.5 * np.linalg.norm(a - b, axis=1), 1.0))
     return out

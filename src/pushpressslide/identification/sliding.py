@@ -17,14 +17,14 @@ from pushpressslide.identification.pairs import LENGTH, unit
 def slide(
     points: Array, shares: Array, radii: Array, wrenches: Array
 ) -> tuple[Array, Array]:
-    """Return unit directions (m, 3) of sliding, and the mu N (m,) [N] that put each
-    wrench on the surface.
+    """Unit directions (m, 3) of sliding, and the mu N (m,) [N] that put each wrench on
+    the surface.
 
     ``points`` (n, 2) [m] and ``radii`` (n,) [m], > 0, of the loads; ``shares`` (m, n)
     of the total load for each wrench; ``wrenches`` (m, 3) [N, N m], not zero. All about
-    the origin, directions as in ``Pairs``. The direction has the least friction power
-    among those with unit power of the wrench; Newton steps with a line search, all
-    wrenches at a time.
+    the origin, directions as in ``Pairs``. The direction has the smallest friction
+    power among those with unit power of the wrench. It is found by Newton steps with a
+    line search, all wrenches at a time.
     """
     size = np.linalg.norm(wrenches / (1.0, 1.0, LENGTH), axis=1)
     target = wrenches / (1.0, 1.0, LENGTH) / size[:, None]
@@ -53,7 +53,7 @@ def slide(
 
 @dataclass(frozen=True, eq=False)
 class _Friction:
-    """The friction of n loads, each with a part of every one of m total loads."""
+    """The friction of n loads, with separate fractions for each of m total loads."""
 
     x: Array  # (n,) over LENGTH
     y: Array  # (n,)
@@ -61,12 +61,12 @@ class _Friction:
     shares: Array  # (m, n)
 
     def power(self, nu: Array) -> Array:
-        """Return the power (m,) over mu N of twists (m, 3)."""
+        """Power (m,) over mu N of twists (m, 3)."""
         total: Array = (self.shares * self._speeds(nu)[2]).sum(1)
         return total
 
     def derivatives(self, nu: Array) -> tuple[Array, Array]:
-        """Return the gradients (m, 3) and Hessians (m, 3, 3) of the power."""
+        """Gradients (m, 3) and Hessians (m, 3, 3) of the power."""
         x = self.x
         y = self.y
         px, py, speed = self._speeds(nu)
@@ -89,7 +89,7 @@ class _Friction:
 
 
 def _newton_step(gradient: Array, hessian: Array, basis: Array) -> tuple[Array, Array]:
-    """Return steps (m, 2) along the ``basis`` (m, 3, 2), and the slopes (m,) there."""
+    """Steps (m, 2) along the ``basis`` (m, 3, 2), and the slopes (m,) there."""
     slopes = (gradient[:, None] @ basis)[:, 0]
     curvature = basis.transpose(0, 2, 1) @ hessian @ basis
     curvature += (
@@ -102,8 +102,8 @@ def _newton_step(gradient: Array, hessian: Array, basis: Array) -> tuple[Array, 
 
 
 def _basis(normals: Array) -> Array:
-    """Return two unit vectors across each of the unit ``normals`` (m, 3), as columns
-    (m, 3, 2).
+    """Two unit vectors across each of the unit ``normals`` (m, 3), as columns (m, 3,
+    2).
     """
     other = np.eye(3)[np.abs(normals).argmin(axis=1)]
     first = unit(np.cross(normals, other))

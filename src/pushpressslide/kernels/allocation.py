@@ -1,5 +1,7 @@
-"""What the kernels of all allocators share: their statuses, as numbers, and their answers
-(forces, normal forces, margin, status, residual); ``core.allocation`` says the units.
+"""Status numbers and result layout shared by the kernels of all allocators.
+
+A result is (forces, normal forces, margin, status, residual), in the units of
+``core.allocation``.
 """
 
 from __future__ import annotations

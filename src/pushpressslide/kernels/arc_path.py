@@ -1,5 +1,5 @@
-"""Paths of circular arcs and lines: the nearest point, and the path without its jumps of
-curvature; and a trapezoidal speed along them.
+"""Paths of circular arcs and lines: nearest point, smoothed curvature, and a
+trapezoidal speed profile.
 """
 
 from __future__ import annotations
@@ -37,19 +37,19 @@ def _three(row: Sequence[float]) -> Bend:
 
 @compiled_as(_eight)
 def piece_of(row: Sequence[float]) -> Piece:
-    """Return a row of pieces; compiled code takes it from an array."""
+    """One row of pieces. Compiled code takes it from an array."""
     return cast(Piece, row)
 
 
 @compiled_as(_three)
 def bend_of(row: Sequence[float]) -> Bend:
-    """Return a row of bends; compiled code takes it from an array."""
+    """One row of bends. Compiled code takes it from an array."""
     return cast(Bend, row)
 
 
 @kernel
 def wrapped(angle: float) -> float:
-    """Return an angle [rad] in [-pi, pi], without rounding."""
+    """Angle [rad] wrapped to [-pi, pi], without rounding."""
     if -pi <= angle <= pi:
         return angle
     if angle > 0.0:
@@ -68,8 +68,10 @@ def nearest(
     sections: Sequence[Sequence[float]],
     bends: Sequence[Sequence[float]],
 ) -> Nearest:
-    """Return where a path is nearest to (x, y) [m], on the piece of arc length ``s`` or
-    one after it; heading and curvature ``eased`` over ``half`` [m].
+    """Point of a path nearest to (x, y) [m], on the arc at arc length ``s`` or one
+    after it.
+
+    Heading and curvature are ``eased`` over ``half`` [m].
     """
     near = s
     left = inf
@@ -102,8 +104,8 @@ def nearest(
 
 @kernel
 def eased(s: float, half: float, bends: Sequence[Sequence[float]]) -> Vector:
-    """Return what is added at arc length ``s`` [m] to heading [rad] and curvature [1/m]
-    where the path is averaged over ``half`` [m] before and behind.
+    """Corrections of heading [rad] and curvature [1/m] at arc length ``s`` [m] for a
+    path averaged over ``half`` [m] before and behind.
     """
     heading = 0.0
     curvature = 0.0
@@ -124,8 +126,8 @@ def eased(s: float, half: float, bends: Sequence[Sequence[float]]) -> Vector:
 
 @kernel
 def trapezoid(t: float, length: float, cruise: float, acceleration: float) -> Vector:
-    """Return arc length [m] and speed [m/s] at time ``t`` [s] of a motion from rest to
-    rest, held at the ends.
+    """Arc length [m] and speed [m/s] at time ``t`` [s] of a motion from rest to rest,
+    clamped at the ends.
     """
     if t <= 0.0 or length <= 0.0:
         return 0.0, 0.0

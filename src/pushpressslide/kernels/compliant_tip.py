@@ -1,10 +1,10 @@
-"""What a massless, compliant tip does at a contact: its force on the body as a function of
-the body's twist.
+"""Contact of a massless, compliant tip: its force on the body as a function of the
+body's twist.
 
-The tip's own law is f = f_0 - B v, B > 0 along two axes of the plane: a force, a
-spring, taken at the end of the tick, and a damper. With it each contact's force is an
-explicit function of the velocity that the body carries the tip's centre with: there is
-nothing to iterate between stick, slip and separation (docs/mechanics.md, section 3).
+The tip's own law is f = f_0 - B v, B > 0 along two axes of the plane. It combines a
+force, a spring evaluated at the end of the tick, and a damper. Each contact's force is
+thus an explicit function of the velocity of the tip's centre as carried by the body. No
+iteration between stick, slip and separation is needed (docs/mechanics.md, section 3).
 Frame B, places relative to the centre of pressure.
 """
 
@@ -51,8 +51,10 @@ LEVEL = (0.0, 0.0, 0.0, 0.0)
 def side_contact(
     tip: Vector, radius: float, gap: float, law: Law, friction: float, dt: float
 ) -> Side:
-    """Return the contact of a tip whose centre is at ``tip`` [m], ``gap`` [m] before
-    the side whose inward normal is the law's axis, in a tick of ``dt`` [s].
+    """Contact of a tip with its centre at ``tip`` [m], ``gap`` [m] before a side, in a
+    tick of ``dt`` [s].
+
+    The inward normal of the side is the law's axis.
     """
     nx, ny = law[0]
     out = gap + radius
@@ -63,7 +65,7 @@ def side_contact(
 
 @kernel
 def tip_velocity(force: Vector, law: Law) -> Vector:
-    """Return the velocity [m/s] of a tip that exerts ``force`` [N], both in B."""
+    """Velocity [m/s] of a tip that exerts ``force`` [N], both in B."""
     (ax, ay), (f1, f2), (d1, d2) = law
     v1 = (f1 - (ax * force[0] + ay * force[1])) / d1
     v2 = (f2 - (ax * force[1] - ay * force[0])) / d2
@@ -72,10 +74,10 @@ def tip_velocity(force: Vector, law: Law) -> Vector:
 
 @kernel
 def side_touch(vx: float, vy: float, w: float, contact: Side) -> Touch:
-    """Return what a tip at a side does under a body's twist.
+    """Force, slope and status of a tip at a side under a body's twist.
 
-    The normal force is what keeps the tip out of the face, or none; it is free of
-    the friction, which is what holds the tip on the face, up to the cone's edge.
+    Complementarity: the normal force prevents penetration or is zero. Friction holds
+    the tip on the face, up to the cone's edge.
     """
     point, center, law, friction, approach = contact
     axis, (fn, ft), (bn, bt) = law
@@ -100,10 +102,11 @@ def side_touch(vx: float, vy: float, w: float, contact: Side) -> Touch:
 
 @kernel
 def wedged_touch(vx: float, vy: float, w: float, own: Side, wall: Side) -> Touch:
-    """Return what a tip between its own side and another wall of a notch does.
+    """Force, slope and status of a tip between its own side and another wall of a
+    notch.
 
-    It touches the one that alone keeps it out of both; where neither does, it sticks
-    between them. Its force is taken to act at its centre.
+    If contact with one wall alone keeps it out of both, it touches that one. Otherwise
+    it sticks between them. Its force is taken to act at its centre.
     """
     center = own[1]
     force, slope, status, _, _ = side_touch(vx, vy, w, own)
@@ -120,7 +123,7 @@ def wedged_touch(vx: float, vy: float, w: float, own: Side, wall: Side) -> Touch
 def stuck_between(
     vx: float, vy: float, w: float, own: Side, wall: Side
 ) -> tuple[Vector, Slope, int]:
-    """Return the force of a tip that closes both gaps and moves with the body."""
+    """Force of a tip that closes both gaps and moves with the body."""
     _, center, law, _, a = own
     axis, (fn, ft), (bn, bt) = law
     ax, ay = axis
@@ -142,7 +145,7 @@ def stuck_between(
 def enters(
     vx: float, vy: float, w: float, touched: Side, other: Side, force: Vector
 ) -> bool:
-    """Return whether a tip that touches one side would go into another one."""
+    """Whether a tip that touches one side would penetrate another one."""
     ux, uy = tip_velocity(force, touched[2])
     cx, cy = touched[1]
     nx, ny = other[2][0]
@@ -154,8 +157,9 @@ def enters(
 def press_touch(
     vx: float, vy: float, w: float, point: Vector, law: Law, limit: float
 ) -> Touch:
-    """Return what a tip pressed on the top face at ``point`` [m] does: what holds it, or
-    the ``limit`` [N] against its slip.
+    """Force, slope and status of a tip pressed on the top face at ``point`` [m].
+
+    It sticks, or slips with the force ``limit`` [N] against its slip.
     """
     axis, (f1, f2), (d1, d2) = law
     ax, ay = axis
@@ -177,8 +181,8 @@ def press_touch(
 
 @kernel
 def turned(axis: Vector, s11: float, s12: float, s22: float) -> Slope:
-    """Return a symmetric matrix, given along ``axis`` and to its left, in B: xx, xy,
-    yx, yy.
+    """Components xx, xy, yx, yy in B of a symmetric matrix given along ``axis`` and to
+    its left.
     """
     if s11 == s22 and s12 == 0.0:
         return s11, 0.0, 0.0, s11
@@ -196,8 +200,8 @@ def turned(axis: Vector, s11: float, s12: float, s22: float) -> Slope:
 def sliding_force(
     holding: Vector, damping: Vector, limit: float
 ) -> tuple[float, float, float]:
-    """Return the force of size ``limit`` along the slip that it leaves, and slip per
-    force [m/(N s)].
+    """Force of size ``limit`` along the slip that remains under it, and slip per force
+    [m/(N s)].
 
     ``holding`` is the force that would prevent the slip s; D s = holding - f and s = m
     f, so that f_i = holding_i / (1 + d_i m): 1/|f| is concave in m, and Newton's steps

@@ -1,4 +1,4 @@
-"""The line through two contacts, and what a wrench asks of them along and across it
+"""The line through two contacts, and the components of a wrench along and across it
 (docs/mechanics.md, sections 6 and 7).
 """
 
@@ -17,9 +17,7 @@ in B.
 
 @kernel
 def contact_line(first: Vector, second: Vector) -> Line:
-    """Return the line from one contact to another [m]; of no direction where their
-    distance is zero.
-    """
+    """Line from one contact to another [m]. Its direction is zero if their distance is."""
     dx = second[0] - first[0]
     dy = second[1] - first[1]
     length = hypot(dx, dy)
@@ -32,7 +30,7 @@ def contact_line(first: Vector, second: Vector) -> Line:
 
 @kernel
 def line_parts(fx: float, fy: float, tau: float, line: Line, about: Vector) -> Wrench:
-    """Return (F.e, g_1, g_2) [N] of a wrench with its moment about ``about`` [m].
+    """Wrench components (F.e, g_1, g_2) [N], with the moment about ``about`` [m].
 
     g_1 = F.m/2 - tau_mid/l and g_2 = F.m/2 + tau_mid/l, tau_mid the moment about the
     middle.

@@ -60,14 +60,14 @@ Solutions = tuple[
 
 @kernel
 def quick_full_turn(angle: float) -> float:
-    """Return ``full_turn`` in one way for all angles."""
+    """``full_turn`` by one formula for all angles."""
     angle = turn_part(angle)
     return angle if ROUND_OFF < angle < TURN - ROUND_OFF else 0.0
 
 
 @compiled_as(quick_full_turn)
 def full_turn(angle: float) -> float:
-    """Return an angle [rad] in [0, 2 pi), zero where it is a full turn to round-off."""
+    """Angle [rad] in [0, 2 pi), zero if it is a full turn to round-off."""
     if TURN <= angle < 2.0 * TURN:
         angle = angle - TURN
     elif -TURN < angle < 0.0:
@@ -83,7 +83,7 @@ def full_turn(angle: float) -> float:
 def turning_circles(
     start: Pose, goal: Pose, kappa_left: float, kappa_right: float
 ) -> Circles:
-    """Return the circles of two poses; curvature limits [1/m] > 0."""
+    """Turning circles of two poses, for curvature limits [1/m] > 0."""
     rl = 1.0 / kappa_left
     rr = 1.0 / kappa_right
     yaw = goal[2] - start[2]
@@ -110,8 +110,8 @@ def turning_circles(
 
 @kernel
 def dubins_solutions(circles: Circles) -> Solutions:
-    """Return the paths of all words, in their order; those of three arcs twice, for the
-    two places of the middle circle.
+    """Paths of all words, in order. Those of three arcs come twice, once for each
+    position of the middle circle.
     """
     rl, rr, left, right, yaw, _ = circles
     both = rl + rr
@@ -135,10 +135,10 @@ def dubins_solutions(circles: Circles) -> Solutions:
 
 @kernel
 def centre_line(circles: Circles, dx: float, dy: float) -> Vector:
-    """Distance [m] and direction [rad] of two centres.
+    """Distance [m] and direction [rad] between two centres.
 
-    The direction is 0 where there is no distance, and a heading where the line is along
-    that but for rounding.
+    The direction is 0 for zero distance, and snaps to a heading that it equals to
+    round-off.
     """
     length = hypotenuse(dx, dy)
     if not length > ROUND_OFF * (circles[0] + circles[1]):
@@ -156,10 +156,11 @@ def centre_line(circles: Circles, dx: float, dy: float) -> Vector:
 
 @kernel
 def inner_tangent(dx: float, dy: float, both: float) -> Pose:
-    """Return the straight part [m] of the inner tangent of two circles, < 0 where there
-    is none, their direction and the angle [rad] from there to the tangent.
+    """Straight part [m] of the inner tangent of two circles, < 0 if there is none, the
+    direction between the centres, and the angle [rad] from there to the tangent.
 
-    The centres are the straight apart along the tangent, and ``both`` radii across it.
+    The distance of the centres is the straight part along the tangent, and ``both``
+    radii across it.
     """
     square = dx * dx + dy * dy - both * both
     if not square >= -(ROUND_OFF * both) * both:
@@ -170,7 +171,7 @@ def inner_tangent(dx: float, dy: float, both: float) -> Pose:
 
 @kernel
 def left_right(circles: Circles) -> Solution:
-    """Return LSR."""
+    """The path LSR."""
     rl, rr, _, right, yaw, _ = circles
     straight, direction, opening = inner_tangent(right[0], right[1] - rl, rl + rr)
     if not straight >= 0.0:
@@ -183,7 +184,7 @@ def left_right(circles: Circles) -> Solution:
 
 @kernel
 def right_left(circles: Circles) -> Solution:
-    """Return RSL."""
+    """The path RSL."""
     rl, rr, left, _, yaw, _ = circles
     straight, direction, opening = inner_tangent(left[0], left[1] + rr, rl + rr)
     if not straight >= 0.0:
@@ -196,8 +197,10 @@ def right_left(circles: Circles) -> Solution:
 
 @kernel
 def middle_opening(half: float) -> float:
-    """Return the angle [rad] from the line of centres to the middle circle's, < 0 where
-    that cannot touch both; ``half`` is half the distance of the centres over rl + rr.
+    """Angle [rad] from the line of centres to the middle circle's centre, < 0 if that
+    circle cannot touch both.
+
+    ``half`` is half the distance of the centres over rl + rr.
     """
     if not half <= 1.0 + ROUND_OFF:
         return -1.0
@@ -206,7 +209,7 @@ def middle_opening(half: float) -> float:
 
 @kernel
 def right_arcs(circles: Circles, angle: float, side: float, opening: float) -> Solution:
-    """Return RLR with the middle circle at ``side`` [rad] of the line of centres."""
+    """The path RLR with the middle circle at ``side`` [rad] from the line of centres."""
     rl, rr, _, _, yaw, _ = circles
     if opening < 0.0:
         return inf, NONE, 0.0, 0.0, 0.0
@@ -220,7 +223,7 @@ def right_arcs(circles: Circles, angle: float, side: float, opening: float) -> S
 
 @kernel
 def left_arcs(circles: Circles, angle: float, side: float, opening: float) -> Solution:
-    """Return LRL with the middle circle at ``side`` [rad] of the line of centres."""
+    """The path LRL with the middle circle at ``side`` [rad] from the line of centres."""
     rl, rr, _, _, yaw, _ = circles
     if opening < 0.0:
         return inf, NONE, 0.0, 0.0, 0.0
@@ -234,7 +237,7 @@ def left_arcs(circles: Circles, angle: float, side: float, opening: float) -> So
 
 @kernel
 def shortest_solution(circles: Circles) -> Solution:
-    """Return the shortest path; of equally short words the first."""
+    """Shortest path, the first of equally short words."""
     lsl, rsr, lsr, rsl, rlr_1, rlr_2, lrl_1, lrl_2 = dubins_solutions(circles)
     best = shorter(shorter(shorter(lsl, rsr), lsr), rsl)
     return shorter(shorter(shorter(shorter(best, rlr_1), rlr_2), lrl_1), lrl_2)
@@ -242,7 +245,7 @@ def shortest_solution(circles: Circles) -> Solution:
 
 @kernel
 def shorter(first: Solution, second: Solution) -> Solution:
-    """Return the shorter of two paths, the first where they are equally short."""
+    """The shorter of two paths, or the first if they are equally short."""
     return second if second[0] < first[0] * (1.0 - ROUND_OFF) else first
 
 
@@ -250,8 +253,8 @@ def shorter(first: Solution, second: Solution) -> Solution:
 def shortest_dubins(
     start: Pose, goal: Pose, kappa_left: float, kappa_right: float
 ) -> tuple[float, int, Pose, Pose]:
-    """Return length [m], word, lengths [m] and curvatures [1/m] of the shortest path;
-    NaN and ``NONE`` where a pose is no number.
+    """Length [m], word, lengths [m] and curvatures [1/m] of the shortest path. NaN and
+    ``NONE`` if a pose is not finite.
     """
     circles = turning_circles(start, goal, kappa_left, kappa_right)
     if not isfinite(circles[4]):
@@ -273,7 +276,7 @@ def shortest_dubins(
 def shortest_dubins_length(
     start: Pose, goal: Pose, kappa_left: float, kappa_right: float
 ) -> tuple[float]:
-    """Return the length [m] of the shortest path; NaN where a pose is no number."""
+    """Length [m] of the shortest path. NaN if a pose is not finite."""
     circles = turning_circles(start, goal, kappa_left, kappa_right)
     if not isfinite(circles[4]):
         return (nan,)

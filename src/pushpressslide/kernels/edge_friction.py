@@ -65,7 +65,7 @@ def polygon_friction(
     series: Series,
     sloped: bool = True,
 ) -> Friction:
-    """Return wrench and slope of a twist; without ``sloped`` the slope may be wrong."""
+    """Wrench and slope of a twist. The slope is valid only with ``sloped``."""
     square = vx * vx + vy * vy
     turn = w * w
     if not square + turn <= FASTEST:
@@ -81,14 +81,14 @@ def polygon_friction(
 def near(
     vx: float, vy: float, w: float, plane: Plane, edges: Edges, sloped: bool = True
 ) -> Friction:
-    """Return wrench and slope of a twist by integrals over the edges, ``w`` not zero;
-    the slope is wrong without ``sloped``.
+    """Wrench and slope of a twist by integrals over the edges, for ``w`` not zero. The
+    slope is valid only with ``sloped``.
 
-    Places R are from the centre of rotation c; u is J R / |R| for w > 0. The unit vector
-    e leads from the centre of pressure to c, and f = |R| + e . R, whose gradient is
-    R / |R| + e, is small where c is far away. With the outward normal n of an edge, its
-    distance k and p = p_0 + q . r, the divergence theorem gives the integrals over the
-    area
+    Places R are from the centre of rotation c; u is J R / |R| for w > 0. The unit
+    vector e leads from the centre of pressure to c, and f = |R| + e . R, whose gradient
+    is R / |R| + e, is small where c is far away. With the outward normal n of an edge,
+    its distance k and p = p_0 + q . r, the divergence theorem gives the integrals over
+    the area
 
     - of f: a third of the sum of k int f ds,
     - of p f: a fourth of the sum of k int p f ds and of p(c) times the first,
@@ -111,7 +111,7 @@ def near(
 
 @kernel
 def center_of_rotation(vx: float, vy: float, w: float, plane: Plane) -> Center:
-    """Return where a body that turns stands still."""
+    """Instantaneous centre of rotation of a turning body."""
     cx = -vy / w
     cy = vx / w
     distance = sqrt(cx * cx + cy * cy)
@@ -122,7 +122,7 @@ def center_of_rotation(vx: float, vy: float, w: float, plane: Plane) -> Center:
 
 @kernel
 def over_edges(edges: Edges, center: Center, sloped: bool) -> tuple[Forces, Stretches]:
-    """Return the sums over the edges; without ``sloped`` those of the slope are zero."""
+    """Sums over the edges. Without ``sloped`` those of the slope are zero."""
     reach = 0.0
     work = 0.0
     gx = 0.0
@@ -162,7 +162,7 @@ def over_edges(edges: Edges, center: Center, sloped: bool) -> tuple[Forces, Stre
 
 @kernel
 def first_end(x: float, y: float, center: Center) -> Vector:
-    """Return |R| and f at a corner."""
+    """The values |R| and f at a corner."""
     cx, cy, ex, ey, _ = center
     ra = sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy))
     return ra, beyond(ex * (x - cx) + ey * (y - cy), ex * y - ey * x, ra)
@@ -170,7 +170,7 @@ def first_end(x: float, y: float, center: Center) -> Vector:
 
 @kernel
 def second_end(edge: Edge, center: Center) -> tuple[float, float, float, float]:
-    """Return the distance k of an edge, e along it, and |R| and f at its second end."""
+    """Distance k of an edge, e along it, and |R| and f at its second end."""
     x0, y0, tx, ty, length, _, _, _ = edge
     cx, cy, ex, ey, _ = center
     x = x0 - cx
@@ -186,8 +186,8 @@ def second_end(edge: Edge, center: Center) -> tuple[float, float, float, float]:
 
 @kernel
 def beyond(ahead: float, aside: float, distance: float) -> float:
-    """Return |R| + e . R of a place R from its |R|, e . R and e x R, without cancellation
-    where the two are opposite.
+    """|R| + e . R of a place R from its |R|, e . R and e x R, without cancellation if
+    the two are opposite.
     """
     if ahead < 0.0:
         return aside * aside / (distance + abs(ahead) + LEAST)
@@ -196,7 +196,7 @@ def beyond(ahead: float, aside: float, distance: float) -> float:
 
 @kernel
 def bulge(z: float, half_log: float) -> float:
-    """Return ``tail`` of 1 - (1 / z - z) artanh z = 2 z^2 (1 / 3 + tail)."""
+    """The value ``tail`` of 1 - (1 / z - z) artanh z = 2 z^2 (1 / 3 + tail)."""
     u = z * z
     if z < SHORT:
         rest = 1 / 63 + u * (1 / 99 + u * (1 / 143 + u / 195))
@@ -206,7 +206,7 @@ def bulge(z: float, half_log: float) -> float:
 
 @kernel
 def stretched(sums: Stretches, edge: Edge, side: Side) -> Stretches:
-    """Return the sums with one edge more."""
+    """The sums with one edge added."""
     hx, hy, xx, xy, yy = sums
     _, _, tx, ty, _, _, across, _ = edge
     k, half_log, rise, radial, level = side
@@ -225,8 +225,8 @@ def stretched(sums: Stretches, edge: Edge, side: Side) -> Stretches:
 def turning_slope(
     rate: float, center: Center, plane: Plane, stretches: Stretches
 ) -> Slope:
-    """Return the slope for a turn ``rate`` > 0: the centre stands still, so that a slope
-    has no more than what moves it.
+    """Slope for a turn ``rate`` > 0. The centre of rotation stands still, so that only
+    its displacement contributes.
     """
     cx = center[0]
     cy = center[1]
@@ -243,7 +243,7 @@ def turning_slope(
 
 @kernel
 def far_center_friction(vx: float, vy: float, w: float, series: Series) -> Friction:
-    """Return wrench and slope of a twist that turns little, v not zero.
+    """Wrench and slope of a twist with little rotation, v not zero.
 
     With v = V e and z = x + i y a point moves at V |1 + i (w / V) z / e|: the power is
     V (1 + sum of (w / V)^n b_n), where b_n depends on e alone.
@@ -279,8 +279,10 @@ def waves(
 ) -> tuple[
     tuple[float, float, float, float], tuple[float, float, float, float], Vector
 ]:
-    """Return b_2 to b_5 of a direction e, their derivatives by its angle, which g goes
-    against, and the second ones of the first two.
+    """The coefficients b_2 to b_5 of a direction e, their derivatives by its angle, and
+    the second derivatives of the first two.
+
+    The phase of g decreases with the angle.
     """
     g = ey + 1j * ex
     g2 = g * g

@@ -1,10 +1,9 @@
-"""Sines, arctangents, lengths and the like, which kernels call in the place of those of
-``math``.
+"""Elementary functions that kernels call in place of those of ``math``.
 
-In Python they are those of ``math``. Compiled they are arithmetic without branches and
-right to 1e-15, angles up to a million radians: a compiled loop calls no library and works
-on several rows at once. The coefficients are those of the Cephes Mathematical Library
-(S. Moshier, 1984 to 2000).
+In Python they are those of ``math``. Compiled, they are arithmetic without branches,
+accurate to 1e-15 for angles up to a million radians: a compiled loop calls no library
+and works on several rows at once. The coefficients are those of the Cephes Mathematical
+Library (S. Moshier, 1984 to 2000).
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ HALF_PI_3 = 5.39030285815811905290e-15
 
 @kernel
 def quick_arctangent2(y: float, x: float) -> float:
-    """Return the angle [rad] of (x, y) in [-pi, pi]; zero for no length."""
+    """Angle [rad] of (x, y) in [-pi, pi]. Zero for a zero vector."""
     a = abs(y)
     b = abs(x)
     steep = a > b
@@ -54,46 +53,46 @@ def quick_arctangent2(y: float, x: float) -> float:
 
 @kernel
 def quick_arctangent(slope: float) -> float:
-    """Return the angle [rad] of a slope, in [-pi/2, pi/2]."""
+    """Angle [rad] of a slope, in [-pi/2, pi/2]."""
     return quick_arctangent2(slope, 1.0)
 
 
 @kernel
 def quick_arccosine(cosine: float) -> float:
-    """Return the angle [rad] of a cosine, in [0, pi]."""
+    """Angle [rad] of a cosine, in [0, pi]."""
     return quick_arctangent2(np.sqrt((1.0 - cosine) * (1.0 + cosine)), cosine)
 
 
 @kernel
 def quick_sine(angle: float) -> float:
-    """Return the sine of an angle [rad]."""
+    """Sine of an angle [rad]."""
     quarters = np.floor(angle * (2.0 / math.pi) + 0.5)
     return sine_of_quarters(quarters, rest_of(angle, quarters))
 
 
 @kernel
 def quick_cosine(angle: float) -> float:
-    """Return the cosine of an angle [rad]."""
+    """Cosine of an angle [rad]."""
     quarters = np.floor(angle * (2.0 / math.pi) + 0.5)
     return sine_of_quarters(quarters + 1.0, rest_of(angle, quarters))
 
 
 @kernel
 def quick_tangent(angle: float) -> float:
-    """Return the tangent of an angle [rad]."""
+    """Tangent of an angle [rad]."""
     return quick_sine(angle) / quick_cosine(angle)
 
 
 @kernel
 def rest_of(angle: float, quarters: float) -> float:
-    """Return an angle less so many quarters of a turn."""
+    """Remainder of an angle after a number of quarter turns."""
     rest = angle - quarters * HALF_PI_1
     return (rest - quarters * HALF_PI_2) - quarters * HALF_PI_3
 
 
 @kernel
 def sine_of_quarters(quarters: float, rest: float) -> float:
-    """Return the sine of so many quarters of a turn and a ``rest`` up to pi/4."""
+    """Sine of a number of quarter turns plus a ``rest`` up to pi/4."""
     sine, cosine = sine_and_cosine(rest)
     quarter = quarters - 4.0 * np.floor(0.25 * quarters)  # 0 to 3, of the circle
     value = cosine if (quarter == 1.0) | (quarter == 3.0) else sine
@@ -102,7 +101,7 @@ def sine_of_quarters(quarters: float, rest: float) -> float:
 
 @kernel
 def sine_and_cosine(rest: float) -> tuple[float, float]:
-    """Return sine and cosine of an angle [rad] up to pi/4."""
+    """Sine and cosine of an angle [rad] up to pi/4."""
     z = rest * rest
     zz = z * z
     # both polynomials in pairs of terms, which wait less for each other
@@ -117,7 +116,7 @@ def sine_and_cosine(rest: float) -> tuple[float, float]:
 
 @kernel
 def quick_hypotenuse(x: float, y: float) -> float:
-    """Return the length of a vector."""
+    """Length of a vector."""
     a = abs(x)
     b = abs(y)
     low = b if a > b else a
@@ -128,77 +127,77 @@ def quick_hypotenuse(x: float, y: float) -> float:
 
 @kernel
 def quick_turn_part(angle: float) -> float:
-    """Return an angle [rad] less whole turns, in [0, 2 pi]."""
+    """Angle [rad] modulo a whole turn, in [0, 2 pi]."""
     return float(angle - TURN * np.floor(angle * (1.0 / TURN)))
 
 
 @kernel
 def quick_rounded_down(number: float) -> float:
-    """Return the greatest whole number that is no greater."""
+    """Greatest whole number that is not above the argument."""
     return float(np.floor(number))
 
 
 @kernel
 def quick_square(number: float) -> float:
-    """Return the square of a number."""
+    """Square of a number."""
     return number * number
 
 
 @compiled_as(quick_arctangent2)
 def arctangent2(y: float, x: float) -> float:
-    """Return the angle [rad] of (x, y) in [-pi, pi]."""
+    """Angle [rad] of (x, y) in [-pi, pi]."""
     return math.atan2(y, x)
 
 
 @compiled_as(quick_arctangent)
 def arctangent(slope: float) -> float:
-    """Return the angle [rad] of a slope, in [-pi/2, pi/2]."""
+    """Angle [rad] of a slope, in [-pi/2, pi/2]."""
     return math.atan(slope)
 
 
 @compiled_as(quick_arccosine)
 def arccosine(cosine: float) -> float:
-    """Return the angle [rad] of a cosine, in [0, pi]."""
+    """Angle [rad] of a cosine, in [0, pi]."""
     return math.acos(cosine)
 
 
 @compiled_as(quick_sine)
 def sine(angle: float) -> float:
-    """Return the sine of an angle [rad]."""
+    """Sine of an angle [rad]."""
     return math.sin(angle)
 
 
 @compiled_as(quick_cosine)
 def cosine(angle: float) -> float:
-    """Return the cosine of an angle [rad]."""
+    """Cosine of an angle [rad]."""
     return math.cos(angle)
 
 
 @compiled_as(quick_tangent)
 def tangent(angle: float) -> float:
-    """Return the tangent of an angle [rad]."""
+    """Tangent of an angle [rad]."""
     return math.tan(angle)
 
 
 @compiled_as(quick_hypotenuse)
 def hypotenuse(x: float, y: float) -> float:
-    """Return the length of a vector."""
+    """Length of a vector."""
     return math.hypot(x, y)
 
 
 @compiled_as(quick_turn_part)
 def turn_part(angle: float) -> float:
-    """Return an angle [rad] less whole turns, in [0, 2 pi)."""
+    """Angle [rad] modulo a whole turn, in [0, 2 pi)."""
     return angle % TURN
 
 
 @compiled_as(quick_rounded_down)
 def rounded_down(number: float) -> float:
-    """Return the greatest whole number that is no greater."""
+    """Greatest whole number that is not above the argument."""
     return math.floor(number)
 
 
 @compiled_as(quick_square)
 def square(number: float) -> float:
-    """Return the square of a number."""
+    """Square of a number."""
     return number**2

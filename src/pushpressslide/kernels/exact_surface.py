@@ -1,9 +1,9 @@
 """The exact limit surface of a sampled pressure: the wrench that drives a twist, and by
 Newton's method the twist that a wrench drives (docs/mechanics.md, section 1).
 
-Twists and wrenches are those of the centre of pressure, and so are places. What stands
-for one sample takes arrays of samples as well; sums over samples are NumPy's in Python,
-and a loop in compiled code.
+Twists, wrenches and places are relative to the centre of pressure. Functions of one
+sample take arrays of samples as well. Sums over samples are NumPy's in Python, and a
+loop in compiled code.
 """
 
 from __future__ import annotations
@@ -54,8 +54,8 @@ Along = tuple[float, float, float, float, float, float]
 def velocity_of_sample(
     twist: Twist, x: Column, y: Column, turning: Column
 ) -> tuple[Column, Column, Column]:
-    """Return the velocity of a sample and its speed, ``turning`` included: the square of
-    its speed about itself.
+    """Velocity of a sample and its speed, including ``turning``, the square of its
+    speed about itself.
     """
     vx, vy, w = twist
     px = vx - w * y
@@ -67,7 +67,7 @@ def velocity_of_sample(
 def friction_of_sample(
     twist: Twist, x: Column, y: Column, radius: Column, load: Column
 ) -> tuple[Column, Column, Column]:
-    """Return the wrench that a sample takes to slide, over the friction; none at rest."""
+    """Wrench that makes a sample slide, over the friction. Zero at rest."""
     w = twist[2]
     turn = radius * w
     px, py, speed = velocity_of_sample(twist, x, y, turn * turn)
@@ -79,7 +79,7 @@ def friction_of_sample(
 
 @kernel
 def power_of_sample(twist: Twist, sample: Sample, blur: Blur) -> Power:
-    """Return what a sample adds to the power.
+    """Contribution of a sample to the power, with derivatives.
 
     The speed is |A nu|; with u = A nu / |A nu| the gradient is A^T u, and the Hessian
     (A^T A - A^T u u^T A) / |A nu|.
@@ -125,8 +125,8 @@ def _wrench_loop(vx: float, vy: float, w: float, samples: Samples) -> Wrench:
 
 @compiled_as(_wrench_loop, sums=True)
 def wrench_of_samples(vx: float, vy: float, w: float, samples: Samples) -> Wrench:
-    """Return the wrench over the friction that drives a twist; ``samples`` have the
-    radius in the place of its square.
+    """Wrench over the friction that drives a twist. The ``samples`` have the radius in
+    place of its square.
     """
     x, y, radius, load = np.asarray(samples)
     fx, fy, tau = friction_of_sample((vx, vy, w), x, y, radius, load)
@@ -165,7 +165,7 @@ def _power_loop(twist: Twist, samples: Samples, blur: Blur) -> Power:
 
 @compiled_as(_power_loop, sums=True)
 def power_of_samples(twist: Twist, samples: Samples, blur: Blur) -> Power:
-    """Return the power of a twist: the sum over all samples."""
+    """Power of a twist: the sum over all samples."""
     x, y, square, load = np.asarray(samples)
     a, b, c, d, e, f, g, h, i, j = power_of_sample(twist, (x, y, square, load), blur)
     sums = np.stack((a, b, c, d, e, f, g, h, i, j)).sum(axis=1).tolist()
@@ -175,8 +175,8 @@ def power_of_samples(twist: Twist, samples: Samples, blur: Blur) -> Power:
 
 @kernel
 def sampled_friction(vx: float, vy: float, w: float, samples: Samples) -> Friction:
-    """Return the friction of samples over load: its power with each sample's speed
-    softened by ``CREEP``.
+    """Friction of samples over load: the wrench of a power in which each sample's speed
+    is softened by ``CREEP``.
     """
     parts = power_of_samples((vx, vy, w), samples, (0.0, CREEP * CREEP))
     _, fx, fy, tau, xx, xy, xw, yy, yw, ww = parts
@@ -187,12 +187,13 @@ def sampled_friction(vx: float, vy: float, w: float, samples: Samples) -> Fricti
 def exact_slide(
     fx: float, fy: float, tau: float, extent: Extent, samples: Samples
 ) -> tuple[Twist, float]:
-    """Return the twist that a wrench drives, with |(v, rho w)| = 1, and by what factor
-    the wrench exceeds the surface of mu N = 1; NaN for a wrench that drives none.
+    """Twist that a wrench drives, with |(v, rho w)| = 1, and the factor by which the
+    wrench exceeds the surface of mu N = 1.
 
-    ``samples`` are over rho and load. The twist of least friction power among those with
-    unit power of the wrench (maximum dissipation), which is the normal of the surface;
-    where that has an edge or a vertex (pins), one of its normals.
+    NaN for a wrench that drives none. ``samples`` are over rho and load. It is the
+    twist of smallest friction power among those with unit power of the wrench (maximum
+    dissipation), which is the normal of the surface. If the surface has an edge or a
+    vertex there (pins), it is one of its normals.
     """
     rho, pinned = extent
     turn = tau / rho
@@ -216,7 +217,7 @@ def exact_slide(
 
 @kernel
 def across(unit: Twist) -> tuple[Twist, Twist]:
-    """Return two unit vectors at right angles to a ``unit`` vector and to each other."""
+    """Two unit vectors at right angles to a ``unit`` vector and to each other."""
     x, y, z = unit
     sign = copysign(1.0, z)
     a = -1.0 / (sign + z)
@@ -226,7 +227,7 @@ def across(unit: Twist) -> tuple[Twist, Twist]:
 
 @kernel
 def twist_at(z: Vector, target: Twist, a: Twist, b: Twist) -> Twist:
-    """Return the twist of unit power of the unit wrench ``target`` at z."""
+    """Twist of unit power of the unit wrench ``target`` at z."""
     p, q = z
     return (
         target[0] + p * a[0] + q * b[0],
@@ -239,8 +240,8 @@ def twist_at(z: Vector, target: Twist, a: Twist, b: Twist) -> Twist:
 def power_along(
     z: Vector, target: Twist, a: Twist, b: Twist, samples: Samples, softening: float
 ) -> Along:
-    """Return the power of the twist at z, with derivatives by z; ``softening`` rounds
-    the edges that the surface of pins has.
+    """Power of the twist at z, with derivatives by z. ``softening`` rounds the edges of
+    the surface of pins.
     """
     blur = (softening * softening, 0.0)
     parts = power_of_samples(twist_at(z, target, a, b), samples, blur)
@@ -272,7 +273,7 @@ def power_along(
 def least_power(
     z: Vector, target: Twist, a: Twist, b: Twist, samples: Samples, softening: float
 ) -> Vector:
-    """Return z of the least power, by Newton steps that are halved until it falls."""
+    """The z of the smallest power, by Newton steps that are halved until it falls."""
     at = power_along(z, target, a, b, samples, softening)
     for _ in range(STEPS):
         gradient = (at[1], at[2])
@@ -298,7 +299,7 @@ def least_power(
 
 @kernel
 def newton_step(gradient: Vector, hessian: Twist) -> Vector:
-    """Return the step to where the gradient is zero, a little damped."""
+    """Step to the zero of the gradient, slightly damped."""
     gx, gy = gradient
     a, b, d = hessian
     damping = FLAT * (1.0 + a + d)
@@ -319,11 +320,11 @@ def exact_axle(
     extent: Extent,
     samples: Samples,
 ) -> tuple[float]:
-    """Return the distance [m] from the centre of pressure to the virtual axle, away from
-    the contact at x, y [m], whose force is at the ``angle`` [rad] to the heading axis;
-    NaN for a contact at the centre.
+    """Distance [m] from the centre of pressure to the virtual axle, away from the
+    contact at x, y [m]. NaN for a contact at the centre.
 
-    ``spread`` has the mean xx, xy and yy [m^2] of the load.
+    The contact's force is at the ``angle`` [rad] to the heading axis. ``spread`` has
+    the mean xx, xy and yy [m^2] of the load.
     """
     d = sqrt(x * x + y * y)
     if not 0.0 < d < inf:

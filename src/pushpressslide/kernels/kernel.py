@@ -1,4 +1,4 @@
-"""The mark of a kernel."""
+"""Decorators that mark kernels."""
 
 from __future__ import annotations
 
@@ -20,7 +20,9 @@ SUMS: list[Callable[..., Any]] = []
 
 
 def kernel(function: Function) -> Function:
-    """Return the function as it is, and note that compiled code may call it."""
+    """Mark a function as a kernel that compiled code may call. The function itself is
+    unchanged.
+    """
     KERNELS.append(function)
     return function
 
@@ -32,8 +34,8 @@ def kernel_apart(function: Function) -> Function:
 
 
 def kernel_wide(function: Function) -> Function:
-    """Mark a kernel whose branches no processor foresees: to work out all of them, for
-    four rows at once, takes less than to guess.
+    """Mark a kernel with unpredictable branches. Computing all of them for four rows at
+    once is quicker than branching.
     """
     WIDE.append(function)
     return kernel(function)
@@ -42,12 +44,14 @@ def kernel_wide(function: Function) -> Function:
 def compiled_as(
     other: Callable[..., Any], *, sums: bool = False
 ) -> Callable[[Function], Function]:
-    """Return a mark of kernels in whose place compiled code runs ``other``, as it gives
-    the same but for rounding; with ``sums`` in any order.
+    """Decorator for kernels that compiled code replaces by ``other``, which is equal to
+    round-off.
+
+    With ``sums``, compiled sums may run in any order.
     """
 
     def marked(function: Function) -> Function:
-        """Return the function as it is."""
+        """Mark the function and return it unchanged."""
         COMPILED[function] = other
         if sums:
             SUMS.append(function)

@@ -1,4 +1,6 @@
-"""What leads a body along its path from tick to tick, beside the law that tracks it."""
+"""Steps of a control tick besides the tracking law: pose filter, pacing along the path
+and steering scale.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,7 @@ fast it falls and rises [1/s]; the least share.
 
 @kernel
 def corrected(predicted: Pose, measured: Pose, gain: float) -> Pose:
-    """Return a predicted pose, corrected by a share of what a measured one is off."""
+    """A predicted pose, corrected by a fraction of the difference to a measured one."""
     turn = wrapped(measured[2] - predicted[2])
     return (
         predicted[0] + gain * (measured[0] - predicted[0]),
@@ -34,10 +36,10 @@ def corrected(predicted: Pose, measured: Pose, gain: float) -> Pose:
 def paced(
     planned: Vector, progress: float, left: float, min_speed: float, pace: Pace
 ) -> float:
-    """Return the speed [m/s] along a path: the profile's, and what catches up.
+    """Speed [m/s] along a path: the profile's, plus a term that catches up.
 
-    ``planned`` are progress [m] and speed [m/s] of the profile, ``left`` is how much of
-    the path there is [m], ``min_speed`` the least speed.
+    ``planned`` are progress [m] and speed [m/s] of the profile, ``left`` is the
+    remaining length [m] of the path, ``min_speed`` the smallest speed.
     """
     floor, upper, acceleration, catch_up = pace
     wanted = planned[1] + catch_up * (planned[0] - progress)
@@ -49,7 +51,7 @@ def paced(
 def eased_steering_scale(
     share: float, used: float, dt: float, steering_scale: SteeringScale
 ) -> float:
-    """Return the share of the steering that may be used after ``dt`` [s] at a friction
+    """Fraction of the steering that may be used after ``dt`` [s] at a friction
     utilisation.
     """
     use, fall, rise, lower = steering_scale
@@ -59,8 +61,8 @@ def eased_steering_scale(
 
 @kernel
 def approached(value: Vector, target: Vector, step: float) -> Vector:
-    """Return ``target`` if it is within ``step`` of ``value``, else the point that far
-    on the way to it.
+    """``target`` if it is within ``step`` of ``value``, otherwise the point at ``step``
+    towards it.
     """
     dx = target[0] - value[0]
     dy = target[1] - value[1]

@@ -1,5 +1,5 @@
-"""The ellipsoid, also where the drag moves its centre: which wrench drives a twist, and
-which twist a wrench drives (docs/mechanics.md, sections 1 and 1.2).
+"""The ellipsoidal limit surface, also with its centre moved by drag: wrench of a twist,
+and twist of a wrench (docs/mechanics.md, sections 1 and 1.2).
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ Placed = tuple[float, float, float, float, float]
 def ellipsoid_wrench(
     vx: float, vy: float, w: float, max_force: float, rho: float
 ) -> Wrench:
-    """Return the wrench on the surface that drives a twist of the centre of pressure;
-    none for no twist.
+    """Wrench on the surface that drives a twist of the centre of pressure. Zero for a
+    zero twist.
 
     W = mu_s N (vx, vy, rho^2 w) / sqrt(vx^2 + vy^2 + rho^2 w^2).
     """
@@ -38,8 +38,8 @@ def ellipsoid_wrench(
 
 @kernel
 def dragged_wrench(vx: float, vy: float, w: float, surface: Ellipsoid) -> Wrench:
-    """Return the wrench on the surface that drives a twist, both of the centre of
-    pressure without drag; none for no twist.
+    """Wrench on the surface that drives a twist, both of the centre of pressure without
+    drag. Zero for a zero twist.
     """
     max_force, rho, lift = surface
     turn = square(rho * w)
@@ -64,8 +64,8 @@ def dragged_wrench(vx: float, vy: float, w: float, surface: Ellipsoid) -> Wrench
 
 @kernel
 def ellipsoid_twist(fx: float, fy: float, tau: float, rho: float) -> Twist:
-    """Return the direction of sliding (fx, fy, tau / rho^2) under a wrench, both of the
-    centre of pressure, with |(v, rho w)| = 1 m/s; none for no wrench.
+    """Direction of sliding (fx, fy, tau / rho^2) under a wrench, both of the centre of
+    pressure, with |(v, rho w)| = 1 m/s. Zero for a zero wrench.
     """
     spin = tau / rho
     norm = sqrt(fx * fx + fy * fy + spin * spin)
@@ -76,8 +76,10 @@ def ellipsoid_twist(fx: float, fy: float, tau: float, rho: float) -> Twist:
 
 @kernel
 def dragged_twist(fx: float, fy: float, tau: float, surface: Ellipsoid) -> Twist:
-    """Return the direction of sliding under a wrench, put on the surface, both of the
-    centre of pressure without drag; of the moved one it is ``ellipsoid_twist``.
+    """Direction of sliding under a wrench, scaled to the surface, both of the centre of
+    pressure without drag.
+
+    It is ``ellipsoid_twist`` of the moved centre.
     """
     _, rho, lift = surface
     vx, vy, w = ellipsoid_twist(fx, fy, tau, rho)
@@ -89,13 +91,13 @@ def dragged_twist(fx: float, fy: float, tau: float, surface: Ellipsoid) -> Twist
 def ellipsoid_level(
     fx: float, fy: float, tau: float, max_force: float, rho: float
 ) -> float:
-    """Return H(W) of a wrench about the centre of pressure: 1 on the surface."""
+    """Level H(W) of a wrench about the centre of pressure: 1 on the surface."""
     return (fx * fx + fy * fy + square(tau / rho)) / square(max_force)
 
 
 @kernel
 def driving_wrench(vx: float, vy: float, w: float, placed: Placed) -> Wrench:
-    """Return ``dragged_wrench`` of wrench and twist of B's origin."""
+    """``dragged_wrench`` for wrench and twist of B's origin."""
     max_force, rho, lift, x, y = placed
     surface = (max_force, rho, lift)
     fx, fy, tau = dragged_wrench(vx - w * y, vy + w * x, w, surface)
@@ -106,7 +108,7 @@ def driving_wrench(vx: float, vy: float, w: float, placed: Placed) -> Wrench:
 def driven_twist(
     fx: float, fy: float, tau: float, placed: Placed
 ) -> tuple[Twist, float]:
-    """Return ``dragged_twist`` of wrench and twist of B's origin, and the level."""
+    """``dragged_twist`` for wrench and twist of B's origin, and the level."""
     max_force, rho, lift, x, y = placed
     surface = (max_force, rho, lift)
     tau = tau - x * fy + y * fx

@@ -30,7 +30,7 @@ turns shrinks in it.
 def one_contact_figures(
     point: Vector, normal: Vector, friction: float, rho: float
 ) -> tuple[SideContact, Nearness]:
-    """Return the figures of ``one_contact``; ``point`` and ``rho`` [m]."""
+    """Figures of ``one_contact``, with ``point`` and ``rho`` [m]."""
     px, py = point
     per_square = 1.0 / (rho * rho)
     # Normal equations of min |f - F|^2 + (p x f - tau)^2 / rho^2: (I + a a^T / rho^2) f
@@ -44,7 +44,7 @@ def one_contact_figures(
 def one_contact(
     fx: float, fy: float, tau: float, contact: SideContact, norm: Nearness
 ) -> One:
-    """Return the allocation of a wrench [N, N m] about B's origin."""
+    """Allocation of a wrench [N, N m] about B's origin."""
     px, py, nx, ny, friction = contact
     fn = fx * nx + fy * ny
     ft = fy * nx - fx * ny
@@ -58,7 +58,7 @@ def one_contact(
 def nearest_push(
     fx: float, fy: float, tau: float, contact: SideContact, norm: Nearness
 ) -> One:
-    """Return the allocation of the nearest wrench that the contact can give."""
+    """Allocation of the nearest wrench that the contact can give."""
     if not abs(fx) + abs(fy) + abs(tau) < inf:
         return ((0.0, 0.0),), (0.0,), 0.0, INFEASIBLE, (fx, fy, tau)
     px, py, nx, ny, friction = contact
@@ -94,8 +94,8 @@ def nearest_push(
 def nearest_on_edges(
     fx: float, fy: float, tau: float, contact: SideContact, per_square: float
 ) -> Vector:
-    """Return the nearest force [N] on the edges of the friction cone, the better of the
-    best of each; none where that is nearest.
+    """Nearest force [N] on the edges of the friction cone, the better of the best of
+    each. Zero if that is nearest.
     """
     none = fx * fx + fy * fy + tau * tau * per_square
     friction = contact[4]
@@ -121,8 +121,10 @@ def along_edge(
     friction: float,
     per_square: float,
 ) -> tuple[Vector, float]:
-    """Return the nearest force [N] along the left edge of a cone, none where it would
-    have to pull, and its squared error; along the right edge with minus the friction.
+    """Nearest force [N] along the left edge of a cone, and its squared error. Zero if
+    it would have to pull.
+
+    For the right edge, pass minus the friction.
     """
     px, py, nx, ny, _ = contact
     ex = nx - friction * ny

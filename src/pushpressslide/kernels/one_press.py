@@ -24,9 +24,7 @@ shrinks in it.
 def one_press_figures(
     point: Vector, load: float, friction: float, rho: float, cop: Vector
 ) -> tuple[Press, Nearness]:
-    """Return the figures of ``one_press``; ``point``, ``rho`` and ``cop`` [m], ``load``
-    [N].
-    """
+    """Figures of ``one_press``, with ``point``, ``rho`` and ``cop`` [m], ``load`` [N]."""
     rx = point[0] - cop[0]
     ry = point[1] - cop[1]
     per_square = 1.0 / (rho * rho)
@@ -36,8 +34,8 @@ def one_press_figures(
 
 @kernel
 def one_press(fx: float, fy: float, tau: float, press: Press, norm: Nearness) -> One:
-    """Return the allocation of a wrench [N, N m] about the centre of pressure: of the
-    nearest direction, then on the disc.
+    """Allocation of a wrench [N, N m] about the centre of pressure: projected to the
+    nearest direction, then onto the disc.
     """
     rx, ry, load, upper = press
     off = tau - rx * fy + ry * fx

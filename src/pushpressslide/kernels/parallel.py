@@ -29,7 +29,7 @@ def parallel_figures(
     caps: Vector,
     choices: Vector,
 ) -> tuple[Face, tuple[Linear, Rest]]:
-    """Return the figures of ``parallel_pushes``: as ``two_contact_figures``."""
+    """Figures of ``parallel_pushes``, the same as ``two_contact_figures``."""
     line = contact_line(points[0], points[1])
     nx, ny = normal
     sign = copysign(1.0, line[0] * ny - line[1] * nx)
@@ -45,8 +45,8 @@ def parallel_figures(
 def parallel_pushes(
     fx: float, fy: float, tau: float, face: Face, general: tuple[Linear, Rest]
 ) -> Two:
-    """Return the allocation of a wrench [N, N m] about B's origin; what the contacts
-    cannot give so is left to ``two_contacts``.
+    """Allocation of a wrench [N, N m] about B's origin. Wrenches outside this split are
+    passed to ``two_contacts``.
     """
     x, y, t, nx, ny, friction, cap1, cap2 = face
     push = nx * fx + ny * fy

@@ -1,11 +1,11 @@
 """One planned push from behind, tick by tick: pose filter, rear Stanley law, velocity
 servo, and a compliant tip that pushes a body on the ellipsoid.
 
-It is what the run loop does in the move of a rear push on the planar engine, with the
-exact limit surface replaced by an ellipsoid about the true centre of pressure, and
-without the approach, the touch and the release, new plans, what is identified on the way,
-and another touch. Frame B is at the centre of mass as believed; n and t are along the
-face's inward normal and to its left.
+It does what the run loop does in the move of a rear push on the planar engine, with the
+exact limit surface replaced by an ellipsoid about the true centre of pressure.
+Approach, touch, release, replans, online identification and retouches are left out.
+Frame B is at the centre of mass as believed; n and t are along the face's inward normal
+and to its left.
 """
 
 from __future__ import annotations
@@ -87,8 +87,10 @@ def path_run(
     bends: Rows,
     noise: Rows,
 ) -> State:
-    """Return the state after some ticks, or where the run has ended; ``noise`` has, in
-    row ``number``, the errors [m], [m], [rad] of each tick's measured pose.
+    """State after some ticks, or at the end of the run.
+
+    Row ``number`` of ``noise`` has the errors [m], [m], [rad] of each tick's measured
+    pose.
     """
     course = laws[3]
     dt = course[6]
@@ -106,7 +108,7 @@ def path_run(
 def ticked(
     state: State, truth: Truth, error: Pose, laws: Laws, sections: Rows, bends: Rows
 ) -> State:
-    """Return the state after one tick."""
+    """State after one tick."""
     pose, believed, expected, tip, velocity, twist, force, clock = state
     lead, touch, base, course = laws
     dt = course[6]
@@ -140,7 +142,7 @@ def ticked(
 
 @kernel
 def ending(progress: float, left: float, parted: bool, path_data: Course) -> float:
-    """Return how a run stands."""
+    """Status of a run: how it ended, or that it goes on."""
     if abs(left) > path_data[5]:
         return ASTRAY
     if parted:
@@ -158,7 +160,7 @@ def guided(
     sections: Rows,
     bends: Rows,
 ) -> Guide:
-    """Return what the rear Stanley law asks for at the speed of the moment."""
+    """Guidance of the rear Stanley law at the present speed."""
     pace, length, cruise, easing, _, _, dt, _ = path_data
     _, axle, bearing, law, car, _ = lead
     progress, steering_scale, _, _, time, _ = clock
@@ -184,7 +186,7 @@ def pushed_body(
     base: Base,
     dt: float,
 ) -> tuple[Pose, Vector, Triple, Vector]:
-    """Return pose, tip, twist and force after a tick in which the tip is led so."""
+    """Pose, tip, twist and force after a tick under the given tip command."""
     pose, (vx, vy, w), force = body
     limit, lift, friction, center = truth
     normal, depth, right, left, radius, _, damping = touch[0]
@@ -213,7 +215,8 @@ def pushed_body(
 
 @kernel
 def square_of_base(lever: Vector, lift: float, force: Vector, base: Base) -> float:
-    """Return rho^2 [m^2] about the centre of pressure, under the last tick's force; the
+    """The value rho^2 [m^2] about the centre of pressure, under the last tick's force.
+
     ``lever`` [m] is from the contact to the centre of mass.
     """
     square, slope, bend, steepest = base

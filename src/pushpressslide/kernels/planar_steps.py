@@ -1,5 +1,7 @@
-"""Ticks and balances of bodies with two tips on each kind of support, as rows of a batch
-have them. A tip that touches nothing stands for one that is not there.
+"""Ticks and balances of bodies with two tips on each kind of support, for the rows of a
+batch.
+
+A missing tip is represented by one that touches nothing.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ Sides = tuple[Side, Side]
 
 @kernel
 def step_on_ellipsoid(pose: Pose, guess: Triple, leds: Leds, figures: Figures) -> Step:
-    """Return ``two_tip_step`` on an ellipsoid."""
+    """``two_tip_step`` on an ellipsoid."""
     faces, body = figures
     laws = (on_ellipsoid, side_touch)
     return two_tip_step(pose, guess, leds, faces, body, body[2], laws)
@@ -37,7 +39,7 @@ def step_on_polygon(
     edges: Edges,
     series: Series,
 ) -> Step:
-    """Return ``two_tip_step`` under a polygon with a pressure."""
+    """``two_tip_step`` under a polygon with a pressure."""
     faces, body = figures
     laws = (on_polygon, side_touch)
     surface = (plane, edges, series)
@@ -48,7 +50,7 @@ def step_on_polygon(
 def step_on_samples(
     pose: Pose, guess: Triple, leds: Leds, figures: Figures, samples: Samples
 ) -> Step:
-    """Return ``two_tip_step`` on samples of the load."""
+    """``two_tip_step`` on samples of the load."""
     faces, body = figures
     laws = (on_samples, side_touch)
     return two_tip_step(pose, guess, leds, faces, body, samples, laws)
@@ -58,7 +60,7 @@ def step_on_samples(
 def slide_on_ellipsoid(
     guess: Triple, sides: Sides, limit: float, rho: float
 ) -> tuple[Triple]:
-    """Return ``slide`` on an ellipsoid; ``limit`` [N] is mu_s N, ``rho`` [m]."""
+    """``slide`` on an ellipsoid. ``limit`` [N] is mu_s N, ``rho`` in [m]."""
     laws = (on_ellipsoid, side_touch)
     return (slide(guess, sides, (rho, limit, rho), laws),)
 
@@ -73,7 +75,7 @@ def slide_on_polygon(
     edges: Edges,
     series: Series,
 ) -> tuple[Triple]:
-    """Return ``slide`` under a polygon with a pressure."""
+    """``slide`` under a polygon with a pressure."""
     support = ((plane, edges, series), limit, rho)
     return (slide(guess, sides, support, (on_polygon, side_touch)),)
 
@@ -82,6 +84,6 @@ def slide_on_polygon(
 def slide_on_samples(
     guess: Triple, sides: Sides, limit: float, rho: float, samples: Samples
 ) -> tuple[Triple]:
-    """Return ``slide`` on samples of the load."""
+    """``slide`` on samples of the load."""
     laws = (on_samples, side_touch)
     return (slide(guess, sides, (samples, limit, rho), laws),)

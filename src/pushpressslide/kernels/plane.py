@@ -18,27 +18,27 @@ STRAIGHT = 1e-9  # [rad] turn below which an arc is its chord
 
 @kernel
 def in_axis(axis: Vector, v: Sequence[float]) -> Vector:
-    """Return the components of a vector along a unit vector ``axis``, and to its left."""
+    """Components of a vector along a unit vector ``axis``, and to its left."""
     c, s = axis
     return c * v[0] + s * v[1], c * v[1] - s * v[0]
 
 
 @kernel
 def from_axis(axis: Vector, v: Vector) -> Vector:
-    """Return the vector with the components ``v`` along ``axis``, and to its left."""
+    """Vector with the components ``v`` along ``axis``, and to its left."""
     c, s = axis
     return c * v[0] - s * v[1], s * v[0] + c * v[1]
 
 
 @kernel
 def cross(a: Vector, b: Vector) -> float:
-    """Return the z component of a x b."""
+    """Z component of a x b."""
     return a[0] * b[1] - a[1] * b[0]
 
 
 @kernel
 def heading(yaw: float) -> Vector:
-    """Return the unit vector at an angle [rad]; no numbers for one that is not finite."""
+    """Unit vector at an angle [rad]. NaN for an angle that is not finite."""
     if not isfinite(yaw):
         return nan, nan
     return cos(yaw), sin(yaw)
@@ -48,7 +48,7 @@ def heading(yaw: float) -> Vector:
 def flat_gap(
     tip: Vector, radius: float, normal: Vector, depth: float, ends: Vector
 ) -> float:
-    """Return the gap [m] between a tip and a flat side; infinite beside it."""
+    """Gap [m] between a tip and a flat side. Infinite beyond the side's ends."""
     nx, ny = normal
     if not ends[0] <= nx * tip[1] - ny * tip[0] <= ends[1]:
         return inf
@@ -57,15 +57,13 @@ def flat_gap(
 
 @kernel
 def carried(pose: Pose, rate: Rate, length: float) -> Pose:
-    """Return the pose reached after ``length`` [m], or [s], at a constant body twist: the
-    exponential map.
-    """
+    """Pose after ``length`` [m], or [s], at a constant body twist: the exponential map."""
     return carried_from(heading(pose[2]), pose, rate, length)
 
 
 @kernel
 def carried_from(axis: Vector, pose: Pose, rate: Rate, length: float) -> Pose:
-    """Return the same of a pose whose axis is known."""
+    """The same for a pose whose axis is known."""
     angle = rate[2] * length
     path = chord(rate, length, sin(angle), sin(0.5 * angle))
     dx, dy = from_axis(axis, path)
@@ -74,8 +72,8 @@ def carried_from(axis: Vector, pose: Pose, rate: Rate, length: float) -> Pose:
 
 @kernel
 def chord(rate: Rate, length: float, sine: float, half_sine: float) -> Vector:
-    """Return the way in the body's axes at the start; ``sine`` and ``half_sine`` are those
-    of the turn and of half of it.
+    """Displacement in the body's axes at the start. ``sine`` and ``half_sine`` are
+    those of the turn and of half of it.
     """
     vx, vy, w = rate
     if abs(w * length) < STRAIGHT:

@@ -1,7 +1,7 @@
 """A press from above and a push from the side: the push turns the object about the
-pressed point, the press gives the rest (docs/mechanics.md, section 7).
+pressed point, the press gives the remaining force (docs/mechanics.md, section 7).
 
-The moment about the pressed point fixes the push across the line of contacts; along it
+The moment about the pressed point fixes the push across the line of contacts. Along it
 the force can be shared in any way that keeps the push inside its cone and the press
 inside its disc.
 """
@@ -41,7 +41,7 @@ def press_and_push_figures(
     friction: float,
     cop: Vector,
 ) -> tuple[Push, Press]:
-    """Return the figures of ``press_and_push``; places [m], ``load`` [N]."""
+    """Figures of ``press_and_push``, with places [m] and ``load`` [N]."""
     ex, ey, length, _, _ = contact_line(press, push)
     nx, ny = normal
     lever = length * (ex * ny - ey * nx)
@@ -57,7 +57,7 @@ def press_and_push_figures(
 
 @kernel_wide
 def press_and_push(fx: float, fy: float, tau: float, push: Push, press: Press) -> Two:
-    """Return the allocation of a wrench [N, N m] about the centre of pressure."""
+    """Allocation of a wrench [N, N m] about the centre of pressure."""
     px, py, load, upper, friction = press
     if not abs(fx) + abs(fy) + abs(tau) < inf:
         return ((0.0, 0.0), (0.0, 0.0)), (load, 0.0), 0.0, INFEASIBLE, (fx, fy, tau)
@@ -93,8 +93,10 @@ def press_and_push(fx: float, fy: float, tau: float, push: Push, press: Press) -
 def shared(
     fx: float, fy: float, tau: float, push: Push, press: Press
 ) -> tuple[float, float, float, float, int]:
-    """Return the push along its normal and along the line [N], what the press gives to
-    the former alone [N], and a status: the push is left out where it would have to pull.
+    """Push along its normal and along the line [N], the press against the former alone
+    [N], and a status.
+
+    The push is left out if it would have to pull.
     """
     ex, ey, nx, ny, lever, slope_1, slope_2 = push
     px, py, _, upper, friction = press
@@ -114,9 +116,7 @@ def shared(
 
 @kernel
 def with_side(low: float, high: float, slack: float, slope: float) -> Vector:
-    """Return the part of an interval of s in which slack + slope s >= 0; reversed if
-    there is none.
-    """
+    """Part of an interval of s in which slack + slope s >= 0. Reversed if it is empty."""
     if slope > 0.0:
         return max(low, -slack / slope), high
     if slope < 0.0:
@@ -128,8 +128,8 @@ def with_side(low: float, high: float, slack: float, slope: float) -> Vector:
 
 @kernel
 def least_along(low: float, high: float, middle: float, tolerance: float) -> float:
-    """Return the least part of the push along the line, in [low, high], that is within
-    ``tolerance`` of ``middle``; the nearest to that where none is.
+    """Smallest push component along the line, in [low, high], that is within
+    ``tolerance`` of ``middle``. The nearest to that if there is none.
     """
     lower = max(low, middle - tolerance)
     upper = min(high, middle + tolerance)

@@ -37,7 +37,7 @@ the middle x, y [m] in B, one over the distance [1/m], friction.
 
 @kernel
 def press_pair(first: Vector, second: Vector, friction: float) -> tuple[PressPair]:
-    """Return the figures of ``two_presses``."""
+    """Figures of ``two_presses``."""
     ex, ey, length, middle_x, middle_y = contact_line(first, second)
     per_length = 1.0 / length if length > 0.0 else inf
     return ((ex, ey, -0.5 * ey, 0.5 * ex, middle_x, middle_y, per_length, friction),)
@@ -52,8 +52,8 @@ def two_presses(
     cop: Vector,
     pair: PressPair,
 ) -> Two:
-    """Return the allocation of a wrench [N, N m] about the centre of pressure [m] of two
-    normal forces [N].
+    """Allocation of a wrench [N, N m] about the centre of pressure [m] of two normal
+    forces [N].
     """
     n1, n2 = normals
     cop_x, cop_y = cop
@@ -92,8 +92,8 @@ def two_presses(
 def onto_discs(
     wrench: Wrench, parts: Wrench, radii: Vector, normals: Vector, e: Vector
 ) -> Two:
-    """Return the allocation of a wrench, of which ``line_parts`` are given, scaled onto
-    two discs; ``e`` is the unit vector from contact 1 to 2.
+    """Allocation of a wrench with given ``line_parts``, scaled onto two discs. ``e`` is
+    the unit vector from contact 1 to 2.
     """
     fx, fy, tau = wrench
     ex, ey = e
@@ -128,10 +128,10 @@ def onto_discs(
 
 @kernel
 def largest_scale(parts: Wrench, radii: Vector) -> float:
-    """Return the factor [0, inf] by which a wrench can be scaled inside two discs.
+    """Factor [0, inf] by which a wrench can be scaled inside two discs.
 
-    ``parts`` (F.e, g_1, g_2) [N] of ``line_parts``, ``radii`` [N]. Below 1 the wrench is
-    impossible.
+    ``parts`` (F.e, g_1, g_2) [N] of ``line_parts``, ``radii`` [N]. Below 1 the wrench
+    is infeasible.
     """
     along, g1, g2 = parts
     most1, most2 = radii
@@ -141,7 +141,7 @@ def largest_scale(parts: Wrench, radii: Vector) -> float:
 
 @kernel
 def least_root(a1: float, b1: float, a2: float, b2: float, e: float) -> float:
-    """Return the least x >= 0 with sqrt(a1 x - b1) + sqrt(a2 x - b2) >= e.
+    """Smallest x >= 0 with sqrt(a1 x - b1) + sqrt(a2 x - b2) >= e.
 
     All arguments are >= 0.
     """

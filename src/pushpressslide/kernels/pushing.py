@@ -1,5 +1,5 @@
-"""One contact on the ellipsoid: its friction cone, its motion cone, and how a pusher with
-a given velocity moves a body (docs/mechanics.md, sections 2 to 4).
+"""One contact on the ellipsoid: its friction cone, its motion cone, and the motion of a
+body under a pusher with a given velocity (docs/mechanics.md, sections 2 to 4).
 
 Frame B; the left tangent is the inward normal n turned by +90 degrees.
 """
@@ -38,7 +38,7 @@ infinite once it has passed an edge.
 
 @kernel
 def cone_edges(normal: Vector, friction: float) -> Edges:
-    """Return the edges f_-, f_+ = n -+ mu t of a friction cone."""
+    """Edges f_-, f_+ = n -+ mu t of a friction cone."""
     nx, ny = normal
     right = (nx - friction * -ny, ny - friction * nx)
     return right, (nx + friction * -ny, ny + friction * nx)
@@ -46,28 +46,28 @@ def cone_edges(normal: Vector, friction: float) -> Edges:
 
 @kernel
 def cone_margin(force: Vector, normal: Vector, friction: float) -> float:
-    """Return mu f_n - |f_t| [N] of a force: >= 0 inside the cone."""
+    """Margin mu f_n - |f_t| [N] of a force: >= 0 inside the cone."""
     f_n = force[0] * normal[0] + force[1] * normal[1]
     return friction * f_n - abs(cross(normal, force))
 
 
 @kernel
 def velocity_of_force(lever: Vector, rho: float, force: Vector) -> Vector:
-    """Return G f: the velocity of the contact per unit of the CoP's velocity per force."""
+    """Velocity G f of the contact per unit of the CoP's velocity per force."""
     k = cross(lever, force) / (rho * rho)
     return force[0] - k * lever[1], force[1] + k * lever[0]
 
 
 @kernel
 def force_of_velocity(lever: Vector, rho: float, velocity: Vector) -> Vector:
-    """Return G^-1 v_c, along the force of a contact that sticks."""
+    """Vector G^-1 v_c, along the force of a contact that sticks."""
     k = cross(lever, velocity) / (rho * rho + lever[0] * lever[0] + lever[1] * lever[1])
     return velocity[0] + k * lever[1], velocity[1] - k * lever[0]
 
 
 @kernel
 def motion_cone(contact: Contact) -> Edges:
-    """Return the edges G f_-, G f_+ of the velocities at which the contact sticks."""
+    """Edges G f_-, G f_+ of the velocities at which the contact sticks."""
     lever, normal, friction, rho = contact
     right, left = cone_edges(normal, friction)
     return velocity_of_force(lever, rho, right), velocity_of_force(lever, rho, left)
@@ -75,11 +75,11 @@ def motion_cone(contact: Contact) -> Edges:
 
 @kernel
 def pushed(velocity: Vector, contact: Contact) -> Push:
-    """Return how a pusher with a velocity [m/s] moves a body.
+    """Motion of a body under a pusher with a velocity [m/s].
 
-    Inside the motion cone it sticks; outside, the force stays on the edge of the
-    friction cone and the normal velocity is kept; with no velocity into the body, or one
-    that is no number, it leaves.
+    Inside the motion cone the contact sticks. Outside, the force stays on the edge of
+    the friction cone and the normal velocity is kept. With no velocity into the body,
+    or one that is not finite, it separates.
     """
     lever, normal, friction, rho = contact
     approach = velocity[0] * normal[0] + velocity[1] * normal[1]
@@ -109,7 +109,7 @@ def pushed(velocity: Vector, contact: Contact) -> Push:
 def pushed_with_force(
     velocity: Vector, contact: Contact, max_force: float
 ) -> tuple[int, Vector, Triple, float]:
-    """Return ``pushed`` with the pusher's force [N]; ``max_force`` [N] is mu_s N."""
+    """``pushed`` with the pusher's force [N]. ``max_force`` [N] is mu_s N."""
     kind, twist, slip = pushed(velocity, contact)
     fx, fy, _ = ellipsoid_wrench(*twist, max_force, contact[3])
     return kind, (fx, fy), twist, slip
@@ -117,13 +117,13 @@ def pushed_with_force(
 
 @kernel
 def driven(mobile: Vector, lever: Vector, rho: float) -> Triple:
-    """Return the twist whose velocity at the centre of pressure is along a force."""
+    """Twist whose velocity at the centre of pressure is along a force."""
     return mobile[0], mobile[1], cross(lever, mobile) / (rho * rho)
 
 
 @kernel
 def quick_heading(yaw: float) -> Vector:
-    """Return the unit vector at an angle [rad], by arithmetic where it is compiled."""
+    """Unit vector at an angle [rad], by arithmetic in compiled code."""
     if not isfinite(yaw):
         return nan, nan
     return cosine(yaw), sine(yaw)
@@ -133,9 +133,11 @@ def quick_heading(yaw: float) -> Vector:
 def advance_push(
     pose: Pose, velocity: Vector, place: float, gap: float, dt: float, face: Face
 ) -> Pushed:
-    """Return body and pusher after ``dt`` [s] in which the pusher moves at a velocity
-    [m/s] in the world: it sticks, slips along the face, leaves the body, or passes its
-    edge. The twist is constant in the body's own frame.
+    """Body and pusher after ``dt`` [s] in which the pusher moves at a velocity [m/s] in
+    the world.
+
+    It sticks, slips along the face, leaves the body, or passes its edge. The twist is
+    constant in the body's own frame.
     """
     foot, normal, ends, friction, rho = face
     axis = quick_heading(pose[2])

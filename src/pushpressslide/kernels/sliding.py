@@ -1,9 +1,10 @@
-"""The motion of a body on its support under compliant tips: the twist at which all forces
-balance.
+"""The motion of a body on its support under compliant tips: the twist at which all
+forces balance.
 
 One tick of quasi-statics (docs/mechanics.md, sections 1 to 3): friction of the support,
-contacts that stick, slip or let go, no inertia. Frame B, about the centre of pressure.
-What the support and what a contact does are kernels too, given as ``laws``.
+contacts that stick, slip or separate, no inertia. Frame B, about the centre of
+pressure. The laws of the support and of the contacts are kernels too, given as
+``laws``.
 """
 
 from __future__ import annotations
@@ -54,14 +55,13 @@ FREED: Drag = (0.0, REST)
 def slide(
     guess: Triple, contacts: Sequence[Any], support: Support, laws: Laws
 ) -> Triple:
-    """Return the twist (m/s, rad/s) at which support and ``contacts`` balance, to 1e-9 of
-    mu N.
+    """Twist (m/s, rad/s) at which support and ``contacts`` balance, to 1e-9 of mu N.
 
-    ``guess`` is the twist of the tick before; at rest the body creeps, by less than
-    ``CREEP`` times a few. Newton's method from the guess, two steps long while no
-    contact changes, with one slope. Where it fails the body is let go from rest, held
-    back by drag, until it moves in balance: so that the motion is found that the body
-    would take up. Always ends, after ``TRIALS`` without balance.
+    ``guess`` is the twist of the previous tick; at rest the body creeps, by less than
+    ``CREEP`` times a few. Newton's method from the guess takes two steps with one slope
+    while no contact changes. If it fails, the body is released from rest, held back by
+    drag, until it moves in balance: this finds the motion that the body would take up.
+    Always ends, after ``TRIALS`` without balance.
     """
     touched = False
     for contact in contacts:
@@ -78,7 +78,7 @@ def slide(
 
 @kernel_apart
 def let_go(contacts: Sequence[Any], support: Support, laws: Laws) -> Triple:
-    """Return the balanced twist of a body that is let go from rest."""
+    """Balanced twist of a body released from rest."""
     twist = REST
     drag = support[1] / DRAG_SPEED
     for _ in range(TRIALS):
@@ -98,7 +98,7 @@ def let_go(contacts: Sequence[Any], support: Support, laws: Laws) -> Triple:
 def solved(
     start: Triple, drag: Drag, contacts: Sequence[Any], support: Support, laws: Laws
 ) -> tuple[bool, Triple]:
-    """Return whether Newton's method reaches balance from a twist, and the twist."""
+    """Whether Newton's method reaches balance from a twist, and the final twist."""
     _, limit, rho = support
     twist = start
     force, slope = left_over_and_slope(twist, drag, contacts, support, laws)
@@ -127,9 +127,7 @@ def solved(
 def left_over_and_slope(
     twist: Triple, drag: Drag, contacts: Sequence[Any], support: Support, laws: Laws
 ) -> tuple[Triple, Matrix]:
-    """Return the force [N] and moment [N m] that nothing balances, and its derivative by
-    the twist.
-    """
+    """Unbalanced force [N] and moment [N m], and their derivative by the twist."""
     vx, vy, w = twist
     surface, limit, rho = support
     friction, touch = laws
@@ -175,8 +173,8 @@ def left_over_and_slope(
 def left_over(
     twist: Triple, drag: Drag, contacts: Sequence[Any], support: Support, laws: Laws
 ) -> tuple[Triple, int]:
-    """Return the force [N] and moment [N m] that nothing balances, and a number for the
-    statuses of all contacts.
+    """Unbalanced force [N] and moment [N m], and a number that encodes the statuses of
+    all contacts.
     """
     vx, vy, w = twist
     surface, limit, rho = support
@@ -199,7 +197,7 @@ def statuses_of(
     contacts: Sequence[Any],
     touch: Callable[[float, float, float, Any], Touch],
 ) -> int:
-    """Return a number for the statuses of all contacts, as ``left_over``."""
+    """Number that encodes the statuses of all contacts, as in ``left_over``."""
     vx, vy, w = twist
     statuses = 0
     for contact in contacts:
@@ -209,7 +207,7 @@ def statuses_of(
 
 @kernel
 def dragged(wrench: Triple, twist: Triple, drag: Drag, rho: float) -> Triple:
-    """Return what friction and drag take."""
+    """Wrench of friction and drag."""
     size, (vx, vy, w) = drag
     if size == 0.0:
         return wrench
@@ -230,11 +228,11 @@ def ended(
     support: Support,
     laws: Laws,
 ) -> tuple[bool, Triple]:
-    """Return whether there is balance near ``twist``, and the twist there.
+    """Whether there is balance near ``twist``, and the twist there.
 
-    One step of Newton's method led to ``twist`` from a force of some size [N]; what one
-    more with the same slope leaves over falls by twice what the first step left over of
-    the force, while the contacts go on as they are.
+    One step of Newton's method led to ``twist`` from a force of some size [N]. If the
+    contacts keep their status, one more step with the same slope reduces the remaining
+    force by twice the factor of the first step.
     """
     _, limit, rho = support
     past, slope = before
@@ -261,8 +259,8 @@ def shortened(
     support: Support,
     laws: Laws,
 ) -> Triple:
-    """Return the twist on the way to ``end``, by bisection, where little force is left
-    over along the step; ``led`` are the force before it and the step.
+    """Twist along the step to ``end``, by bisection, at which little force along the
+    step remains. ``led`` are the force before it and the step.
     """
     force, step = led
     rho = support[2]
@@ -284,14 +282,16 @@ def shortened(
 
 @kernel
 def is_motion(twist: Triple) -> bool:
-    """Return whether a twist is one; of those whose square is no number friction is zero."""
+    """Whether a twist is finite. The friction of a twist whose square overflows is
+    zero.
+    """
     return dot(twist, twist) <= FASTEST
 
 
 @kernel
 def too_far(ahead: Triple, force: Triple, step: Triple, rho: float) -> bool:
-    """Return whether a step leads beyond balance: the force ahead points back, by more
-    than half of what pointed on.
+    """Whether a step overshoots balance: the force there points back, by more than half
+    of the original force.
     """
     on = -dot(force, step)
     return (
@@ -303,7 +303,7 @@ def too_far(ahead: Triple, force: Triple, step: Triple, rho: float) -> bool:
 
 @kernel
 def too_near(ahead: Triple, force: Triple, step: Triple, rho: float) -> bool:
-    """Return whether more than half of the force is left over, and points on."""
+    """Whether more than half of the force remains, and points forward."""
     return 2.0 * dot(ahead, step) < dot(force, step) and 2.0 * size_of(
         ahead, rho
     ) > size_of(force, rho)
@@ -311,20 +311,20 @@ def too_near(ahead: Triple, force: Triple, step: Triple, rho: float) -> bool:
 
 @kernel
 def size_of(force: Triple, rho: float) -> float:
-    """Return the size [N] of a force and moment."""
+    """Size [N] of a force and moment."""
     turning = force[2] / rho
     return sqrt(force[0] * force[0] + force[1] * force[1] + turning * turning)
 
 
 @kernel
 def dot(a: Triple, b: Triple) -> float:
-    """Return the product of two triples."""
+    """Dot product of two triples."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @kernel
 def stepped(twist: Triple, step: Triple, share: float) -> Triple:
-    """Return the twist after a share of a step."""
+    """Twist after a fraction of a step."""
     return (
         twist[0] + share * step[0],
         twist[1] + share * step[1],
@@ -334,7 +334,7 @@ def stepped(twist: Triple, step: Triple, share: float) -> Triple:
 
 @kernel
 def newton_step(slope: Matrix, force: Triple) -> tuple[bool, Triple]:
-    """Return whether a slope is regular, and the step x with slope x = -force, by Cramer's
+    """Whether a slope is regular, and the step x with slope x = -force, by Cramer's
     rule.
     """
     (a, b, c), (d, e, f), (g, h, i) = slope

@@ -1,5 +1,5 @@
-"""Friction between a body and its support as a smooth function of the twist: what all
-limit surfaces share, and the ellipsoid's (docs/mechanics.md, section 1).
+"""Friction between a body and its support as a smooth function of the twist, for all
+limit surfaces, and the ellipsoid's (docs/mechanics.md, section 1).
 
 Twists (v_x, v_y, w) and wrenches are those of the centre of pressure; friction is over
 mu_s N.
@@ -23,8 +23,10 @@ Friction = tuple[float, float, float, float, float, float, float, float, float]
 
 @kernel
 def softened(power: float, wrench: Wrench, slope: Slope) -> Friction:
-    """Return wrench and slope of the power sqrt(P^2 + CREEP^2), whose friction falls to
-    zero with the speed, from those of the power P.
+    """Wrench and slope of the softened power sqrt(P^2 + CREEP^2) from those of the
+    power P.
+
+    Its friction falls to zero with the speed.
     """
     fx, fy, tau = wrench
     xx, xy, xw, yy, yw, ww = slope
@@ -48,7 +50,7 @@ def softened(power: float, wrench: Wrench, slope: Slope) -> Friction:
 
 @kernel
 def ellipsoid_friction(vx: float, vy: float, w: float) -> Friction:
-    """Return wrench and slope of a twist (v_x, v_y, rho w), the moment over rho."""
+    """Wrench and slope of a twist (v_x, v_y, rho w), the moment over rho."""
     inverse = 1.0 / sqrt(vx * vx + vy * vy + w * w + CREEP * CREEP)
     fx = vx * inverse
     fy = vy * inverse

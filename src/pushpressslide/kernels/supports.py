@@ -1,4 +1,4 @@
-"""What supports of each kind take of a sliding body: laws for ``kernels.sliding``."""
+"""Friction laws of each kind of support, for ``kernels.sliding``."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pushpressslide.kernels.support_friction import Friction, ellipsoid_friction
 def on_polygon(
     vx: float, vy: float, w: float, surface: Any, limit: float, sloped: bool
 ) -> Friction:
-    """Return what a support under a polygon takes; ``surface`` are the arguments of
+    """Friction law of a support under a polygon. ``surface`` are the arguments of
     ``polygon_friction``.
     """
     plane, edges, series = surface
@@ -25,7 +25,7 @@ def on_polygon(
 def on_samples(
     vx: float, vy: float, w: float, surface: Any, limit: float, sloped: bool
 ) -> Friction:
-    """Return what a support of samples takes."""
+    """Friction law of a support of samples."""
     return scaled(sampled_friction(vx, vy, w, surface), limit, 1.0)
 
 
@@ -33,13 +33,13 @@ def on_samples(
 def on_ellipsoid(
     vx: float, vy: float, w: float, rho: float, limit: float, sloped: bool
 ) -> Friction:
-    """Return what a support of the ellipsoid takes, of ``rho`` [m]."""
+    """Friction law of an ellipsoid of ``rho`` [m]."""
     return scaled(ellipsoid_friction(vx, vy, rho * w), limit, rho)
 
 
 @kernel
 def scaled(friction: Friction, limit: float, rho: float) -> Friction:
-    """Return wrench and slope of twists (v_x, v_y, w) from those, over ``limit`` [N], of
+    """Wrench and slope for twists (v_x, v_y, w) from those, over ``limit`` [N], for
     twists (v_x, v_y, rho w).
     """
     fx, fy, tau, xx, xy, xw, yy, yw, ww = friction

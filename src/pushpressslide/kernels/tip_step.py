@@ -1,5 +1,5 @@
-"""A tick of bodies on their supports and of one or two compliant tips at flat sides of
-each: the inner step of the planar engine (docs/mechanics.md, sections 1 to 3).
+"""One tick of a body on its support with one or two compliant tips at its flat sides:
+the inner step of the planar engine (docs/mechanics.md, sections 1 to 3).
 
 Frame B of a body; the twist in a tick is constant there.
 """
@@ -63,7 +63,7 @@ State = tuple[Vector, Vector, int]
 
 @kernel
 def held_force(axis: Vector, command: Command) -> Vector:
-    """Return the force f_0 [N] of a tip that does not move, in the world."""
+    """Force f_0 [N], in the world, of a tip that does not move."""
     c, s = axis
     (fx, fy), (dx, dy), (ux, uy), (kn, kt), (bn, bt) = command
     fn = kn * (c * dx + s * dy) + bn * (c * ux + s * uy)
@@ -73,7 +73,7 @@ def held_force(axis: Vector, command: Command) -> Vector:
 
 @kernel
 def tip_law(axis: Vector, force: Vector, damping: Vector) -> Law:
-    """Return a tip's law along an axis, its force f_0 [N] given in B."""
+    """Law of a tip along an axis, its force f_0 [N] given in B."""
     return axis, in_axis(axis, force), damping
 
 
@@ -81,7 +81,7 @@ def tip_law(axis: Vector, force: Vector, damping: Vector) -> Law:
 def carried_body(
     axis: Vector, pose: Pose, twist: Triple, cop: Vector, dt: float
 ) -> Pose:
-    """Return the pose of a body after a tick at the ``twist`` of its centre of pressure."""
+    """Pose of a body after a tick at the ``twist`` of its centre of pressure."""
     vx, vy, w = twist
     ry = 0.0 - cop[1]
     rx = 0.0 - cop[0]
@@ -90,7 +90,7 @@ def carried_body(
 
 @kernel
 def tip_after(reach: Reach, force: Vector, free: bool, motion: Motion) -> After:
-    """Return a tip one tick on; ``force`` [N] on the body in B, ``free`` where it does
+    """Tip after one tick. ``force`` [N] acts on the body in B; ``free`` if the tip does
     not touch.
     """
     axis, (x, y), (px, py), law = reach
@@ -110,8 +110,8 @@ def tip_after(reach: Reach, force: Vector, free: bool, motion: Motion) -> After:
 def reached(
     pose: Pose, axis: Vector, led: Led, face: Face, body: Body
 ) -> tuple[Reach, Side]:
-    """Return a tip at the start of a tick, and what it may do at its face; nothing where
-    it is beside or behind that, or what is given is not finite.
+    """Tip at the start of a tick, and its possible contact with its face. No contact if
+    the tip is beyond or behind the face, or an argument is not finite.
     """
     (x, y), velocity, force = led
     normal, depth, right, left, radius, friction, damping = face
@@ -133,7 +133,7 @@ def reached(
 
 @kernel
 def followed(reach: Reach, contact: Side, motion: Motion) -> State:
-    """Return a tip after a tick of its body."""
+    """Tip after a tick of its body."""
     vx, vy, w = motion[0]
     force, _, status, _, _ = side_touch(vx, vy, w, contact)
     place, _, felt = tip_after(reach, force, status == FREE, motion)
@@ -152,8 +152,8 @@ def one_tip_step(
     surface: Any,
     laws: Laws,
 ) -> tuple[Pose, Triple, State]:
-    """Return pose and twist of a body and its tip one tick on; ``guess`` is the twist of
-    the tick before.
+    """Pose and twist of a body and its tip after one tick. ``guess`` is the twist of
+    the previous tick.
     """
     cop, limit, rho, dt = body
     axis = heading(pose[2])
@@ -173,7 +173,7 @@ def two_tip_step(
     surface: Any,
     laws: Laws,
 ) -> tuple[Pose, Triple, State, State]:
-    """Return pose and twist of a body and its two tips one tick on."""
+    """Pose and twist of a body and its two tips after one tick."""
     cop, limit, rho, dt = body
     axis = heading(pose[2])
     reach, contact = reached(pose, axis, leds[0], faces[0], body)

@@ -1,5 +1,7 @@
-"""Tracking laws: one closed-form step each, from errors to what is asked of the object
-(docs/mechanics.md, sections 3, 4.2 and 9). Errors are REFERENCE MINUS ACTUAL.
+"""Tracking laws: one closed-form step each, from errors to the commanded motion of the
+object (docs/mechanics.md, sections 3, 4.2 and 9).
+
+Errors are REFERENCE MINUS ACTUAL.
 """
 
 from __future__ import annotations
@@ -29,8 +31,8 @@ of the metric, and the error [m] up to which the pull is in proportion.
 def stanley_law(
     wheelbase: float, low: float, high: float, gain: float, feed_forward: float
 ) -> tuple[Stanley]:
-    """Return the figures of ``stanley_steering``: effective ``wheelbase`` [m], bounds
-    [rad], ``gain`` in units of the largest without overshoot, ``feed_forward`` > 0.
+    """Figures of ``stanley_steering``: effective ``wheelbase`` [m], bounds [rad],
+    ``gain`` in units of the largest without overshoot, ``feed_forward`` > 0.
     """
     ahead = wheelbase if feed_forward > 0.0 else 0.0
     return ((gain / (4.0 * wheelbase), ahead, low, high),)
@@ -44,7 +46,7 @@ def stanley_steering(
     steering_scale: float,
     law: Stanley,
 ) -> tuple[float, bool]:
-    """Return the steering angle [rad], and whether it was clipped."""
+    """Steering angle [rad], and whether it was clipped."""
     slope, length, low, high = law
     delta = (
         -heading_error - arctangent(slope * left_error) - arctangent(length * curvature)
@@ -62,8 +64,8 @@ def look_ahead_curvature(
     look_ahead: float,
     limit: float,
 ) -> tuple[float, bool]:
-    """Return the curvature [1/m] to drive towards a target that slides along the path,
-    and whether it was clipped.
+    """Curvature [1/m] that drives towards a target sliding along the path, and whether
+    it was clipped.
     """
     lateral = left_error * cosine(heading_error) + look_ahead * sine(heading_error)
     return clipped(path_curvature + 4.0 * lateral / (look_ahead * look_ahead), limit)
@@ -71,7 +73,7 @@ def look_ahead_curvature(
 
 @kernel
 def clipped(wanted: float, limit: float) -> tuple[float, bool]:
-    """Return a number within +-``limit``, and whether it was beyond."""
+    """Number clipped to +-``limit``, and whether it was beyond."""
     if wanted > limit:
         return limit, True
     if wanted < -limit:
@@ -81,8 +83,10 @@ def clipped(wanted: float, limit: float) -> tuple[float, bool]:
 
 @kernel
 def steered_push(delta: float, speed: float, car: Car) -> tuple[Wrench, Twist]:
-    """Return the wrench about the centre of pressure and the twist of the virtual axle of
-    a push at the steering angle ``delta`` [rad], in B; ``speed`` [m/s] of the axle.
+    """Wrench about the centre of pressure and twist of the virtual axle of a push at
+    the steering angle ``delta`` [rad], in B.
+
+    ``speed`` [m/s] is the axle's.
     """
     ex, ey, max_friction, stretch, arm, turning = car
     k = tangent(delta)
@@ -97,8 +101,8 @@ def steered_push(delta: float, speed: float, car: Car) -> tuple[Wrench, Twist]:
 def pulled_twist(
     x: float, y: float, turned: float, rate: Twist, law: Pull
 ) -> tuple[Twist, tuple[float, float], bool]:
-    """Return the twist of V's origin, in V, that leads a body along its path; the path's
-    own velocity there per metre, in V; and whether the pull was limited.
+    """Twist of V's origin, in V, that leads a body along its path, the path's velocity
+    there per metre, in V, and whether the pull was limited.
 
     The wanted pose is at ``x``, ``y`` [m] and ``turned`` [rad] in V; ``rate`` is the
     path's twist there, in the wanted pose's axes.

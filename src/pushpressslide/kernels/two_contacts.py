@@ -3,7 +3,7 @@ wrench (docs/mechanics.md, sections 5 and 6).
 
 The forces are linear in the wrench until a cone is met. Every side of a friction cone
 bounds the free force along the line of contacts on one side, so that a wrench is
-possible exactly if the interval left is not empty.
+feasible exactly if the remaining interval is not empty.
 """
 
 from __future__ import annotations
@@ -68,9 +68,10 @@ def two_contact_figures(
     caps: Vector,
     choices: Vector,
 ) -> tuple[Linear, Rest]:
-    """Return the figures of ``two_contacts``: ``frictions`` are friction and rho [m];
-    ``choices`` > 0: the split with least friction, and wrenches outside of the cone left
-    to the caller.
+    """Figures of ``two_contacts``. ``frictions`` are friction and rho [m].
+
+    ``choices`` > 0 select the split with the smallest friction, and leave wrenches
+    outside the cone to the caller.
     """
     friction, rho = frictions
     line = contact_line(points[0], points[1])
@@ -102,14 +103,14 @@ def two_contact_figures(
 
 @kernel
 def in_axes(line: Line, v: Vector) -> Vector:
-    """Return the parts of a vector along the line of contacts and to its left."""
+    """Components of a vector along the line of contacts and to its left."""
     ex, ey, _, _, _ = line
     return ex * v[0] + ey * v[1], ex * v[1] - ey * v[0]
 
 
 @kernel
 def split_shares(line: Line, normals: Points, least_friction: float) -> Wrench:
-    """Return the shares of F.e, g_1 and g_2 in contact 1's force along the line."""
+    """Weights of F.e, g_1 and g_2 in contact 1's force along the line."""
     n1e, n1m = in_axes(line, normals[0])
     n2e, n2m = in_axes(line, normals[1])
     squares = n1m * n1m + n2m * n2m
@@ -120,7 +121,7 @@ def split_shares(line: Line, normals: Points, least_friction: float) -> Wrench:
 
 @kernel
 def cone_sides(line: Line, normals: Points, friction: float) -> Sides:
-    """Return how the sides of both cones bound a force along the line."""
+    """Bounds of a force along the line by the sides of both cones."""
     n1e, n1m = in_axes(line, normals[0])
     n2e, n2m = in_axes(line, normals[1])
     a1, a2 = nonzero_slopes(friction * n1e + n1m, friction * n1e - n1m)
@@ -131,10 +132,11 @@ def cone_sides(line: Line, normals: Points, friction: float) -> Sides:
 
 @kernel
 def nonzero_slopes(a: float, b: float) -> Vector:
-    """Return the slopes of a cone's sides, none of them zero.
+    """Slopes of a cone's sides, none of them zero.
 
-    A side along the line of contacts bounds nothing if its slack is >= 0, and else
-    leaves nothing: as a bound far off, opposite to that of the other side.
+    A side along the line of contacts bounds nothing if its slack is >= 0, and otherwise
+    excludes every force. It is represented as a distant bound opposite to that of the
+    other side.
     """
     if abs(a) < ALONG:
         return copysign(ALONG, -b), b
@@ -143,15 +145,15 @@ def nonzero_slopes(a: float, b: float) -> Vector:
 
 @kernel
 def against(slope: float) -> float:
-    """Return minus one over a slope; none for one of zero, which only a cone without
-    width has.
+    """Minus one over a slope. Zero for a zero slope, which only a cone without width
+    has.
     """
     return -1.0 / slope if slope != 0.0 else 0.0
 
 
 @kernel
 def first_force(fx: float, fy: float, tau: float, split: tuple[Line, Wrench]) -> Vector:
-    """Return the force [N] of contact 1, in B, that the split asks for."""
+    """Force [N] of contact 1, in B, by the chosen split."""
     line, (a, b, c) = split
     ex, ey, _, _, _ = line
     along, g1, g2 = line_parts(fx, fy, tau, line, (0.0, 0.0))
@@ -161,7 +163,7 @@ def first_force(fx: float, fy: float, tau: float, split: tuple[Line, Wrench]) ->
 
 @kernel
 def two_contacts(fx: float, fy: float, tau: float, linear: Linear, rest: Rest) -> Two:
-    """Return the allocation of a wrench [N, N m] about B's origin."""
+    """Allocation of a wrench [N, N m] about B's origin."""
     x_fx, x_fy, x_tau, y_fx, y_fy, y_tau, n1x, n1y, n2x, n2y, mu, cap1, cap2 = linear
     f1x = x_fx * fx + x_fy * fy + x_tau * tau
     f1y = y_fx * fx + y_fy * fy + y_tau * tau
@@ -194,8 +196,8 @@ def projected(
     linear: Linear,
     rest: Rest,
 ) -> Two:
-    """Return the allocation of a wrench whose wanted ``forces`` a cone's edge or a cap
-    stops: moved along the line of contacts as little as the cones need.
+    """Allocation of a wrench whose wanted ``forces`` exceed a cone or a cap: shifted
+    along the line of contacts as little as the cones need.
 
     ``pushes`` are mu f_n of both contacts, then f_n, and ``slides`` their f_t [N].
     """
@@ -226,7 +228,7 @@ def projected(
 
 @kernel
 def within(low: float, high: float, d: float, k: float) -> Vector:
-    """Return the part of an interval on one side of ``d``: above for k < 0."""
+    """Part of an interval on one side of ``d``: above for k < 0."""
     if k < 0.0:
         return (d if d > low else low), high
     return low, (d if d < high else high)
@@ -234,8 +236,8 @@ def within(low: float, high: float, d: float, k: float) -> Vector:
 
 @kernel
 def capped(wrench: Wrench, linear: Linear, rest: Rest) -> Two:
-    """Return the allocation of a wrench of the cone that takes more normal force than a
-    cap allows: split in another way, and scaled where no split keeps the caps.
+    """Allocation of a wrench in the cone whose normal force exceeds a cap: split
+    differently, and scaled if no split keeps the caps.
     """
     fx, fy, tau = wrench
     sides, (_, _, caps, _), split, _ = rest
@@ -266,9 +268,7 @@ def capped(wrench: Wrench, linear: Linear, rest: Rest) -> Two:
 
 @kernel
 def bounded(low: float, high: float, slack: float, slope: float) -> Vector:
-    """Return the part of an interval of d in which slack + slope d >= 0; reversed if
-    there is none.
-    """
+    """Part of an interval of d in which slack + slope d >= 0. Reversed if it is empty."""
     if slope > 0.0:
         return max(low, -slack / slope), high
     if slope < 0.0:
@@ -282,11 +282,11 @@ def bounded(low: float, high: float, slack: float, slope: float) -> Vector:
 def best_scaled(
     interval: Vector, pushes: Vector, alongs: Vector, caps: Vector
 ) -> Vector:
-    """Return the force d [N] along the line, in an interval, at which the largest part
-    of the wrench keeps the caps, and this part.
+    """Force d [N] along the line, in an interval, at which the largest fraction of the
+    wrench keeps the caps, and this fraction.
 
-    ``pushes`` are the normal forces [N] at d = 0, ``alongs`` the line's parts along the
-    normals.
+    ``pushes`` are the normal forces [N] at d = 0, ``alongs`` the line's components
+    along the normals.
     """
     low, high = interval
     f1n, f2n = pushes
@@ -305,15 +305,15 @@ def best_scaled(
 
 @kernel
 def kept_part(f1n: float, f2n: float, caps: Vector) -> float:
-    """Return the part of two normal forces [N], at most 1, that keeps the caps."""
+    """Fraction of two normal forces [N], at most 1, that keeps the caps."""
     part = caps[0] / f1n if f1n > caps[0] else 1.0
     return min(part, caps[1] / f2n) if f2n > caps[1] else part
 
 
 @kernel
 def outside(wrench: Wrench, linear: Linear, rest: Rest) -> Two:
-    """Return the allocation of the nearest wrench of the cone, unless the caller moves
-    the wrench.
+    """Allocation of the nearest wrench of the cone, unless the caller projects the
+    wrench.
     """
     if rest[1][3] > 0.0:
         none = ((0.0, 0.0), (0.0, 0.0))
@@ -323,7 +323,7 @@ def outside(wrench: Wrench, linear: Linear, rest: Rest) -> Two:
 
 @kernel
 def nearest_forces(wanted: Wrench, aim: Wrench, linear: Linear, rest: Rest) -> Two:
-    """Return the allocation of the wrench of the cone that is nearest to ``aim``."""
+    """Allocation of the cone's wrench nearest to ``aim``."""
     fx, fy, tau = wanted
     if not abs(fx) + abs(fy) + abs(tau) < inf:
         return ((0.0, 0.0), (0.0, 0.0)), (0.0, 0.0), 0.0, INFEASIBLE, wanted
@@ -340,7 +340,7 @@ def nearest_forces(wanted: Wrench, aim: Wrench, linear: Linear, rest: Rest) -> T
 def allocation_of(
     wanted: Wrench, forces: Points, scale: float, linear: Linear, rest: Rest
 ) -> Two:
-    """Return ``scale`` times two forces, beside the wrench that was wanted."""
+    """Allocation of ``scale`` times two forces, evaluated against the wanted wrench."""
     (f1x, f1y), (f2x, f2y) = forces
     f1x = scale * f1x
     f1y = scale * f1y

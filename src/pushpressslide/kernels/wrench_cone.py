@@ -31,7 +31,7 @@ Parts = tuple[float, float, float, float]
 
 @kernel
 def wrench_cone(points: Points, normals: Points, friction: float, rho: float) -> Cone:
-    """Return the cone of two contacts; ``points`` and ``rho`` [m]."""
+    """Cone of two contacts, with ``points`` and ``rho`` [m]."""
     a = cone_edge(points[0], normals[0], -friction, rho)
     b = cone_edge(points[0], normals[0], friction, rho)
     c = cone_edge(points[1], normals[1], -friction, rho)
@@ -42,7 +42,7 @@ def wrench_cone(points: Points, normals: Points, friction: float, rho: float) ->
 
 @kernel
 def cone_edge(point: Vector, normal: Vector, friction: float, rho: float) -> Edge:
-    """Return the left edge of a contact's cone; the right one with minus the friction."""
+    """Left edge of a contact's cone. For the right one, pass minus the friction."""
     fx = normal[0] - friction * normal[1]
     fy = normal[1] + friction * normal[0]
     turn = (point[0] * fy - point[1] * fx) / rho
@@ -51,7 +51,9 @@ def cone_edge(point: Vector, normal: Vector, friction: float, rho: float) -> Edg
 
 @kernel
 def span(a: Edge, b: Edge) -> Span:
-    """Return what two edges span."""
+    """Product of two edges, and the inverse square of their cross product. The latter
+    is 0 if they are parallel.
+    """
     ax, ay, az, a_square = a
     bx, by, bz, b_square = b
     nx = ay * bz - az * by
@@ -67,8 +69,8 @@ def span(a: Edge, b: Edge) -> Span:
 
 @kernel
 def nearest_parts(fx: float, fy: float, z: float, cone: Cone) -> Parts:
-    """Return how much of each edge is in the nearest wrench to one that is not inside
-    the cone; ``z`` is the moment over rho.
+    """Coefficients of each edge in the cone's wrench nearest to one outside. ``z`` is
+    the moment over rho.
 
     That wrench lies on a facet, so it is the best of the four edges and their six
     pairs: least squares with coefficients >= 0, by enumeration.
@@ -87,8 +89,10 @@ def nearest_parts(fx: float, fy: float, z: float, cone: Cone) -> Parts:
 
 @kernel
 def nearest_edge(wrench: Wrench, edges: Edges, ons: Parts) -> tuple[float, Parts]:
-    """Return the squared distance and the parts of the nearest wrench on an edge, or of
-    none; ``ons`` are the products of edges and wrench.
+    """Squared distance and coefficients of the nearest wrench on an edge, or of the
+    zero wrench.
+
+    ``ons`` are the products of edges and wrench.
     """
     a, b, c, d = edges
     fx, fy, z = wrench
@@ -117,8 +121,8 @@ def nearest_edge(wrench: Wrench, edges: Edges, ons: Parts) -> tuple[float, Parts
 def nearest_facet(
     wrench: Wrench, cone: Cone, ons: Parts, min_error: float, parts: Parts
 ) -> Parts:
-    """Return the parts of the nearest wrench between two edges, or ``parts`` where none
-    is nearer than ``min_error``.
+    """Coefficients of the nearest wrench between two edges, or ``parts`` if none is
+    nearer than ``min_error``.
     """
     (a, b, c, d), (ab, ac, ad, bc, bd, cd) = cone
     on_a, on_b, on_c, on_d = ons
@@ -150,8 +154,8 @@ def nearest_facet(
 
 @kernel
 def along_edge(wrench: Wrench, edge: Edge, on: float) -> Vector:
-    """Return squared distance and part of the nearest wrench along an edge; infinitely
-    far where it would have to pull.
+    """Squared distance and coefficient of the nearest wrench along an edge. Infinitely
+    far if it would have to pull.
     """
     if not on > 0.0:
         return inf, 0.0
@@ -166,8 +170,8 @@ def along_edge(wrench: Wrench, edge: Edge, on: float) -> Vector:
 
 @kernel
 def between(wrench: Wrench, a: Edge, b: Edge, ons: Vector, span: Span) -> Wrench:
-    """Return squared distance and parts of the nearest wrench between two edges;
-    infinitely far where one would have to pull.
+    """Squared distance and coefficients of the nearest wrench between two edges.
+    Infinitely far if one would have to pull.
     """
     ax, ay, az, a_square = a
     bx, by, bz, b_square = b

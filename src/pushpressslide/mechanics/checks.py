@@ -1,5 +1,7 @@
-"""What the figures of friction, limit surface and forces must be: one check each, for
-all constructors. Each raises InputError, in one line, with the name and the value.
+"""Checks of friction, limit surface and force parameters, one each, for all
+constructors.
+
+Each raises InputError, in one line, with the name and the value.
 """
 
 from __future__ import annotations
@@ -38,7 +40,7 @@ def check_press(load: float, friction: float) -> None:
 
 
 def check_caps(caps: Sequence[float]) -> None:
-    """Raise InputError unless there are two ``caps`` [N], each > 0; inf is none."""
+    """Raise InputError unless there are two ``caps`` [N], each > 0. Inf means no cap."""
     if len(caps) != 2:
         raise InputError(f"caps {tuple(caps)} N; must be two, one for each contact")
     for cap in caps:

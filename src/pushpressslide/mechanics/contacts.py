@@ -1,4 +1,4 @@
-"""Contact forces and the wrench they add up to, and the mobility of a contact point.
+"""Contact forces, their total wrench, and the mobility of a contact point.
 
 Source: docs/mechanics.md, sections 0 and 2. Points and forces in one planar frame, the
 body frame B unless said otherwise.
@@ -18,8 +18,8 @@ Matrix2 = tuple[tuple[float, float], tuple[float, float]]
 def wrench_of_forces(
     points: Sequence[Point], forces: Sequence[Point], about: Point = (0.0, 0.0)
 ) -> Wrench:
-    """Return the wrench, moment about ``about``, of ``forces`` [N] on the object at
-    ``points`` [m].
+    """Wrench, moment about ``about``, of ``forces`` [N] on the object at ``points``
+    [m].
 
     Raises ValueError for unequal lengths.
     """
@@ -36,12 +36,12 @@ def wrench_of_forces(
 
 
 def least_norm_forces(points: Sequence[Point], wrench: Wrench) -> tuple[Point, ...]:
-    """Return the forces [N] at ``points`` [m] that add up to ``wrench``, with the least
-    sum of squares.
+    """Forces [N] at ``points`` [m] that add up to ``wrench``, with the smallest sum of
+    squares.
 
     An equal share of the force each, plus a turn about the mean point: f_i = F/k + g J
-    (p_i - p_mean). Friction cones are not looked at. Raises ValueError for fewer than
-    two distinct points, which cannot give every moment.
+    (p_i - p_mean). Friction cones are ignored. Raises ValueError for fewer than two
+    distinct points, which cannot give every moment.
     """
     k = len(points)
     if k == 0:
@@ -56,8 +56,8 @@ def least_norm_forces(points: Sequence[Point], wrench: Wrench) -> tuple[Point, .
 
 
 def contact_mobility(lever: Point, rho: float) -> Matrix2:
-    """Return G = I + (J r)(J r)^T / rho^2: a contact force f moves its point with v_c ~
-    G f on the ellipsoid.
+    """Mobility G = I + (J r)(J r)^T / rho^2: a contact force f moves its point with v_c
+    ~ G f on the ellipsoid.
 
     ``lever`` r [m] is the contact relative to the centre of pressure
     (docs/mechanics.md, section 2).
@@ -68,15 +68,13 @@ def contact_mobility(lever: Point, rho: float) -> Matrix2:
 
 
 def velocity_of_force(lever: Point, rho: float, force: Point) -> Point:
-    """Return G f: the velocity of the contact point per unit of the CoP's velocity per
-    force [N].
-    """
+    """Velocity G f of the contact point per unit of the CoP's velocity per force [N]."""
     return pushing.velocity_of_force(lever, rho, force)
 
 
 def force_of_velocity(lever: Point, rho: float, velocity: Point) -> Point:
-    """Return G^-1 v_c, along the force that a sticking contact moving with ``velocity``
-    exerts.
+    """Vector G^-1 v_c, along the force of a sticking contact that moves with
+    ``velocity``.
 
     Its length is not a force: scale it onto the limit surface.
     """

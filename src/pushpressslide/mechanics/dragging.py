@@ -1,9 +1,9 @@
-"""How an object slides that is dragged by one force at a height: exact, many forces at
-a time.
+"""Exact sliding motion of an object dragged by one force at a height, for many forces
+at a time.
 
-Under the pressure that the drag itself moves (docs/mechanics.md, sections 1 and 1.2):
-unilateral and linear over the base, with its centre at cop + h F / N. All in the body
-frame B.
+The drag itself moves the pressure (docs/mechanics.md, sections 1 and 1.2). The pressure
+is unilateral and linear over the base, with its centre at cop + h F / N. All in the
+body frame B.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ FOUR = ([0, 0, 0, 0, 1, 1, 1, 2, 2, 3], [0, 1, 2, 3, 1, 2, 3, 2, 3, 3])
 
 @dataclass(frozen=True, slots=True)
 class Dragged:
-    """What m forces do, each of the size that slides the object."""
+    """Sliding motions under m forces, each of the size that slides the object."""
 
     # (m, 3) of B's origin, about 1 m/s in size: only their direction counts
     twists: Array
@@ -48,15 +48,15 @@ class Dragged:
 
 @dataclass(frozen=True, slots=True)
 class DraggedEllipsoid:
-    """A base whose limit surface is the ellipsoid of one rho, wherever the centre of
-    pressure is.
+    """A base whose limit surface is the ellipsoid of one rho, for any centre of
+    pressure.
     """
 
     rho: float  # [m]
     shift: float  # [m] as of DraggedBase
 
     def slide(self, cops: Array, contacts: Array, directions: Array) -> Dragged:
-        """Return the motion under forces, as DraggedBase, in closed form."""
+        """Sliding motion under forces, as by DraggedBase, in closed form."""
         x, y = (contacts - cops).T
         fx, fy = directions.T
         # the drag moves the centre of pressure along the force, which has no moment
@@ -73,9 +73,10 @@ class DraggedBase:
     def __init__(
         self, body: ObjectModel, shift: float, resolution: int = RESOLUTION
     ) -> None:
-        """Prepare the base.
+        """Precompute the base.
 
-        ``shift`` h mu_s [m] is how far a drag of mu_s N moves the centre of pressure.
+        ``shift`` h mu_s [m] is the displacement of the centre of pressure by a drag of
+        mu_s N.
         """
         points, areas = body.shape.base_rule(resolution)
         x, y = (points - np.array(body.center_of_mass)).T
@@ -96,14 +97,15 @@ class DraggedBase:
         self._squares = (self._basis[FOUR[0]] * self._basis[FOUR[1]]).T
 
     def slide(self, cops: Array, contacts: Array, directions: Array) -> Dragged:
-        """Return the motion under forces along ``directions`` (m, 2), unit vectors, at
+        """Sliding motion under forces along ``directions`` (m, 2), unit vectors, at
         ``contacts`` (m, 2).
 
-        ``cops`` (m, 2) [m] without drag; the moved ones must be inside the base. Newton
-        steps for the pressure. The twist is that of least friction power among those
-        with unit power of the force: first steps to the ellipsoid that has the friction
-        of the last twist, each of which lowers that power, then Newton's where they
-        lower it too; those alone where a coarser base has settled first.
+        ``cops`` (m, 2) [m] are without drag; the moved ones must be inside the base.
+        The pressure is found by Newton steps. The twist is that of the smallest
+        friction power among those with unit power of the force. The first steps go to
+        the ellipsoid that has the friction of the last twist, each of which lowers that
+        power. Then come Newton's steps if they lower it too; these alone if a coarser
+        base has settled first.
         """
         x, y = contacts.T
         direction = directions.T
@@ -133,8 +135,8 @@ class DraggedBase:
     def _slid(
         self, force: Array, direction: Array, cop: Array, start: Array, first: int
     ) -> tuple[Array, NDArray[np.bool_]]:
-        """Return twist, share and pressure (7, m), from those to ``start`` with, and
-        whether the pressure is in balance.
+        """Twist, share and pressure (7, m) from given initial ones, and whether the
+        pressure is in balance.
         """
         twist = start[:3]
         share = start[3]
@@ -174,20 +176,20 @@ class DraggedBase:
         return out, balanced
 
     def _change(self, last: Array, twist: Array) -> Array:
-        """Return the change (m,) of twists over their size."""
+        """Relative change (m,) of twists."""
         step = np.abs((twist - last) * self._sizes).max(0)
         change: Array = step / np.linalg.norm(last * self._sizes, axis=0)
         return change
 
     def _settled(self, plane: Array, target: Array, parts: Sequence[float]) -> Array:
-        """Return pressures (3, m) after Newton steps, of each the share in ``parts``."""
+        """Pressures (3, m) after Newton steps, each damped by its factor in ``parts``."""
         for part in parts:
             plane = plane + part * (self._plane(plane, target) - plane)
         return plane
 
     def _plane(self, plane: Array, target: Array) -> Array:
-        """Return the pressures (3, m) that have the load and the moments ``target``
-        where ``plane`` presses.
+        """Pressures (3, m) with the load and moments ``target``, over the area that
+        ``plane`` presses.
         """
         touching = np.where(plane.T @ self._linear > 0.0, self._shares, 0.0)
         hessian = (touching @ self._moments).T
@@ -197,8 +199,10 @@ class DraggedBase:
     def _steps(
         self, loads: Array, twist: Array, force: Array, newton: bool
     ) -> tuple[Array, Array, Array]:
-        """Return the friction's power (m,) over the force's, and the next twists (3,
-        m), of unit power of the force: the ellipsoid's, and where wanted Newton's.
+        """Power (m,) of the friction over the force's, and the next twists (3, m), of
+        unit power of the force.
+
+        The twists are the ellipsoid's and, if wanted, Newton's.
         """
         vx, vy, w = twist
         squares = (
@@ -224,9 +228,10 @@ class DraggedBase:
         return power, ellipsoid, np.where(np.isfinite(out).all(0), out, ellipsoid)
 
     def _lessened(self, k: Array, twist: Array) -> Array:
-        """Return what the friction's hessian (6, m) is less than the ellipsoid's: sum
-        ``k`` q q^T, with the gradient of |v|^2 / 2, q = (v_x - w y, v_y + w x, r x v +
-        w radius^2).
+        """Difference (6, m) between the ellipsoid's hessian and the friction's.
+
+        It is the sum ``k`` q q^T, with the gradient q = (v_x - w y, v_y + w x, r x v +
+        w radius^2) of |v|^2 / 2.
         """
         vx, vy, w = twist
         n1, mx, my, ms, xx, xy, xs, yy, ys, ss = (k @ self._squares).T
@@ -246,8 +251,8 @@ class DraggedBase:
 
 
 def _solved(matrix: Array, right: Array) -> Array:
-    """Return the solutions (3, m) for symmetric matrices (6, m), their entries in the
-    order of THREE.
+    """Solutions (3, m) for symmetric matrices (6, m), with entries in the order of
+    THREE.
     """
     a, b, c, d, e, f = matrix
     p, q, r = right

@@ -1,5 +1,5 @@
-"""The pressure under a base with straight edges, as it is between its samples: linear on
-the polygon that carries.
+"""Continuous pressure under a base with straight edges: linear on the polygon that
+carries the load.
 
 Source: docs/mechanics.md, sections 1.2 and 1.3.
 """
@@ -48,7 +48,9 @@ TERMS = (
 
 @dataclass(frozen=True, eq=False)
 class FacePressure:
-    """p + q . r on a polygon, of a total load of one; about its centre of pressure."""
+    """Pressure p + q . r on a polygon, with a total load of one, about its centre of
+    pressure.
+    """
 
     corners: Array  # (n, 2) [m] counter-clockwise
     level: float  # [1/m^2] p, at the centre
@@ -61,17 +63,17 @@ class FacePressure:
 
     @property
     def rho(self) -> float:
-        """Root mean square distance [m] of the load to its centre."""
+        """Root mean square distance [m] of the load from its centre."""
         return math.sqrt(self._square)
 
     def variance(self, direction: Point) -> float:
-        """Return the load's variance [m^2] along a unit vector."""
+        """Variance [m^2] of the load along a unit vector."""
         x, y = direction
         along = self._moment(2, 0) * complex(x, -y) ** 2
         return 0.5 * (self._square + along.real)
 
     def edges(self) -> Array:
-        """Return ``kernels.edge_friction.Edges`` (8, n)."""
+        """The ``kernels.edge_friction.Edges`` (8, n) of the polygon."""
         steps = np.concatenate((self.corners[1:], self.corners[:1])) - self.corners
         lengths = np.hypot(*steps.T)
         real = lengths > 0.0
@@ -85,8 +87,10 @@ class FacePressure:
         return np.stack([x, y, tx, ty, lengths[real], middle, across, along])
 
     def series(self) -> tuple[complex, ...]:
-        """Return the coefficients of ``TERMS`` in the mean of |1 + k z| over the load,
-        for a small complex k and z = x + i y; a term and its conjugate are one.
+        """Coefficients of ``TERMS`` in the mean of |1 + k z| over the load, for a small
+        complex k and z = x + i y.
+
+        A term and its conjugate are one.
         """
         return tuple(
             (1.0 if i == j else 2.0) * ROOT[i] * ROOT[j] * self._moment(i, j)
@@ -94,11 +98,11 @@ class FacePressure:
         )
 
     def plane(self) -> Plane:
-        """Return ``kernels.edge_friction.Plane``."""
+        """The ``kernels.edge_friction.Plane`` of the pressure."""
         return (self.level, *self.slope, FAR / self.reach, self._square)
 
     def scaled(self, length: float) -> FacePressure:
-        """Return the same pressure with ``length`` [m] as the unit of length."""
+        """The same pressure with ``length`` [m] as the unit of length."""
         qx, qy = self.slope
         cube = length**3
         return FacePressure(
@@ -107,14 +111,14 @@ class FacePressure:
 
     @cached_property
     def _square(self) -> float:
-        """Mean square distance [m^2] of the load to its centre."""
+        """Mean square distance [m^2] of the load from its centre."""
         return self._moment(1, 1).real
 
     def _moment(self, i: int, j: int) -> complex:
-        """Return the mean of z^i times its conjugate^j over the load.
+        """Mean of z^i times its conjugate^j over the load.
 
-        A homogeneous function of degree n has its integral over a triangle with a
-        corner at the origin from that along the opposite side.
+        The integral of a homogeneous function of degree n over a triangle with a corner
+        at the origin follows from the integral along the opposite side.
         """
         z, areas, slopes = self._nodes
         degree = i + j + 2
@@ -123,7 +127,9 @@ class FacePressure:
 
     @cached_property
     def _nodes(self) -> tuple[NDArray[np.complex128], Array, Array]:
-        """Gauss points along the edges, twice the areas to them, and q . r there."""
+        """Gauss points along the edges, twice the areas of their triangles, and q . r
+        there.
+        """
         x, y = self.corners.T[:, :, None]
         to_x, to_y = np.concatenate((self.corners[1:], self.corners[:1])).T[:, :, None]
         turns = x * to_y - y * to_x
@@ -134,11 +140,12 @@ class FacePressure:
 
 
 def face_pressure(shape: Shape, center_of_mass: Point, cop: Point) -> FacePressure:
-    """Return the pressure under a shape, its centre ``cop`` [m] in the body frame B.
+    """Pressure under a shape, with its centre ``cop`` [m] in the body frame B.
 
-    ``center_of_mass`` [m] in the shape's frame G; as
-    ``mechanics.pressure.support_pressure``, which samples it. A round base is a polygon
-    of 64 corners. Raises ValueError for a CoP outside the base's hull.
+    ``center_of_mass`` [m] in the shape's frame G.
+    ``mechanics.pressure.support_pressure`` gives samples of the same pressure. A round
+    base is a polygon of 64 corners. Raises ValueError for a CoP outside the base's
+    hull.
     """
     place = (cop[0] + center_of_mass[0], cop[1] + center_of_mass[1])
     polygon, a, b = quadrature.loaded_polygon(shape.base_corners, place)
@@ -146,8 +153,8 @@ def face_pressure(shape: Shape, center_of_mass: Point, cop: Point) -> FacePressu
 
 
 def of_polygon(corners: Array, level: float, slope: Sequence[float]) -> FacePressure:
-    """Return a pressure of a total load of one from its values at the origin, the
-    centre of pressure.
+    """Pressure of a total load of one from its values at the origin, the centre of
+    pressure.
     """
     face = FacePressure(corners, level, (float(slope[0]), float(slope[1])))
     load = face._moment(0, 0).real

@@ -1,5 +1,5 @@
-"""An object pushed on one face by a force anywhere on it, on the exact limit surface:
-as a car.
+"""An object pushed on one face by a force anywhere on it, as a car on the exact limit
+surface.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ RESOLUTION = 4  # of the base: axle and curvature are right to 0.3 mm and 0.3 %
 
 
 class Turning(NamedTuple):
-    """How a force turns the object."""
+    """Turning motion of the object under a force."""
 
     # [m] ahead of the CoM along the face's normal, of the point without velocity across
     # it
@@ -27,9 +27,7 @@ class Turning(NamedTuple):
 
 
 def on_face(face: Face, left: float) -> Point:
-    """Return the point [m] in B of a face that is ``left`` [m] of the CoM's line along
-    the normal.
-    """
+    """Point [m] in B of a face, ``left`` [m] of the CoM's line along the normal."""
     n = face.normal
     return (-face.depth * n[0] - left * n[1], -face.depth * n[1] + left * n[0])
 
@@ -45,10 +43,10 @@ class Push(NamedTuple):
 def turnings(
     body: ObjectModel, mu: float, height: float, pushes: Sequence[Push]
 ) -> list[Turning]:
-    """Return how each of ``pushes`` at ``height`` [m] turns the object.
+    """Turning motion of the object under each of ``pushes`` at ``height`` [m].
 
     The load is the one that the push itself shifts; ``mu`` is that of the pair
-    object/support. Raises ValueError where the object tips, and for a force through the
+    object/support. Raises ValueError if the object tips, and for a force through the
     CoM, which does not turn it.
     """
     if any(push.left == 0.0 and push.slope == 0.0 for push in pushes):

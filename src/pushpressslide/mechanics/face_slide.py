@@ -1,5 +1,5 @@
-"""How an object on a base with straight edges slides under a wrench: the exact limit
-surface in closed form, turned round by Newton's method.
+"""Sliding of an object on a base with straight edges under a wrench: the exact limit
+surface in closed form, inverted by Newton's method.
 
 Source: docs/mechanics.md, sections 1 and 1.3. Plain floats; ``mechanics.limit_surface``
 does the same for samples of a pressure.
@@ -27,10 +27,10 @@ Triple = tuple[float, float, float]
 
 
 class FaceSurface:
-    """The limit surface of a pressure over its load; about its centre of pressure."""
+    """Limit surface of a pressure, over its load and about its centre of pressure."""
 
     def __init__(self, face: FacePressure) -> None:
-        """Prepare the edges, with rho as the unit of length."""
+        """Precompute the edges, with rho as the unit of length."""
         self.rho = face.rho  # [m] root mean square distance of the load
         self._face = face.scaled(self.rho)
         self._edges = tuple(map(tuple, self._face.edges().tolist()))
@@ -41,19 +41,20 @@ class FaceSurface:
         return self._face.series()
 
     def _friction(self, twist: Triple) -> Friction:
-        """Return ``polygon_friction`` of a twist (vx, vy, rho w), not zero."""
+        """``polygon_friction`` of a twist (vx, vy, rho w), not zero."""
         vx, vy, w = twist
         if abs(w) > self._plane[3] * math.hypot(vx, vy):
             return near(vx, vy, w, self._plane, self._edges)
         return far_center_friction(vx, vy, w, self._series)
 
     def slide(self, wrench: Wrench, guess: Twist | None = None) -> tuple[Twist, float]:
-        """Return the direction of sliding under ``wrench``, as a twist of its point,
-        the centre of pressure, and by what factor it exceeds the surface of mu N = 1.
+        """Direction of sliding under ``wrench``, and the factor by which the wrench
+        exceeds the surface of mu N = 1.
 
-        The twist of least friction power among those with unit power of the wrench
-        (maximum dissipation); in less time with a ``guess`` of it, any body point.
-        Raises ValueError for a wrench that is zero or not finite.
+        The direction is a twist of the wrench's point, the centre of pressure. It is
+        the twist of smallest friction power among those with unit power of the wrench
+        (maximum dissipation). A ``guess`` of it, of any body point, saves time. Raises
+        ValueError for a wrench that is zero or not finite.
         """
         rho = self.rho
         size = math.hypot(wrench.fx, wrench.fy, wrench.tau / rho)
@@ -72,9 +73,11 @@ class FaceSurface:
         return found, size / power
 
     def _least_power_twist(self, twist: Triple, target: Triple) -> tuple[Triple, float]:
-        """Return the twist of least friction power of unit power of the unit wrench
-        ``target``, and that power: by Newton steps that are halved until the power, or
-        at the end its gradient, falls.
+        """Twist of smallest friction power among those with unit power of the unit
+        wrench ``target``, and that power.
+
+        Found by Newton steps that are halved until the power, or at the end its
+        gradient, falls.
         """
         a, b = across(target)
         off = 1.0 - _dot(target, twist)
@@ -103,7 +106,9 @@ class FaceSurface:
 
 
 class _Power:
-    """Friction power at a twist, its gradient and its slope along two unit vectors."""
+    """Friction power at a twist, its gradient, and its second derivative along two unit
+    vectors.
+    """
 
     __slots__ = ("aa", "ab", "bb", "ga", "gb", "value")
 
@@ -129,11 +134,11 @@ class _Power:
 
     @property
     def steepest(self) -> float:
-        """The greater part of the gradient."""
+        """The larger component of the gradient."""
         return max(abs(self.ga), abs(self.gb))
 
     def step(self) -> tuple[float, float]:
-        """Return Newton's step along the two vectors, a little damped."""
+        """Newton step along the two vectors, slightly damped."""
         damping = FLAT * (1.0 + self.aa + self.bb)
         aa = self.aa + damping
         bb = self.bb + damping

@@ -1,4 +1,4 @@
-"""The side faces of an object, seen as places to push."""
+"""The side faces of an object as places to push."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pushpressslide.core.task import ObjectModel
 
 @dataclass(frozen=True, slots=True)
 class Face:
-    """One side face; all in B, the frame at the projected centre of mass."""
+    """One side face, in B, the frame at the projected centre of mass."""
 
     # of the footprint's side, counter-clockwise; on a cylinder, of the direction
     index: int
@@ -32,12 +32,12 @@ class Face:
 def faces(
     body: ObjectModel, corner_clearance: float, tip_radius: float = 0.0
 ) -> tuple[Face, ...]:
-    """Return the faces of ``body`` that a tip of ``tip_radius`` [m] can touch; a point
-    touches all.
+    """Faces of ``body`` that a tip of ``tip_radius`` [m] can touch. A tip of zero
+    radius touches all.
 
-    Of a face before which there is something else, several parts may be left: each is a
-    face. Contacts stay ``corner_clearance`` [m] away from the corners (or at a short
-    edge's middle).
+    If something blocks part of a face, several parts may remain, and each is a face.
+    Contacts stay ``corner_clearance`` [m] away from the corners (or at a short edge's
+    middle).
     """
     out = []
     for place in body.shape.side_places(
@@ -55,7 +55,7 @@ def faces(
 
 
 def room_ahead(body: ObjectModel, face: Face) -> float:
-    """Return the distance [m] from the CoM to the leading edge when ``face`` is pushed
-    along its normal.
+    """Distance [m] from the CoM to the leading edge when ``face`` is pushed along its
+    normal.
     """
     return body.shape.extent(face.normal, body.center_of_mass)

@@ -1,4 +1,4 @@
-"""Friction at one contact: its cone, its motion cone, and its answer to a velocity.
+"""Friction at one contact: its cone, its motion cone, and its response to a velocity.
 
 Source: docs/mechanics.md, section 3. The left tangent t = J n is the inward normal n
 turned by +90 degrees; mu is the friction of the pair end effector/object.
@@ -21,45 +21,40 @@ KINDS: tuple[PushKind, ...] = ("stick", "slip_left", "slip_right", "separate")
 
 
 def cone_edges(normal: Point, mu: float) -> tuple[Point, Point]:
-    """Return the right and left edge (f_-, f_+) = n -+ mu t of a side contact's
-    friction cone.
-    """
+    """Right and left edge (f_-, f_+) = n -+ mu t of a side contact's friction cone."""
     return pushing.cone_edges(normal, mu)
 
 
 def cone_margin(force: Point, normal: Point, mu: float) -> float:
-    """Return mu f_n - |f_t| [N] of a side contact: >= 0 inside the cone, negative
+    """Margin mu f_n - |f_t| [N] of a side contact: >= 0 inside the cone, negative
     outside.
     """
     return pushing.cone_margin(force, normal, mu)
 
 
 def press_margin(force: Point, normal_force: float, mu: float) -> float:
-    """Return mu N_i - |f| [N] of a top contact pressed with ``normal_force`` [N]: >= 0
+    """Margin mu N_i - |f| [N] of a top contact pressed with ``normal_force`` [N]: >= 0
     if it sticks.
     """
     return mu * normal_force - math.hypot(force[0], force[1])
 
 
 def utilisation_margin(mu: float, utilisation: float) -> float:
-    """Return the angle [rad] to the edge of a friction cone of a force that takes
-    ``utilisation`` of the friction ``mu``; negative outside.
+    """Angle [rad] between a force with friction ``utilisation`` and the edge of the
+    cone of ``mu``. Negative outside.
     """
     return math.atan(mu) - math.atan(utilisation * mu)
 
 
 def force_angle(force: Point, axis: Point) -> float:
-    """Return the angle [rad] of ``force`` from ``axis``, positive to the left, in (-pi,
-    pi].
-    """
+    """Angle [rad] of ``force`` from ``axis``, positive to the left, in (-pi, pi]."""
     return math.atan2(cross(axis, force), axis[0] * force[0] + axis[1] * force[1])
 
 
 def motion_cone(
     lever: Point, rho: float, normal: Point, mu: float
 ) -> tuple[Point, Point]:
-    """Return the right and left edge (G f_-, G f_+) of the velocities at which the
-    contact sticks.
+    """Right and left edge (G f_-, G f_+) of the velocities at which the contact sticks.
 
     ``lever`` [m] is the contact relative to the CoP. For a contact whose normal points
     at the CoP its half angle is tan(psi) = (1 + d^2/rho^2) mu.
@@ -69,7 +64,7 @@ def motion_cone(
 
 @dataclass(frozen=True, slots=True)
 class PushOutcome:
-    """What a pusher with a prescribed velocity does to a quasi-static object."""
+    """Motion of a quasi-static object under a pusher with a prescribed velocity."""
 
     # slip_left: the pusher slides to the left (+t) along the object's face
     kind: PushKind
@@ -85,11 +80,11 @@ def push_outcome(
     mu: float,
     velocity: Point,
 ) -> PushOutcome:
-    """Return how a pusher at ``contact`` [m] with ``velocity`` [m/s] moves the object.
+    """Motion of the object under a pusher at ``contact`` [m] with ``velocity`` [m/s].
 
-    Inside the motion cone it sticks; outside, the force stays on the edge of the
-    friction cone and the normal velocity is kept; with no velocity into the object it
-    leaves. ``normal`` is the unit inward normal.
+    Inside the motion cone the contact sticks. Outside, the force stays on the edge of
+    the friction cone and the normal velocity is kept. With no velocity into the object
+    it separates. ``normal`` is the unit inward normal.
     """
     cop = surface.center
     rho = surface.rho

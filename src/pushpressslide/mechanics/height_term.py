@@ -1,10 +1,10 @@
 """The ellipsoid under a load that the drag itself shifts: forces at a height above the
 support move the centre of pressure by h F / N (docs/mechanics.md, sections 1 and 1.2).
 
-The shift is along the force, so that the moment about the resting centre of pressure is
-that about the moved one: in terms of wrenches the surface is the ellipsoid; what
-changes is the twist that goes with a wrench. Both ways are closed forms, in plain
-floats.
+The shift is along the force, so that the moment about the resting centre of pressure
+equals that about the moved one. In terms of wrenches the surface is therefore the
+ellipsoid; only the twist of a wrench changes. Both directions are closed forms, in
+plain floats.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from pushpressslide.mechanics.checks import check_force, check_rho
 
 @dataclass(frozen=True, slots=True)
 class DraggedSurface:
-    """fx^2 + fy^2 + (tau/rho)^2 = max_force^2 about ``center``, from which the CoP is
-    lift F / max_force.
+    """Surface fx^2 + fy^2 + (tau/rho)^2 = max_force^2 about ``center``. The CoP is lift
+    F / max_force from there.
     """
 
     max_force: float  # [N] mu_s N > 0
@@ -41,25 +41,25 @@ class DraggedSurface:
         check_rho(self.rho)
 
     def twist_direction(self, wrench: Wrench) -> Twist:
-        """Return the direction of sliding under ``wrench``, put on the surface, as a
-        twist of ``center``.
+        """Direction of sliding under ``wrench``, scaled to the surface, as a twist of
+        ``center``.
 
-        Of the moved centre of pressure it is nu ~ (fx, fy, tau/rho^2) with |(v, rho w)|
-        = 1 m/s; zero for a zero wrench.
+        The twist of the moved centre of pressure is nu ~ (fx, fy, tau/rho^2) with |(v,
+        rho w)| = 1 m/s. Zero for a zero wrench.
         """
         fx, fy, tau, _ = wrench.moved_to(self.center)
         return Twist(*dragged_twist(fx, fy, tau, self._figures), self.center)
 
     def wrenches(self, twists: Array) -> Array:
-        """Return ``wrench`` (m, 3) about ``center`` of twists (m, 3) of it."""
+        """``wrench`` (m, 3) about ``center`` for twists (m, 3) of it."""
         figures = self._figures
         rows = [dragged_wrench(vx, vy, w, figures) for vx, vy, w in twists.tolist()]
         return np.array(rows).reshape(-1, 3)
 
     def wrench(self, twist: Twist) -> Wrench:
-        """Return the wrench on the surface, about ``center``, that drives ``twist``.
+        """Wrench on the surface, about ``center``, that drives ``twist``.
 
-        Zero for none.
+        Zero for a zero twist.
         """
         vx, vy, w, _ = twist.moved_to(self.center)
         return Wrench(*dragged_wrench(vx, vy, w, self._figures), self.center)

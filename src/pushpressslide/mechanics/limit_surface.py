@@ -1,4 +1,5 @@
-"""Limit surfaces, the relation of wrench and sliding: the ellipsoid and the exact one.
+"""Limit surfaces, the relation between wrench and sliding: the ellipsoid and the exact
+one.
 
 Source: docs/mechanics.md, section 1. Quasi-static and rate independent: a wrench fixes
 the direction of motion, never the speed. ``EllipsoidLimitSurface`` is plain floats, for
@@ -41,23 +42,22 @@ class EllipsoidLimitSurface:
         check_rho(self.rho)
 
     def level(self, wrench: Wrench) -> float:
-        """Return H(W), any reference point: 1 on the surface, below 1 at rest."""
+        """Level H(W) about any reference point: 1 on the surface, below 1 at rest."""
         fx, fy, tau, _ = wrench.moved_to(self.center)
         return ellipsoid_level(fx, fy, tau, self.max_force, self.rho)
 
     def twist_direction(self, wrench: Wrench) -> Twist:
-        """Return the direction of sliding under ``wrench``, as a twist of the centre of
-        pressure.
+        """Direction of sliding under ``wrench``, as a twist of the centre of pressure.
 
         nu ~ (fx, fy, tau/rho^2), normalised so that vx^2 + vy^2 + (rho w)^2 = 1
-        m^2/s^2; zero for a zero wrench.
+        m^2/s^2. Zero for a zero wrench.
         """
         fx, fy, tau, _ = wrench.moved_to(self.center)
         return Twist(*ellipsoid_twist(fx, fy, tau, self.rho), self.center)
 
     def wrench(self, twist: Twist) -> Wrench:
-        """Return the wrench on the surface, about its centre, that drives ``twist``
-        (any body point).
+        """Wrench on the surface, about its centre, that drives ``twist`` (any body
+        point).
 
         W = mu_s N (vx, vy, rho^2 w) / sqrt(vx^2 + vy^2 + rho^2 w^2); zero for a zero
         twist.
@@ -68,8 +68,7 @@ class EllipsoidLimitSurface:
 
 
 def exact_wrenches(samples: PressureSamples, mu: float, twists: Array) -> Array:
-    """Return the wrenches (m, 3) [N, N m] that drive ``twists`` (m, 3), both at the
-    CoP.
+    """Wrenches (m, 3) [N, N m] that drive ``twists`` (m, 3), both at the CoP.
 
     W = mu sum N_i (v_i, r_i x v_i) / |v_i|, r_i from the CoP; the friction of the
     support is -W. A sample exactly at the centre of rotation gives no force. ``mu`` is
@@ -90,9 +89,7 @@ def exact_wrenches(samples: PressureSamples, mu: float, twists: Array) -> Array:
 
 
 def exact_wrench(samples: PressureSamples, mu: float, twist: Twist) -> Wrench:
-    """Return the wrench, about the CoP, that slides the object with ``twist`` (any body
-    point).
-    """
+    """Wrench, about the CoP, that slides the object with ``twist`` (any body point)."""
     cop = samples.cop
     t = twist.moved_to(cop)
     fx, fy, tau = exact_wrenches(samples, mu, np.array([[t.vx, t.vy, t.w]]))[0]
@@ -100,23 +97,22 @@ def exact_wrench(samples: PressureSamples, mu: float, twist: Twist) -> Wrench:
 
 
 def exact_twist_direction(samples: PressureSamples, wrench: Wrench) -> Twist:
-    """Return the direction of sliding under ``wrench``, as a twist of the CoP with |(v,
-    rho w)| = 1.
+    """Direction of sliding under ``wrench``, as a twist of the CoP with |(v, rho w)| =
+    1.
 
-    The twist with the least friction power among those with unit power of the wrench
-    (maximum dissipation), which is the normal of the exact surface; rho is the mean
-    distance of the load to the CoP. Where the surface has an edge or a vertex (pins),
-    one of its normals. Raises ValueError for a zero wrench or a pressure without
-    extent.
+    The twist with the smallest friction power among those with unit power of the wrench
+    (maximum dissipation), which is the normal of the exact surface. Rho is the mean
+    distance of the load from the CoP. If the surface has an edge or a vertex there
+    (pins), it is one of its normals. Raises ValueError for a zero wrench or a pressure
+    without extent.
     """
     return _slide(samples, wrench)[0]
 
 
 def exact_level(samples: PressureSamples, mu: float, wrench: Wrench) -> float:
-    """Return by what factor ``wrench`` exceeds the exact surface: 1 on it, below 1 at
-    rest.
+    """Factor by which ``wrench`` exceeds the exact surface: 1 on it, below 1 at rest.
 
-    Of degree one in the wrench, where the ellipsoid's H is of degree two.
+    Of degree one in the wrench, unlike the ellipsoid's H of degree two.
     """
     return _slide(samples, wrench)[1] / mu
 
@@ -124,15 +120,13 @@ def exact_level(samples: PressureSamples, mu: float, wrench: Wrench) -> float:
 def exact_slide(
     samples: PressureSamples, mu: float, wrench: Wrench
 ) -> tuple[Twist, float]:
-    """Return ``exact_twist_direction`` and ``exact_level`` at once, for the cost of
-    one.
-    """
+    """``exact_twist_direction`` and ``exact_level`` at once, for the cost of one."""
     twist, factor = _slide(samples, wrench)
     return twist, factor / mu
 
 
 def _slide(samples: PressureSamples, wrench: Wrench) -> tuple[Twist, float]:
-    """Return the direction of sliding, and the wrench over mu times the surface's."""
+    """Direction of sliding, and the wrench over mu times the surface's."""
     extent, over_rho = slide_samples(samples)
     if extent[0] == 0.0:
         raise ValueError(
@@ -147,7 +141,7 @@ def _slide(samples: PressureSamples, wrench: Wrench) -> tuple[Twist, float]:
 
 
 def slide_samples(samples: PressureSamples) -> tuple[Extent, Array]:
-    """Return figures and samples (4, m) of ``kernels.exact_surface.exact_slide``."""
+    """Figures and samples (4, m) of ``kernels.exact_surface.exact_slide``."""
     x, y = (samples.points - np.array(samples.cop)).T
     square = samples.radii**2
     share = samples.loads / samples.total_load
@@ -160,7 +154,7 @@ def slide_samples(samples: PressureSamples) -> tuple[Extent, Array]:
 
 
 def load_spread(samples: PressureSamples) -> tuple[float, float, float]:
-    """Return the mean xx, xy and yy [m^2] of the load about its centre."""
+    """Mean xx, xy and yy [m^2] of the load about its centre."""
     x, y = (samples.points - np.array(samples.cop)).T
     share = samples.loads / samples.total_load
     return float(share @ (x * x)), float(share @ (x * y)), float(share @ (y * y))

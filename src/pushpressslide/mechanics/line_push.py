@@ -1,10 +1,11 @@
-"""A flat finger that pushes a face: does it stick, or does the object slip or turn off it?
+"""A flat finger that pushes a face: the object sticks to it, slips along it, or turns
+off it.
 
 Source: studies/docs/stable-push.md; Lynch and Mason, "Stable pushing", 1996. While the
-object moves with the finger its twist is given, so the wrench that it takes is the one
-on the exact limit surface. The finger can give it if the wrench is in the cone that the
-friction cones at both of its ends span. As all its forces act on one line, that is: the
-resultant is inside the friction cone, and acts between the ends.
+object moves with the finger its twist is given, so that its wrench is the one on the
+exact limit surface. The finger can give it if the wrench is in the cone spanned by the
+friction cones at both of its ends. All forces of the finger act on one line, so that
+this means: the resultant is inside the friction cone, and acts between the ends.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ RESOLUTION = 8  # of the base
 
 
 class LinePush(NamedTuple):
-    """What a finger has to give so that the object moves with it."""
+    """Load on a finger for which the object moves with it."""
 
     wrench: Wrench  # on the object, about the centre of pressure
     # |f_t| over mu f_n; inf where the finger would have to pull
@@ -38,7 +39,9 @@ class LinePush(NamedTuple):
 
     @property
     def sticks(self) -> bool:
-        """Whether the finger can give it: the object neither slips nor turns off it."""
+        """Whether the finger can bear the load: the object neither slips nor turns off
+        it.
+        """
         return self.friction_utilisation <= 1.0 and abs(self.center) <= 1.0
 
 
@@ -47,7 +50,7 @@ class FlatFinger:
     """A straight finger that lies on a face of the object, all in B.
 
     From ``start`` to ``end`` the object is on the left, as along its outline. Raises
-    ValueError for ends in one place and friction < 0.
+    ValueError for ends that coincide and friction < 0.
     """
 
     start: Point  # [m]
@@ -80,7 +83,7 @@ class FlatFinger:
         return (-y, x)
 
     def hold(self, wrench: Wrench) -> LinePush:
-        """Return what the finger has to give for ``wrench`` on the object, in B."""
+        """Load on the finger for ``wrench`` on the object, in B."""
         force = (wrench.fx, wrench.fy)
         push = force[0] * self.normal[0] + force[1] * self.normal[1]
         if not push > 0.0:
@@ -101,15 +104,15 @@ def push_sticks(
     twist: Twist,
     height: float = 0.0,
 ) -> LinePush:
-    """Return whether ``body`` moves with ``finger``, and how far inside its limits.
+    """Load on ``finger`` for which ``body`` moves with it, and its margins.
 
-    ``twist`` is that of finger and object, in B, any size; ``height`` [m] of the finger
-    above the support: the push moves the centre of pressure by h F / N. Raises
-    ValueError for a zero twist, and where the object tips.
+    ``twist`` is that of finger and object, in B, any size. ``height`` [m] is the
+    finger's above the support: the push moves the centre of pressure by h F / N. Raises
+    ValueError for a zero twist, and if the object tips.
     """
 
     def pressure(cop: Point) -> PressureSamples:
-        """Return the pressure, unit load, whose centre is ``cop`` [m]."""
+        """Pressure of unit load with its centre at ``cop`` [m]."""
         return support_pressure(body.shape, 1.0, body.center_of_mass, cop, RESOLUTION)
 
     return line_push(pressure, support_friction, finger, twist, height)
@@ -122,8 +125,10 @@ def line_push(
     twist: Twist,
     height: float = 0.0,
 ) -> LinePush:
-    """Return ``push_sticks`` for any pressure: ``pressure_at(p)`` is the distribution
-    whose centre of pressure is p [m] in B; (0, 0) is that without a push.
+    """``push_sticks`` for any pressure.
+
+    ``pressure_at(p)`` is the distribution whose centre of pressure is p [m] in B; (0,
+    0) is that without a push.
     """
     check_friction(support_friction, "support_friction")
     if not any(twist[:3]):
@@ -138,7 +143,7 @@ def _needed(
     twist: Twist,
     height: float,
 ) -> Wrench:
-    """Return the wrench that drives ``twist`` under the pressure that it moves itself."""
+    """Wrench that drives ``twist`` under the pressure that it moves itself."""
     x = 0.0
     y = 0.0
     for step in range(STEPS):

@@ -32,18 +32,18 @@ CLOSE = 1e-5  # of rho: of the centre of pressure from there
 
 
 def pressures(scene: Scene) -> Callable[[Point], PressureSamples]:
-    """Return the pressure of unit load, as believed, under a scene's body for a CoP
-    [m] in B.
+    """Function from a CoP [m] in B to the believed pressure of unit load under a
+    scene's body.
 
-    With a believed rho all of it is at that distance from the CoP: the exact surface is
-    then the ellipsoid. Raises ValueError, when called, for a CoP outside the base: the
-    object tips.
+    With a believed rho all of the load is at that distance from the CoP: the exact
+    surface is then the ellipsoid. The function raises ValueError for a CoP outside the
+    base: the object tips.
     """
     body = scene.body
     rho = scene.rho
 
     def pressure_at(cop: Point) -> PressureSamples:
-        """Return the pressure whose centre is ``cop`` [m] in B."""
+        """Pressure with its centre at ``cop`` [m] in B."""
         if rho is None:
             return support_pressure(
                 body.shape, 1.0, body.center_of_mass, cop, RESOLUTION
@@ -56,8 +56,8 @@ def pressures(scene: Scene) -> Callable[[Point], PressureSamples]:
 def touching_ellipsoid(
     samples: PressureSamples, mu: float, twist: Twist
 ) -> DraggedSurface:
-    """Return the ellipsoid that touches the exact surface of ``samples`` at ``twist``
-    (any body point).
+    """Ellipsoid that touches the exact surface of ``samples`` at ``twist`` (any body
+    point).
 
     ``mu`` is the friction of the pair object/support. Raises ValueError for a zero
     twist, or a pressure without extent.
@@ -89,13 +89,13 @@ def dragged_ellipsoid(
     twist: Twist,
     shift: Callable[[Wrench], Point],
 ) -> tuple[DraggedSurface, Point]:
-    """Return the ellipsoid of ``touching_ellipsoid`` under the load that the drag
-    itself moves, and the moved centre of pressure [m].
+    """Ellipsoid of ``touching_ellipsoid`` under the load that the drag itself moves,
+    and the moved centre of pressure [m].
 
-    ``pressure_at(p)`` gives the distribution, of any total load, whose CoP is p;
-    ``load`` [N] is the true total, ``cop`` [m] the CoP without drag; ``shift(wrench)``
-    [m] is how far the forces that give a wrench move it. Raises ValueError where it
-    leaves the base: the object tips.
+    ``pressure_at(p)`` gives the distribution, of any total load, whose CoP is p.
+    ``load`` [N] is the true total, ``cop`` [m] the CoP without drag. ``shift(wrench)``
+    [m] is its displacement by the forces of a wrench. Raises ValueError if it leaves
+    the base: the object tips.
     """
     # By the secant method in complex numbers: the twist's turn makes of an offset of
     # the centre of pressure a shift that is turned and scaled, which is what a complex

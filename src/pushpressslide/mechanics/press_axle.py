@@ -1,6 +1,7 @@
-"""One tip pressed on top of an object and dragged along: how it moves, and where its
-virtual axle is, exact, without the contact's height, and as the paper has it.
+"""One tip pressed on top of an object and dragged along: the object's motion and its
+virtual axle.
 
+The axle is given exactly, without the contact's height, and by the paper's formula.
 Source: docs/mechanics.md, sections 1.2, 2, 4 and 4.1. Force angles are from the heading
 axis, which leads from the CoM through the centre of pressure (CoP) to the contact.
 """
@@ -54,12 +55,12 @@ class Press:
 
     @property
     def weight(self) -> float:
-        """N_o [N]."""
+        """Weight N_o [N]."""
         return self.body.mass * GRAVITY
 
     @property
     def cop(self) -> Point:
-        """Centre of pressure in B [m], no force along the support."""
+        """Centre of pressure in B [m] without a force along the support."""
         return pressed_cop(self.contact, self.load, self.weight)
 
     @property
@@ -75,7 +76,9 @@ class Press:
 
     @property
     def shift(self) -> float:
-        """How far straight drag at the top moves the CoP along the force [m]: h mu_s."""
+        """Displacement [m] of the CoP along the force by straight drag at the top: h
+        mu_s.
+        """
         return self.body.shape.height * self.friction
 
     @property
@@ -84,16 +87,16 @@ class Press:
         return self.body.shape.circumradius
 
     def along(self, angle: float) -> Point:
-        """Return the unit vector in B at ``angle`` [rad] from the heading axis."""
+        """Unit vector in B at ``angle`` [rad] from the heading axis."""
         return turned(self.axis, angle)
 
     def pressure(self, cop: Point) -> FacePressure:
-        """Return the pressure under the object, whose centre is ``cop`` [m] in B."""
+        """Pressure under the object with its centre at ``cop`` [m] in B."""
         return face_pressure(self.body.shape, self.body.center_of_mass, cop)
 
     def tipping_margin(self, angle: float) -> float:
-        """Return the tipping margin [half widths] under drag at ``angle`` [rad]; < 0:
-        it tips.
+        """Tipping margin [half widths] under drag at ``angle`` [rad]. Below 0 the
+        object tips.
         """
         u = self.along(angle)
         return room_inside(
@@ -102,11 +105,10 @@ class Press:
         )
 
     def twist(self, angle: float) -> Twist:
-        """Return the twist of B's origin under a force at ``angle`` [rad], on the exact
-        surface.
+        """Twist of B's origin under a force at ``angle`` [rad], on the exact surface.
 
-        With ``rho`` on the ellipsoid. Only its direction counts. Raises ValueError
-        where the object tips.
+        On the ellipsoid if ``rho`` is given. Only its direction counts. Raises
+        ValueError if the object tips.
         """
         if self.rho is not None:
             return self._ellipsoid_twist(self.rho, angle)
@@ -128,12 +130,12 @@ class Press:
         return Twist(float(vx), float(vy), float(w))
 
     def axle(self, angle: float, height: float | None = None) -> float:
-        """Return the virtual axle under a force at ``angle`` [rad]: its coordinate [m]
-        on the heading axis, 0 at the CoM.
+        """Coordinate [m] of the virtual axle on the heading axis under a force at
+        ``angle`` [rad]. It is 0 at the CoM.
 
-        On the exact surface, the contact at ``height`` [m] above the support; None: on
-        top of the object, 0: as if the force acted in the support's plane. Raises
-        ValueError where the object tips.
+        On the exact surface, with the contact at ``height`` [m] above the support.
+        None: on top of the object, 0: as if the force acted in the support's plane.
+        Raises ValueError if the object tips.
         """
         if height is None:
             height = self.body.shape.height
@@ -143,13 +145,13 @@ class Press:
         return at[0] * self.axis[0] + at[1] * self.axis[1]
 
     def steered(self, angle: float, backward: bool) -> tuple[float, float]:
-        """Return the virtual axle's place on the heading axis and the effective
-        wheelbase [m].
+        """Position of the virtual axle on the heading axis and the effective wheelbase
+        [m].
 
-        The axle is ahead of the CoM. Both are means of forces to the left and to the
-        right. ``angle`` in [0, pi/2) from the direction of motion: along the axis, or
-        ``backward`` against it. Near zero exact to first order: x_cop +- h mu - rho_x^2
-        / d. Raises ValueError where the object tips.
+        The axle is ahead of the CoM. Both are means over forces to the left and to the
+        right. ``angle`` in [0, pi/2) is from the direction of motion: along the axis,
+        or ``backward`` against it. Near zero exact to first order: x_cop +- h mu -
+        rho_x^2 / d. Raises ValueError if the object tips.
         """
         sign = -1.0 if backward else 1.0
         if angle < STRAIGHT_FACE:
@@ -174,29 +176,26 @@ class Press:
         return ahead, effective_wheelbase
 
     def pivot(self, left: bool) -> Point:
-        """Return the point of B [m] that stands still under a force across the heading
-        axis.
+        """Point of B [m] that stands still under a force across the heading axis.
 
         The force is to the left or to the right of the contact. The drag's height moves
-        the point off the axis. Raises ValueError where the object tips.
+        the point off the axis. Raises ValueError if the object tips.
         """
         twist = self.twist(0.5 * math.pi if left else -0.5 * math.pi)
         return (-twist.vy / twist.w, twist.vx / twist.w)
 
     def paper_distance(self, c: float = PAPER_C) -> float:
-        """Return (c r0)^2 / d [m], the paper's distance from the centre of pressure to
-        the axle.
+        """The paper's distance (c r0)^2 / d [m] from the centre of pressure to the
+        axle.
         """
         return (c * self.half_diagonal) ** 2 / self.lever
 
     def paper_axle(self, c: float = PAPER_C) -> float:
-        """Return the virtual axle [m] by the paper's formula: the same for every force
-        and height.
-        """
+        """Virtual axle [m] by the paper's formula: the same for every force and height."""
         return math.hypot(*self.cop) - self.paper_distance(c)
 
     def paper_printed(self, c: float = PAPER_C) -> float:
-        """Return the distance from the CoM [m] as the paper adds it up: as if the axle,
-        the centre of pressure and the CoM came in this order.
+        """The paper's distance from the CoM [m], a sum that assumes the order axle,
+        centre of pressure, CoM.
         """
         return math.hypot(*self.cop) + self.paper_distance(c)

@@ -1,4 +1,4 @@
-"""One tip pressed on top of an object: how hard to press, and the centre of pressure.
+"""One tip pressed on top of an object: its load and the centre of pressure.
 
 Source: docs/mechanics.md, sections 1.2, 2 and 4.
 """
@@ -24,8 +24,7 @@ def friction_use(
     mu_contact: float,
     pushed: float = 0.0,
 ) -> float:
-    """Return the friction utilisation of a press in straight sliding; below 1 it
-    sticks.
+    """Friction utilisation of a press in straight sliding. Below 1 it sticks.
 
     It is (mu_s (N_o + N_a) + pushed) / (mu_a N_a), with ``pushed`` [N] the drag of a
     body that the object pushes.
@@ -42,10 +41,10 @@ def least_load(
     share: float = 1.0,
     pushed: float = 0.0,
 ) -> float:
-    """Return the least press N_a [N] that drags in every direction with ``share`` of its
-    friction.
+    """Smallest load N_a [N] that drags in every direction with the utilisation
+    ``share``.
 
-    (mu_s N_o + pushed) / (use mu_a - mu_s); infinite where no press is hard enough.
+    (mu_s N_o + pushed) / (use mu_a - mu_s). Infinite if no press is hard enough.
     """
     slack = share * mu_contact - mu_support
     if slack <= 0.0:
@@ -62,11 +61,11 @@ def press_loads(
     pushed: float = 0.0,
     uses: Sequence[float] = margins.FRICTION_USES,
 ) -> list[float]:
-    """Return the loads [N] to try, up to ``max_force`` [N], the safest first.
+    """Loads [N] to try, up to ``max_force`` [N], the safest first.
 
-    ``wanted`` [N] is the only one where it is given. ``pushed`` [N] is the drag of a
-    body that the object pushes; ``uses`` are the shares of friction to try, the best
-    first. Raises RefusedError with what stands against any press.
+    ``wanted`` [N] is the only one if it is given. ``pushed`` [N] is the drag of a body
+    that the object pushes. ``uses`` are the friction utilisations to try, the best
+    first. Raises RefusedError if no press will do.
     """
     if wanted is not None:
         used = friction_use(wanted, weight, mu_support, mu_contact, pushed)
@@ -88,8 +87,8 @@ def press_loads(
 
 
 def no_drag(mu_contact: float, mu_support: float) -> Refusal:
-    """Return that a press drags nothing, however hard it is: the object grips the
-    support more than the tip.
+    """Refusal of every press: the object grips the support more than the tip, so that
+    no load drags it.
     """
     text = (
         "contact friction {figure:g} must exceed the support's, {allowed:g}: no press "
@@ -101,8 +100,8 @@ def no_drag(mu_contact: float, mu_support: float) -> Refusal:
 def _check_press(
     wanted: float, max_force: float, used: float, allowed: float, mu_contact: float
 ) -> None:
-    """Raise RefusedError where a press of ``wanted`` [N] is harder than ``max_force`` [N], or
-    where more than the ``allowed`` share of its friction is ``used``.
+    """Raise RefusedError if a press of ``wanted`` [N] exceeds ``max_force`` [N], or its
+    utilisation ``used`` exceeds ``allowed``.
     """
     if wanted > max_force:
         text = f"motion.press_force of {{figure:Ng}}, {FORCE_ALLOWED}"
@@ -118,14 +117,14 @@ def _check_press(
 
 
 def pressed_cop(contact: Point, load: float, weight: float) -> Point:
-    """Return the CoP [m] in B under a press at ``contact``, no force along the support."""
+    """CoP [m] in B under a press at ``contact`` without a force along the support."""
     n = load / (weight + load)
     return (n * contact[0], n * contact[1])
 
 
 def least_lever(scene: Scene, load: float) -> float:
-    """Return the least lever [m] of a press of ``load`` [N], from the centre of pressure,
-    whose drag turns the object against the friction under the tip.
+    """Smallest lever [m], from the centre of pressure, of a press of ``load`` [N] whose
+    drag turns the object against the friction under the tip.
 
     mu_s N d = mu_a N_a a, with the arm a of the tip's patch.
     """
@@ -139,7 +138,9 @@ def press_lever(scene: Scene, press: Contact) -> float:
 
 
 def lever_refusal(scene: Scene, press: Contact) -> Refusal | None:
-    """Reason against steering by a press: its lever is too short to turn the object."""
+    """Refusal of steering by a press whose lever is too short to turn the object, or
+    None.
+    """
     lever = press_lever(scene, press)
     lower = least_lever(scene, press.load)
     if lever >= lower:
@@ -153,15 +154,17 @@ def lever_refusal(scene: Scene, press: Contact) -> Refusal | None:
 
 
 def resting_cop(scene: Scene, presses: Sequence[Contact]) -> Point:
-    """Return the centre of pressure [m] in B under presses without drag."""
+    """Centre of pressure [m] in B under presses without drag."""
     loads = [contact.load for contact in presses]
     points = [contact.point for contact in presses]
     return center_of_pressure(scene.weight_on, (0.0, 0.0), loads, points)
 
 
 def press_utilisation(scene: Scene, load: float, pushed: float = 0.0) -> float:
-    """Return the friction utilisation of a press of ``load`` [N] that slides the object
-    straight, as believed; ``pushed`` [N] as in ``friction_use``.
+    """Friction utilisation of a press of ``load`` [N] that slides the object straight,
+    as believed.
+
+    ``pushed`` [N] as in ``friction_use``.
     """
     mu_s = scene.support.friction
     return friction_use(load, scene.weight_on, mu_s, scene.contact_friction, pushed)

@@ -78,18 +78,18 @@ class PressureSamples:
         return (float(x), float(y))
 
     def scaled_to(self, load: float) -> PressureSamples:
-        """Return the same distribution with another total ``load`` [N]."""
+        """The same distribution with another total ``load`` [N]."""
         return PressureSamples(
             self.points, self.loads * (load / self.total_load), self.radii
         )
 
     def translated(self, shift: Point) -> PressureSamples:
-        """Return the distribution moved by ``shift`` [m]."""
+        """The distribution translated by ``shift`` [m]."""
         return PressureSamples(self.points + np.array(shift), self.loads, self.radii)
 
 
 def total_load(own_load: float, normals: Sequence[float]) -> float:
-    """Return N = N_o + sum N_i [N]: the object's own load on the support and the
+    """Total load N = N_o + sum N_i [N]: the object's own load on the support and the
     presses from above.
     """
     return own_load + sum(normals)
@@ -103,11 +103,11 @@ def center_of_pressure(
     forces: Sequence[Point] = (),
     heights: Sequence[float] = (),
 ) -> Point:
-    """Return p_cop = (N_o p_o + sum N_i p_i + sum h_i F_i) / N [m] (docs/mechanics.md,
-    1.2).
+    """Centre of pressure p_cop = (N_o p_o + sum N_i p_i + sum h_i F_i) / N [m]
+    (docs/mechanics.md, 1.2).
 
-    ``own_load`` [N] acts at ``own_point`` [m] (the centre of mass; 0 on a wall),
-    ``normals`` [N] press at ``points`` [m], horizontal ``forces`` [N] act on the object
+    ``own_load`` [N] acts at ``own_point`` [m] (the centre of mass; 0 on a wall).
+    ``normals`` [N] press at ``points`` [m]. Horizontal ``forces`` [N] act on the object
     at ``heights`` [m] above the support: of side pushes, of presses, and on a wall the
     weight at the height of the centre of mass. Raises ValueError for unequal lengths or
     a load <= 0.
@@ -147,8 +147,7 @@ def polygon_pressure(
     cop: Point | None = None,
     resolution: int = 12,
 ) -> PressureSamples:
-    """Return the unilateral linear (Winkler) pressure on a simple ``polygon`` with the
-    given CoP.
+    """Unilateral linear (Winkler) pressure on a simple ``polygon`` with the given CoP.
 
     Corners counter-clockwise [m]. The pressure is max(0, a + b . r): uniform for
     ``cop`` None or at the centroid, linear over the whole face for a CoP near it, with
@@ -170,12 +169,10 @@ def rectangle_pressure(
     cop: Point = (0.0, 0.0),
     resolution: int = 12,
 ) -> PressureSamples:
-    """Return the Winkler pressure of a ``length`` x ``width`` rectangle [m] about the
-    origin.
+    """Winkler pressure of a ``length`` x ``width`` rectangle [m] about the origin.
 
     Its CoP is ``cop`` [m]. For a CoP (x_c, 0) the far side lifts when |x_c| > length/6
-    (docs/mechanics.md,
-    1.2).
+    (docs/mechanics.md, 1.2).
     """
     a = 0.5 * length
     b = 0.5 * width
@@ -185,8 +182,8 @@ def rectangle_pressure(
 def disc_pressure(
     radius: float, load: float = 1.0, cop: Point = (0.0, 0.0), resolution: int = 12
 ) -> PressureSamples:
-    """Return the Winkler pressure of a disc of ``radius`` [m] centred at the origin
-    with CoP ``cop`` [m].
+    """Winkler pressure of a disc of ``radius`` [m] centred at the origin with CoP
+    ``cop`` [m].
 
     The whole face is in contact for |cop| <= radius/4; beyond, the disc is integrated
     as a 64-sided polygon of equal second moment. Raises ValueError for a CoP outside
@@ -200,11 +197,10 @@ def disc_pressure(
 def pin_pressure(
     points: Sequence[Point], cop: Point, load: float = 1.0
 ) -> PressureSamples:
-    """Return the loads on three pins at ``points`` [m] whose centre of pressure is
-    ``cop`` [m].
+    """Loads on three pins at ``points`` [m] whose centre of pressure is ``cop`` [m].
 
-    Raises ValueError if there are not three, they are in one line, or the CoP is
-    outside their triangle.
+    Raises ValueError unless there are three, they are not collinear, and the CoP is
+    inside their triangle.
     """
     if len(points) != 3:
         raise ValueError(f"{len(points)} pins; the loads are determined for exactly 3")
@@ -228,13 +224,13 @@ def support_pressure(
     cop: Point = (0.0, 0.0),
     resolution: int = 12,
 ) -> PressureSamples:
-    """Return the pressure under a shape, as samples in the body frame B (origin: the
-    projected CoM).
+    """Pressure under a shape, as samples in the body frame B (origin: the projected
+    CoM).
 
     ``center_of_mass`` [m] is given in the shape's frame G
     (``ObjectModel.center_of_mass``), ``cop`` [m] in B: (0, 0) for the object at rest,
     moved by presses and by pushes at a height. The distribution is unilateral linear
-    with total ``load`` [N]; it is uniform where the CoP is the centroid of the base.
+    with total ``load`` [N]. It is uniform if the CoP is the centroid of the base.
     Raises ValueError for a CoP outside the base's hull.
     """
     cop_G = (cop[0] + center_of_mass[0], cop[1] + center_of_mass[1])

@@ -1,10 +1,10 @@
-"""Pressure under a rigid flat face on an elastic support: highest at the rim.
+"""Pressure under a rigid flat face on an elastic support, highest at the rim.
 
 The contact problem of a rigid punch on an elastic half-space (Boussinesq; Johnson,
-"Contact Mechanics", 1985, section 3.4 and 5.9): the load settles so that the support
-sinks as a plane under the whole face, each load sinking it by 1/distance. The elastic
-constants do not matter. A face that is harder than its support comes near it, and
-measured pushes of one agree (docs/uncertainty.md).
+"Contact Mechanics", 1985, section 3.4 and 5.9). The load distributes so that the
+support sinks as a plane under the whole face, each load sinking it by 1/distance. The
+elastic constants do not matter. A face that is harder than its support comes near it,
+and measured pushes of one agree (docs/uncertainty.md).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def punch_pressure(
     cop: Point | None = None,
     resolution: int = 4,
 ) -> PressureSamples:
-    """Return the pressure of a rigid, frictionless face on an elastic half-space.
+    """Pressure of a rigid, frictionless face on an elastic half-space.
 
     Simple ``polygon``, counter-clockwise [m]; total ``load`` [N]; ``cop`` [m], default
     the centroid. About 24 ``resolution``^2 samples; rho is then about 1 % low. Raises

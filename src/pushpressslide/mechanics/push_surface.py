@@ -1,6 +1,4 @@
-"""The limit surface of an object that is pushed from its sides at one height, near one
-twist.
-"""
+"""The limit surface, near one twist, of an object pushed from its sides at one height."""
 
 from __future__ import annotations
 
@@ -17,17 +15,17 @@ KEPT = 4096  # surfaces; a search comes back to the same twists with other conta
 
 @lru_cache(maxsize=KEPT)
 def push_surface(scene: Scene, height: float, twist: Twist) -> DraggedSurface:
-    """Return the ellipsoid that touches the exact surface at ``twist`` (any body
-    point), as believed.
+    """Ellipsoid that touches the exact surface at ``twist`` (any body point), as
+    believed.
 
-    Its centre of pressure goes along with the force, as pushes at ``height`` [m] move
-    it (docs/mechanics.md, section 1.2). Raises ValueError for a zero twist, and where
-    the object tips.
+    Its centre of pressure moves with the force of pushes at ``height`` [m]
+    (docs/mechanics.md, section 1.2). Raises ValueError for a zero twist, and if the
+    object tips.
     """
     load = scene.weight_on
 
     def shift(wrench: Wrench) -> Point:
-        """Return how far [m] a push moves the centre of pressure."""
+        """Displacement [m] of the centre of pressure by a push."""
         return (height * wrench.fx / load, height * wrench.fy / load)
 
     mu = scene.support.friction

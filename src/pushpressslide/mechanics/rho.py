@@ -2,7 +2,7 @@
 pressure distribution.
 
 Source: docs/mechanics.md, section 1.1. No single value fits: rho depends on the
-direction and on how tight the turn is.
+direction and on the curvature of the turn.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from pushpressslide.mechanics.pressure import PressureSamples
 
 
 def rho_pole(samples: PressureSamples) -> float:
-    """Return tau_max / (mu N) [m]: the mean distance of the load to the CoP, right for
-    pure rotation.
+    """The ratio tau_max / (mu N) [m]: the mean distance of the load from the CoP, exact
+    for pure rotation.
     """
     r = samples.points - np.array(samples.cop)
     distance = np.sqrt((r**2).sum(1) + samples.radii**2)
@@ -26,7 +26,7 @@ def rho_pole(samples: PressureSamples) -> float:
 
 
 def rho_straight(samples: PressureSamples, direction: Point = (1.0, 0.0)) -> float:
-    """Return rho_u [m] near straight motion along ``direction``: the root of the
+    """The rho_u [m] near straight motion along ``direction``: the root of the
     pressure's variance along it.
 
     Exact to first order in the turn, for any pressure. Raises ValueError for a zero
@@ -40,11 +40,10 @@ def rho_straight(samples: PressureSamples, direction: Point = (1.0, 0.0)) -> flo
 
 
 def rho_fit(samples: PressureSamples) -> float:
-    """Return rho [m] of the ellipsoid nearest to the exact surface: least squares of H
-    - 1.
+    """Rho [m] of the ellipsoid nearest to the exact surface: least squares of H - 1.
 
-    The force axis is held at mu N. Over 256 twists spread evenly on the sphere (vx, vy,
-    rho_pole w). The default for control: 0.95 to 0.97 of ``rho_pole`` for uniform
+    The force axis is fixed at mu N. Over 256 twists spread evenly on the sphere (vx,
+    vy, rho_pole w). The default for control: 0.95 to 0.97 of ``rho_pole`` for uniform
     patches. Raises ValueError for a pressure without extent.
     """
     pole = rho_pole(samples)

@@ -19,13 +19,13 @@ SHARES = (0.85, 0.65, 0.4)
 
 
 def inside_top(body: ObjectModel, point: Point, margin: float) -> bool:
-    """Return whether ``point`` [m] is at least ``margin`` [m] inside the outline."""
+    """Whether ``point`` [m] is at least ``margin`` [m] inside the outline."""
     return body.shape.holds(point, margin, body.center_of_mass)
 
 
 def room_inside(body: ObjectModel, point: Point) -> float:
-    """Return how far a centre of pressure at ``point`` [m] is inside the base's convex
-    hull; < 0 outside, where the object tips.
+    """Depth of a centre of pressure at ``point`` [m] inside the base's convex hull.
+    Below 0 the object tips.
 
     In half widths across the nearest edge.
     """
@@ -33,15 +33,15 @@ def room_inside(body: ObjectModel, point: Point) -> float:
 
 
 def rooms_inside(body: ObjectModel, points: Array) -> Array:
-    """Return ``room_inside`` (m,) of ``points`` (m, 2)."""
+    """``room_inside`` (m,) of ``points`` (m, 2)."""
     return body.shape.depths(points, body.center_of_mass)
 
 
 def top_places(body: ObjectModel, margin: float) -> list[Point]:
-    """Return places to press [m], ``margin`` [m] inside the outline.
+    """Places to press [m], ``margin`` [m] inside the outline.
 
-    They are at some shares of the way along all chords that go off from the CoM in some
-    directions; the first chord of a convex top begins at the CoM.
+    They lie at fixed fractions of all chords through the CoM in a fixed set of
+    directions. The first chord of a convex top starts at the CoM.
     """
     out = []
     for i in range(DIRECTIONS):

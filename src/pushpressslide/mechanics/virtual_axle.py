@@ -1,8 +1,8 @@
-"""Where the virtual axle of one contact is: on the ellipsoid, exactly, and with the
-height of the contact.
+"""The virtual axle of one contact: on the ellipsoid, exactly, and with the height of
+the contact.
 
 Source: docs/mechanics.md, sections 2, 3 and 4. The heading axis is the line of contact
-and CoP; the axle is the point on it, beyond the CoP, that has no velocity across it.
+and CoP. The axle is the point on it, beyond the CoP, that has no velocity across it.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ EDGE = 1e-4  # of mu: how near to tipping the force is followed
 
 
 def axle_distance(rho: float, lever: float) -> float:
-    """Return rho^2 / d [m], from the CoP away from the contact: the same for every
-    force on the ellipsoid.
+    """Distance rho^2 / d [m] of the axle from the CoP, away from the contact: the same
+    for every force on the ellipsoid.
 
-    ``lever`` d [m] is the distance from CoP to contact; raises ValueError unless > 0.
+    ``lever`` d [m] is the distance from CoP to contact. Raises ValueError unless > 0.
     """
     if not lever > 0.0:
         raise ValueError(
@@ -47,8 +47,8 @@ def axle_distance(rho: float, lever: float) -> float:
 def exact_axle_distance(
     samples: PressureSamples, lever: Point, force_angle: float
 ) -> float:
-    """Return the exact distance [m] from the CoP to the virtual axle, positive away
-    from the contact.
+    """Exact distance [m] from the CoP to the virtual axle, positive away from the
+    contact.
 
     ``lever`` [m] is the contact relative to the CoP; ``force_angle`` [rad] is the angle
     of the contact force from the heading axis (either direction of it: a force and its
@@ -66,7 +66,7 @@ def exact_axle_distance(
 
 
 class Slide(NamedTuple):
-    """How an object slides under one force."""
+    """Sliding of an object under one force."""
 
     face: FacePressure  # that the force has moved
     wrench: Wrench  # of a force of 1 N, about that pressure's centre
@@ -83,18 +83,17 @@ def sliding(
     height: float,
     direction: Point,
 ) -> Slide:
-    """Return how a force along the unit vector ``direction`` slides the object.
+    """Sliding of the object under a force along the unit vector ``direction``.
 
     The force acts at ``contact`` [m] in B, ``height`` [m] above the support, and moves
     the CoP from ``cop`` by h F / N. ``face_at(p)`` gives the pressure whose CoP is p;
-    ``mu`` is the friction of the pair object/support. The force that slides is found by
-    the secant method in an interval: it grows from zero until what slides the object is
-    no more than itself. Raises ValueError where the CoP leaves the base before: the
-    object tips.
+    ``mu`` is the friction of the pair object/support. The force is found by a bracketed
+    secant method: it grows from zero until it equals the force that slides the object.
+    Raises ValueError if the CoP leaves the base first: the object tips.
     """
 
     def slide(ratio: float, guess: Twist | None = None) -> Slide:
-        """Return the slide under the pressure that a force over the load moves."""
+        """Slide under the pressure moved by a force over the load."""
         shift = height * ratio
         moved = (cop[0] + shift * direction[0], cop[1] + shift * direction[1])
         face = face_at(moved)
@@ -109,9 +108,9 @@ def sliding(
 
 
 def _balanced(slide: Callable[[float, Twist | None], Slide], max_force: float) -> Slide:
-    """Return the slide without surplus, of a force over the load in [0, ``max_force``].
+    """Slide with zero surplus, under a force over the load in [0, ``max_force``].
 
-    Raises the ValueError of ``slide`` where the surplus is positive as far as there is a
+    Raises the ValueError of ``slide`` if the surplus is positive for every valid
     pressure.
     """
     interval = _Interval(0.0, max_force)
@@ -134,7 +133,7 @@ def _balanced(slide: Callable[[float, Twist | None], Slide], max_force: float) -
 
 @dataclass(slots=True)
 class _Interval:
-    """An interval at whose low end a function is positive, at its high end negative."""
+    """A bracket: a function is positive at its low end and negative at its high end."""
 
     low: float
     high: float
@@ -144,17 +143,17 @@ class _Interval:
 
     @property
     def width(self) -> float:
-        """Its length."""
+        """Length of the bracket."""
         return self.high - self.low
 
     @property
     def middle(self) -> float:
-        """The middle of it."""
+        """Midpoint of the bracket."""
         return 0.5 * (self.low + self.high)
 
     def next(self, place: float, value: float) -> float:
-        """Return where to look next: where the line through the last two values is
-        zero; at first where a slope of -1 leads.
+        """Next point to evaluate: the zero of the line through the last two values. At
+        first, the zero of a line with slope -1.
         """
         if value > 0.0:
             self.low = place
@@ -180,8 +179,8 @@ def dragged_twist(
     height: float,
     direction: Point,
 ) -> Twist:
-    """Return the twist of B's origin under the force of ``sliding``, on the exact
-    surface; only its direction counts.
+    """Twist of B's origin under the force of ``sliding``, on the exact surface. Only
+    its direction counts.
     """
     slide = sliding(face_at, mu, cop, contact, height, direction)
     return slide.twist.moved_to((0.0, 0.0))
@@ -195,8 +194,7 @@ def axle_with_height(
     height: float,
     force_angle: float,
 ) -> Point:
-    """Return the virtual axle [m] in B when the force of ``sliding`` acts at ``height``
-    [m].
+    """Virtual axle [m] in B when the force of ``sliding`` acts at ``height`` [m].
 
     The force angle [rad] is from the axis CoP to contact, so near pi the contact is
     pushed back towards the CoP. For straight motion x_va = (x_cop +- h mu) -
@@ -218,7 +216,7 @@ def axle_with_height(
 
 
 def turned(e: Point, angle: float) -> Point:
-    """Return ``e`` turned by ``angle`` [rad] to the left."""
+    """The vector ``e`` turned by ``angle`` [rad] to the left."""
     c = math.cos(angle)
     s = math.sin(angle)
     return (c * e[0] - s * e[1], s * e[0] + c * e[1])

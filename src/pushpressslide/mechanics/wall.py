@@ -1,7 +1,7 @@
 """An object on a wall: its weight acts in the plane and presses nothing
 (docs/mechanics.md, section 7).
 
-On a table all of this is nothing.
+On a table all of these quantities are zero.
 """
 
 from __future__ import annotations
@@ -17,9 +17,7 @@ PLACES = 4  # of a path, and its start, at which the weight's direction is looke
 
 
 def weights(scene: Scene, path: TwistPath) -> list[Point]:
-    """Return what of the weight acts in the plane [N], in B, along a path of any body
-    point.
-    """
+    """In-plane weights [N], in B, along a path of any body point."""
     weight = scene.weight_along
     if weight == (0.0, 0.0):
         return [weight]
@@ -29,11 +27,11 @@ def weights(scene: Scene, path: TwistPath) -> list[Point]:
 
 
 def lever(scene: Scene, load: float) -> float:
-    """Return how far a weight in the plane moves the centre of pressure, against itself
+    """Displacement of the centre of pressure per in-plane weight, against the weight
     [m/N].
 
-    Tips that carry it at the top, and the weight at the height of the CoM: (h - h_com)
-    / N.
+    For tips that carry it at the top, and the weight at the height of the CoM: (h -
+    h_com) / N.
     """
     if not any(scene.weight_along):
         return 0.0
@@ -41,8 +39,8 @@ def lever(scene: Scene, load: float) -> float:
 
 
 def lean_press(scene: Scene) -> float:
-    """Return the press [N] of each of two arms at which the weight moves the centre of
-    pressure by ``margins.LEAN``.
+    """Press [N] of each of two arms at which the weight moves the centre of pressure by
+    ``margins.LEAN``.
     """
     body = scene.body
     return (
@@ -54,8 +52,8 @@ def lean_press(scene: Scene) -> float:
 
 
 def lean(scene: Scene, goal: Pose2, press: float) -> Point:
-    """Return how far two contacts of ``press`` [N] each are best moved, in B [m]: at
-    the goal the weight moves the centre of pressure back by as much.
+    """Best offset [m] in B of two contacts of ``press`` [N] each. At the goal the
+    weight moves the centre of pressure back by as much.
     """
     x, y = goal.unrotate(scene.weight_along)
     k = lever(scene, scene.weight_on + 2.0 * press)

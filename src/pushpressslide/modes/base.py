@@ -1,7 +1,7 @@
-"""What a contact mode is, the one search for its choices, and the one replan.
+"""The interface of a contact mode, the search for its choices, and the replan.
 
-A mode says which placements of its contacts there are, with which drive each would
-move the object, and its closed-form laws. Search and replan are the same for all.
+A mode defines the placements of its contacts, the drive of each, and its closed-form
+laws. Search and replan are the same for all modes.
 """
 
 from __future__ import annotations
@@ -61,8 +61,8 @@ D = TypeVar("D", bound=Drive)
 
 
 class Tracker(Protocol):
-    """A tracking law bound to a segment; its only state is the progress, which is
-    handed in and out.
+    """A tracking law bound to a segment. Its only state is the progress, which is
+    passed in and out.
     """
 
     def step(
@@ -73,18 +73,17 @@ class Tracker(Protocol):
         speed: float,
         steering_scale: float,
     ) -> Guidance:
-        """Return what the object should do at pose ``X_WB`` when the path is to be
-        followed at ``speed`` [m/s].
+        """Guidance at pose ``X_WB``, for a path followed at ``speed`` [m/s].
 
-        ``steering_scale`` in (0, 1] is the share of the mode's steering that may be used: the
-        contacts are near slipping below 1.
+        ``steering_scale`` in (0, 1] is the fraction of the mode's steering that may be
+        used. It is below 1 while the contacts are near slipping.
         """
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """The choices of one placement, made when they are asked for."""
+    """The choices of one placement, evaluated on demand."""
 
     least_time: float  # [s] that none of its choices beats
     # makes the choices, judged but for the arms' reach; told False, it says only what
@@ -98,7 +97,7 @@ class Candidate:
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """From where a segment is led on."""
+    """The measured state from which a segment is continued."""
 
     X_WB: Pose2
     contacts: tuple[Contact, ...]  # where they really are
@@ -114,8 +113,8 @@ class Measured:
         longest: float = math.inf,
         estimates: ParameterEstimates = NOTHING,
     ) -> Self:
-        """What was measured where the tips of ``planned`` contacts touch the object at
-        the points ``contact_points`` [m] in B.
+        """Measured state of tips of ``planned`` contacts that touch the object at the
+        points ``contact_points`` [m] in B.
         """
         contacts = tuple(
             replace(contact, point=point)
@@ -125,7 +124,7 @@ class Measured:
 
 
 class Continuation(NamedTuple):
-    """How a segment is led on."""
+    """Contacts, drive and path with which a segment is continued."""
 
     contacts: tuple[Contact, ...]
     drive: Drive
@@ -161,7 +160,7 @@ class Mode(ABC, Generic[D]):
     vehicles: ClassVar[tuple[Vehicle, ...]] = ()  # that ``motion.vehicle`` may name
 
     def __init_subclass__(cls) -> None:
-        """Take methods by their names of version 0.4, with a warning, until 0.6."""
+        """Accept methods by their names of version 0.4, with a warning, until 0.6."""
         for old, new in OLD_NAMES.items():
             if old in vars(cls) and new not in vars(cls):
                 text = f"{cls.__name__}.{old}: call it {new}"
@@ -174,17 +173,19 @@ class Mode(ABC, Generic[D]):
         enough: int = ENOUGH,
         feasibility: Feasibility | None = None,
     ) -> list[Choice]:
-        """Return every placement of the contacts that was considered, best first, each
-        judged feasible or not; evaluated until ``enough`` are feasible. ``feasibility``: of
-        the paths, by default by the arms' reach alone.
+        """Every placement of the contacts that was considered, best first, each with
+        its feasibility.
+
+        Choices are evaluated until ``enough`` are feasible. ``feasibility`` checks the
+        paths, by default the arms' reach alone.
         """
         return search(self.candidates(query), enough, feasibility or Feasibility(query))
 
     def connect(self, query: MotionQuery, contacts: Sequence[Contact]) -> Choice:
-        """Return the quickest motion that ``query`` asks for with ``contacts`` as they
-        are, or that choice with the reason against it.
+        """Quickest motion for ``query`` with the given ``contacts``, or that choice
+        with its refusal.
 
-        The arms' reach, and what may be in the way, are left aside.
+        The arms' reach and obstacles are not checked.
         """
         part = replace(query, modes=(self.name,))
         held_contacts = tuple(contacts)
@@ -196,27 +197,29 @@ class Mode(ABC, Generic[D]):
         return found[0]
 
     def candidate_contacts(self, query: MotionQuery) -> Sequence[Contact]:
-        """Return all contacts by which one arm may move the object; none where the mode
-        does not say so, as with two arms.
+        """All contacts by which one arm may move the object. Empty if the mode does not
+        list them, as with two arms.
         """
         return ()
 
     def least_time(self, query: MotionQuery) -> float:
-        """Return a time [s] that no choice of the mode is below, contacts held at the
-        start; quickly.
+        """Lower bound [s], quickly computed, of the time of any choice of the mode with
+        the start contacts kept.
         """
         ends = (query.start, query.goal)
         center = query.X_GB.position
         return straight_time(*ends, center, query.body.radius, query.motion)
 
     def candidates(self, query: MotionQuery) -> Sequence[Candidate | Choice]:
-        """Return a candidate for each placement of the contacts, or a choice with what
-        stands against all of them; nothing where the mode makes ``choices`` itself.
+        """One candidate for each placement of the contacts, or a choice with the
+        refusal of all of them.
+
+        Empty if the mode overrides ``choices``.
         """
         return ()
 
     def drive_of(self, segment: Segment) -> D:
-        """The drive of one of the mode's own segments.
+        """Drive of one of the mode's own segments.
 
         Raises TypeError for a segment of another mode.
         """
@@ -229,7 +232,7 @@ class Mode(ABC, Generic[D]):
 
     @abstractmethod
     def tracker(self, query: MotionQuery, segment: Segment) -> Tracker:
-        """Return the tracking law for a segment of ``query``."""
+        """Tracking law for a segment of ``query``."""
 
     @abstractmethod
     def allocator(
@@ -239,13 +242,14 @@ class Mode(ABC, Generic[D]):
         rho: float | None = None,
         cop: Point = (0.0, 0.0),
     ) -> Allocator:
-        """Return ``allocate(fx, fy, tau)``: a wrench in B to contact forces.
+        """A function ``allocate(fx, fy, tau)`` from a wrench in B to contact forces.
 
-        About the CoM for pushes, about the centre of pressure ``cop`` [m] for presses.
+        The wrench is about the CoM for pushes, about the centre of pressure ``cop`` [m]
+        for presses.
         """
 
     def allocator_of(self, segment: Segment, friction: float) -> Allocator:
-        """Return the allocator of a segment's contacts with its drive."""
+        """Allocator of a segment's contacts with its drive."""
         drive = segment.drive
         return self.allocator(segment.contacts, friction, drive.rho, drive.center)
 
@@ -253,15 +257,17 @@ class Mode(ABC, Generic[D]):
     def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> Continuation | None:
-        """Return how a segment is led to its goal from where object and contacts were
-        ``measured``; None if that takes too long a way.
+        """Continuation of a segment to its goal from the ``measured`` object pose and
+        contacts. None if its path is too long.
         """
 
     def replan(
         self, query: MotionQuery, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
-        """Return ``segments`` with the first one on its continuation from what was
-        ``measured``; none where there is none, or only a longer one.
+        """The ``segments`` with the first one replaced by its continuation from the
+        ``measured`` state.
+
+        Empty if there is no continuation, or only a longer one.
         """
         first, *others = segments
         continuation = self.continue_from(query, first, measured)
@@ -273,30 +279,28 @@ class Mode(ABC, Generic[D]):
     def retry(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
-        """The segments of another attempt at the goal, with the same contacts, from near
-        it; none where the mode cannot go back.
+        """Segments of a retry from near the goal, with the same contacts. Empty if the
+        mode cannot go back.
         """
         return self.replan(query, (segment,), measured)
 
     def misses(
         self, query: MotionQuery, segments: Sequence[Segment], X_WB: Pose2
     ) -> bool:
-        """Whether ``segments``, led on from ``X_WB``, do not lead to the goal, so that
-        another attempt is better begun at once.
+        """Whether ``segments``, continued from ``X_WB``, miss the goal, so that a retry
+        should start at once.
         """
         return False
 
     def identifier(self, query: MotionQuery, segment: Segment) -> AxleIdentifier | None:
-        """Return what identifies the mode's virtual axle on the way; None where nothing
-        is identified.
-        """
+        """Online identifier of the mode's virtual axle. None if nothing is identified."""
         return None
 
     def center_identifier(
         self, query: MotionQuery, segment: Segment, center: Point = (0.0, 0.0)
     ) -> CenterIdentifier | None:
-        """Return what identifies the centre of mass on the way, in a segment that was
-        planned with it at ``center`` [m] in B; None where it is of no use.
+        """Online identifier of the centre of mass, in a segment planned with it at
+        ``center`` [m] in B. None if it is of no use.
         """
         return None
 
@@ -304,9 +308,10 @@ class Mode(ABC, Generic[D]):
 def straight_time(
     start: Pose2, goal: Pose2, center: Point, radius: float, motion: Motion
 ) -> float:
-    """Return the time [s] of a contact's straight way between two poses X_WG of an
-    object with its ``center`` of mass [m] in G; ``radius`` [m]: as far from there as a
-    contact may be.
+    """Time [s] of a contact's straight path between two poses X_WG of an object with
+    its ``center`` of mass [m] in G.
+
+    ``radius`` [m] is the largest distance of a contact from the centre.
     """
     first = start.apply(center)
     end = goal.apply(center)
@@ -318,11 +323,11 @@ def straight_time(
 def search(
     candidates: Iterable[Candidate | Choice], enough: int, feasibility: Feasibility
 ) -> list[Choice]:
-    """Return the choices that ``candidates`` make, the feasible ones first, the quickest
-    first; after ``enough`` feasible ones no other is evaluated.
+    """Choices of ``candidates``, the feasible ones first, the quickest first.
 
-    Candidates are made in the order of their least times. A choice is judged once no candidate
-    that is left can be quicker.
+    After ``enough`` feasible choices no other is evaluated. Candidates are expanded in
+    the order of their minimum times. A choice is evaluated once no remaining candidate
+    can be quicker.
     """
     number = count()
     held_contacts = feasibility.held_contacts
@@ -361,8 +366,8 @@ def search(
 
 
 def _may_hold(candidate: Candidate | Choice, held_contacts: Sequence[Contact]) -> bool:
-    """Return whether a candidate may have a choice with the contacts ``held_contacts``, by whichever
-    arms; a choice that stands for all placements may.
+    """Whether a candidate may have a choice with the contacts ``held_contacts``, by any
+    arms. True for a choice that stands for all placements.
     """
     if not candidate.contacts:
         return True
@@ -371,30 +376,31 @@ def _may_hold(candidate: Candidate | Choice, held_contacts: Sequence[Contact]) -
 
 
 def in_arms(choice: Choice, assigned: Iterable[Sequence[int]]) -> list[Choice]:
-    """Return a choice for each way in which its contacts are ``assigned`` to arms; the
-    choice refused where there is none.
+    """One choice for each assignment of its contacts in ``assigned``. The choice
+    itself, refused, if there is none.
     """
     return [_with_arms(choice, arms) for arms in assigned] or [choice.refused(CROSSING)]
 
 
 def _with_arms(choice: Choice, arms: Sequence[int]) -> Choice:
-    """Return a choice with its contacts given to ``arms``."""
+    """The choice with its contacts made by ``arms``."""
     contacts = given_to(choice.contacts, arms)
     segments = tuple(replace(segment, contacts=contacts) for segment in choice.segments)
     return replace(choice, contacts=contacts, segments=segments)
 
 
 def ranking_key(choice: Choice) -> tuple[bool, float]:
-    """Return the order of choices: the feasible ones, then by time, in milliseconds."""
+    """Ranking key of choices: feasible first, then by time in milliseconds."""
     time = math.inf if choice.time is None else round(choice.time, 3)
     return not choice.feasible, time
 
 
 @dataclass
 class Feasibility:
-    """Evaluates choices one by one: can the arms follow the path, and is it clear?
+    """Evaluates choices one by one: whether the arms can follow the path, and whether
+    it is clear.
 
-    After many choices out of reach it trusts the reach tables alone; after many blocked
+    After many choices out of reach it trusts the reach tables alone. After many blocked
     ones it stops. In a search over sequences the tables decide for all.
     """
 
@@ -409,7 +415,7 @@ class Feasibility:
     _at_ends: dict[Contact, bool] = field(default_factory=dict)
 
     def refusal(self, choice: Choice) -> Refusal | None:
-        """Return what stands against the path of a choice; None if nothing."""
+        """Refusal of the path of a choice, or None."""
         if self.blocked >= MOST_BLOCKED:
             return NOT_EVALUATED
         refusal = self._arms_refusal(choice) if self.arms else None
@@ -419,7 +425,7 @@ class Feasibility:
         return refusal
 
     def _arms_refusal(self, choice: Choice) -> Refusal | None:
-        """Return why the arms cannot follow a choice; None if they can."""
+        """Refusal of a choice that the arms cannot follow, or None."""
         searched = self.query.from_search
         if searched and not all(map(self.reach_ends, choice.contacts)):
             return UNKNOWN
@@ -429,8 +435,8 @@ class Feasibility:
         return refusal
 
     def reach_ends(self, contact: Contact) -> bool:
-        """Return whether the arm of a contact reaches it at start and goal, its tool held
-        the same way, as the tables know.
+        """Whether the arm of a contact reaches it at start and goal with the same tool
+        orientation, by the reach tables.
         """
         place = replace(contact, load=0.0)
         if place not in self._at_ends:
@@ -443,8 +449,9 @@ class Feasibility:
 def arms_refusal(
     scene: Scene, limits: Limits, choice: Choice, quick: bool
 ) -> Refusal | None:
-    """Return what stands against the path of a choice: time, workspace, reach of the
-    tips, ``quick`` by the tables alone; None if nothing.
+    """Refusal of the path of a choice by time, workspace or reach of the tips, or None.
+
+    With ``quick``, by the tables alone.
     """
     limit = limits.time
     if not choice.segments:

@@ -1,10 +1,10 @@
-"""Mode bimanual_press_slide: two arms press and slide the object any way
+"""Mode bimanual_press_slide: two arms press and slide the object in any direction
 (docs/mechanics.md, 7 and 9).
 
 The friction discs under two tips give every planar wrench, so that the object is
-holonomic: it is led along one constant twist from start to goal. How the load is shared
-says where the centre of pressure goes. On a wall the presses alone press the object on,
-and carry its weight.
+holonomic: it is led along one constant twist from start to goal. The distribution of
+the load sets the centre of pressure. On a wall the presses alone hold the object
+against it, and carry its weight.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
     drives = (HeldDrive,)
 
     def candidates(self, query: MotionQuery) -> list[Candidate | Choice]:
-        """Return one candidate per pair of contacts, those with the shortest arms first."""
+        """One candidate per pair of contacts, those nearest to their arms first."""
         placed = placed_pairs(query)
         if not placed:
             text = "the top has no two places {allowed:mm.0f} apart"
@@ -74,7 +74,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
         return [self._candidate(query, pair) for pair in placed]
 
     def _candidate(self, query: MotionQuery, pair: PlacedPair) -> Candidate:
-        """Return the candidate of one pair of contacts."""
+        """Candidate of one pair of contacts."""
         refusal = pair.refusal
         if refusal is None and pair.crossing:
             refusal = BOTH_CROSSING
@@ -127,7 +127,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
         point: Point,
         drag: HeldDrag,
     ) -> Choice:
-        """Return the choice of contacts with loads, and the path that it tracks."""
+        """Choice of contacts with loads, and its path."""
         scene = query.scene
         contacts = placed.contacts
         utilisation = drag.friction_utilisation
@@ -163,15 +163,15 @@ class BimanualPressSlide(Mode[HeldDrive]):
     def _drag(
         self, scene: Scene, contacts: Sequence[Contact], path: TwistPath, point: Point
     ) -> HeldDrag:
-        """Return what dragging ``point`` along its path is like. Raises ValueError
-        where the object tips.
+        """Drag of the object led at ``point`` along its path. Raises ValueError if it
+        tips.
         """
         mu = scene.contact_friction
         allocator = partial(self.allocator, contacts, mu, None)
         return held_drag(scene, contacts, path, point, allocator)
 
     def tracker(self, query: MotionQuery, segment: Segment) -> EasedTracker:
-        """Return the holonomic law for a segment, within what the contacts hold."""
+        """Holonomic law for a segment, limited by the friction of the contacts."""
         drive = self.drive_of(segment)
         decay = margins.ARM.quick * segment.profile.speed
         law = CarriedTracker(
@@ -187,7 +187,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
         rho: float | None = None,
         cop: Point = ORIGIN,
     ) -> Allocator:
-        """Return ``allocate(fx, fy, tau)`` about ``cop`` [m]; ``rho`` plays no part."""
+        """``allocate(fx, fy, tau)`` about ``cop`` [m]. ``rho`` is not used."""
         left, right = contacts
         allocate = two_press_allocator((left.point, right.point), friction)
         return partial(allocate, normals=(left.load, right.load), cop=cop)
@@ -195,7 +195,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
     def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> Continuation | None:
-        """Return the continuation by one twist from the object's true pose and contacts."""
+        """Continuation by one twist from the measured object pose and contacts."""
         planned = self.drive_of(segment)
         ends = remaining_ends(query.body, segment, measured.X_WB, planned.X_BV)
         path = resume_path(ends, planned.radius, measured.longest)
@@ -212,12 +212,14 @@ class BimanualPressSlide(Mode[HeldDrive]):
 
 
 def _time(motion: Motion, path: TwistPath) -> float:
-    """How long the whole run takes [s]."""
+    """Time of the whole run [s]."""
     return round(path_time(motion, path.length, pressed=True), 3)
 
 
 def _tracking_point(scene: Scene, contacts: Sequence[Contact], twist: Twist) -> Point:
-    """The CoP where the object turns about a point inside its base, else the CoM [m]."""
+    """Tracking point [m]: the CoP if the object turns about a point inside its base,
+    otherwise the CoM.
+    """
     if not twist.w:
         return ORIGIN
     icr = (-twist.vy / twist.w, twist.vx / twist.w)

@@ -2,8 +2,8 @@
 (docs/mechanics.md, section 6).
 
 Together they drive every twist of a cone: ahead between the two normals, turned to
-either side by friction and by contacts beside the centre of mass; never back. Where the
-contacts are decides which cone it is.
+either side by friction and by contacts off the centre of mass, never backward. The
+places of the contacts decide which cone it is.
 """
 
 from __future__ import annotations
@@ -75,8 +75,10 @@ class OrthogonalPush(TwistPushes):
     drives = (TwistDrive,)
 
     def candidates(self, query: MotionQuery) -> list[Candidate | Choice]:
-        """Return the best placements on every two faces: the quickest first; of equally
-        quick ones that with the least force, if it is well inside its cone.
+        """Best placements on every two faces, the quickest first.
+
+        Of equally quick ones, the one with the least force comes first, if it is well
+        inside its cone.
         """
         flat = [face for face in pushable(query.scene) if face.flat]
         if not flat:
@@ -98,8 +100,8 @@ class OrthogonalPush(TwistPushes):
         ]
 
     def _placed(self, query: MotionQuery, pair: tuple[Face, Face]) -> list[Choice]:
-        """Return the best placements on two faces, but for the arms' reach; or one, and
-        why it cannot do the motion.
+        """Best placements on two faces, before the check of the arms' reach. If there
+        are none, one with its refusal.
         """
         scene = query.scene
         height = contact_height(scene, query.motion)
@@ -135,8 +137,8 @@ class OrthogonalPush(TwistPushes):
         cone_goal: ConeGoal,
         cones: list[TwistCone],
     ) -> list[Choice]:
-        """Return the best choices of contacts with ``cones``; or the one nearest to
-        having a path, refused.
+        """Best choices of contacts with ``cones``. If there are none, the one nearest
+        to having a path, refused.
         """
         direct = cone_goal.direct
         inside = {cone: round(cone.cone_margin(*direct), 6) for cone in cones}
@@ -165,7 +167,7 @@ class OrthogonalPush(TwistPushes):
     def _driven(
         self, query: MotionQuery, names: str, path: TwistPath, cone: TwistCone
     ) -> Choice:
-        """Return the choice of a path in a cone, its contacts not yet given to arms."""
+        """Choice of a path in a cone, its contacts not yet assigned to arms."""
         places = describe_points(contact.point for contact in cone.contacts)
         placed = Choice(self.name, f"{names} at {places}", cone.contacts)
         friction = query.scene.contact_friction
@@ -185,11 +187,11 @@ class OrthogonalPush(TwistPushes):
         cop: Point = ORIGIN,
         projection: Projection = "nearest",
     ) -> Allocator:
-        """Return ``allocate(fx, fy, tau)`` about ``cop`` [m], by default the CoM.
+        """``allocate(fx, fy, tau)`` about ``cop`` [m], by default the CoM.
 
-        Forces keep a reserve of friction where they can. ``rho`` [m] weighs torque
-        errors (default: half the distance of the contacts); ``projection`` says what
-        remains of a wrench outside the cone.
+        Forces keep a reserve of friction if they can. ``rho`` [m] weighs torque errors
+        (default: half the distance of the contacts). ``projection`` decides how a
+        wrench outside the cone is reduced.
         """
         points = [(c.point[0] - cop[0], c.point[1] - cop[1]) for c in contacts]
         normals = [c.normal for c in contacts]
@@ -199,16 +201,14 @@ class OrthogonalPush(TwistPushes):
 
 
 def _in_arms(scene: Scene, choice: Choice, evaluated: bool) -> list[Choice]:
-    """Return a choice for each way to give its contacts to arms."""
+    """One choice for each assignment of its contacts to arms."""
     if not (choice.feasible and evaluated):
         return [choice]
     return in_free_arms(scene, choice)
 
 
 def _rank(choice: Choice) -> tuple[float, float, float, float]:
-    """Order of choices: the quickest first, then by how far inside the cone, by force,
-    and by distance.
-    """
+    """Ranking key of choices: time, then cone margin, force and distance."""
     margin = choice.friction_margin
     if choice.time is None or margin is None:
         return (math.inf, 0.0, 0.0, 0.0)

@@ -2,9 +2,9 @@
 5).
 
 By their normal forces alone they drive the object as a forward car of bounded
-curvature, its axle at the centre of pressure; with equal forces, as a rear-steer car.
-With both mixed, as the exact allocator can, they drive every twist of a cone: where a
-car would have to turn a loop, the object may go sideways.
+curvature, its axle at the centre of pressure. With equal forces they drive it as a
+rear-steer car. With both combined, as the exact allocator can, they drive every twist
+of a cone: the object may go sideways if a car would have to turn a loop.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ class ParallelPush(TwistPushes):
     vehicles = VEHICLES
 
     def candidates(self, query: MotionQuery) -> list[Candidate | Choice]:
-        """Return one candidate for each pair of contacts on each face."""
+        """One candidate for each pair of contacts on each face."""
         scene = query.scene
         motion = query.motion
         flat = [face for face in pushable(scene, motion.face) if face.flat]
@@ -110,7 +110,7 @@ class ParallelPush(TwistPushes):
 
         @cache
         def cars(face: Face, synchronised: bool) -> dict[Contacts, PushedCar]:
-            """Return the car of each pair of contacts on a face."""
+            """Car of each pair of contacts on a face."""
             contacts = [pair for other, pair in placed if other == face]
             halves = [(face, 0.5 * math.dist(a.point, b.point)) for a, b in contacts]
             made = pushed_cars(scene, motion, halves, synchronised)
@@ -133,8 +133,8 @@ class ParallelPush(TwistPushes):
         cars: Cars,
         evaluated: bool,
     ) -> list[Choice]:
-        """Evaluate contacts on a face without the arms' reach: one choice for each way to
-        give them to arms.
+        """Evaluate contacts on a face without the arms' reach: one choice for each
+        assignment to arms.
         """
         places = describe_points(contact.point for contact in contacts)
         choice = Choice(self.name, f"face {face.index} at {places}", contacts)
@@ -160,7 +160,7 @@ class ParallelPush(TwistPushes):
         return [choice.refused(Refusal("no_path", literal("; ".join(reason))))]
 
     def _as_car(self, query: MotionQuery, choice: Choice, car: PushedCar) -> Choice:
-        """Return the choice to push as a car. Raises ValueError where there is none."""
+        """Choice of a push as a car. Raises ValueError if there is none."""
         curvature = query.motion.curvature_margin * car.tightest
         path = car_path(query, car, curvature)
         tightest = max((abs(k) for k, _ in path.sections), default=0.0)
@@ -178,7 +178,7 @@ class ParallelPush(TwistPushes):
         return replace(choice, segments=(one_segment,), time=time, summary=summary)
 
     def _by_twists(self, query: MotionQuery, choice: Choice) -> Choice:
-        """Return the choice to drive twists of the contacts' cone."""
+        """Choice of a path by twists of the contacts' cone."""
         cone_goal = ConeGoal.between(query.body_ends, query.body.radius)
         height = choice.contacts[0].height
         surface = push_surface(query.scene, height, Twist(*cone_goal.direct))
@@ -196,8 +196,8 @@ class ParallelPush(TwistPushes):
         )
 
     def tracker(self, query: MotionQuery, segment: Segment) -> Tracker:
-        """Return the law for a segment: look-ahead alignment of a car; else that of
-        twists.
+        """Tracking law of a segment: look-ahead alignment for a car, the holonomic law
+        for twists.
         """
         drive = segment.drive
         if not isinstance(drive, CarDrive):
@@ -217,8 +217,8 @@ class ParallelPush(TwistPushes):
         rho: float | None = None,
         cop: Point = ORIGIN,
     ) -> Allocator:
-        """Return ``allocate(fx, fy, tau)`` about ``cop`` [m], by default the CoM;
-        ``rho`` [m] weighs torque errors (default: half the distance of the contacts).
+        """``allocate(fx, fy, tau)`` about ``cop`` [m], by default the CoM. ``rho`` [m]
+        weighs torque errors (default: half the distance of the contacts).
         """
         points = [(c.point[0] - cop[0], c.point[1] - cop[1]) for c in contacts]
         if rho is None:
@@ -228,7 +228,7 @@ class ParallelPush(TwistPushes):
     def retry(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
-        """Return the segment for what is left; none where that is not within the cone,
+        """Segment for the remaining displacement. Empty if it is not within the cone,
         or for a car, which does not go back.
         """
         if isinstance(segment.drive, CarDrive):
@@ -238,8 +238,8 @@ class ParallelPush(TwistPushes):
     def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> Continuation | None:
-        """Return the continuation by the true contacts; how the object moves is believed as
-        before.
+        """Continuation with the measured contacts. The believed motion of the object is
+        unchanged.
         """
         drive = segment.drive
         if not isinstance(drive, CarDrive):
@@ -253,14 +253,12 @@ class ParallelPush(TwistPushes):
 
 
 def _vehicles(motion: Motion) -> tuple[Vehicle, ...]:
-    """Return how the object may be driven, in the order to try it."""
+    """Vehicle types of the object, in the order to try them."""
     return EITHER if motion.vehicle is None else (motion.vehicle,)
 
 
 def _least_time(query: MotionQuery, face: Face) -> float:
-    """Return the least time [s] that a push on a face can take: about straight to the
-    goal.
-    """
+    """Lower bound [s] of the time of a push on a face: nearly straight to the goal."""
     by_twists, as_car = least_lengths(query.body_ends, query.body.radius, face)
     lengths = {"mixed": by_twists, "differential": as_car, "synchronised": as_car}
     least = min(lengths[kind] for kind in _vehicles(query.motion))

@@ -3,8 +3,9 @@ a side face, and the object turns about the pinned point (docs/mechanics.md, sec
 1.2 and 7).
 
 An arm that does not press transmits no friction, and under two presses the object turns
-best between them. To turn it about a point near its edge the second arm pushes from the
-side, where it has the longest lever; the press holds what drag and push leave over.
+best between them. To turn it about a point near its edge, the second arm pushes from
+the side, where it has the longest lever. The press holds the difference between drag
+and push.
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ from pushpressslide.tracking.holonomic import HolonomicTracker
 
 @dataclass(frozen=True, slots=True)
 class _Turn:
-    """The turn about the pin that the task asks for."""
+    """The turn about the pin that the task needs."""
 
     pin: Point  # [m] in B
     path: TwistPath  # of the pin
@@ -70,7 +71,7 @@ class PressAndPush(Mode[PinnedDrive]):
     drives = (PinnedDrive,)
 
     def candidates(self, query: MotionQuery) -> list[Candidate | Choice]:
-        """Return one candidate per place to push, those with the longest lever first."""
+        """One candidate per place to push, those with the longest lever first."""
         try:
             pin = pin_of(query)
         except RefusedError as error:
@@ -95,8 +96,8 @@ class PressAndPush(Mode[PinnedDrive]):
     def _pushed(
         self, query: MotionQuery, turn: _Turn, lever: Lever, evaluated: bool
     ) -> list[Choice]:
-        """Evaluate one place to push without the arms' reach: one choice for each way to
-        give the two contacts to the arms.
+        """Evaluate one place to push without the arms' reach: one choice for each
+        assignment of the two contacts to the arms.
         """
         scene = query.scene
         top = query.body.shape.height
@@ -129,8 +130,8 @@ class PressAndPush(Mode[PinnedDrive]):
     def _driven(
         self, query: MotionQuery, choice: Choice, turn: _Turn, lever: Lever
     ) -> Choice:
-        """Return the choice with its press, the least that is safe unless it is given.
-        Raises ValueError where the object tips.
+        """Choice with its press load, the smallest safe one unless it is given. Raises
+        ValueError if the object tips.
         """
         scene = query.scene
         press, push = choice.contacts
@@ -140,7 +141,7 @@ class PressAndPush(Mode[PinnedDrive]):
 
         @cache
         def dragged(load: float) -> PinnedDrag:
-            """Return what dragging with a press of ``load`` [N] is like."""
+            """Drag of the object with a press of ``load`` [N]."""
             return self._drag(scene, (replace(press, load=load), push), twist)
 
         load = query.motion.press_force
@@ -170,15 +171,13 @@ class PressAndPush(Mode[PinnedDrive]):
     def _drag(
         self, scene: Scene, contacts: Sequence[Contact], twist: Twist
     ) -> PinnedDrag:
-        """Return what dragging with ``twist`` is like. Raises ValueError where the
-        object tips.
-        """
+        """Drag of the object with ``twist``. Raises ValueError if it tips."""
         mu = scene.contact_friction
         allocator = partial(self.allocator, contacts, mu, None)
         return pinned_drag(scene, contacts, twist, allocator)
 
     def tracker(self, query: MotionQuery, segment: Segment) -> EasedTracker:
-        """Return the holonomic law for a segment, within what the contacts hold."""
+        """Holonomic law for a segment, limited by the friction of the contacts."""
         drive = self.drive_of(segment)
         decay = margins.ARM.quick * segment.profile.speed
         law = HolonomicTracker(drive.X_BV, drive.surface, decay)
@@ -192,8 +191,8 @@ class PressAndPush(Mode[PinnedDrive]):
         rho: float | None = None,
         cop: Point = ORIGIN,
     ) -> Allocator:
-        """Return ``allocate(fx, fy, tau)`` about ``cop`` [m], press first; ``rho`` is
-        of no use.
+        """``allocate(fx, fy, tau)`` about ``cop`` [m], press first. ``rho`` is not
+        used.
         """
         press, push = contacts
         return press_and_push_allocator(
@@ -203,8 +202,8 @@ class PressAndPush(Mode[PinnedDrive]):
     def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> Continuation | None:
-        """Return the continuation by one twist about the pin as it is; None where the push
-        would have to pull.
+        """Continuation by one twist about the measured pin. None if the push would have
+        to pull.
         """
         planned = self.drive_of(segment)
         radius = planned.radius

@@ -1,11 +1,11 @@
 """Mode press_slide: one arm presses on top and slides the object, driven as a unicycle
 about its virtual axle (docs/mechanics.md, sections 2 and 4).
 
-The line of centre of pressure and contact is the heading axis. Pulled, the contact
-leads; pushed, it follows; turned on the spot, the force is across. The friction disc
-under the tip has no direction of its own, so that any of these goes with any contact
-that the press holds. Where no path of one vehicle leads to the goal, a manoeuvre of
-turns by forces at several angles does.
+The line through centre of pressure and contact is the heading axis. Pulled, the contact
+leads; pushed, it follows; in a spin, the force is across. The friction disc under the
+tip has no preferred direction, so that each of these suits any contact that the press
+holds. If no path of one vehicle leads to the goal, a manoeuvre of turns by forces at
+several angles does.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     vehicles = tuple(DIRECTIONS)
 
     def candidate_contacts(self, query: MotionQuery) -> Sequence[Contact]:
-        """Return all places where a press may be."""
+        """All places where the object may be pressed."""
         try:
             return press_placements(query).contacts
         except RefusedError:
@@ -112,7 +112,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         enough: int = ENOUGH,
         feasibility: Feasibility | None = None,
     ) -> list[Choice]:
-        """Return choices, feasible and quick ones first.
+        """Choices, feasible and quick ones first.
 
         Alternatives are evaluated in order until one has a feasible choice.
         """
@@ -151,20 +151,22 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     def _alternatives(
         self, feasibility: Feasibility, placements: PressPlacements, enough: int
     ) -> Iterator[tuple[str, list[Choice]]]:
-        """Yield what to try, in order: a manoeuvre before or after a path of one vehicle
-        that is well steered; last a path of a vehicle however steered.
+        """Yield the alternatives in order: manoeuvres and paths of one well-steered
+        vehicle, then paths of any vehicle.
+
+        Manoeuvres come first unless the contacts are given.
         """
 
         query = feasibility.query
 
         def manoeuvres() -> list[Choice]:
-            """Return the choices of manoeuvres."""
+            """Manoeuvre choices."""
             return manoeuvre_choices(
                 query, self.name, placements, enough, feasibility.refusal
             )
 
         def vehicles(min_angle: float) -> list[Choice]:
-            """Return those of a vehicle that is steered by ``min_angle`` [rad] or more."""
+            """Choices of a vehicle that can be steered by ``min_angle`` [rad] or more."""
             return search(_steered(query, straight, min_angle), enough, feasibility)
 
         free = query.motion.vehicle is None and query.tool is None
@@ -181,7 +183,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     def tracker(
         self, query: MotionQuery, segment: Segment
     ) -> UnicycleTracker | PivotTracker:
-        """Return the look-ahead law for a segment, or that of a turn on the spot."""
+        """Look-ahead law for a segment, or the law of a spin."""
         drive = self.drive_of(segment)
         if isinstance(drive, SpinDrive):
             return PivotTracker(drive)
@@ -194,8 +196,8 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         rho: float | None = None,
         cop: Point = ORIGIN,
     ) -> Allocator:
-        """Return ``allocate(fx, fy, tau)`` about ``cop`` [m]; ``rho`` [m] weighs torque
-        errors (default: half the lever).
+        """``allocate(fx, fy, tau)`` about ``cop`` [m]. ``rho`` [m] weighs torque errors
+        (default: half the lever).
         """
         (contact,) = contacts
         if rho is None:
@@ -203,7 +205,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         return one_press_allocator(contact.point, contact.load, friction, rho, cop)
 
     def identifier(self, query: MotionQuery, segment: Segment) -> AxleIdentifier:
-        """Return what identifies the virtual axle on the way."""
+        """Online identifier of the virtual axle."""
         drive = self.drive_of(segment)
         car = drive.car
         predicted = Identified(
@@ -226,10 +228,10 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     def center_identifier(
         self, query: MotionQuery, segment: Segment, center: Point = ORIGIN
     ) -> CenterIdentifier | None:
-        """Return what identifies the CoM across the line to the contact on the way.
+        """Online identifier of the CoM across the line to the contact.
 
-        None for a turn on the spot, for a press at the CoM, and where rho was told,
-        which may be wrong by more than is allowed for.
+        None for a spin, for a press at the CoM, and if rho was given: its error may
+        exceed what the identifier tolerates.
         """
         drive = self.drive_of(segment)
         (contact,) = segment.contacts
@@ -252,8 +254,8 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     def retry(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
-        """Return segments that go back and then to the goal; none for a turn on the
-        spot, or where the object would tip.
+        """Segments that back up and then lead to the goal. Empty for a spin, or if the
+        object would tip.
         """
         (contact,) = measured.contacts
         center = measured.estimates.center
@@ -286,7 +288,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     def replan(
         self, query: MotionQuery, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
-        """Return ``segments`` led on: the first one, or all turns of a manoeuvre."""
+        """The ``segments`` continued: the first one, or all turns of a manoeuvre."""
         center = measured.estimates.center
         if center != ORIGIN:
             there = _seen_from(query, segments, measured)
@@ -321,8 +323,8 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     def _spun(
         self, query: MotionQuery, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
-        """Return a manoeuvre to the goal of a turn on the spot, whose pivot turns out to
-        be elsewhere: none where the turn still leads there.
+        """Manoeuvre to the goal of a spin whose pivot is measured elsewhere. Empty if
+        the spin still leads there.
         """
         first, *others = segments
         drive = first.drive
@@ -342,7 +344,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> Continuation | None:
-        """Return the continuation by the true contact, with the axle as it was seen to be."""
+        """Continuation with the measured contact and the identified axle."""
         (contact,) = measured.contacts
         drive = self.drive_of(segment)
         if isinstance(drive, TurnDrive):
@@ -371,14 +373,14 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
 def _of_first_leg(
     segments: Sequence[Segment],
 ) -> tuple[tuple[Segment, ...], tuple[Segment, ...]]:
-    """Return the segments of the first one's leg, and those of the legs after it."""
+    """Segments of the first one's leg, and those of the legs after it."""
     leg = segments[0].leg
     mine = tuple(segment for segment in segments if segment.leg == leg)
     return mine, tuple(segments[len(mine) :])
 
 
 def _name_believed_rho(rho: float | None, choices: Sequence[Choice]) -> list[Choice]:
-    """Return refused choices that say with which believed rho they are refused."""
+    """The refused choices, with a given rho of the belief in their refusals."""
     if rho is None:
         return list(choices)
     return [
@@ -393,12 +395,14 @@ def _name_believed_rho(rho: float | None, choices: Sequence[Choice]) -> list[Cho
 def _steered(
     query: MotionQuery, straight: Sequence[Choice], min_angle: float
 ) -> list[Candidate | Choice]:
-    """Return choices to be planned with the axle of their turns, in order; refused
-    those that are steered like a unicycle by less than ``min_angle`` [rad].
+    """Choices planned with the axle of their turns, in order.
+
+    A choice that can be steered like a unicycle by less than ``min_angle`` [rad] is
+    refused.
     """
 
     def make(choice: Choice, evaluated: bool) -> list[Choice]:
-        """Return a choice as it is steered, by either arm."""
+        """The choice with its steering, by either arm."""
         steered = with_turns(query, choice, min_angle) if evaluated else choice
         return either_arm(query.scene, query.body_ends, steered)
 
@@ -411,11 +415,11 @@ def _steered(
 
 
 def dragged(query: MotionQuery, contact: Contact, drag: float | None) -> MotionQuery:
-    """Return a query with the support's friction as the force says that slides the
-    object, ``drag`` [N], where that contradicts what is believed.
+    """Query with the support friction implied by the measured ``drag`` [N], if that
+    contradicts the belief.
 
-    The drag is at another height than the contact and moves the pressure: friction moves
-    the axle of a turn.
+    The drag acts at another height than the contact and moves the pressure: friction
+    moves the axle of a turn.
     """
     if drag is None:
         return query
@@ -428,7 +432,7 @@ def dragged(query: MotionQuery, contact: Contact, drag: float | None) -> MotionQ
 
 
 class _MeasuredLeg(NamedTuple):
-    """A query, segments and what was measured, about the CoM where it was identified."""
+    """A query, segments and the measured state, with B at the identified CoM."""
 
     query: MotionQuery
     segments: tuple[Segment, ...]
@@ -438,7 +442,7 @@ class _MeasuredLeg(NamedTuple):
 def _seen_from(
     query: MotionQuery, segments: Sequence[Segment], measured: Measured
 ) -> _MeasuredLeg:
-    """Return all of it with B at the identified CoM."""
+    """The same with B at the identified CoM."""
     x, y = measured.estimates.center
     back = (-x, -y)
     scene = query.scene
@@ -464,8 +468,8 @@ def _seen_from(
 
 
 def _shifted(segments: Sequence[Segment], offset: Point) -> tuple[Segment, ...]:
-    """Return ``segments`` in a body frame whose origin is at -``offset`` [m] of the one
-    they are given in; their paths and goals are where they were.
+    """The ``segments`` in a body frame whose origin is at -``offset`` [m] of the
+    original one. Their paths and goals stay in place.
     """
     out = []
     for segment in segments:
@@ -477,9 +481,7 @@ def _shifted(segments: Sequence[Segment], offset: Point) -> tuple[Segment, ...]:
 
 
 def _pivot(drive: SpinDrive, identified: Identified | None) -> Pose2:
-    """Return X_BV at the pivot, moved along the heading axis to the axle that was
-    identified.
-    """
+    """X_BV at the pivot, displaced along the heading axis to the identified axle."""
     if identified is None:
         return drive.X_BV
     X_BV = drive.X_BV
@@ -490,7 +492,7 @@ def _pivot(drive: SpinDrive, identified: Identified | None) -> Pose2:
 def _steered_by(
     drive: SteeredDrive, car: Unicycle, identified: Identified | None
 ) -> SteeredDrive:
-    """Return a drive with ``car``, or with the axle that was identified."""
+    """Drive with ``car``, or with the identified axle."""
     max_friction = drive.max_friction
     if identified is not None:
         car = car.with_axle(identified.axle, identified.effective_wheelbase)
@@ -507,7 +509,7 @@ allocator = MODE.allocator
 def _those_held(
     contacts: tuple[Contact, ...], held_contacts: Sequence[Contact] | None
 ) -> tuple[Contact, ...]:
-    """Return the places that are ``held_contacts``; all if it is None."""
+    """The places that are ``held_contacts``, or all if it is None."""
     if held_contacts is None:
         return contacts
     points = [contact.point for contact in held_contacts]
@@ -515,13 +517,13 @@ def _those_held(
 
 
 def _reached(feasibility: Feasibility, contact: Contact) -> bool:
-    """Return whether some arm reaches a contact at start and goal, as the tables know."""
+    """Whether some arm reaches a contact at start and goal, by the reach tables."""
     each = (replace(contact, arm=arm) for arm in feasibility.query.scene.arms)
     return any(map(feasibility.reach_ends, each))
 
 
 def _in_span(feasibility: Feasibility, contact: Contact) -> bool:
-    """Return whether some arm is long enough for a contact at start and goal."""
+    """Whether some arm is long enough for a contact at start and goal."""
     query = feasibility.query
     each = (replace(contact, arm=arm) for arm in query.scene.arms)
     return any(span_refusal(query.scene, one, query.body_ends) is None for one in each)

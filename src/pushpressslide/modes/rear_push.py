@@ -59,7 +59,7 @@ class RearPush(Mode[RearSteerDrive]):
     drives = (RearSteerDrive,)
 
     def candidate_contacts(self, query: MotionQuery) -> list[Contact]:
-        """Return the middles of the faces that can be pushed."""
+        """Midpoints of the faces that can be pushed."""
         scene = query.scene
         height = lone_contact_height(scene, query.motion)
         arm = scene.arms[0]
@@ -69,7 +69,7 @@ class RearPush(Mode[RearSteerDrive]):
         ]
 
     def least_time(self, query: MotionQuery) -> float:
-        """Return the time [s] of the shortest path of any face's car, at full speed."""
+        """Time [s] of the shortest path of any face's car, at full speed."""
         lengths = [
             shortest_length(query.body_ends, drive)
             for fitted in fitted_faces(query.scene, query.motion)
@@ -78,7 +78,7 @@ class RearPush(Mode[RearSteerDrive]):
         return min(lengths, default=math.inf) / query.motion.speed
 
     def candidates(self, query: MotionQuery) -> list[Candidate]:
-        """Return one candidate per face."""
+        """One candidate per face."""
         return [
             Candidate(0.0, partial(self._push, query, fitted), contacts=(contact,))
             for fitted, contact in zip(
@@ -112,7 +112,7 @@ class RearPush(Mode[RearSteerDrive]):
     def _driven(
         self, query: MotionQuery, choice: Choice, drives: Mapping[float, RearSteerDrive]
     ) -> Choice:
-        """Return the choice with the path of a car; refused if that winds too much."""
+        """Choice with the path of a car. Refused if it winds too much."""
         best, looped = route(query, drives)
         car = best.drive.car
         low, high = car.curvature_limits
@@ -144,7 +144,7 @@ class RearPush(Mode[RearSteerDrive]):
         )
 
     def tracker(self, query: MotionQuery, segment: Segment) -> RearPushTracker:
-        """Return the rear Stanley law for a segment."""
+        """Rear Stanley law for a segment."""
         drive = self.drive_of(segment)
         car = drive.car
         low, high = car.steering_limits
@@ -154,8 +154,8 @@ class RearPush(Mode[RearSteerDrive]):
         return RearPushTracker(law, car, drive.X_BV, drive.max_friction)
 
     def identifier(self, query: MotionQuery, segment: Segment) -> AxleIdentifier | None:
-        """Return what identifies the virtual axle on the way, where rho was told: the
-        shape's own is good enough.
+        """Online identifier of the virtual axle. None unless rho was given, since the
+        shape's own rho is good enough.
         """
         if query.scene.rho is None:
             return None
@@ -176,8 +176,9 @@ class RearPush(Mode[RearSteerDrive]):
     def center_identifier(
         self, query: MotionQuery, segment: Segment, center: Point = (0.0, 0.0)
     ) -> CenterIdentifier:
-        """Return what identifies the CoM across the heading axis on the way: along it,
-        it changes the effective wheelbase alone.
+        """Online identifier of the CoM across the heading axis.
+
+        An offset along the axis changes the effective wheelbase alone.
         """
         drive = self.drive_of(segment)
         (contact,) = segment.contacts
@@ -198,8 +199,8 @@ class RearPush(Mode[RearSteerDrive]):
         rho: float | None = None,
         cop: Point = ORIGIN,
     ) -> Allocator:
-        """Return ``allocate(fx, fy, tau)`` about ``cop`` [m], the CoM as identified;
-        ``rho`` [m] weighs torque errors (default: half the lever).
+        """``allocate(fx, fy, tau)`` about ``cop`` [m], the identified CoM. ``rho`` [m]
+        weighs torque errors (default: half the lever).
         """
         (contact,) = contacts
         point = (contact.point[0] - cop[0], contact.point[1] - cop[1])
@@ -210,15 +211,16 @@ class RearPush(Mode[RearSteerDrive]):
     def retry(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
-        """Return nothing: a push does not go back."""
+        """No segments: a push does not go back."""
         return ()
 
     def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> Continuation | None:
-        """Return the continuation by the true contact; the car keeps its own rho, unless one
-        was told, and its heading axis goes from the true contact through the CoM as
-        identified.
+        """Continuation with the measured contact and the identified CoM.
+
+        The car keeps its own rho, unless one was given. Its heading axis goes from the
+        measured contact through the identified CoM.
         """
         planned = self.drive_of(segment)
         (contact,) = measured.contacts
@@ -247,7 +249,7 @@ class RearPush(Mode[RearSteerDrive]):
 
 
 def _drives(scene: Scene, fitted: FittedFace) -> dict[float, RearSteerDrive]:
-    """Return the drives of a face's cars, by how hard their paths are."""
+    """Drives of a face's cars, keyed by how hard their paths are."""
     most = scene.max_friction()
     return {
         harder: RearSteerDrive(car, most, shift)

@@ -1,1 +1,1 @@
-"""Paths for the reduced-order models. Knows nothing of modes, arms or engines."""
+"""Paths for the reduced-order models, independent of modes, arms and engines."""

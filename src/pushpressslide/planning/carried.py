@@ -1,4 +1,4 @@
-"""Where obstacles go that the object pushes on its way."""
+"""Motion of the obstacles that the object pushes along its path."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ MET = 1e-8  # [m^2] of overlap from which an obstacle counts as met
 def carried_ways(
     shape: Shape, yielding: Sequence[Obstacle], poses: Sequence[Pose2]
 ) -> dict[str, list[Pose2]]:
-    """Return the poses (n each) of the obstacles that an object meets on its way over n
-    ``poses`` X_WG, by name; of the ``yielding`` ones, that it may push.
+    """Poses (n each), by name, of the ``yielding`` obstacles that an object meets along
+    n ``poses`` X_WG.
 
-    An obstacle that is met goes on with the object, as if it stuck to it, until the
+    An obstacle that is met moves with the object, as if it stuck to it, until the
     object leaves it behind. In truth it may slide off earlier.
     """
     out = {}

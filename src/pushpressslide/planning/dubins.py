@@ -31,7 +31,7 @@ WORDS: tuple[Word, ...] = ("LSL", "RSR", "LSR", "RSL", "RLR", "LRL")
 def _circles(
     start: Pose2, goal: Pose2, kappa_left: float, kappa_right: float
 ) -> Circles:
-    """Return the circles of two poses; raises ValueError as ``shortest_path``."""
+    """Turning circles of two poses. Raises ValueError as ``shortest_path`` does."""
     if not (0.0 < kappa_left < math.inf and 0.0 < kappa_right < math.inf):
         raise ValueError(
             f"curvature limits left {kappa_left}, right {kappa_right} 1/m; both "
@@ -64,14 +64,14 @@ def _path(
 def shortest_path(
     start: Pose2, goal: Pose2, kappa_left: float, kappa_right: float
 ) -> ArcPath:
-    """Return the shortest path from ``start`` to ``goal`` whose curvature [1/m] is
-    between -kappa_right and kappa_left.
+    """Shortest path from ``start`` to ``goal`` whose curvature [1/m] is between
+    -kappa_right and kappa_left.
 
-    At most three pieces, signed curvature, none of zero length; no piece at all when
-    the poses agree to round-off. The yaw at the end is the goal's up to whole turns. Of
+    At most three arcs of signed curvature, none of zero length. No arc at all if the
+    poses agree to round-off. The yaw at the end is the goal's up to whole turns. Of
     equally short words the first of LSL, RSR, LSR, RSL, RLR, LRL is taken. Raises
     ValueError unless both limits are finite and > 0 (an interval of curvatures without
-    zero inside has no Dubins path) and the poses finite.
+    zero inside has no Dubins path) and the poses are finite.
     """
     best = shortest_solution(_circles(start, goal, kappa_left, kappa_right))
     return _path(start, best, kappa_left, kappa_right)
@@ -80,10 +80,9 @@ def shortest_path(
 def candidates(
     start: Pose2, goal: Pose2, kappa_left: float, kappa_right: float
 ) -> list[tuple[Word, ArcPath]]:
-    """Return every path of the six words that joins the poses, with its word, shortest
-    first.
+    """Every path of the six words that joins the poses, with its word, shortest first.
 
-    Words of three arcs come twice, for the two places of the middle circle. Pieces of
+    Words of three arcs come twice, once for each position of the middle circle. Arcs of
     zero length are left out. Raises ValueError as ``shortest_path`` does.
     """
     every = dubins_solutions(_circles(start, goal, kappa_left, kappa_right))

@@ -1,4 +1,4 @@
-"""A choice of one contact, for each arm that may make it."""
+"""Choices of one contact, one for each arm that may make it."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ from pushpressslide.core.scene import Scene, arm_title
 
 
 def either_arm(scene: Scene, ends: Ends, choice: Choice) -> list[Choice]:
-    """Return a choice of one contact for each arm that may touch the object, the arm
-    nearer to the contact first.
+    """A choice of one contact for each arm that may touch the object, the arm nearer to
+    the contact first.
 
-    The arms share its path and its time: these are the object's. Of two arms each is
-    named in its label. A choice that the object itself refuses is returned as it is.
+    The arms share its path and its time, which are the object's. If there are two arms,
+    the label names the arm. A choice that the object itself rules out is returned
+    unchanged.
     """
     if len(scene.robots) == 1 or choice.refusal is not None:
         return [choice]
@@ -25,13 +26,13 @@ def either_arm(scene: Scene, ends: Ends, choice: Choice) -> list[Choice]:
 
 
 def nearest_arms(scene: Scene, ends: Ends, point: Point) -> list[int]:
-    """Return the arms that may touch the object, the one nearest to a ``point`` [m] in B
-    first, at both ``ends`` X_WB of its way together.
+    """Arms that may touch the object, sorted by the distance of a ``point`` [m] in B
+    from their bases, summed over both ``ends`` X_WB.
     """
     places = [X_WB.apply(point) for X_WB in ends]
 
     def distance(arm: int) -> float:
-        """Return how far [m] the point is from an arm's base, at start and goal."""
+        """Distance [m] of the point from an arm's base, summed over start and goal."""
         x, y, _ = scene.bases[arm]
         return sum(math.dist((x, y), place) for place in places)
 
@@ -39,7 +40,7 @@ def nearest_arms(scene: Scene, ends: Ends, point: Point) -> list[int]:
 
 
 def _by(choice: Choice, arm: int) -> Choice:
-    """Return a choice with its contact made by ``arm``."""
+    """The choice with its contact made by ``arm``."""
     contacts = tuple(replace(contact, arm=arm) for contact in choice.contacts)
     return replace(
         choice,

@@ -1,4 +1,6 @@
-"""Where two arms push an object's faces: side by side on one, or one on each of two."""
+"""Placements of two arms that push an object's faces: side by side on one, or one on
+each of two.
+"""
 
 from __future__ import annotations
 
@@ -26,8 +28,8 @@ Contacts = tuple[Contact, ...]
 
 
 def side_by_side(scene: Scene, face: Face, height: float) -> list[Contacts]:
-    """Return contacts left and right of the line through the CoM at ``height`` [m], the
-    widest first.
+    """Contacts left and right of the line through the CoM at ``height`` [m], the widest
+    pair first.
     """
     low, high = face.ends
     inside = max(scene.inset, min(high, -low) - scene.inset)
@@ -40,7 +42,7 @@ def side_by_side(scene: Scene, face: Face, height: float) -> list[Contacts]:
 def side_by_side_refusal(
     query: MotionQuery, face: Face, contacts: Contacts
 ) -> Refusal | None:
-    """Return what stands against two contacts on a face; None if nothing."""
+    """Refusal of two contacts on a face, or None."""
     left, right = contacts
     distances = math.dist(left.point, right.point)
     needed = least_distance(query.scene)
@@ -54,7 +56,7 @@ def side_by_side_refusal(
 
 
 def on_two_faces(scene: Scene, pair: Sequence[Face], height: float) -> list[Contacts]:
-    """Return contacts, one on each of two faces at ``height`` [m], that leave room for
+    """Contacts at ``height`` [m], one on each of two faces, with enough space between
     the tools.
     """
     sides = []
@@ -74,14 +76,14 @@ def on_two_faces(scene: Scene, pair: Sequence[Face], height: float) -> list[Cont
 
 
 def angle_between(first: Face, second: Face) -> float:
-    """Return the angle [rad] between the normals of two faces."""
+    """Angle [rad] between the normals of two faces."""
     a = first.normal
     b = second.normal
     return abs(math.atan2(cross(a, b), a[0] * b[0] + a[1] * b[1]))
 
 
 def spread(contacts: Sequence[Contact]) -> float:
-    """Return the sum of the contacts' distances from the CoM [m], rounded so that it is
-    the same for a mirrored object.
+    """Sum of the contacts' distances from the CoM [m], rounded to be equal for a
+    mirrored object.
     """
     return round(sum(math.hypot(*contact.point) for contact in contacts), 6)

@@ -1,9 +1,9 @@
-"""The shortest free way of a footprint among polygons, turned as it needs to be: on a
-grid over its place and yaw.
+"""Shortest collision-free path of a footprint among polygons, with rotation, on a grid
+over position and yaw.
 
-A footprint at one yaw touches a polygon where its frame's origin lies in the polygon's
-Minkowski sum with the mirrored footprint. The way is no path of a reduced model: it
-says where such paths may lead.
+A footprint at one yaw touches a polygon if its frame's origin lies in the polygon's
+Minkowski sum with the mirrored footprint. The path found is not a path of a reduced
+model: it shows where such paths may lead.
 """
 
 from __future__ import annotations
@@ -43,9 +43,11 @@ Bounds = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class FreeSpace:
-    """Where a footprint may be: ``clearance`` [m] off all polygons, with its frame
-    within ``bounds`` [m]: x_min, x_max, y_min, y_max, and its ``center`` [m] in G in a
-    region of W.
+    """Free poses of a footprint: ``clearance`` [m] off all polygons, and its frame
+    within ``bounds`` [m].
+
+    The bounds are x_min, x_max, y_min, y_max. The footprint's ``center`` [m] in G stays
+    in a region of W.
     """
 
     shape: Shape
@@ -57,15 +59,15 @@ class FreeSpace:
 
     @property
     def convex(self) -> bool:
-        """Whether every straight way between free poses is free."""
+        """Whether every straight path between free poses is free."""
         region = self.region
         if self.others or region is None:
             return not self.others
         return math.isclose(region.area, region.convex_hull.area, rel_tol=1e-9)
 
     def straight(self, start: Pose2, goal: Pose2) -> bool:
-        """Return whether the way that moves and turns evenly between two poses is free;
-        the poses themselves are not asked.
+        """Whether the straight path with even rotation between two poses is free. The
+        end poses are not checked.
         """
         turn = math.remainder(goal.yaw - start.yaw, 2.0 * math.pi)
         far = math.dist(start.position, goal.position)
@@ -75,7 +77,7 @@ class FreeSpace:
         return bool(self.free(poses).all())
 
     def free(self, poses: Sequence[Pose2]) -> NDArray[np.bool_]:
-        """Return whether each of n poses X_WG is free, (n,)."""
+        """Whether each of n poses X_WG is free, (n,)."""
         import shapely
 
         on = np.full(len(poses), True)
@@ -88,32 +90,30 @@ class FreeSpace:
         return np.asarray(on & (distances >= self.clearance))
 
     def paths_to(self, goal: Pose2) -> PathsTo:
-        """Return the ways to a pose X_WG, which may be nearer to a polygon than the
-        clearance.
-        """
+        """Paths to a pose X_WG, which may be nearer to a polygon than the clearance."""
         return PathsTo(self, goal)
 
 
 class PathsTo:
-    """The shortest free ways from anywhere to one pose of a footprint."""
+    """The shortest free paths to one pose of a footprint, from any start."""
 
     def __init__(self, space: FreeSpace, goal: Pose2) -> None:
-        """Search a grid from ``goal``, X_WG, where there is something to go round."""
+        """Search a grid from ``goal``, X_WG, unless every straight path is free."""
         self.space = space
         self.goal = goal
         self._grid = None if space.convex else _Grid(space, goal)
 
     def lengths(self, poses: Sequence[Pose2]) -> Array:
-        """Return how long (n,) [m] the ways from poses X_WG are, turns included, and
-        more where they are narrow; infinite where there is none.
+        """Lengths (n,) [m] of the paths from poses X_WG, with turns and a penalty for
+        narrow passages. Infinite if there is no path.
         """
         if self._grid is None:
             return lengths_from(self.space.shape, self.goal, poses)
         return np.array([self._grid.length(X) for X in poses])
 
     def via_poses(self, start: Pose2) -> list[Pose2] | None:
-        """Return poses X_WG from ``start`` to the goal between which straight ways are
-        free, as few as a look ahead finds; None where the grid has none.
+        """Collision-free via poses X_WG from ``start`` to the goal, shortened greedily.
+        None if the grid has no path.
         """
         if self._grid is None or self.space.straight(start, self.goal):
             return [start, self.goal]
@@ -124,13 +124,13 @@ class PathsTo:
 
 
 def displacement(shape: Shape, X: Pose2, Y: Pose2) -> float:
-    """Return how far [m] a footprint is moved from one pose to another, turns included."""
+    """Displacement [m] of a footprint from one pose to another, turns included."""
     turn = abs(math.remainder(Y.yaw - X.yaw, 2.0 * math.pi))
     return math.dist(X.position, Y.position) + shape.circumradius * turn
 
 
 def lengths_from(shape: Shape, X: Pose2, poses: Sequence[Pose2]) -> Array:
-    """Return how far (n,) [m] a footprint is moved from one pose to others."""
+    """Displacements (n,) [m] of a footprint from one pose to others."""
     x, y, yaw = np.array([(Y.x, Y.y, Y.yaw) for Y in poses]).T
     turn = np.remainder(yaw - X.yaw + math.pi, 2.0 * math.pi) - math.pi
     out: Array = np.hypot(x - X.x, y - X.y) + shape.circumradius * np.abs(turn)
@@ -138,14 +138,14 @@ def lengths_from(shape: Shape, X: Pose2, poses: Sequence[Pose2]) -> Array:
 
 
 def same_pose(X: Pose2, Y: Pose2) -> bool:
-    """Return whether two poses are one on the way."""
+    """Whether two poses count as the same pose of a path."""
     turn = math.remainder(Y.yaw - X.yaw, 2.0 * math.pi)
     return math.dist(X.position, Y.position) < ALIKE and abs(turn) < TURNED_ALIKE
 
 
 def between(a: Pose2, b: Pose2, share: float) -> Pose2:
-    """Return the pose at a share of the even way from ``a`` to ``b``, the short way
-    round.
+    """Pose at a fraction of the straight path from ``a`` to ``b``, turning the shorter
+    way.
     """
     turn = math.remainder(b.yaw - a.yaw, 2.0 * math.pi)
     x = a.x + share * (b.x - a.x)
@@ -154,7 +154,7 @@ def between(a: Pose2, b: Pose2, share: float) -> Pose2:
 
 
 def _shortened(space: FreeSpace, poses: Sequence[Pose2]) -> list[Pose2]:
-    """Return the poses without those that a straight way passes by."""
+    """The poses without those that a straight path can skip."""
     out = [poses[0]]
     i = 0
     while i < len(poses) - 1:
@@ -170,7 +170,7 @@ class _Grid:
     """Cells (yaw, x, y) of a free space."""
 
     def __init__(self, space: FreeSpace, goal: Pose2) -> None:
-        """Look at every cell, and find the ways of all to ``goal``."""
+        """Test every cell, and find the paths of all cells to ``goal``."""
         from scipy.sparse.csgraph import dijkstra
 
         x_min, x_max, y_min, y_max = space.bounds
@@ -191,13 +191,11 @@ class _Grid:
         )
 
     def length(self, start: Pose2) -> float:
-        """Return how long [m] the way from a pose is; infinite where there is none."""
+        """Length [m] of the path from a pose. Infinite if there is none."""
         return self._first(start)[1]
 
     def via_poses(self, start: Pose2) -> list[Pose2] | None:
-        """Return the poses of the free cells that lead from next to ``start`` to next
-        to the goal.
-        """
+        """Poses of the free cells on the path from near ``start`` to near the goal."""
         cell, length = self._first(start)
         if not math.isfinite(length):
             return None
@@ -207,7 +205,7 @@ class _Grid:
         return [self._pose(cell) for cell in cells]
 
     def _first(self, start: Pose2) -> tuple[int, float]:
-        """Return the cell at which the way from a pose begins, and its length [m]."""
+        """First cell of the path from a pose, and the path's length [m]."""
         near, far = self._near(start)
         if len(near) == 0:
             return -1, math.inf
@@ -216,7 +214,7 @@ class _Grid:
         return int(near[best]), float(whole[best])
 
     def _graph(self) -> object:
-        """Return the costs [m] between neighbouring free cells, as a sparse matrix."""
+        """Sparse matrix of the costs [m] between neighbouring free cells."""
         from scipy.sparse import coo_array
 
         count = self.free.size
@@ -238,7 +236,7 @@ class _Grid:
         return coo_array((np.concatenate(costs), where), shape=(count, count)).tocsr()
 
     def _near(self, pose: Pose2) -> tuple[NDArray[np.intp], Array]:
-        """Return the free cells near a pose, and how far [m] from it they are."""
+        """Free cells near a pose, and their distances [m] from it."""
         reach = REACH * self.size
         i = np.flatnonzero(np.abs(self.xs - pose.x) <= reach)
         j = np.flatnonzero(np.abs(self.ys - pose.y) <= reach)
@@ -262,7 +260,7 @@ class _Grid:
 def _pair(
     shape: tuple[int, ...], dx: int, dy: int
 ) -> tuple[tuple[slice, ...], tuple[slice, ...]]:
-    """Return the cells that have a neighbour (dx, dy) further on, and the neighbours."""
+    """Cells that have a neighbour at offset (dx, dy), and these neighbours."""
     _, nx, ny = shape
     low = max(-dy, 0)
     high = ny - max(dy, 0)
@@ -274,7 +272,7 @@ def _pair(
 def _clear(
     space: FreeSpace, xs: Array, ys: Array, clearance: float
 ) -> NDArray[np.bool_]:
-    """Return which places are in the region and ``clearance`` [m] off all polygons at
+    """Mask of the positions in the region and ``clearance`` [m] off all polygons at
     each yaw, (YAWS, len(xs), len(ys)).
     """
     import shapely
@@ -299,7 +297,7 @@ def _clear(
 
 
 def _sum(one: NDArray[np.complex128], other: NDArray[np.complex128]) -> BaseGeometry:
-    """Return the Minkowski sum of two convex polygons, given by corners x + iy [m]."""
+    """Minkowski sum of two convex polygons, given by corners x + iy [m]."""
     import shapely
 
     sums = (one[:, None] + other[None]).ravel()
@@ -309,7 +307,7 @@ def _sum(one: NDArray[np.complex128], other: NDArray[np.complex128]) -> BaseGeom
 
 
 def convex_parts(polygon: Polygon) -> list[NDArray[np.complex128]]:
-    """Return the corners x + iy [m] of convex polygons that make up a simple one."""
+    """Convex polygons that make up a simple one, as corners x + iy [m]."""
     import shapely
 
     parts: list[BaseGeometry] = [polygon]

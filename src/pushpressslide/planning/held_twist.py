@@ -1,5 +1,5 @@
-"""An object that two contacts hold and lead along one constant twist: what the modes
-that press share.
+"""An object held by two contacts and led along one constant twist, as in all modes that
+press.
 """
 
 from __future__ import annotations
@@ -13,9 +13,8 @@ from pushpressslide.core.twist_path import TwistPath
 def resume_path(
     ends: tuple[Pose2, Pose2], radius: float, longest: float
 ) -> TwistPath | None:
-    """Return the path of V by one twist between its ``ends``, lengths measured with
-    ``radius`` [m]; None if it is longer than ``longest`` [m], or if there is nowhere to
-    go.
+    """Path of V by one twist between its ``ends``, with lengths measured by ``radius``
+    [m]. None if it is longer than ``longest`` [m], or has no length.
     """
     path = TwistPath.between(ends, radius)
     if not 0.0 < path.length <= longest:
@@ -24,8 +23,8 @@ def resume_path(
 
 
 def tipping_refusal(cause: str, margin: float) -> Refusal | None:
-    """Return what stands against a tipping ``margin`` [half widths] of the centre of
-    pressure; None if nothing. ``cause`` says what tips the object.
+    """Refusal of a tipping ``margin`` [half widths] that is too small, or None.
+    ``cause`` says what tips the object.
     """
     allowed = margins.TIPPING_MARGIN
     if margin >= allowed:

@@ -1,8 +1,8 @@
 """Paths of at most three constant twists, each within a cone that moves with the body.
 
-The twists of a convex cone add up to no other directions as long as the body does not
-turn; what a second and a third piece gain comes from turning the cone: first towards
-where the goal lies, last back to its yaw.
+Sums of twists of a convex cone stay in the cone while the body does not turn. A second
+and a third twist help because the body turns the cone: first towards the goal, last
+back to the goal's yaw.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ SHARES = (0.15, 0.3, 0.5, 0.75)
 
 @dataclass(frozen=True, slots=True)
 class Inside:
-    """How far inside a cone the twists of a way have to be [rad]."""
+    """Required margins [rad] of a path's twists inside a cone."""
 
     straight: float  # of a way of one twist
     first: float  # of the first of several
@@ -54,26 +54,26 @@ Margin = Callable[[TwistRate], float]
 
 
 class Cone(Protocol):
-    """Twists of the body that can be driven."""
+    """The twists of the body that can be driven."""
 
     def cone_margin(self, vx: float, vy: float, w: float) -> float:
-        """Return how far inside the cone a twist lies [rad], whatever its size;
-        negative outside.
+        """Angle [rad] of a twist from the cone's edge, whatever the twist's size.
+        Negative outside.
         """
         ...
 
     def cone_margins(self, twists: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return ``cone_margin`` (m,) of twists (m, 3)."""
+        """``cone_margin`` (m,) of twists (m, 3)."""
         ...
 
     def rays(self, margin: float) -> list[TwistRate]:
-        """Return some twists all round the cone, that are ``margin`` [rad] inside."""
+        """Sample of twists all round the cone, each ``margin`` [rad] inside."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class ConeGoal:
-    """What driving the body by twists of a cone from start to goal asks for."""
+    """The problem of driving a body from start to goal by twists of a cone."""
 
     start: Pose2  # X_WB
     goal: Pose2  # X_WB
@@ -82,20 +82,20 @@ class ConeGoal:
 
     @classmethod
     def between(cls, ends: Ends, radius: float) -> ConeGoal:
-        """Return that of an object of ``radius`` [m] on a way without a loop."""
+        """The problem for an object of ``radius`` [m], limited to paths without a loop."""
         longest = longest_way(radius, TwistPath.between(ends, radius).length)
         return cls(*ends, radius, longest)
 
     @property
     def direct(self) -> TwistRate:
-        """The one twist that leads there."""
+        """The single twist that leads from start to goal."""
         return screw(self.start, self.goal)
 
     def path(self, cone: Cone, exact: Margin | None = None) -> TwistPath | None:
-        """Return the path by twists well inside ``cone``; None if there is none.
+        """Path by twists well inside ``cone``, or None.
 
-        ``exact``: the margin [rad] of a twist by the limit surface at that very twist,
-        where that of ``cone`` is one at the direct way.
+        ``exact`` is the margin [rad] by the limit surface at the twist itself; the
+        margin of ``cone`` is taken at the direct twist.
         """
         for inside in PLANNED:
             paths = paths_in_cone(
@@ -115,8 +115,8 @@ def _inside(path: TwistPath, exact: Margin) -> bool:
 def resume_path(
     start: Pose2, goal: Pose2, cone: Cone, radius: float, longest: float
 ) -> TwistPath | None:
-    """Return the shortest of ``paths_in_cone`` as far inside as a plan has to be, else
-    as far as the rest of one may; None where there is none.
+    """Shortest path that keeps the planning margin to the cone, or failing that the
+    smaller replanning margin. None if there is none.
     """
     paths = chain.from_iterable(
         paths_in_cone(start, goal, cone, inside, radius, longest)
@@ -136,9 +136,9 @@ def paths_in_cone(
     """Yield paths from ``start`` to ``goal``, the shortest first, whose twists are all
     ``inside`` the ``cone``.
 
-    A screw; or one with a piece along a ray of the cone before it, after it, or both.
-    Lengths are measured with ``radius`` [m]. Deterministic; nothing of more than
-    ``longest`` [m].
+    A path is a screw, or a screw with a segment along a ray of the cone before it,
+    after it, or both. Lengths are measured with ``radius`` [m], and none exceeds
+    ``longest`` [m]. Deterministic.
     """
     direct = screw(start, goal)
     whole = math.hypot(direct[0], direct[1], radius * direct[2])
@@ -172,10 +172,10 @@ def paths_in_cone(
 def _edge_pieces(
     cone: Cone, margin: float, whole: float, scale: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return twists (k, 3) of pieces along the rays of ``cone`` that are ``margin`` [rad]
-    inside, and their lengths (k,) [m]; first that of no piece.
+    """Twists (k, 3) of segments along the rays of ``cone`` that are ``margin`` [rad]
+    inside, and their lengths (k,) [m]. The first is the empty segment.
 
-    Lengths are shares of ``whole`` [m], by the norm of a twist times ``scale`` (3,).
+    Lengths are fractions of ``whole`` [m], by the norm of a twist times ``scale`` (3,).
     """
     rays = np.array(cone.rays(margin)).reshape(-1, 3)
     rays /= np.linalg.norm(rays * scale, axis=1, keepdims=True)
@@ -185,12 +185,12 @@ def _edge_pieces(
 
 
 def least_cone_margin(path: TwistPath, cone: Cone) -> float:
-    """Return how far inside the cone the worst piece of a path lies."""
+    """Smallest cone margin [rad] of a path's twists."""
     return min((cone.cone_margin(*rate) for rate, _ in path.sections), default=math.inf)
 
 
 def describe_cone_margin(margin: float, required: float = margins.CONE_MARGIN) -> str:
-    """Return in words how far inside a cone something is, and what is needed [rad]."""
+    """Cone margin and its required value [rad], in words."""
     degrees = math.degrees(margin)
     if margin >= required:
         return f"{degrees:.0f} deg inside the cone"

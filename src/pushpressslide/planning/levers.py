@@ -1,4 +1,4 @@
-"""Where a push from the side turns an object about a point of it that is held."""
+"""Pushes from the side that turn an object about a fixed point of it."""
 
 from __future__ import annotations
 
@@ -26,9 +26,10 @@ class Lever:
 def levers(
     scene: Scene, pivot: Point, side: float, face: int | None = None
 ) -> list[Lever]:
-    """Return places to push that turn the object to ``side`` (1 left, -1 right) about
-    ``pivot`` [m] in B, the longest lever first; only those of the face with index
-    ``face`` if that is given.
+    """Places to push that turn the object to ``side`` (1 left, -1 right) about
+    ``pivot`` [m] in B, the longest lever first.
+
+    Only those of the face with index ``face`` if that is given.
     """
     body = scene.body
     inset = scene.inset

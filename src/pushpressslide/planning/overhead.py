@@ -1,5 +1,6 @@
-"""How long approach, touch and release take: estimated alike for all modes, so that
-their motions are compared.
+"""Estimated time of approach, touch and release.
+
+The estimate is the same for all modes, so that their motions are compared.
 """
 
 from __future__ import annotations
@@ -10,13 +11,13 @@ from pushpressslide.core.path import SpeedProfile
 
 
 def overhead(motion: Motion, pressed: bool = False) -> float:
-    """Return the typical time [s] that a run takes besides its motion."""
+    """Typical time [s] of a run besides its motion."""
     arm = margins.ARM
     touching = motion.approach_distance / arm.touch_speed
     return arm.approach + touching + arm.pressing * pressed + arm.settling
 
 
 def path_time(motion: Motion, length: float, pressed: bool = False) -> float:
-    """Return the estimated time [s] of a run along a path of ``length`` [m]."""
+    """Estimated time [s] of a run along a path of ``length`` [m]."""
     profile = SpeedProfile(length, motion.speed, motion.acceleration)
     return profile.duration + overhead(motion, pressed)

@@ -1,4 +1,4 @@
-"""Where two arms press the top of an object."""
+"""Placements of two arms that press the top of an object."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Pair = tuple[Point, Point]
 
 @dataclass(frozen=True, slots=True)
 class PlacedPair:
-    """Two contacts given to arms, without loads, and the path of the body."""
+    """Two contacts assigned to arms, without loads, and the path of the body."""
 
     contacts: tuple[Contact, ...]
     path: TwistPath
@@ -35,7 +35,7 @@ class PlacedPair:
 
 
 def placed_pairs(query: MotionQuery) -> list[PlacedPair]:
-    """Return pairs of contacts, those with the shortest arms first."""
+    """Pairs of contacts, those nearest to their arms first."""
     places = top_places(query.body, query.scene.inset)
     farthest = max((math.hypot(*place) for place in places), default=0.0)
     placed = [_placed(query, points, farthest) for points in _pairs(query)]
@@ -46,7 +46,9 @@ def placed_pairs(query: MotionQuery) -> list[PlacedPair]:
 
 
 def _placed(query: MotionQuery, points: Pair, farthest: float) -> PlacedPair:
-    """Return one pair; ``farthest`` [m] that a place is from the CoM."""
+    """One pair assigned to arms. ``farthest`` [m] is the largest distance of a place
+    from the CoM.
+    """
     body = query.body
     radius = max(farthest, *(math.hypot(*point) for point in points))
     path = TwistPath.between(query.body_ends, radius)
@@ -65,9 +67,7 @@ def _placed(query: MotionQuery, points: Pair, farthest: float) -> PlacedPair:
 
 
 def _arm_length(scene: Scene, ends: Ends, contacts: Sequence[Contact]) -> float:
-    """Return how far the contacts are from their arms' bases, at both ``ends`` X_WB
-    together [m].
-    """
+    """Sum [m] of the contacts' distances from their arms' bases at both ``ends`` X_WB."""
     bases = scene.bases
     return sum(
         math.dist(X_WB.apply(contact.point), bases[contact.arm][:2])
@@ -77,9 +77,9 @@ def _arm_length(scene: Scene, ends: Ends, contacts: Sequence[Contact]) -> float:
 
 
 def _pairs(query: MotionQuery) -> list[Pair]:
-    """Return pairs of places to press, in B [m]: opposite each other about the CoM, or
-    given. On a concave top, where there is nothing opposite a place, the one that is
-    nearest to it there.
+    """Pairs of places to press, in B [m]: opposite each other about the CoM, or given.
+
+    On a concave top, a missing opposite place is replaced by the place nearest to it.
     """
     scene = query.scene
     body = query.body
@@ -105,7 +105,7 @@ def _pairs(query: MotionQuery) -> list[Pair]:
 
 
 def _refusal(scene: Scene, points: Pair) -> Refusal | None:
-    """Return what stands against two contacts, whatever their loads."""
+    """Refusal of two contacts at any loads, or None."""
     inset = scene.inset
     if not all(inside_top(scene.body, p, inset - ROUNDING) for p in points):
         text = "the contacts must be {allowed:mm.0f} inside the object's top"

@@ -1,5 +1,5 @@
-"""An object that two arms push on one face, as a car: fitted to the exact limit
-surface, and its paths.
+"""An object that two arms push on one face, as a car fitted to the exact limit surface,
+and its paths.
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ def pushed_cars(
     places: Sequence[tuple[Face, float]],
     synchronised: bool,
 ) -> list[PushedCar]:
-    """Return the reduced model, as believed, of contacts on each face, as far [m]
+    """Reduced models, as believed, of contacts on each face, at a given distance [m] to
     either side of the CoM's line.
 
-    Turned by normal forces alone it is a differential car, ``synchronised``, by equal
-    forces, a rear-steer one (docs/mechanics.md, section 5). Axle and rho are those of
-    the exact surface, under the load that the push itself shifts, at
-    ``motion.curvature_margin`` of the force's way to its limits; the tightest curves
-    are no tighter than the object's. Raises ValueError where the object tips.
+    Pushes by normal forces alone make it a differential car. With ``synchronised``,
+    equal forces make it a rear-steer car (docs/mechanics.md, section 5). Axle and rho
+    are those of the exact surface, under the load that the push itself shifts, at the
+    fraction ``motion.curvature_margin`` of the force's range. The tightest curves are
+    no tighter than the object's. Raises ValueError if the object tips.
     """
     if scene.rho is not None:
         shift = contact_height(scene, motion) * scene.support.friction
@@ -57,7 +57,7 @@ def pushed_cars(
 
 @dataclass(frozen=True, slots=True)
 class _Fit:
-    """What the surface says of the contacts on one face."""
+    """Fit of the limit surface for the contacts on one face."""
 
     rho: float  # [m]
     shift: float  # [m] of the centre of pressure under way
@@ -71,8 +71,8 @@ def _fits(
     places: Sequence[tuple[Face, float]],
     synchronised: bool,
 ) -> list[_Fit]:
-    """Return rho and shift of the exact surface, at ``curvature_margin`` of the force's
-    way to its limits.
+    """Rho and shift of the exact surface, at the fraction ``curvature_margin`` of the
+    force's range.
     """
     use = motion.curvature_margin
     mu_a = scene.contact_friction
@@ -105,7 +105,7 @@ def _fits(
 
 
 def _wheelbase(face: Face, rho: float, synchronised: bool) -> float:
-    """Return how far [m] the axle is ahead of the centre of pressure."""
+    """Distance [m] of the axle ahead of the centre of pressure."""
     if not synchronised:
         return 0.0
     return rho * rho / face.depth
@@ -114,7 +114,7 @@ def _wheelbase(face: Face, rho: float, synchronised: bool) -> float:
 def _car(
     face: Face, half_width: float, mu_a: float, fit: _Fit, synchronised: bool
 ) -> PushedCar:
-    """Return the reduced model of contacts on one face."""
+    """Reduced model of contacts on one face."""
     rho = fit.rho
     heading = math.atan2(face.normal[1], face.normal[0])
     wheelbase = _wheelbase(face, rho, synchronised)
@@ -130,8 +130,10 @@ def _car(
 
 
 def least_lengths(ends: Ends, radius: float, face: Face) -> tuple[float, float]:
-    """Return the least ways [m] between the ``ends`` X_WB of an object of ``radius`` [m]
-    by pushes on a face: by twists of the object, and of a car's axle, which is somewhere ahead of the CoM.
+    """Lower bounds of the length [m] of a path between the ``ends`` X_WB of an object
+    of ``radius`` [m] pushed on a face.
+
+    One is for twists of the object, one for a car's axle somewhere ahead of the CoM.
     """
     start, goal = ends
     direct = TwistPath.between(ends, radius).length
@@ -147,9 +149,8 @@ def least_lengths(ends: Ends, radius: float, face: Face) -> tuple[float, float]:
 
 
 def car_path(query: MotionQuery, car: PushedCar, curvature: float) -> ArcPath:
-    """Return the gentle path of a car's axle between the ends of ``query``, with
-    curvatures up to ``curvature`` [1/m]. Raises RefusedError where it has to turn a
-    loop.
+    """Gentle path of a car's axle between the ends of ``query``, with curvatures up to
+    ``curvature`` [1/m]. Raises RefusedError if it needs a loop.
     """
     start, goal = (X_WB.compose(car.X_BV) for X_WB in query.body_ends)
     longest = longest_way(query.body.radius, math.dist(start.position, goal.position))
@@ -164,7 +165,7 @@ def car_path(query: MotionQuery, car: PushedCar, curvature: float) -> ArcPath:
 
 
 def run_ins(motion: Motion) -> list[float]:
-    """Return the straight ends [m] of a path that are tried, the longest first."""
+    """Lengths [m] of the run-ins to try, the longest first."""
     return [share * motion.run_in for share in margins.CAR_RUN_INS]
 
 
@@ -175,9 +176,10 @@ def gentle_path(
     run_ins: Sequence[float],
     turning: float | None = None,
 ) -> ArcPath:
-    """Return the path of up to ``longest`` [m] with the longest of ``run_ins`` [m], then
-    the gentlest turns, none above ``tightest`` [1/m]; the shortest one where there is
-    none. ``turning`` [rad] as in ``with_run_in``.
+    """Path of up to ``longest`` [m] with the longest of ``run_ins`` [m], then the
+    gentlest turns, none above ``tightest`` [1/m].
+
+    The shortest path if none fits. ``turning`` [rad] as in ``with_run_in``.
     """
     tried = []
     for run_in in run_ins:

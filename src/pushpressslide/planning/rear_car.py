@@ -24,7 +24,7 @@ TURNING_LIMIT = math.radians(360.0)  # of all arcs together: one loop, no spiral
 
 
 class Comfort(NamedTuple):
-    """How comfortable a path is."""
+    """One step on the scale from comfortable to hard paths."""
 
     run_in: float  # of the planned one
     harder: float  # times the planned share of the curvature that friction limits
@@ -56,8 +56,8 @@ class Route(NamedTuple):
 
 
 def contact_refusal(query: MotionQuery, face: Face, height: float) -> Refusal | None:
-    """Return what stands against one push on a face at ``height`` [m]: the contact's
-    place, tipping, the force; None if nothing.
+    """Refusal of one push on a face at ``height`` [m] by its place, tipping or force,
+    or None.
     """
     if face.depth <= 0.0:
         text = "the centre of mass is not before the face but beside or behind it"
@@ -74,7 +74,7 @@ def contact_refusal(query: MotionQuery, face: Face, height: float) -> Refusal | 
 
 
 def shortest_length(ends: Ends, drive: RearSteerDrive) -> float:
-    """Return the length [m] of the shortest path of a car."""
+    """Length [m] of a car's shortest path."""
     low, high = drive.car.curvature_limits
     return shortest_path(*axle_ends(ends, drive), high, -low).length
 
@@ -82,10 +82,11 @@ def shortest_length(ends: Ends, drive: RearSteerDrive) -> float:
 def route(
     query: MotionQuery, drives: Mapping[float, RearSteerDrive]
 ) -> tuple[Route, bool]:
-    """Return the most comfortable path without a loop, and False. Where each has a loop,
-    return the one with the longest run-in, if it is not much longer than the shortest,
-    and True. ``drives`` are those of the cars fitted to the paths, by how much harder
-    than planned these turn.
+    """Most comfortable path without a loop, and False; or a path with a loop, and True.
+
+    If every path has a loop, it is the one with the longest run-in, unless that is much
+    longer than the shortest. ``drives`` are those of the cars fitted to the paths,
+    keyed by how much harder than planned these turn.
     """
     routes = []
     radius = query.body.radius
@@ -115,8 +116,8 @@ def _routed(
     comfort: Comfort,
     gentle: bool,
 ) -> Route:
-    """Return the shortest path of one comfort; a ``gentle`` one has no turn so tight that
-    it slows the whole way down.
+    """Shortest path of one comfort. A ``gentle`` path has no turn so tight that it
+    slows the whole path.
     """
     motion = query.motion
     drive = drives[comfort.harder]
@@ -134,20 +135,18 @@ def _routed(
 
 
 def planned_share(motion: Motion, harder: float) -> float:
-    """Return the share of the tightest curvature that a path ``harder`` than planned
-    may use.
-    """
+    """Fraction of the tightest curvature that a path ``harder`` than planned may use."""
     return min(1.0, harder * motion.curvature_margin)
 
 
 def axle_ends(ends: Ends, drive: RearSteerDrive) -> Ends:
-    """Return the poses of a car's axle at the ``ends`` X_WB of a way."""
+    """Poses of a car's axle at the ``ends`` X_WB of a path."""
     start, goal = (X_WB.compose(drive.X_BV) for X_WB in ends)
     return start, goal
 
 
 def _looped(radius: float, path: ArcPath) -> bool:
-    """Whether a path is longer than one without a loop."""
+    """Whether a path is longer than the limit for a path without a loop."""
     end = path.pose(path.length)
     direct = math.dist(path.start.position, end.position)
     return path.length > longest_way(radius, direct)
@@ -156,9 +155,10 @@ def _looped(radius: float, path: ArcPath) -> bool:
 def resume_route(
     ends: tuple[Pose2, Pose2], drive: RearSteerDrive, longest: float, turning: float
 ) -> ArcPath | None:
-    """Return the first path of the virtual front axle between its ``ends`` that is no
-    longer than ``longest`` [m], from the planned one to the tightest, and turns by about
-    ``turning`` [rad]; None if none is.
+    """First path of the virtual front axle between its ``ends`` that is at most
+    ``longest`` [m] and turns by about ``turning`` [rad], or None.
+
+    Paths are tried from the planned curvature to the tightest.
     """
     low, high = drive.car.curvature_limits
     planned = drive.curvature_share
@@ -172,14 +172,14 @@ def resume_route(
 
 
 def cone_margin(car: RearSteerCar, path: ArcPath) -> float:
-    """Return how far inside the friction cone the path's forces stay [rad]."""
+    """Smallest margin [rad] of the path's forces inside the friction cone."""
     low, high = car.steering_limits
     steering = [car.steering(curvature) for curvature, _ in path.sections] or [0.0]
     return min(min(high - angle, angle - low) for angle in steering)
 
 
 def turning_refusal(path: ArcPath) -> Refusal | None:
-    """What stands against following the path's arcs."""
+    """Refusal of the path's arcs, or None."""
     turning = sum(abs(curvature) * length for curvature, length in path.sections)
     if turning <= TURNING_LIMIT:
         return None

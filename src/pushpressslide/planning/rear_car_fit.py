@@ -33,14 +33,14 @@ LEAST_EDGE = 1e-3  # [rad] of the cone to one side, for a heading axis outside i
 
 
 class FittedCar(NamedTuple):
-    """The reduced model of a push, and how far ahead of the CoM its CoP is."""
+    """Reduced model of a push, and the distance of its CoP ahead of the CoM."""
 
     car: RearSteerCar
     shift: float  # [m]
 
 
 class FittedFace(NamedTuple):
-    """A face, and what pushes by it drive."""
+    """A face, and the cars that pushes on it drive."""
 
     face: Face
     cars: Mapping[float, FittedCar]  # of paths, by how hard; none if refused
@@ -49,7 +49,7 @@ class FittedFace(NamedTuple):
 
 @lru_cache(maxsize=64)
 def fitted_faces(scene: Scene, motion: Motion) -> tuple[FittedFace, ...]:
-    """Return the faces that can be pushed, with their cars."""
+    """Faces that can be pushed, with their cars."""
     pushed = pushable(scene, motion.face)
     twists = push_twists(scene, motion, pushed)
     return tuple(
@@ -59,8 +59,8 @@ def fitted_faces(scene: Scene, motion: Motion) -> tuple[FittedFace, ...]:
 
 
 def fitted_face(scene: Scene, motion: Motion, face: Face, twists: Array) -> FittedFace:
-    """Return a face with the cars of paths as hard as they may be; without one where
-    the object tips, or cannot be pushed straight.
+    """Face with the cars of paths of each hardness. It has no car if the object tips,
+    or cannot be pushed straight.
     """
     cars = {}
     for harder in HARDER:
@@ -78,8 +78,8 @@ def fitted_face(scene: Scene, motion: Motion, face: Face, twists: Array) -> Fitt
 
 
 def looked_at(scene: Scene, motion: Motion, face: Face) -> Array:
-    """Return the force angles (2, 8) [rad] to the left and to the right of the heading
-    axis at which a push on ``face`` is looked at, up to the cone's edges.
+    """Force angles (2, 8) [rad] to the left and right of the heading axis at which a
+    push on ``face`` is sampled, up to the cone's edges.
     """
     half = math.atan(scene.contact_friction)
     aside = math.atan2(face.offset, face.depth)  # of the normal from the heading axis
@@ -96,9 +96,10 @@ def looked_at(scene: Scene, motion: Motion, face: Face) -> Array:
 
 
 def push_twists(scene: Scene, motion: Motion, pushed: Sequence[Face]) -> Array:
-    """Return the twists (n, 2, 8, 3) of the CoM that pushes on n faces drive at the
-    angles ``looked_at``, to the left and to the right; NaN from that angle on at which
-    the object tips to either side.
+    """Twists (n, 2, 8, 3) of the CoM under pushes on n faces at the sampled angles, to
+    the left and to the right.
+
+    NaN from the angle on at which the object tips to either side.
     """
     count = sum(ANGLES)
     feet = np.repeat([face.foot for face in pushed], 2 * count, axis=0)
@@ -122,8 +123,8 @@ def push_twists(scene: Scene, motion: Motion, pushed: Sequence[Face]) -> Array:
 
 
 def _towards_center(face: Face) -> Point:
-    """Return the unit vector from a face's foot to the CoM; of a foot that is there,
-    the face's normal.
+    """Unit vector from a face's foot to the CoM, or the face's normal if the two
+    coincide.
     """
     x, y = face.foot
     lever = math.hypot(x, y)
@@ -133,19 +134,19 @@ def _towards_center(face: Face) -> Point:
 def fitted_car(
     scene: Scene, motion: Motion, face: Face, twists: Array, share: float
 ) -> FittedCar:
-    """Return the reduced model of a push on ``face`` along a path whose hardest turn is
-    ``share`` of the tightest.
+    """Reduced model of a push on ``face`` along a path whose hardest turn is ``share``
+    of the tightest.
 
     On the exact limit surface, under the load that the push itself shifts, both the
     axle's place and the effective wheelbase change with the force angle. The car has
-    those of the angles at which the path turns, between one side and the other: there
-    its curvature is ``share`` of the tightest among ``twists`` (from ``push_twists``),
-    and the car is steered to no tighter curves. A car with a longer wheelbase than the
-    object's is stable, one with a shorter one is not. A thin bar that is pushed across
-    its length turns nearly as tightly at 8 degrees as at the cone's edge, and a thinner
-    one less tightly beyond.
+    those of the angles at which the path turns, between one side and the other. At
+    these angles its curvature is ``share`` of the tightest among ``twists`` (from
+    ``push_twists``), and the car is steered to no tighter curves. A car with a longer
+    wheelbase than the object's is stable, one with a shorter one is not. A thin bar
+    that is pushed across its length turns nearly as tightly at 8 degrees as at the
+    cone's edge, and a thinner one less tightly beyond.
 
-    Raises RefusedError where the object tips at the planned share of the edge.
+    Raises RefusedError if the object tips at the planned share of the edge.
     """
     mu = scene.contact_friction
     height = lone_contact_height(scene, motion)

@@ -1,4 +1,4 @@
-"""Paths that end with a straight run-in, on which what error there is decays."""
+"""Paths that end with a straight run-in, on which errors decay."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ def with_run_in(
     run_in: float,
     turning: float | None = None,
 ) -> ArcPath:
-    """Return the shortest path that ends with ``run_in`` [m] of straight line and whose
+    """Shortest path that ends with a straight line of ``run_in`` [m] and whose
     curvature [1/m] is between -right and left.
 
-    Of those that turn by ``turning`` [rad] in all, to half a turn, where there are any:
-    an arm that was planned to go round one way cannot go round the other.
+    If paths exist that turn by ``turning`` [rad] in all, to within half a turn, only
+    these count: an arm whose plan goes round one way cannot go round the other.
     """
     start, goal = ends
     staging = advance(goal, 0.0, -run_in)
@@ -40,16 +40,14 @@ def with_run_in(
 
 
 def longest_way(radius: float, direct: float) -> float:
-    """Longest way [m] that is not a loop, of an object of ``radius`` [m] that has
-    ``direct`` [m] to go.
+    """Length limit [m] of a path without a loop, for an object of ``radius`` [m] that
+    is ``direct`` [m] from its goal.
     """
     return margins.LOOP_RATIO * direct + margins.LOOP_SLACK * radius
 
 
 def loop_free_length(start: Pose2, goal: Pose2, curvature: float) -> float:
-    """Return the length [m] up to which a path of that ``curvature`` [1/m] counts as
-    one without a loop.
-    """
+    """Length limit [m] of a path of that ``curvature`` [1/m] without a loop."""
     return 1.15 * math.hypot(goal.x - start.x, goal.y - start.y) + 1.0 / curvature
 
 
@@ -60,12 +58,12 @@ def gentlest(
     longest: float | None = None,
     turning: float | None = None,
 ) -> tuple[float, float, ArcPath]:
-    """Return run-in [m], curvature [1/m] and path of the gentlest turns and the longest
-    run-in there is room for.
+    """Run-in [m], curvature [1/m] and path of the gentlest turns and the longest run-in
+    that fit.
 
     ``curvatures`` [1/m], the gentlest first; ``run_ins`` [m], the longest first.
-    ``longest`` [m] is what counts as room (default: ``room`` of the curvature); where
-    nothing fits the shortest path is returned. ``turning`` [rad] as in ``with_run_in``.
+    ``longest`` [m] limits the length (default: ``room`` of the curvature). The shortest
+    path if nothing fits. ``turning`` [rad] as in ``with_run_in``.
     """
     tightest = curvatures[-1]
     lower = run_ins[-1]
@@ -87,5 +85,5 @@ def gentlest(
 def _max_length(
     ends: tuple[Pose2, Pose2], curvature: float, longest: float | None
 ) -> float:
-    """Return what counts as room [m] for a path of a curvature [1/m]."""
+    """Length limit [m] of a path of a curvature [1/m]."""
     return loop_free_length(*ends, curvature) if longest is None else longest

@@ -1,4 +1,4 @@
-"""From a drive and a path to a segment of a plan, and how long segments take."""
+"""Segments of a plan from a drive and a path, and their times."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ def segment(
     speed: float | None = None,
     cone_margin: float | None = None,
 ) -> Segment:
-    """Return a segment that leads to the goal of ``query``, at its speed [m/s]."""
+    """Segment to the goal of ``query``, at its speed [m/s]."""
     motion = query.motion
     profile = SpeedProfile(path.length, speed or motion.speed, motion.acceleration)
     return Segment(mode, tuple(contacts), drive, path, profile, query.goal, cone_margin)
 
 
 def describe_points(points: Iterable[Point]) -> str:
-    """Return points [m] in words: "(0.100, 0.000) and (0.200, 0.000)"."""
+    """Points [m] in words: "(0.100, 0.000) and (0.200, 0.000)"."""
     return " and ".join(f"({x:z.3f}, {y:z.3f})" for x, y in points)
 
 
 def run_time(
     motion: Motion, segments: Sequence[Segment], pressed: bool = False
 ) -> float:
-    """Return the estimated time [s] of a run, approach and release included."""
+    """Estimated time [s] of a run, approach and release included."""
     moving = sum(segment.profile.duration for segment in segments)
     return moving + overhead(motion, pressed)
 
@@ -46,6 +46,6 @@ def run_time(
 def remaining_ends(
     body: ObjectModel, segment: Segment, X_WB: Pose2, X_BV: Pose2
 ) -> tuple[Pose2, Pose2]:
-    """Return V at the object's pose and at a segment's goal."""
+    """Poses of V at the object's pose and at a segment's goal."""
     goal = segment.goal.compose(body.X_GB).compose(X_BV)
     return X_WB.compose(X_BV), goal

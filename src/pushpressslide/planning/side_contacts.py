@@ -1,5 +1,5 @@
-"""Where arms push an object's sides: how high, how far apart, and which arm takes which
-contact.
+"""Contacts of arms that push an object's sides: height, distance, and assignment to
+arms.
 """
 
 from __future__ import annotations
@@ -22,16 +22,20 @@ from pushpressslide.mechanics.faces import Face, faces, room_ahead
 
 
 def contact_height(scene: Scene, motion: Motion) -> float:
-    """Return the height of the contacts above the support [m], the same for all arms
-    that may touch: low, since a push at height h moves the CoP by h mu_s, but with the
-    wrists above the object.
+    """Height [m] of the contacts above the support, the same for all arms that may
+    touch.
+
+    Low, since a push at height h moves the CoP by h mu_s, but with the wrists above the
+    object.
     """
     return _height(scene, motion, _upright(scene))
 
 
 def lone_contact_height(scene: Scene, motion: Motion) -> float:
-    """Return the height [m] of the one contact of a push: where the object would tip if
-    the wrist were above it, lower, with the tool leaning back and its wrist behind.
+    """Height [m] of the single contact of a push.
+
+    If the object would tip with the wrist above it, the contact is lower, and the tool
+    leans back with its wrist behind.
     """
     body = scene.body
     slack = body.shape.depth(body.center_of_mass)
@@ -42,13 +46,13 @@ def lone_contact_height(scene: Scene, motion: Motion) -> float:
 
 
 def _upright(scene: Scene) -> float:
-    """Return the least height [m] of a contact with the wrist above the object."""
+    """Smallest height [m] of a contact with the wrist above the object."""
     reach = min(robot.tip_length for robot in scene.tips)
     return scene.body.shape.height + margins.ARM.wrist_gap - reach
 
 
 def _height(scene: Scene, motion: Motion, min_height: float) -> float:
-    """Return the height [m] of contacts that are to be at ``min_height`` [m]."""
+    """Height [m] of contacts that need at least ``min_height`` [m]."""
     if motion.contact_height is not None:
         return motion.contact_height
     height = scene.body.shape.height
@@ -60,20 +64,22 @@ def _height(scene: Scene, motion: Motion, min_height: float) -> float:
 
 
 def least_distance(scene: Scene) -> float:
-    """Return how far two tips' contacts have to be apart at least [m]."""
+    """Smallest distance [m] between the contacts of two tips."""
     return sum(robot.tip_radius for robot in scene.robots) + margins.ARM.tool_room
 
 
 def side_contact(arm: int, face: Face, left: float, height: float) -> Contact:
-    """Return a contact on a face, ``left`` [m] of the CoM's line along the normal and
-    at ``height`` [m].
+    """Contact on a face, ``left`` [m] of the CoM's line along the normal and at
+    ``height`` [m].
     """
     return Contact(arm, "side", on_face(face, left), face.normal, height)
 
 
 def pushable(scene: Scene, index: int | None = None) -> list[Face]:
-    """Return the faces of the object that the tips can touch, contacts clear of their
-    corners; only those with ``index`` if that is given.
+    """Faces of the object that the tips can touch, with contacts clear of their
+    corners.
+
+    Only those with ``index`` if that is given.
     """
     found = faces(scene.body, scene.inset, scene.tip_radius)
     return [face for face in found if index in (None, face.index)]
@@ -82,10 +88,11 @@ def pushable(scene: Scene, index: int | None = None) -> list[Face]:
 def before_contacts(
     scene: Scene, motion: Motion, contacts: Sequence[Contact] | None = None
 ) -> float:
-    """Return how far [m] before their contacts tips begin to touch: as far as the motion
-    says, or as the narrowest notch leaves room for.
+    """Distance [m] before their contacts at which tips start to touch: as the motion
+    says, or less in a narrow notch.
 
-    Given a task and contacts, as plants do, it warns; that goes with version 0.6.
+    A task and contacts as arguments, as plants pass them, give a warning. They are no
+    longer accepted from version 0.5 on.
     """
     if contacts is None:
         return _before_contacts_of(scene, motion)
@@ -105,8 +112,9 @@ def _before_contacts_of(task: Any, contacts: Any) -> float:
 def room_before(
     scene: Scene, contact: Contact, wanted: float, clearance: float
 ) -> float:
-    """Return how far [m] a tip can be drawn back from its contact: as far as
-    ``wanted`` or, in a notch, with a ``clearance`` to its other wall.
+    """Distance [m] by which a tip can retreat from its contact.
+
+    It is ``wanted``, or less in a notch, with a ``clearance`` to its other wall.
     """
     if contact.kind == "top":
         return wanted
@@ -119,9 +127,10 @@ def room_before(
 def drag_refusal(
     query: MotionQuery, pushed: Sequence[Face], contacts: int, height: float
 ) -> Refusal | None:
-    """Return what stands against pushing faces with some ``contacts`` at ``height`` [m]:
-    the object's height, tipping, a force that is too large, or too small to be felt;
-    None if nothing.
+    """Refusal of pushing faces with some ``contacts`` at ``height`` [m], or None.
+
+    Checked are the object's height, tipping, and whether the force is too large, or too
+    small to be felt.
     """
     scene = query.scene
     top = scene.body.shape.height
@@ -158,8 +167,8 @@ def drag_refusal(
 
 
 def push_refusal(push: float, limits: Limits, max_friction: float) -> Refusal | None:
-    """Return what stands against a contact that pushes with up to ``push`` [N], beside
-    another one, an object of ``max_friction`` [N]; None if nothing.
+    """Refusal of a contact that pushes with up to ``push`` [N], next to another one, an
+    object of ``max_friction`` [N], or None.
     """
     limit = limits.planned_force
     squeeze = margins.SQUEEZE * max_friction
@@ -178,8 +187,8 @@ def push_refusal(push: float, limits: Limits, max_friction: float) -> Refusal | 
 def assignments(
     bases: Sequence[Vector3], points: Sequence[Point], poses: Sequence[Pose2]
 ) -> list[tuple[int, int]]:
-    """Return the ways to give two contacts to two arms that do not cross, the arms
-    nearest to them first.
+    """Assignments of two contacts to two arms that do not cross, those with the nearest
+    arms first.
 
     ``bases`` [m] of the arms; ``points`` [m] in B; ``poses`` X_WB along the motion.
     Item i of an assignment is the arm of contact i.
@@ -196,7 +205,7 @@ def assignments(
 
 
 def given_to(contacts: Sequence[Contact], arms: Sequence[int]) -> tuple[Contact, ...]:
-    """Return ``contacts`` given to ``arms``: presses first, then pushes in the order of
+    """The ``contacts`` assigned to ``arms``: presses first, then pushes in the order of
     the arms.
     """
     assigned = (

@@ -1,4 +1,4 @@
-"""The places that an object goes through on planned segments."""
+"""Poses of the object along planned segments."""
 
 from __future__ import annotations
 
@@ -16,9 +16,7 @@ SWEEP_STEP = 0.5
 def swept(
     body: ObjectModel, segments: Sequence[Segment], clearance: float
 ) -> list[Pose2]:
-    """Return the poses X_WG along planned segments, closer together than the
-    ``clearance`` [m].
-    """
+    """Poses X_WG along planned segments, closer together than the ``clearance`` [m]."""
     step = SWEEP_STEP * clearance
     poses = []
     X_BG = body.X_GB.inverse()

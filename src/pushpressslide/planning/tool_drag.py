@@ -1,4 +1,4 @@
-"""What bodies that the object pushes, as a tool or on its way, add to its drag."""
+"""Drag added by bodies that the object pushes, as a tool or along its path."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ TURN = 2.0 * math.pi
 
 
 def tool_load(query: MotionQuery, heading: float) -> tuple[float, float]:
-    """Return what bodies pushed by the object add to the drag [N], and how far
-    ``heading`` [rad] in B is off the normal of a tool's pushing face [rad].
+    """Drag [N] added by bodies that the object pushes, and the angle [rad] of
+    ``heading`` [rad] in B off the normal of a tool's pushing face.
 
-    All that the object may push counts, as if it pushed all at once.
+    Every body that the object may push counts, as if all were pushed at once.
     """
     drags = [body.friction * body.mass * GRAVITY for body in query.yielding]
     shape = query.body.shape

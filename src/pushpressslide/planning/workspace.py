@@ -1,4 +1,4 @@
-"""Whether the object's frame stays in the workspace along segments."""
+"""Check that the object's frame stays in the workspace along segments."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ STEP = 0.03  # [m] of path between the places that are checked
 
 
 def poses_along(segment: Segment) -> list[Pose2]:
-    """Return X_WB along a segment, at most STEP apart."""
+    """Poses X_WB along a segment, at most STEP apart."""
     path = segment.path
     X_VB = segment.X_BV.inverse()
     steps = max(3, math.ceil(path.length / STEP))
@@ -25,8 +25,8 @@ def poses_along(segment: Segment) -> list[Pose2]:
 def workspace_refusal(
     body: ObjectModel, limits: Limits, poses: Sequence[Pose2]
 ) -> Refusal | None:
-    """Return where the object's frame G would leave the workspace along ``poses``
-    X_WB.
+    """Refusal of ``poses`` X_WB along which the object's frame G leaves the workspace,
+    or None.
     """
     bounds = limits.workspace
     if bounds is None:

@@ -1,1 +1,3 @@
-"""Robots as arrays: published facts, kinematics both ways, reach and joint paths."""
+"""Robots as arrays: published facts, forward and inverse kinematics, reach and joint
+paths.
+"""

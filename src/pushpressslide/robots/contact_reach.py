@@ -1,4 +1,4 @@
-"""Whether an arm can follow its contact along a path, with the tool upright or
+"""Reach of an arm that follows its contact along a path, with the tool upright or
 tilted.
 """
 
@@ -38,12 +38,12 @@ def contact_refusal(
     alone: bool = False,
     quick: bool = False,
 ) -> Refusal | None:
-    """Return why the arm of a contact cannot follow it along the body poses X_WB, its
-    tool held the same way; None if it can.
+    """Refusal of a contact that its arm cannot follow along the body poses X_WB with
+    one tool attitude, or None.
 
     ``alone``: it is a press, and nothing else touches the object, so that its tip must
-    not roll far. ``quick``: what the tables of reach do not know is refused without a
-    search.
+    not roll far. ``quick``: without a search, so that anything missing in the reach
+    tables is refused.
     """
     robot = scene.robots[contact.arm]
     frame = scene.support.frame
@@ -85,8 +85,10 @@ def contact_refusal(
 def span_refusal(
     scene: Scene, contact: Contact, bodies: Sequence[Pose2]
 ) -> Refusal | None:
-    """Return where along the body poses X_WB a contact is farther from its arm's
-    shoulder than the arm is long, the tool leaned towards the base; None if nowhere.
+    """Refusal of body poses X_WB at which a contact is farther from its arm's shoulder
+    than the arm is long, or None.
+
+    The tool may lean towards the base.
     """
     robot = scene.robots[contact.arm]
     kin = arm_kinematics(robot)
@@ -118,8 +120,8 @@ def span_refusal(
 def contacts_reached(
     scene: Scene, arm: int, contacts: Sequence[Contact], bodies: Sequence[Pose2]
 ) -> NDArray[np.bool_]:
-    """Return which of m contacts of one kind an arm reaches at n body poses X_WB, (n, m),
-    as the tables of reach know it; all of them where tables do not apply.
+    """Mask (n, m) of the m contacts of one kind that an arm reaches at n body poses
+    X_WB, by the reach tables. All True if tables do not apply.
     """
     shape = (len(bodies), len(contacts))
     robot = scene.robots[arm]
@@ -139,9 +141,10 @@ def contacts_reached(
 def tool_azimuths(
     contact: Contact, X_WB: Pose2, base: tuple[float, float, float]
 ) -> tuple[float, ...]:
-    """Return the azimuths [rad] at which a tilted tool is tried: behind a pushing
-    contact, straight and, as far as the face allows it, away from the arm; under the
-    arm, or away from it, on top.
+    """Azimuths [rad] to try for a tilted tool.
+
+    For a push they are behind the contact: straight and, within the limits of the face,
+    away from the arm. On top they are under the arm, or away from it.
     """
     x, y = X_WB.apply(contact.point)
     outward = math.atan2(y - base[1], x - base[0])

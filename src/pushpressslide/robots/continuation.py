@@ -1,5 +1,5 @@
-"""Joint paths along a path of the tip: each posture is found from the one before it, so
-it never flips.
+"""Joint paths along a path of the tip. Each posture is found from the previous one, so
+that it never flips.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ LOST_DISTANCE = 0.03  # [m]
 class Continuation:
     """A joint path of k samples.
 
-    Where it fails it says so and holds the nearest postures found.
+    On failure it has a status and the nearest postures found.
     """
 
     q: Array  # (k, n) [rad; m of slides]
@@ -56,12 +56,12 @@ class Continuation:
 
     @property
     def lost(self) -> bool:
-        """Whether the tip is far off somewhere."""
+        """Whether the tip is far off at some sample."""
         return bool(_is_lost(self.position_residual, self.angle_residual).any())
 
     @property
     def joint_margin(self) -> float:
-        """Least margin along the path [rad]."""
+        """Smallest joint margin along the path [rad]."""
         return float(self.joint_margins.min())
 
     @property
@@ -79,8 +79,8 @@ def continuation(
     joint_margin: float = 0.0,
     largest_step: float = 0.3,
 ) -> Continuation:
-    """Return one arm's joint path along positions (k, 3) [m] and tool yaws (k,) [rad],
-    from q_start (n,).
+    """Joint path of one arm along positions (k, 3) [m] and tool yaws (k,) [rad], from
+    q_start (n,).
 
     joint_margin: [rad] a sample nearer to a limit fails as "joint_limit"; largest_step:
     [rad] a joint that moves more between two samples fails as "jump". Never raises.
@@ -105,10 +105,11 @@ def continuations(
     joint_margin: float = 0.0,
     largest_step: float = 0.3,
 ) -> tuple[Continuation, ...]:
-    """Return b joint paths at once: several yaw offsets or elbows at the cost of one.
+    """Several joint paths (b) at once: several yaw offsets or elbows at the cost of
+    one.
 
     For tool yaws (b, k) and starts (b, n); positions (k, 3) or (b, k, 3); one attitude
-    or b. Else as ``continuation``.
+    or b. Otherwise as ``continuation``.
     """
     yaws = np.asarray(tool_yaws, dtype=np.float64)
     b, k = yaws.shape
@@ -130,7 +131,7 @@ def continuations(
 
 
 def _rotations(attitude: ToolAttitude | Sequence[ToolAttitude], yaws: Array) -> Array:
-    """Return the tool's rotations (b, k, 3, 3) at yaws (b, k), of one attitude or b."""
+    """Tool rotations (b, k, 3, 3) at yaws (b, k), of one attitude or b."""
     if isinstance(attitude, ToolAttitude):
         return attitude.rotation(yaws)
     return np.stack(
@@ -141,7 +142,7 @@ def _rotations(attitude: ToolAttitude | Sequence[ToolAttitude], yaws: Array) -> 
 def _followed(
     kin: ArmKinematics, p: Array, yaws: Array, R: Array, q_starts: Array
 ) -> tuple[Array, Array, Array]:
-    """Return joint paths (b, k, n) and what they miss by: (b, k) [m] and (b, k) [rad].
+    """Joint paths (b, k, n) and their errors, (b, k) [m] and (b, k) [rad].
 
     Targets: p (b, k, 3), yaws (b, k) and the same as rotations R (b, k, 3, 3).
     """
@@ -172,7 +173,7 @@ def _followed(
 
 
 def _is_lost(distance: Array, angle: Array) -> NDArray[np.bool_]:
-    """Return whether what samples miss by, [m] and [rad], is no near miss."""
+    """Whether the errors of samples, [m] and [rad], are too large for a near miss."""
     return (angle > LOST_ANGLE) | (distance > LOST_DISTANCE)
 
 
@@ -185,11 +186,11 @@ def _reach_sample(
     iterations: int,
     lost: NDArray[np.bool_],
 ) -> tuple[Array, Array]:
-    """Move postures ``q`` (b, n), in place, to targets p (b, 3) and R (b, 3, 3), those
-    that are ``lost`` (b,) aside.
+    """Move postures ``q`` (b, n), in place, to targets p (b, 3) and R (b, 3, 3). Those
+    that are ``lost`` (b,) stay.
 
-    Returns what they miss by: (b,) [m] and (b,) [rad]. ``elbow`` (b, n) [rad] is the
-    motion that the first step adds in the null space.
+    Returns their errors: (b,) [m] and (b,) [rad]. ``elbow`` (b, n) [rad] is the
+    null-space motion added to the first step.
     """
     distance = np.empty(len(q))
     angle = np.empty(len(q))
@@ -221,7 +222,7 @@ def _reach_sample(
 def _verdict(
     off: NDArray[np.bool_], tight: NDArray[np.bool_], jumps: NDArray[np.bool_]
 ) -> tuple[ContinuationStatus, int | None]:
-    """Return the status of one path, and its first sample (of k) that is not ok."""
+    """Status of one path, and its first sample (of k) that is not ok."""
     failed = np.flatnonzero(off | tight | jumps)
     if len(failed) == 0:
         return "ok", None

@@ -1,9 +1,9 @@
 """Facts of any serial robot, read from its URDF or SDF file: the chain from the root
 link to the tip frame.
 
-Kinematics and limits only; dynamics are the engine's business. Of SDF the common part
-is read: one model, link poses in the model's frame, joints at their child link. For
-anything else convert the file to URDF.
+Kinematics and limits only; dynamics belong to the engine. The common part of SDF is
+supported: one model, link poses in the model's frame, joints at their child link.
+Convert any other file to URDF.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class _Frame:
 
 @dataclass(frozen=True)
 class _Description:
-    """What a file describes."""
+    """Content of a robot's file."""
 
     name: str | None
     joints: list[JointFacts]
@@ -82,12 +82,12 @@ class _Description:
 
 
 def read_description(model: str, tip_frame: str | None) -> RobotFacts:
-    """Return the facts of the robot in a URDF or SDF file, with ``tip_frame`` as its
-    flange and its tip.
+    """Facts of the robot in a URDF or SDF file, with ``tip_frame`` as its flange and
+    its tip.
 
-    Raises PushPressSlideError, in one line, if the file is missing or the tip frame is
-    not named or not there, and RobotFileError, with link or joint, for what it says
-    that no arm can be.
+    Raises PushPressSlideError, in one line, if the file is missing, or the tip frame is
+    not named or missing. Raises RobotFileError, with link or joint, for values that no
+    arm can have.
     """
     path = Path(model)
     if path.suffix.lower() not in (".urdf", ".sdf"):
@@ -103,7 +103,7 @@ def read_description(model: str, tip_frame: str | None) -> RobotFacts:
 
 
 def _facts(path: Path, tip_frame: str) -> RobotFacts:
-    """Return the facts of a file that is there, judged."""
+    """Checked facts of an existing file."""
     read = _urdf if path.suffix.lower() == ".urdf" else _sdf
     description = read(_root(path))
     check_tree(description.links, description.joints)
@@ -124,7 +124,7 @@ def _facts(path: Path, tip_frame: str) -> RobotFacts:
 
 @contextmanager
 def _blaming(model: str) -> Iterator[None]:
-    """Let what is wrong inside the block be told as a fault of a model's file."""
+    """Turn errors inside the block into faults of a model's file."""
     try:
         yield
     except UnfitValue as fault:
@@ -144,7 +144,7 @@ def _blaming(model: str) -> Iterator[None]:
 
 
 def _root(path: Path) -> Element:
-    """Return the root of a URDF or SDF file."""
+    """Root of a URDF or SDF file."""
     try:
         # Files often use Drake's prefix without declaring it; what it marks is not
         # needed here.
@@ -156,7 +156,7 @@ def _root(path: Path) -> Element:
 
 
 def _chain(description: _Description, tip_frame: str) -> list[JointFacts]:
-    """Return the joints from the root link to the tip frame."""
+    """Joints from the root link to the tip frame."""
     chain: list[JointFacts] = []
     link = tip_frame
     for frame in description.frames:
@@ -195,13 +195,14 @@ def _kind(name: str, kind: str) -> JointKind:
 def _limits(
     name: str, kind: str, values: dict[str, str | None], negative: bool = False
 ) -> dict[str, float]:
-    """Limits of a joint, those of positions held to a few turns.
+    """Limits of a joint, with positions clipped to a few turns.
 
-    ``negative`` values stand for no limit; so does a speed of 0 that somebody left in.
+    ``negative`` values mean no limit; so does a speed of 0, which is a common
+    placeholder.
     """
 
     def value(key: str, default: float) -> float:
-        """A limit, or what stands for one that is not given."""
+        """A limit, or the substitute for a missing one."""
         text = values.get(key)
         if text is None:
             return default
@@ -250,13 +251,13 @@ def _urdf(root: Element) -> _Description:
 
 
 def _mimicked(holder: Element) -> str:
-    """Name of the joint that one follows; empty for none."""
+    """Name of the joint that a joint mimics, empty for none."""
     mimic = holder.find("mimic")
     return "" if mimic is None else mimic.get("joint") or "another joint"
 
 
 def _urdf_mass(link: Element) -> float:
-    """Mass [kg] of a link; its inertia and its centre of mass are judged, too."""
+    """Mass [kg] of a link. Its inertia and its centre of mass are checked too."""
     name = link.attrib["name"]
     inertial = link.find("inertial")
     if inertial is None:
@@ -271,7 +272,7 @@ def _urdf_mass(link: Element) -> float:
 
 
 def _check_inertia(link: str, values: dict[str, str | None]) -> None:
-    """Raise UnfitValue for a moment or product of inertia that no body has."""
+    """Raise UnfitValue for a moment or product of inertia that no body can have."""
     for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz"):
         text = values.get(key)
         judge = moment if key[1] == key[2] else product
@@ -334,7 +335,7 @@ def _pose(element: Element, place: str) -> tuple[Array, Array]:
 
 
 def _six(text: str, place: str) -> tuple[Triple, Triple]:
-    """Position [m] and angles [rad] of a pose as SDF has it."""
+    """Position [m] and angles [rad] of an SDF pose."""
     words = text.split()
     xyz = place_of(" ".join(words[:3]), f"{place}, pose")
     return xyz, triple(" ".join(words[3:]), f"{place}, pose")
@@ -373,7 +374,7 @@ def _sdf(root: Element) -> _Description:
 
 
 def _sdf_mass(link: Element) -> float:
-    """Mass [kg] of a link, 1 where the file says none; its inertia is judged, too."""
+    """Mass [kg] of a link, 1 if the file has none. Its inertia is checked too."""
     name = link.attrib["name"]
     inertial = link.find("inertial")
     if inertial is None:
@@ -388,7 +389,7 @@ def _sdf_mass(link: Element) -> float:
 
 
 def _sdf_joint(joint: Element, poses: dict[str, tuple[Array, Array]]) -> JointFacts:
-    """Return a joint between two links, whose poses in the model are given."""
+    """Joint between two links with the given poses in the model."""
     name = joint.attrib["name"]
     kind = joint.attrib["type"]
     parent = (joint.findtext("parent") or "").strip()
@@ -422,7 +423,7 @@ def _sdf_joint(joint: Element, poses: dict[str, tuple[Array, Array]]) -> JointFa
 
 
 def _sdf_axis(axis: Element, R_MC: Array, place: str) -> Array:
-    """Return the axis (3,) in the child link's frame."""
+    """Axis (3,) in the child link's frame."""
     xyz = axis.find("xyz")
     if xyz is None:
         return np.array([0.0, 0.0, 1.0])

@@ -29,21 +29,19 @@ FASTEST = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 def exact_angle(angle: float) -> float:
-    """Return ``angle`` [rad], made an exact multiple of pi/2 if it is a rounded one
-    (within 1e-5).
-    """
+    """``angle`` [rad], snapped to a multiple of pi/2 within 1e-5."""
     quarter = round(angle / (0.5 * math.pi)) * 0.5 * math.pi
     return quarter if abs(angle - quarter) < 1e-5 else angle
 
 
 def rotation_from_rpy(rpy: tuple[float, float, float]) -> Array:
-    """Return R (3, 3) = Rz(yaw) Ry(pitch) Rx(roll), as URDF has it.
+    """Rotation R (3, 3) = Rz(yaw) Ry(pitch) Rx(roll), the URDF convention.
 
     Entries of quarter turns are exact.
     """
 
     def cos_sin(angle: float) -> tuple[float, float]:
-        """Return cosine and sine, exact at quarter turns."""
+        """Cosine and sine, exact at quarter turns."""
         c = math.cos(angle)
         s = math.sin(angle)
         return (round(c) if abs(c - round(c)) < 1e-15 else c), (
@@ -63,7 +61,7 @@ def rotation_from_rpy(rpy: tuple[float, float, float]) -> Array:
 
 @dataclass(frozen=True)
 class LinkFacts:
-    """One rigid link; a link without mass only carries a frame."""
+    """One rigid link. A link without mass only carries a frame."""
 
     name: str
     mass: float = 0.0  # [kg]
@@ -127,7 +125,7 @@ class RobotFacts:
 
     @cached_property
     def moving(self) -> tuple[JointFacts, ...]:
-        """The n joints that move, from the base on."""
+        """The n moving joints, starting at the base."""
         return tuple(j for j in self.joints if j.kind != "fixed")
 
     @property
@@ -170,8 +168,8 @@ class RobotFacts:
 
     @cached_property
     def armature(self) -> Array:
-        """Rotor inertia as felt at the joint (n,) [kg m^2], [kg] of slides: motor side
-        times gear ratio^2.
+        """Rotor inertia reflected to the joint (n,) [kg m^2], [kg] of slides: motor
+        side times gear ratio^2.
         """
         return np.array([j.rotor_inertia * j.gear_ratio**2 for j in self.moving])
 
@@ -208,7 +206,7 @@ def _joint(data: Mapping[str, Any]) -> JointFacts:
 
 @cache
 def load_facts(name: str) -> RobotFacts:
-    """Return the facts of a robot that the package describes: one of ``MODELS``.
+    """Facts of a robot described by the package, one of ``MODELS``.
 
     Raises PushPressSlideError for another name.
     """

@@ -1,5 +1,5 @@
-"""What links and joints of a robot's file must be together: a tree of bodies with mass,
-whose joints to the tip are all driven.
+"""Structure checks of a robot's file: a tree of bodies with mass, and driven joints up
+to the tip.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ SHOWN = 300  # characters of a list of names
 
 
 def few(names: Iterable[str]) -> str:
-    """The names, cut off where they are many."""
+    """The names, truncated if there are many."""
     return ", ".join(names)[:SHOWN]
 
 
 def check_tree(links: Sequence[str], joints: Sequence[JointFacts]) -> None:
-    """Raise UnfitValue for a name that is taken twice, a joint to no link, a link of two
-    joints, and a circle.
+    """Raise UnfitValue for a duplicate name, a joint to a missing link, a link of two
+    joints, and a loop.
     """
     _check_names("link", links)
     _check_names("joint", [joint.name for joint in joints])
@@ -49,7 +49,7 @@ def _check_names(what: str, names: Sequence[str]) -> None:
 
 
 def _check_way_to_root(joint: JointFacts, by_child: Mapping[str, JointFacts]) -> None:
-    """Raise UnfitValue where the joints before one go round in a circle."""
+    """Raise UnfitValue if the joints before one form a loop."""
     link = joint.parent
     passed = {joint.child}
     while link in by_child:
@@ -64,7 +64,7 @@ def _check_way_to_root(joint: JointFacts, by_child: Mapping[str, JointFacts]) ->
 
 
 def check_moving(moving: Sequence[JointFacts], mimics: Mapping[str, str]) -> None:
-    """Raise UnfitValue for a joint on the way to the tip that nothing drives."""
+    """Raise UnfitValue for an undriven joint between root and tip."""
     for joint in moving:
         followed = mimics.get(joint.name)
         if followed:
@@ -83,8 +83,9 @@ def check_masses(
     joints: Sequence[JointFacts],
     masses: Mapping[str, float],
 ) -> None:
-    """Raise UnfitValue for one of the ``moving`` joints that carries no mass at all, by
-    all ``joints`` and the masses [kg] of the links.
+    """Raise UnfitValue for one of the ``moving`` joints that carries no mass.
+
+    Uses all ``joints`` and the masses [kg] of the links.
     """
     below: dict[str, list[str]] = {}
     for joint in joints:
@@ -98,7 +99,7 @@ def check_masses(
 def _carries(
     link: str, below: Mapping[str, Sequence[str]], masses: Mapping[str, float]
 ) -> bool:
-    """Return whether a link, or what hangs on it, has mass."""
+    """Whether a link, or any link attached to it, has mass."""
     left = [link]
     while left:
         name = left.pop()

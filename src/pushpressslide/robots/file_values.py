@@ -1,4 +1,4 @@
-"""Values of a robot's file, each judged where it is read."""
+"""Values of a robot's file, each checked where it is read."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ HEAVIEST = 1e6  # [kg] of a link
 
 
 class UnfitValue(Exception):
-    """A value of a robot's file that cannot be used: where it stands, and what is
-    allowed there.
+    """A value of a robot's file that cannot be used, with its place and the allowed
+    values.
     """
 
     def __init__(self, place: str, value: object, allowed: str) -> None:
@@ -33,7 +33,7 @@ def triple(
 ) -> Triple:
     """Three finite numbers, none beyond ``limit``.
 
-    Raises UnfitValue for others.
+    Raises UnfitValue otherwise.
     """
     if text is None:
         return default
@@ -57,9 +57,9 @@ def number(
     allowed: str,
     sound: Callable[[float], bool] = math.isfinite,
 ) -> float:
-    """One number that is ``sound``; NaN never is.
+    """One number for which ``sound`` holds. NaN never passes.
 
-    Raises UnfitValue for another.
+    Raises UnfitValue otherwise.
     """
     value = _float(text)
     if math.isnan(value) or not sound(value):
@@ -68,7 +68,7 @@ def number(
 
 
 def mass(text: str, place: str) -> float:
-    """Mass [kg] of a link; 0 for one that only carries a frame."""
+    """Mass [kg] of a link, 0 for one that only carries a frame."""
     allowed = f"a number [kg] in [0, {HEAVIEST:g}]"
     return number(text, place, allowed, lambda value: 0.0 <= value <= HEAVIEST)
 
@@ -86,7 +86,7 @@ def product(text: str, place: str) -> float:
 
 
 def _float(text: str) -> float:
-    """The number, NaN of what is none."""
+    """The number, or NaN if the text is not one."""
     try:
         return float(text)
     except ValueError:

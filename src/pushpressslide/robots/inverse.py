@@ -1,6 +1,6 @@
 """Inverse kinematics of many postures at once, by damped least squares.
 
-Spare motion keeps the joints off their limits.
+Null-space motion keeps the joints off their limits.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class IkSolution:
 
 @dataclass(frozen=True)
 class IkSearch:
-    """How long to look for a posture."""
+    """Effort limits of a search for a posture."""
 
     iterations: int = 60
     # take the first posture found for a target, its margin as it is
@@ -53,7 +53,7 @@ THOROUGH = IkSearch()
 
 @dataclass(frozen=True)
 class _Targets:
-    """Where k tips are to be; without rotations any turn about the axis will do."""
+    """Targets of k tips. Without rotations any turn about the axis is allowed."""
 
     positions: Array  # (k, 3) [m]
     axes: Array  # (k, 3) unit vectors of the tool
@@ -64,13 +64,13 @@ class _Targets:
         return _Targets(self.positions[rows], self.axes[rows], rotations)
 
     def error(self, kin: ArmKinematics, q: Array) -> tuple[Array, Array]:
-        """Return ``task_error`` of postures (k, n)."""
+        """``task_error`` of postures (k, n)."""
         return task_error(kin, q, self.positions, self.rotations, self.axes)
 
 
 def orientation_error(R: Array, R_wanted: Array) -> Array:
-    """Return the rotation vectors (..., 3) [rad], world axes, that turn R into R_wanted
-    (..., 3, 3).
+    """Rotation vectors (..., 3) [rad], world axes, that turn R into R_wanted (..., 3,
+    3).
     """
     D = R_wanted @ np.swapaxes(R, -1, -2)
     v = 0.5 * np.stack(
@@ -93,14 +93,16 @@ def orientation_error(R: Array, R_wanted: Array) -> Array:
 
 
 def _cross(a: Array, b: Array) -> Array:
-    """Return a x b (..., 3); np.cross takes several times as long for a few vectors."""
+    """Cross product a x b (..., 3). np.cross takes several times as long for a few
+    vectors.
+    """
     ax, ay, az, bx, by, bz = (v[..., i] for v in (a, b) for i in range(3))
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
 
 
 def axis_error(z: Array, z_wanted: Array) -> Array:
-    """Return the rotation vectors (..., 3) [rad] that turn unit vectors z the short way
-    to z_wanted, (3,) or (..., 3).
+    """Rotation vectors (..., 3) [rad] of the shortest turn from unit vectors z to
+    z_wanted, (3,) or (..., 3).
     """
     v = _cross(z, z_wanted)
     s = np.sqrt((v * v).sum(axis=-1, keepdims=True))
@@ -119,7 +121,7 @@ def axis_error(z: Array, z_wanted: Array) -> Array:
 
 
 def limit_gradient(kin: ArmKinematics, q: Array, relevant: float = 0.8) -> Array:
-    """Return the gradient (..., n) of the smooth least joint margin.
+    """Gradient (..., n) of the smooth minimum joint margin.
 
     It fades out at ``relevant`` [rad].
     """
@@ -138,10 +140,10 @@ def limit_gradient(kin: ArmKinematics, q: Array, relevant: float = 0.8) -> Array
 def task_error(
     kin: ArmKinematics, q: Array, p: Array, R_wanted: Array | None, axis: Array
 ) -> tuple[Array, Array]:
-    """Return the error (..., 6) [rad; m] and the Jacobian (..., 6, n) of a task.
+    """Error (..., 6) [rad; m] and Jacobian (..., 6, n) of a task.
 
-    The task is a tip at p with rotation R_wanted, or with the tool along an axis. With
-    the yaw free, the turn about the axis, (3,) or (..., 3), is taken out of both.
+    The task is a tip at p with rotation R_wanted, or with the tool along an axis. If
+    the yaw is free, the turn about the axis, (3,) or (..., 3), is removed from both.
     """
     R, p_now, J = kin.tip_and_jacobian(q)
     if R_wanted is None:
@@ -154,8 +156,8 @@ def task_error(
 
 
 def damped_step(J: Array, e: Array, secondary: Array) -> Array:
-    """Return dq (..., n): damped least squares for e (..., 6), plus ``secondary`` in
-    J's null space.
+    """Step dq (..., n): damped least squares for e (..., 6), plus ``secondary`` in J's
+    null space.
     """
     damping = 0.05 * (e * e).sum(axis=-1) + 1e-10
     A = J @ np.swapaxes(J, -1, -2) + damping[..., None, None] * np.eye(6)
@@ -168,7 +170,7 @@ def damped_step(J: Array, e: Array, secondary: Array) -> Array:
 
 
 def default_seeds(kin: ArmKinematics, p: Array) -> Array:
-    """Return starting postures (m, s, n) for targets p (m, 3).
+    """Starting postures (m, s, n) for targets p (m, 3).
 
     They are turned towards the targets, with elbow and wrist varied. A robot read from
     a file has no ready posture: its starts are spread over the joint ranges.
@@ -199,7 +201,7 @@ def default_seeds(kin: ArmKinematics, p: Array) -> Array:
 
 
 def _structured_seeds(kin: ArmKinematics) -> Array:
-    """Return the home posture (STRUCTURED_SEEDS, n), varied where there are 7 joints."""
+    """Home posture (STRUCTURED_SEEDS, n), varied if there are 7 joints."""
     facts = kin.facts
     structured = np.tile(facts.home, (STRUCTURED_SEEDS, 1))
     if facts.size == 7 and facts.moving[0].kind == "revolute":
@@ -223,7 +225,7 @@ def solve_ik(
     joint_margin: float = 0.0,
     search: IkSearch = THOROUGH,
 ) -> IkSolution:
-    """Return for each target the posture with the largest joint margin.
+    """Posture with the largest joint margin for each target.
 
     target_p: (3,) or (m, 3) [m] of the tip's centre in the world; attitude: one, with
     tool_yaw [rad] scalar or (m,), None: free; or of each target its own, as axes (m, 3)
@@ -247,7 +249,7 @@ def solve_ik(
 
 
 def _seeds(q_seed: Array, m: int) -> Array:
-    """Return given starts (n,), (s, n) or (m, s, n) as (m, s, n)."""
+    """Given starts (n,), (s, n) or (m, s, n), broadcast to (m, s, n)."""
     given = np.asarray(q_seed, dtype=np.float64)
     return np.broadcast_to(
         given if given.ndim > 1 else given[None],
@@ -261,7 +263,7 @@ def _targets(
     tool_yaw: Array | float | None,
     start_count: int,
 ) -> _Targets:
-    """Return the targets of ``solve_ik``, each as often as it has starts."""
+    """Targets of ``solve_ik``, each repeated for its starts."""
     m = len(p)
     R = None
     if isinstance(attitude, ToolAttitude):
@@ -285,9 +287,9 @@ def _descent(
     search: IkSearch,
     start_count: int,
 ) -> tuple[Array, Array]:
-    """Return postures (k, n) and their errors (k, 6) after damped steps from ``q``.
+    """Postures (k, n) and their errors (k, 6) after damped steps from ``q``.
 
-    ``start_count`` rows in turn belong to one target.
+    ``start_count`` consecutive rows belong to one target.
     """
     slack = 0.5 * (kin.facts.upper - kin.facts.lower)
     inset = np.minimum(joint_margin, 0.99 * slack)
@@ -332,9 +334,10 @@ def _descent(
 def _best(
     kin: ArmKinematics, q: Array, e: Array, start_count: int, count: int
 ) -> NDArray[np.intp]:
-    """Return the rows of the ``count`` postures of each target that are nearest to it
-    or, of those that are there, farthest from the joint limits; ``start_count`` rows in turn
-    belong to one target.
+    """Rows of the best ``count`` postures of each target.
+
+    Of those that reach it the ones farthest from the joint limits are best, otherwise
+    the nearest ones. ``start_count`` consecutive rows belong to one target.
     """
     off = np.linalg.norm(e, axis=-1)
     score = np.where(off < NEARLY, kin.joint_margin(q), -off)

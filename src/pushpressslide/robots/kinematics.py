@@ -31,7 +31,7 @@ def _skew(a: Array) -> Array:
 
 @dataclass(frozen=True)
 class ArmKinematics:
-    """Where the links and the tip of one robot are, for its n joint positions q.
+    """Poses of the links and the tip of one robot for its n joint positions q.
 
     Every method takes q of shape (n,) or (..., n) and returns arrays with the same
     leading shape. World axes; angles in rad, lengths in m.
@@ -46,9 +46,11 @@ class ArmKinematics:
 
     @cached_property
     def _chain(self) -> tuple[Array, Array, Array, Array]:
-        """Of each joint (n, 1, 4, 4): its frame in the one before it, as constant + sin
-        + cos + slide parts; the tip's (4, 4) in the last one; axes (n, 1, 1, 3); which
-        joints slide (n, 1).
+        """Constant data of each joint and the tip.
+
+        For each joint (n, 1, 4, 4): its frame in the previous one, as constant + sin +
+        cos + slide parts. Then the tip's (4, 4) in the last one; axes (n, 1, 1, 3);
+        which joints slide (n, 1).
         """
         T = np.eye(4)
         T[:3, :3], T[:3, 3] = rotation_from_rpy((0.0, 0.0, self.base_yaw)), self.base
@@ -82,11 +84,12 @@ class ArmKinematics:
 
     @cached_property
     def span(self) -> tuple[Array, float, float]:
-        """The shoulder (3,) [m] in the world, a fixed point of the first axis.
+        """Shoulder (3,) [m] in the world, distance [m] of the tip from the wrist along
+        the tool, and largest distance [m] of wrist and shoulder.
 
-        How far [m] along the tool the tip is from the wrist, a point of the last axis;
-        and the most [m] that wrist and shoulder can be apart, whatever the joints'
-        limits: infinite for an arm with slides, or a tool beside its last axis.
+        The shoulder is a fixed point of the first axis, the wrist a point of the last
+        one. Joint limits are ignored. The distance is infinite for an arm with slides,
+        or a tool off its last axis.
         """
         (constant, _, cosine, _), tip, axes, slides = self._chain
         T = (constant + cosine)[:, 0]
@@ -121,8 +124,8 @@ class ArmKinematics:
         return shoulder, float((tip[:3, 3] - wrist) @ tip[:3, 2]), longest[-1]
 
     def _frames(self, q: Array) -> Array:
-        """Return the moved frames (n + 1, m, 4, 4) of the n joints and the tip in the
-        world, for q (m, n).
+        """Moved frames (n + 1, m, 4, 4) of the n joints and the tip in the world, for q
+        (m, n).
         """
         (constant, sine, cosine, slide), tip, _, slides = self._chain
         turns = q.T[:, :, None, None]
@@ -136,13 +139,13 @@ class ArmKinematics:
         return frames
 
     def tip_pose(self, q: Array) -> tuple[Array, Array]:
-        """Return R_WT (..., 3, 3) and p_WT (..., 3) of the tip frame."""
+        """Rotation R_WT (..., 3, 3) and position p_WT (..., 3) of the tip frame."""
         q = np.asarray(q, dtype=np.float64)
         T = self._frames(q.reshape(-1, q.shape[-1]))[-1].reshape(*q.shape[:-1], 4, 4)
         return T[..., :3, :3], T[..., :3, 3]
 
     def jacobian(self, q: Array) -> Array:
-        """Return J (..., 6, n): the tip frame's [angular; linear] velocity per joint
+        """Jacobian J (..., 6, n): the tip frame's [angular; linear] velocity per joint
         speed.
 
         It is in world axes.
@@ -150,7 +153,7 @@ class ArmKinematics:
         return self.tip_and_jacobian(q)[2]
 
     def tip_and_jacobian(self, q: Array) -> tuple[Array, Array, Array]:
-        """Return R_WT (..., 3, 3), p_WT (..., 3) and J (..., 6, n) at once."""
+        """Pose R_WT (..., 3, 3), p_WT (..., 3) and Jacobian J (..., 6, n) at once."""
         q = np.asarray(q, dtype=np.float64)
         lead = q.shape[:-1]
         n = q.shape[-1]
@@ -168,8 +171,8 @@ class ArmKinematics:
         return T[..., :3, :3], T[..., :3, 3], J.transpose(2, 0, 1).reshape(*lead, 6, n)
 
     def link_poses(self, q: Array) -> dict[str, tuple[Array, Array]]:
-        """Return rotation (..., 3, 3) and origin (..., 3) of every link from base to
-        flange, and of ``TIP``.
+        """Rotation (..., 3, 3) and origin (..., 3) of every link from base to flange,
+        and of ``TIP``.
         """
         q = np.asarray(q, dtype=np.float64)
         lead = q.shape[:-1]
@@ -191,11 +194,11 @@ class ArmKinematics:
         return out
 
     def tool_yaw(self, q: Array, attitude: ToolAttitude = UPRIGHT) -> Array:
-        """Return the tool yaw (...) [rad], in (-pi, pi]."""
+        """Tool yaw (...) [rad], in (-pi, pi]."""
         return attitude.yaw(self.tip_pose(q)[0])
 
     def joint_margin(self, q: Array) -> Array:
-        """Return the least distance (...) [rad; m of slides] of a joint to its limits.
+        """Smallest distance (...) [rad; m of slides] of a joint from its limits.
 
         Negative outside.
         """
@@ -205,9 +208,9 @@ class ArmKinematics:
 
 
 def arm_kinematics(robot: Robot) -> ArmKinematics:
-    """Return the kinematics of a task's robot.
+    """Kinematics of a task's robot.
 
-    Raises PushPressSlideError for a model that is not in ``facts.MODELS`` nor a
+    Raises PushPressSlideError for a model that is neither in ``facts.MODELS`` nor a
     readable URDF or SDF file.
     """
     if robot.model in MODELS:

@@ -1,6 +1,4 @@
-"""Can the robots get there: a check by kinematics alone, quick enough for the loading
-of a task.
-"""
+"""Reach of robots by kinematics alone, quick enough for the loading of a task."""
 
 from __future__ import annotations
 
@@ -43,7 +41,7 @@ LONG_SEARCHES = 8  # points at most; bounds the time for a task that is hopeless
 
 @dataclass(frozen=True)
 class Reach:
-    """What a robot reaches of m points."""
+    """Reach of a robot for m points."""
 
     ok: NDArray[np.bool_]  # (m,)
     # (m,) [rad] the best that was found; of no meaning where not ok
@@ -52,7 +50,7 @@ class Reach:
     q: Array  # (m, n) posture of that margin
 
     def replaced(self, rows: NDArray[np.intp], other: Reach) -> Reach:
-        """Return the same with ``rows`` as in ``other``, which has only those."""
+        """The same with ``rows`` taken from ``other``, which has only those."""
         ok = self.ok.copy()
         joint_margin = self.joint_margin.copy()
         miss = self.miss.copy()
@@ -73,12 +71,12 @@ def reachable(
     *,
     quick: bool = False,
 ) -> Reach:
-    """Return which points (m, 3) [m] the tip's centre reaches, the tool so held, with
+    """Reach of points (m, 3) [m] by the tip's centre at a given tool attitude, with
     ``joint_margin`` [rad].
 
     tool_yaw: [rad], scalar or (m,); None leaves it free. Searched from the home posture
     and its neighbours, so that the arm folded over backwards does not count. Of the
-    points that a quick search misses the nearest are searched at length, unless
+    points that a quick search misses, the nearest are searched at length, unless
     ``quick``.
     """
     p = np.atleast_2d(np.asarray(points, dtype=np.float64))
@@ -109,8 +107,8 @@ def first_look(
     targets: ToolAttitude | Array,
     joint_margin: float = REACH_MARGIN,
 ) -> Reach:
-    """Return which points (m, 3) [m] a short search finds reached: most that are, in any
-    posture that keeps ``joint_margin`` [rad].
+    """Reach of points (m, 3) [m] by a short search, which finds most reachable points,
+    in any posture that keeps ``joint_margin`` [rad].
 
     held: one attitude, or tool axes (m, 3), or rotations (m, 3, 3).
     """
@@ -132,13 +130,13 @@ def held_somehow_problem(
     points: Sequence[tuple[float, float, float]],
     holds: Sequence[tuple[ToolAttitude, Array | None]],
 ) -> str | None:
-    """Return why no attitude brings a tip's centre to all m points [m], or None.
+    """Reason in one line why no attitude brings a tip's centre to all m points [m], or
+    None.
 
-    The answer is one line. Each of ``holds`` is an attitude with tool yaws (m,) [rad],
-    or None for any yaw. The places hardest to reach are looked at first: both ends, the
-    nearest to the base's axis and the farthest. Where the first hold misses one of
-    them, all others are tried there at once; there is a long search only where a first
-    look has found no hold that will do.
+    Each of ``holds`` is an attitude with tool yaws (m,) [rad], or None for any yaw. The
+    hardest places are checked first: both ends, the nearest to the base's axis and the
+    farthest. If the first hold misses one of them, all others are tried there at once.
+    A long search follows only if a first look has found no hold.
     """
     kin = arm_kinematics(robot)
     p = np.array(points, dtype=np.float64).reshape(-1, 3)
@@ -164,20 +162,20 @@ def held_somehow_problem(
 
 @dataclass(frozen=True)
 class _PathReach:
-    """Points that one arm is to reach, however the tool is held."""
+    """Points that one arm has to reach, in any tool attitude."""
 
     kin: ArmKinematics
     p: Array  # (m, 3) [m]
     hardest: list[int]  # indices of the places that are looked at first
 
     def short(self, targets: Array) -> Array:
-        """Return ``short_by`` of the hardest places."""
+        """The value ``short_by`` of the hardest places."""
         return short_by(self.kin, self.p[self.hardest], targets[self.hardest])
 
     def first_search(self, targets: Array) -> tuple[list[int], Reach]:
-        """Return the places that were looked at, and what is reached of them.
+        """Checked places, and the reach found for them.
 
-        All places, if nothing is in the way at the hardest ones.
+        All places, unless one of the hardest ones fails.
         """
         short = self.short(targets)
         postures = np.zeros((len(self.hardest), self.kin.facts.size))
@@ -190,7 +188,7 @@ class _PathReach:
         return list(range(len(self.p))), everywhere
 
     def reached(self, targets: Array, *, patient: bool = False) -> bool:
-        """Return whether all points are reached; ``patient``: by a second search."""
+        """Whether all points are reached. With ``patient``, by a second search."""
         found = self._look(targets)
         if patient:
             hardest = self.hardest
@@ -205,8 +203,11 @@ class _PathReach:
 
 
 def _some_hold(along: _PathReach, holds: list[Array], worst: int) -> tuple[bool, Reach]:
-    """Return whether one of ``holds`` reaches all points, and which of them reach the
-    ``worst`` one: those that do are tried, the second time with more patience.
+    """Whether one of ``holds`` reaches all points, and the reach of the ``worst`` point
+    by each.
+
+    Only holds that reach the worst point are tried on all points, the second time with
+    more patience.
     """
     kin = along.kin
     axes = np.array([_axes(held)[worst] for held in holds])
@@ -222,9 +223,7 @@ def _some_hold(along: _PathReach, holds: list[Array], worst: int) -> tuple[bool,
 
 
 def _tool_targets(hold: ToolAttitude, yaws: Array | None, count: int) -> Array:
-    """Return the tool's axes (count, 3) for any yaw, or with ``yaws`` its rotations
-    (count, 3, 3).
-    """
+    """Tool axes (count, 3) for any yaw, or with ``yaws`` its rotations (count, 3, 3)."""
     if yaws is None:
         return np.broadcast_to(hold.axis, (count, 3))
     return hold.rotation(yaws)
@@ -242,8 +241,8 @@ def _worst(reach: Reach) -> int:
 
 
 def short_by(kin: ArmKinematics, p: Array, targets: Array) -> Array:
-    """Return by how much [m] the stretched links are too short for points (m, 3), < 0
-    within their span.
+    """Shortfall [m] of the stretched links for points (m, 3). Negative within their
+    span.
     """
     shoulder, wrist, span = kin.span
     out: Array = np.linalg.norm(p - wrist * _axes(targets) - shoulder, axis=-1) - span
@@ -253,8 +252,8 @@ def short_by(kin: ArmKinematics, p: Array, targets: Array) -> Array:
 def _all_along(
     kin: ArmKinematics, p: Array, targets: Array, known: Sequence[int], there: Reach
 ) -> Reach:
-    """Return which points are reached, searched from the postures ``there`` at the
-    points ``known``.
+    """Reach of all points, searched from the postures ``there`` at the points
+    ``known``.
     """
     nearest = np.linalg.norm(p[:, None] - p[known], axis=-1).argmin(axis=1)
     starts = there.q[nearest][:, None]
@@ -265,9 +264,10 @@ def _all_along(
 def _retried(
     kin: ArmKinematics, p: Array, targets: Array, reach: Reach, *, each: bool = False
 ) -> Reach:
-    """Return what was found, after another search, which keeps off the limits, for what
-    failed but is not farther from the shoulder than the stretched links are long.
-    ``each`` counts for itself; else no more is searched once one is hopeless.
+    """Reach after another search for failed points, which keeps off the limits.
+
+    Points farther from the shoulder than the stretched links are left out. With
+    ``each`` all points are searched; otherwise the search stops once one is hopeless.
     """
     short = short_by(kin, p, targets)
     near = (short <= 0.0) & ((reach.miss < HOPELESS) | (short < -FOLDED))

@@ -1,8 +1,8 @@
-"""Where an arm reaches with its tool held some way, from tables that are made once.
+"""Precomputed tables of an arm's reach for given tool attitudes.
 
 An arm that stands upright and turns about its own vertical axis reaches the same
-distances all round, if the tool leans the same way seen from the base. A search along
-one line says what it reaches of the whole table.
+distances all round, if the tool leans the same way as seen from the base. A search
+along one line therefore covers the whole table.
 """
 
 from __future__ import annotations
@@ -36,13 +36,14 @@ DISTANCES = np.arange(STEP, FARTHEST, STEP)
 
 
 class _Table:
-    """What a robot at the origin reaches at one height with its tool leaned by one
-    tilt, at DISTANCES; a line for each direction of the lean, made when it is asked
-    for.
+    """Reach of a robot at the origin at one height, with its tool tilted by one angle,
+    at DISTANCES.
+
+    One line for each direction of the lean, computed on demand.
     """
 
     def __init__(self, robot: Robot, height: float, tilt: float) -> None:
-        """Know nothing yet."""
+        """Start with an empty table."""
         self._robot = robot
         self._height = height
         self.tilt = tilt
@@ -52,13 +53,13 @@ class _Table:
         self.turned = np.zeros((LEANS, len(DISTANCES)))
 
     def know(self, leans: NDArray[np.intp]) -> None:
-        """Make the lines at some ``leans`` that are not made yet."""
+        """Compute the missing lines at some ``leans``."""
         for k in set(leans[~self._known[leans]].tolist()):
             self.ok[k], self.turned[k] = self._line(k)
             self._known[k] = True
 
     def _line(self, lean: int) -> tuple[NDArray[np.bool_], Array]:
-        """Return what is reached straight ahead, and the first joint there."""
+        """Reach straight ahead, and the first joint's angle there."""
         kin = arm_kinematics(self._robot)
         points = np.zeros((len(DISTANCES), 3))
         points[:, 0] = DISTANCES
@@ -88,10 +89,11 @@ def surely_reached(
     points: Sequence[tuple[float, float, float]],
     holds: Sequence[ToolAttitude],
 ) -> bool:
-    """Return whether one of ``holds`` brings a robot's tip to all ``points`` [m] in the
-    world, of one height, as the tables know it; False where they do not know.
+    """Whether one of ``holds`` brings a robot's tip to all ``points`` [m] in the world,
+    of one height, by the tables.
 
-    The holds are about the world's axes, and do not turn with the object.
+    False if the tables do not cover them. The holds are about the world's axes, and do
+    not turn with the object.
     """
     if robot.model == "hand" or not _turns_upright(robot):
         return False
@@ -112,9 +114,11 @@ def surely_reached(
 
 
 def each_reached(robot: Robot, points: Array, azimuths: Array) -> NDArray[np.bool_]:
-    """Return which of ``points`` (m, 3) [m] in the world, of one height, a robot's tip
-    reaches (m,), as the tables know it: its tool upright, or leaned towards one of the
-    point's ``azimuths`` (m, k) [rad]. False where the tables know nothing.
+    """Mask (m,) of ``points`` (m, 3) [m] in the world, of one height, that a robot's
+    tip reaches by the tables.
+
+    Its tool is upright, or leaned towards one of the point's ``azimuths`` (m, k) [rad].
+    False if the tables do not cover a point.
     """
     out = np.full(len(points), False)
     if robot.model == "hand" or not _turns_upright(robot) or len(points) == 0:
@@ -150,7 +154,7 @@ def _reached_with_tilt(
     bearing: Array,
     lean: Array,
 ) -> bool:
-    """Return whether places (m,) are reached, at neighbouring cells of a table."""
+    """Whether places (m,) are reached at neighbouring cells of a table."""
     row = distance / STEP - 1.0
     low = np.floor(row).astype(int)
     if low.min() < 0 or low.max() + 1 >= len(DISTANCES):
@@ -175,7 +179,7 @@ def _reached_with_tilt(
 
 @lru_cache(maxsize=64)
 def _standing(robot: Robot) -> Robot:
-    """Return a robot like another, at the origin."""
+    """The same robot with its base at the origin."""
     return Robot(
         robot.model,
         (0.0, 0.0, 0.0),
@@ -187,7 +191,7 @@ def _standing(robot: Robot) -> Robot:
 
 @lru_cache(maxsize=64)
 def _first_joint(robot: Robot) -> tuple[float, float]:
-    """Return between which angles [rad] the first joint of a robot may be."""
+    """Allowed interval [rad] of the robot's first joint."""
     facts = arm_kinematics(robot).facts
     return facts.lower[0] + REACH_MARGIN, facts.upper[0] - REACH_MARGIN
 
@@ -197,7 +201,7 @@ _table = lru_cache(maxsize=1024)(_Table)
 
 @lru_cache(maxsize=64)
 def _turns_upright(robot: Robot) -> bool:
-    """Return whether the first joint turns the whole arm about the base's vertical."""
+    """Whether the first joint turns the whole arm about the base's vertical."""
     kin: ArmKinematics = arm_kinematics(robot)
     q = np.array(kin.facts.home, dtype=np.float64)
     turned = q.copy()

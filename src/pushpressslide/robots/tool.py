@@ -1,5 +1,5 @@
-"""How the tool is held: its axis constant in the support's frame, or turning with the
-object as its yaw does.
+"""Tool attitude: its axis is constant in the support's frame, or turns with the object
+like its yaw.
 
 The tip frame T has its origin at the centre of the tip's sphere and its z axis along
 the tool, out of the flange. Frame S is the support's: x and y along the surface, z out
@@ -31,9 +31,9 @@ class ToolAttitude:
     towards ``azimuth``.
 
     In S the axis is (sin tilt cos azimuth, sin tilt sin azimuth, -cos tilt): the flange
-    stands off the tip in the direction opposite to ``azimuth``. With ``turns`` that is
-    so at tool yaw 0, and the whole tool turns in their plane with its yaw, as if fixed
-    to the object.
+    is displaced from the tip in the direction opposite to ``azimuth``. With ``turns``
+    this holds at tool yaw 0, and the whole tool turns in their plane with its yaw, as
+    if fixed to the object.
 
     Raises PushPressSlideError for a tilt outside [0, pi/2).
     """
@@ -62,8 +62,8 @@ class ToolAttitude:
         return out
 
     def rolled(self, radius: float, turned: float) -> float:
-        """Return how far a tip of ``radius`` [m] rolls on what it presses while that is
-        ``turned`` [rad]: a tool that leans turns about another axis than it.
+        """Distance that a tip of ``radius`` [m] rolls on an object ``turned`` by an
+        angle [rad]: a tilted tool turns about another axis than the object.
         """
         if self.turns:
             return 0.0
@@ -71,7 +71,7 @@ class ToolAttitude:
         return 2.0 * radius * math.sin(self.tilt) * math.sin(half)
 
     def rotation(self, tool_yaw: Array | float) -> Array:
-        """Return R_WT (..., 3, 3) for tool yaws (...) [rad]."""
+        """Rotation R_WT (..., 3, 3) for tool yaws (...) [rad]."""
         yaw = np.asarray(tool_yaw, dtype=np.float64)
         if self.turns:
             cos = np.cos(yaw)
@@ -96,7 +96,7 @@ class ToolAttitude:
     def _in_world(self, R_ST: Array) -> Array:
         """Turn the x and z axes of T, given in S, into the world.
 
-        Its y axis follows, whatever S's hand.
+        Its y axis follows, for either handedness of S.
         """
         if self.axes is WORLD_AXES:
             return R_ST
@@ -111,8 +111,8 @@ class ToolAttitude:
         return axes, np.array([1.0, round(float(np.linalg.det(axes))), 1.0])
 
     def rotation_at(self, tool_yaw: float) -> Array:
-        """Return R_WT (3, 3) for one tool yaw [rad]: as ``rotation``, in plain floats,
-        for a control loop.
+        """Rotation R_WT (3, 3) for one tool yaw [rad]: as ``rotation``, in plain
+        floats, for a control loop.
         """
         s = math.sin(self.tilt)
         cz = -math.cos(self.tilt)
@@ -138,9 +138,7 @@ class ToolAttitude:
         return self._in_world(R_ST)
 
     def yaw(self, R_WT: Array) -> Array:
-        """Return the tool yaws (...) [rad], in (-pi, pi], of tool rotations (..., 3,
-        3).
-        """
+        """Tool yaws (...) [rad], in (-pi, pi], of tool rotations (..., 3, 3)."""
         x = R_WT[..., :, 0] @ np.array(self.axes)
         out: Array = np.arctan2(x[..., 1], x[..., 0])
         return out

@@ -1,4 +1,4 @@
-"""The facts of a robot as URDF text, made in memory: kinematics, inertias, limits,
+"""URDF text of a robot's facts, generated in memory: kinematics, inertias, limits,
 rotors, smooth shapes.
 """
 
@@ -13,15 +13,15 @@ SOLID_GREY = (0.7, 0.7, 0.7)
 
 
 def numbers(values: Iterable[float]) -> str:
-    """Return the values as URDF writes them, to the last bit."""
+    """The values in URDF notation, without rounding."""
     return " ".join(repr(float(v)) for v in values)
 
 
 def pose_between(
     p: Sequence[float], q: Sequence[float]
 ) -> tuple[tuple[float, ...], tuple[float, ...], float]:
-    """Return midpoint (3,) [m], roll-pitch-yaw (3,) [rad] that turn z from p to q, and
-    the distance [m].
+    """Midpoint (3,) [m], roll-pitch-yaw (3,) [rad] that turn z from p to q, and the
+    distance [m].
     """
     d = [float(b) - float(a) for a, b in zip(p, q, strict=True)]
     length = math.sqrt(sum(v * v for v in d))
@@ -98,8 +98,8 @@ def _joint(joint: JointFacts) -> str:
 
 
 def _filters(facts: RobotFacts) -> list[str]:
-    """Groups of three neighbouring links, whose capsules overlap by construction and so
-    ignore each other.
+    """Collision filter groups of three neighbouring links, whose capsules overlap by
+    construction.
     """
     chain = [facts.base, *(joint.child for joint in facts.joints)]
     solid = [name for name in chain if any(c.link == name for c in facts.capsules)]
@@ -115,7 +115,7 @@ def _filters(facts: RobotFacts) -> list[str]:
 
 
 def urdf_text(facts: RobotFacts, collision: bool = False) -> str:
-    """Return the robot's URDF, base to flange, without a tip.
+    """URDF text of the robot, base to flange, without a tip.
 
     ``collision`` adds capsules for clearances.
     """

@@ -1,3 +1,1 @@
-"""Reduced-order models: the car, unicycle or holonomic base that a pushed or pressed
-object moves like.
-"""
+"""Reduced-order models of a pushed or pressed object: car, unicycle or holonomic base."""

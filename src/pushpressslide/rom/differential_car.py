@@ -40,7 +40,7 @@ class DifferentialCar:
 
     @property
     def curvature_limits(self) -> tuple[float, float]:
-        """Least and greatest curvature [1/m] of the path of the centre of pressure."""
+        """Smallest and largest curvature [1/m] of the path of the centre of pressure."""
         square = self.rho * self.rho
         return -self.left_offset / square, self.right_offset / square
 
@@ -50,7 +50,7 @@ class DifferentialCar:
         return self.rho * self.rho / max(self.left_offset, self.right_offset)
 
     def normals(self, curvature: float, max_force: float) -> tuple[float, float]:
-        """Return left and right normal force [N], on the limit surface.
+        """Left and right normal force [N], on the limit surface.
 
         Outside the limits one is < 0. F = mu_s N / sqrt(1 + (rho kappa)^2), tau = rho^2
         kappa F; ``max_force`` [N] is mu_s N.

@@ -1,7 +1,8 @@
-"""The drives: what a segment remembers of its reduced model, one frozen class each.
+"""The drives: the reduced-model data of a segment, one frozen class each.
 
-A drive is what tracker, allocator, replanning and report need (``core.drive.Drive``).
-Lengths in metres, angles in radians, forces in newtons; points in the body frame B.
+A drive holds the data needed by tracker, allocator, replanning and report
+(``core.drive.Drive``). Lengths in metres, angles in radians, forces in newtons; points
+in the body frame B.
 """
 
 from __future__ import annotations
@@ -21,14 +22,14 @@ ORIGIN = (0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class VehicleDrive:
-    """What every drive of a vehicle has: the friction and rho of its car."""
+    """Base of all vehicle drives: the friction and rho of the car."""
 
     car: RearSteerCar | PushedCar | Unicycle
     max_friction: float  # [N]
 
     @property
     def rho(self) -> float:
-        """Of the car [m]."""
+        """Rho [m] of the car."""
         return self.car.rho
 
     @property
@@ -38,7 +39,7 @@ class VehicleDrive:
 
 
 def _further(X_BV: Pose2, offset: Point) -> Pose2:
-    """Return ``X_BV`` with its origin ``offset`` [m] further on."""
+    """Pose ``X_BV`` with its origin displaced by ``offset`` [m]."""
     return Pose2(X_BV.x + offset[0], X_BV.y + offset[1], X_BV.yaw)
 
 
@@ -61,13 +62,13 @@ class RearSteerDrive(VehicleDrive):
 
     @property
     def center(self) -> Point:
-        """The CoM, as the car has it."""
+        """The CoM of the car's model."""
         return self.car.cop
 
 
 @dataclass(frozen=True, slots=True)
 class PressedDrive(VehicleDrive):
-    """What every drive of one press has."""
+    """Base of all drives of one press."""
 
     car: Unicycle
 
@@ -77,7 +78,7 @@ class PressedDrive(VehicleDrive):
         return self.car.cop
 
     def shifted(self, offset: Point) -> Self:
-        """Return the drive ``offset`` [m] further on."""
+        """The drive displaced by ``offset`` [m] in B."""
         return replace(self, car=self.car.shifted(offset))
 
 
@@ -85,9 +86,9 @@ class PressedDrive(VehicleDrive):
 class UnicycleDrive(PressedDrive):
     """One press, steered along a path by the angle of its force.
 
-    As every steered drive it says: tan(force angle - angle) = effective_wheelbase
-    (curvature - turn), and the force at an angle phi from the axis is max_friction /
-    sqrt(1 + stiffness sin^2 phi).
+    Common relation of all steered drives: tan(force angle - angle) =
+    effective_wheelbase (curvature - turn). The force at an angle phi from the axis is
+    max_friction / sqrt(1 + stiffness sin^2 phi).
     """
 
     steepest: float  # [rad] force angle from the motion that it may be steered with
@@ -107,27 +108,27 @@ class UnicycleDrive(PressedDrive):
 
     @property
     def turn(self) -> float:
-        """Straight [1/m]."""
+        """Curvature [1/m] at zero steering, zero for a straight drive."""
         return 0.0
 
     @property
     def effective_wheelbase(self) -> float:
-        """That of the car [m], signed."""
+        """Effective wheelbase of the car [m], signed."""
         return self.car.effective_wheelbase
 
     @property
     def right(self) -> float:
-        """Angle [rad] < 0 that the force may be turned by."""
+        """Largest steering of the force to the right [rad], < 0."""
         return -self.steepest
 
     @property
     def left(self) -> float:
-        """Angle [rad] > 0 that the force may be turned by."""
+        """Largest steering of the force to the left [rad], > 0."""
         return self.steepest
 
     @property
     def stiffness(self) -> float:
-        """(d / rho)^2."""
+        """The ratio (d / rho)^2."""
         return self.car.lever / self.car.effective_wheelbase
 
 
@@ -150,23 +151,23 @@ class TurnDrive(PressedDrive):
 
     @property
     def steepest(self) -> float:
-        """Angle [rad] that the force may be turned by to either side."""
+        """Largest steering of the force to either side [rad]."""
         return min(-self.right, self.left)
 
     def shifted(self, offset: Point) -> Self:
-        """Return the drive ``offset`` [m] further on."""
+        """The drive displaced by ``offset`` [m] in B."""
         X_BV = _further(self.X_BV, offset)
         return replace(self, car=self.car.shifted(offset), X_BV=X_BV)
 
 
 @dataclass(frozen=True, slots=True)
 class SpinDrive(PressedDrive):
-    """One press, the force across the axis: a turn on the spot."""
+    """One press with the force across the axis: a turn on the spot."""
 
     X_BV: Pose2  # at the pivot, which stays in its place, x along the axis
 
     def shifted(self, offset: Point) -> Self:
-        """Return the drive ``offset`` [m] further on."""
+        """The drive displaced by ``offset`` [m] in B."""
         X_BV = _further(self.X_BV, offset)
         return replace(self, car=self.car.shifted(offset), X_BV=X_BV)
 
@@ -190,24 +191,24 @@ SteeredDrive = UnicycleDrive | TurnDrive
 
 @dataclass(frozen=True, slots=True)
 class SurfaceDrive:
-    """What every drive by twists has."""
+    """Base of all drives by twists."""
 
     surface: DraggedSurface  # the limit surface near the planned twist
     radius: float  # [m] that weighs turns in the path's length
 
     @property
     def max_friction(self) -> float:
-        """Of the surface [N]."""
+        """Max friction of the surface [N]."""
         return self.surface.max_force
 
     @property
     def rho(self) -> float:
-        """Of the surface [m]."""
+        """Rho of the surface [m]."""
         return self.surface.rho
 
     @property
     def center(self) -> Point:
-        """The point that wrenches are about: the CoP without drag."""
+        """Reference point of wrenches: the CoP without drag."""
         return self.surface.center
 
 
@@ -254,8 +255,8 @@ class PinnedDrive(SurfaceDrive):
 
     @property
     def axle(self) -> Point:
-        """Where [m] in B the push alone would turn the object, under a press that
-        weighs on it but does not hold it.
+        """Point [m] in B about which the push alone would turn the object, under a
+        press that loads it but does not hold it.
         """
         x, y = self.surface.center
         nx, ny = self.push_normal

@@ -34,5 +34,5 @@ class PushedCar:
 
     @property
     def tightest(self) -> float:
-        """Curvature [1/m] that it can turn with to either side."""
+        """Largest curvature [1/m] possible to both sides."""
         return min(self.left, self.right)

@@ -1,5 +1,5 @@
-"""An object pushed from one side moves like a rear-steered car, seen from its virtual
-front axle (VFA).
+"""An object pushed from one side, modelled as a rear-steer car at its virtual front
+axle (VFA).
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ class RearSteerCar:
     Vehicle frame V: origin at the VFA, x along the heading axis e, from the contact
     through the centre of pressure. The steering is the angle of the contact force from
     e, positive to the left. On the ellipsoid the VFA has no side slip under any
-    steering: its velocity is along e, and the path that it follows has curvature
-    -(D/rho^2) tan(steering). Raises ValueError for a contact that cannot push towards
-    the centre of pressure at all.
+    steering: its velocity is along e, and its path has curvature -(D/rho^2)
+    tan(steering). Raises ValueError for a contact that cannot push towards the centre
+    of pressure.
     """
 
     contact: Point  # [m] in B
@@ -93,8 +93,8 @@ class RearSteerCar:
 
     @property
     def steering_limits(self) -> tuple[float, float]:
-        """Least and greatest steering [rad]: [-atan mu - eta, atan mu - eta], within
-        +-STEERING_LIMIT and what bends the path by ``bounds``.
+        """Smallest and largest steering [rad]: [-atan mu - eta, atan mu - eta], clipped
+        to +-STEERING_LIMIT and to the curvatures of ``bounds``.
         """
         half = math.atan(self.mu)
         low = max(-half - self.eta, -STEERING_LIMIT)
@@ -107,7 +107,7 @@ class RearSteerCar:
 
     @property
     def curvature_limits(self) -> tuple[float, float]:
-        """Least and greatest curvature [1/m] of the VFA's path.
+        """Smallest and largest curvature [1/m] of the VFA's path.
 
         They need not have zero between them.
         """
@@ -124,18 +124,18 @@ class RearSteerCar:
         return 1.0 / largest if largest > 0.0 else math.inf
 
     def curvature(self, steering: float) -> float:
-        """Return kappa = -(D/rho^2) tan(steering) [1/m], positive to the left."""
+        """Curvature kappa = -(D/rho^2) tan(steering) [1/m], positive to the left."""
         return -math.tan(steering) / self.effective_wheelbase
 
     def steering(self, curvature: float) -> float:
-        """Return the steering [rad] that gives ``curvature`` [1/m].
+        """Steering [rad] for ``curvature`` [1/m].
 
         Not limited to the cone.
         """
         return -math.atan(self.effective_wheelbase * curvature)
 
     def force(self, steering: float, max_force: float) -> Point:
-        """Return the contact force [N] in B, on the limit surface.
+        """Contact force [N] in B, on the limit surface.
 
         ``max_force`` [N] is mu_s N. |f| = mu_s N / sqrt(1 + (D sin(steering) / rho)^2).
         """
@@ -146,8 +146,8 @@ class RearSteerCar:
         return (f * (c * e[0] - s * e[1]), f * (s * e[0] + c * e[1]))
 
     def contact_velocity(self, speed: float, steering: float) -> Point:
-        """Return the velocity [m/s] in B of the contact point when the VFA moves with
-        ``speed`` [m/s].
+        """Velocity [m/s] in B of the contact point when the VFA moves with ``speed``
+        [m/s].
 
         v (e + (1 + D^2/rho^2) tan(steering) t): the pusher's own angle is psi, larger
         than the steering.

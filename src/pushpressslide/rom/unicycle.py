@@ -1,5 +1,5 @@
-"""An object pressed from above at one place moves like a unicycle, seen from its
-virtual axle.
+"""An object pressed from above at one place, modelled as a unicycle at its virtual
+axle.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class Unicycle:
 
     @property
     def lever(self) -> float:
-        """Signed distance d [m] of the contact ahead of the CoP; < 0 when backward."""
+        """Signed distance d [m] of the contact ahead of the CoP, < 0 when backward."""
         d = math.hypot(self.contact[0] - self.cop[0], self.contact[1] - self.cop[1])
         return -d if self.backward else d
 
@@ -55,7 +55,7 @@ class Unicycle:
 
     @property
     def effective_wheelbase(self) -> float:
-        """Signed tan(force angle) per curvature [m], rho^2 / d."""
+        """Effective wheelbase rho^2 / d [m]: signed tan(force angle) per curvature."""
         return self.rho * self.rho / self.lever
 
     @property
@@ -79,15 +79,15 @@ class Unicycle:
         return X_BV.x * ex + X_BV.y * ey
 
     def with_axle(self, axle: float, effective_wheelbase: float) -> Unicycle:
-        """Return the vehicle with its virtual axle at ``axle`` [m] from B's origin, of
-        an ``effective_wheelbase`` [m] > 0.
+        """The vehicle with its virtual axle at ``axle`` [m] from B's origin and an
+        ``effective_wheelbase`` [m] > 0.
         """
         rho = math.sqrt(effective_wheelbase * abs(self.lever))
         car = replace(self, rho=rho, shift=0.0)
         return replace(car, shift=axle - car.axle)
 
     def shifted(self, offset: Point) -> Unicycle:
-        """Return the vehicle ``offset`` [m] further on."""
+        """The vehicle displaced by ``offset`` [m] in B."""
         x, y = offset
         return replace(
             self,
@@ -97,13 +97,13 @@ class Unicycle:
 
     @property
     def length(self) -> float:
-        """Distance from the axle to the contact [m], the shift left out."""
+        """Distance from the axle to the contact [m], without the shift."""
         return abs(self.lever + self.effective_wheelbase)
 
     def force(self, speed: float, turn_rate: float, max_force: float) -> Point:
-        """Return the contact force [N] in B, on the limit surface, for a motion of V.
+        """Contact force [N] in B, on the limit surface, for a motion of V.
 
-        Zero for none. f ~ v e + (rho^2/d) w t with |f| = mu_s N / sqrt(1 + (d
+        Zero for no motion. f ~ v e + (rho^2/d) w t with |f| = mu_s N / sqrt(1 + (d
         sin(phi)/rho)^2); ``max_force`` [N] is mu_s N.
         """
         e = self.axis
@@ -117,7 +117,7 @@ class Unicycle:
         return (k * (along * e[0] - across * e[1]), k * (along * e[1] + across * e[0]))
 
     def contact_velocity(self, speed: float, turn_rate: float) -> Point:
-        """Return the velocity [m/s] in B of the contact point: v e + (d + rho^2/d) w t."""
+        """Velocity [m/s] in B of the contact point: v e + (d + rho^2/d) w t."""
         e = self.axis
         d = self.lever
         across = (d + self.effective_wheelbase - self.shift) * turn_rate

@@ -1,1 +1,1 @@
-"""Which mode, with which contacts: selection, and the plan of a choice."""
+"""Selection of the mode and its contacts, and the plan of a choice."""

@@ -1,5 +1,5 @@
-"""Whether a planned path is free: of obstacles, of openings, on the table, straight with
-a tool.
+"""Checks of a planned path: clear of obstacles, openings and table edges, and straight
+with a tool.
 """
 
 from __future__ import annotations
@@ -36,9 +36,10 @@ ROUND_OFF = 1e-6  # [m]
 
 
 def path_refusal(query: MotionQuery, segments: Sequence[Segment]) -> Refusal | None:
-    """Return where the object's path comes too near to an obstacle or to an arm's base,
-    where it tips into an opening or over an edge, or where as a tool it does not push
-    straight; None if nowhere.
+    """Refusal of the object's path, or None.
+
+    The path may come too near to an obstacle or to an arm's base, tip into an opening
+    or over an edge, or as a tool not push straight.
     """
     scene = query.scene
     support = scene.support
@@ -59,7 +60,7 @@ def path_refusal(query: MotionQuery, segments: Sequence[Segment]) -> Refusal | N
 
 
 def base_discs(scene: Scene) -> list[Polygon]:
-    """Return the discs that the lowest links of the arms fill, as high as the object."""
+    """Discs filled by the lowest links of the arms, up to the object's height."""
     from shapely import Point
 
     radius = margins.ARM.base
@@ -71,9 +72,11 @@ def base_discs(scene: Scene) -> list[Polygon]:
 
 
 def base_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | None:
-    """Return where the object would come too near to an arm's base, or None; ``poses``:
-    X_WG along a path. A base within whose disc the motion itself begins or ends is not
-    asked.
+    """Refusal of ``poses`` X_WG along a path that come too near to an arm's base, or
+    None.
+
+    A base whose disc already contains the start or the end of the motion is not
+    checked.
     """
     discs = base_discs(query.scene)
     if not discs:
@@ -99,7 +102,7 @@ def base_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | None:
 
 
 def _near_bases(scene: Scene, clearance: float, segments: Sequence[Segment]) -> bool:
-    """Return whether the object may come near to an arm's base on its path."""
+    """Whether the object may come near to an arm's base on its path."""
     margin = scene.body.radius + clearance + margins.ARM.base
     for segment in segments:
         length = segment.path.length
@@ -111,12 +114,12 @@ def _near_bases(scene: Scene, clearance: float, segments: Sequence[Segment]) -> 
 
 
 def obstacle_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | None:
-    """Return where the object would come too near to an obstacle, or None; ``poses``:
-    X_WG along a path.
+    """Refusal of ``poses`` X_WG along a path that come too near to an obstacle, or
+    None.
 
-    A movable one counts where it stands at first, so that it is not pushed along. What
-    the object is to push as a tool, and what it may push on its way, may be touched by
-    it, and keep clear of the others.
+    A movable obstacle counts at its initial pose, so that it is not pushed along.
+    Obstacles that the object pushes, as a tool or along its path, may be touched by it,
+    and have to keep clear of the others.
     """
     tool = query.tool
     pushed = None
@@ -147,8 +150,10 @@ def tips_refusal(
     segments: Sequence[Segment],
     poses: Sequence[Pose2],
 ) -> Refusal | None:
-    """Return where a tip on the object's way, along ``poses`` X_WG, would touch an
-    obstacle that stands as high as its contact, or None; ``yielding`` ones are pushed along.
+    """Refusal of ``poses`` X_WG at which a tip would touch an obstacle as high as its
+    contact, or None.
+
+    The ``yielding`` obstacles are pushed along.
     """
     import shapely
 
@@ -176,8 +181,8 @@ def tips_refusal(
 
 
 def _carried_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | None:
-    """Return where an obstacle that the object pushes on its way runs into another one,
-    or is pushed over the edge of the table, or None.
+    """Refusal of a path on which a pushed obstacle runs into another one, or over the
+    edge of the table, or None.
     """
     from shapely import Polygon
 
@@ -219,8 +224,9 @@ def _too_near(
     obstacles: Sequence[Obstacle],
     clearance: float,
 ) -> Refusal | None:
-    """Say where ``what`` comes nearer to an obstacle than it may: ``clearance`` [m], or
-    near an end that is nearer itself what that leaves.
+    """Refusal of ``what`` coming nearer to an obstacle than ``clearance`` [m], or None.
+
+    Near an end that itself is nearer, the gap there is the limit.
     """
     if not obstacles:
         return None
@@ -260,11 +266,12 @@ def allowed_gaps(
     others: Sequence[Polygon],
     clearance: float,
 ) -> Array:
-    """Return the least gaps (n, k) [m] that a footprint may leave at n ``poses`` X_WG
-    to k polygons.
+    """Smallest allowed gaps (n, k) [m] between a footprint at n ``poses`` X_WG and k
+    polygons.
 
-    They are ``clearance`` [m]. Where it stands nearer at one of its ``ends`` they are
-    what it has there, and grow to the clearance within ``margins.ARM.leaving`` [m].
+    They are ``clearance`` [m]. If the footprint is nearer at one of its ``ends``, the
+    limit there is that gap, and it grows to the clearance within
+    ``margins.ARM.leaving`` [m].
     """
     at_ends = np.minimum(gaps(shape, ends, others), clearance)
     allowed = np.full((len(poses), len(others)), clearance)

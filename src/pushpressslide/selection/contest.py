@@ -1,4 +1,6 @@
-"""Why a mode was taken: the chosen placement beside the best one of every other mode."""
+"""Reasons for the chosen mode: the chosen placement compared with the best one of every
+other mode.
+"""
 
 from __future__ import annotations
 
@@ -11,14 +13,16 @@ from pushpressslide.selection.select import contact_squeeze
 
 @dataclass(frozen=True, slots=True)
 class Contest:
-    """The choice of one placement that a plan took, and what it was taken from."""
+    """The choice that a plan took for one placement, and its rivals."""
 
     winner: Choice
     rivals: tuple[Choice, ...]  # the best of every other mode, in the order of ranking
 
     @property
     def sentence(self) -> str:
-        """One line: why the winner was taken. Times are selection's estimates."""
+        """One line that explains why the winner was taken. Times are selection's
+        estimates.
+        """
         mode = self.winner.mode
         if not self.winner.feasible:
             return f"{mode} was asked for, although it is refused: {self.winner.reason}"
@@ -42,13 +46,13 @@ class Contest:
         )
 
     def lead(self, rival: Choice) -> float | None:
-        """Return how much slower [s] a rival is; None where a time is not known."""
+        """Time [s] by which a rival is slower. None if a time is not known."""
         if self.winner.time is None or rival.time is None:
             return None
         return round(rival.time - self.winner.time, 3)
 
     def verdict(self, rival: Choice) -> str:
-        """Say in a few words why a rival was not taken."""
+        """Reason in a few words why a rival was not taken."""
         if not rival.feasible:
             return f"refused: {rival.reason}"
         lead = self.lead(rival)
@@ -58,8 +62,10 @@ class Contest:
 
 
 def contests(plan: Plan, choices: Sequence[Choice]) -> list[Contest]:
-    """Return one contest for each choice that ``plan`` took of ``choices``, the ranked
-    ones of its task; none where its motions were found by a search.
+    """One contest for each choice that ``plan`` took of ``choices``, the ranked ones of
+    its task.
+
+    Empty if its motions were found by a search.
     """
     found = []
     for winner in plan.chosen(choices):

@@ -1,4 +1,4 @@
-"""Whether a table carries an object all along its way, up to the edge of its top.
+"""Support of an object along its path near the edge of a table.
 
 Source: docs/mechanics.md, section 1.2.
 """
@@ -30,14 +30,14 @@ ROUND_OFF = 1e-6  # [m]
 def edge_refusal(
     scene: Scene, clearance: float, segments: Sequence[Segment]
 ) -> Refusal | None:
-    """Return where the object would tip over the edge of ``support.region`` on planned
-    segments, or None.
+    """Refusal of planned segments on which the object would tip over the edge of
+    ``support.region``, or None.
 
-    What the region carries of the base holds the object as long as the centre of
-    pressure is inside its convex hull, with a margin. Asked for are the centre of mass,
-    on which the load is where the arms let go, the centre of pressure of the press, and
-    that of the drag. Where the object begins nearer to the edge, it may be as near
-    there, and has its margin within ``margins.ARM.leaving`` [m] of way.
+    The supported part of the base carries the object while the centre of pressure is
+    inside its convex hull, with a margin. Three points are checked: the centre of mass,
+    which carries the load when the arms let go, the centre of pressure of the press,
+    and that of the drag. If the object starts nearer to the edge, it may be as near
+    there, and has its margin within ``margins.ARM.leaving`` [m] of path.
     """
     from shapely import Polygon
 
@@ -61,7 +61,9 @@ def _segment_refusal(
     first: Pose2,
     region: Polygon,
 ) -> Refusal | None:
-    """Return where one of the segments that begin at ``first`` tips the object."""
+    """Refusal of one of the segments, which start at ``first``, that tips the object,
+    or None.
+    """
     shape = scene.body.shape
     margin = margins.EDGE_MARGIN * shape.half_width
     start = np.array([first.apply(scene.body.center_of_mass)])
@@ -89,11 +91,11 @@ def _segment_refusal(
 def _loads(
     scene: Scene, segment: Segment, poses: Sequence[Pose2]
 ) -> tuple[Array, Array, Array]:
-    """Return where the load is at poses X_WG, (n, 2) [m] each: without a press, pressed
-    at rest, and dragged.
+    """Load points at poses X_WG, (n, 2) [m] each: without a press, pressed at rest, and
+    dragged.
 
-    A drag mu_s N at a height h moves the load ahead by mu_s h; while the object turns,
-    less of the friction is a force.
+    A drag mu_s N at a height h moves the load ahead by mu_s h. While the object turns,
+    the net force is smaller.
     """
     X_GB = scene.body.X_GB
     bodies = [X.compose(X_GB) for X in poses]

@@ -1,9 +1,9 @@
-"""The search over sequences of motions: which mode, with which contacts, to which pose
-on the way, so that the last one ends at the goal soonest.
+"""Search over sequences of motions, each with its mode, contacts and end pose, for the
+one that reaches the goal soonest.
 
-A* over poses of the object and the contacts that are held there. A motion between two
-poses is judged only once nothing else can be quicker, and never twice. A sequence that
-has no joint path is banned by its placement, and the search goes on.
+A* over poses of the object and the contacts held there. A motion between two poses is
+evaluated only when nothing else can be quicker, and never twice. A sequence without a
+joint path is banned by its placement, and the search goes on.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ EvaluateMotion = Callable[[MotionQuery, str, HeldContacts | None], list[Choice]]
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """A state of the search: where the object is, and by what it is held there."""
+    """A state of the search: the object's pose, and the contacts that hold it there."""
 
     pose: int  # index of the pose X_WG
     held_contacts: HeldContacts | None  # None: nothing, at the start
@@ -80,7 +80,7 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Reached:
-    """A node on the way, how it was come to, and when [s]."""
+    """A node of a sequence, the steps that lead to it, and its time [s]."""
 
     node: Node
     steps: tuple[Step, ...]
@@ -89,7 +89,7 @@ class Reached:
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """A motion that is not judged yet."""
+    """A motion that is not evaluated yet."""
 
     before: Reached
     to: int  # index of a pose
@@ -100,7 +100,7 @@ class Motion:
 
 @dataclass
 class LegSearch:
-    """The search for one motion; it keeps what it has judged."""
+    """The search for one motion, with a cache of evaluated motions."""
 
     query: MotionQuery
     free_paths: PathsTo  # to the goal
@@ -126,12 +126,12 @@ class LegSearch:
     _least_times: dict[tuple[int, int, str], float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Ask the object how large it is."""
+        """Read the object's size."""
         self._radius = self.query.body.radius
 
     def know(self, choices: Sequence[Choice]) -> None:
-        """Take over what was judged of the motion from start to goal; modes that cannot
-        move the object at all are left out.
+        """Take over the evaluated choices of the motion from start to goal. Modes that
+        cannot move the object at all are left out.
         """
         by_mode: dict[str, list[Choice]] = {}
         for choice in choices:
@@ -146,8 +146,8 @@ class LegSearch:
             self._found[START, GOAL, mode, None] = _best(judged)
 
     def ban(self, steps: Sequence[Step], first: int, last: int, reason: str) -> None:
-        """Never again do ``steps`` from the ``first`` to the ``last``, of one placement,
-        with its contacts.
+        """Exclude ``steps`` from the ``first`` to the ``last``, of one placement, with
+        their contacts.
         """
         held_contacts = steps[last].end.held_contacts
         assert held_contacts is not None
@@ -158,14 +158,14 @@ class LegSearch:
 
     @property
     def tried(self) -> Searched:
-        """What was tried so far."""
+        """Summary of everything tried so far."""
         often = sorted(self._refused.values(), key=lambda motions: -motions.count)
         poses = len(self.poses) - 2
         return Searched(poses, self.evaluated, tuple(often), tuple(self._dropped))
 
     def soonest(self) -> tuple[Step, ...]:
-        """Return the quickest sequence that is not banned; none where there is none, or
-        too much would have to be judged.
+        """Quickest sequence that is not banned. Empty if there is none, or if the
+        evaluation budget is exceeded.
         """
         order = count()
         heap: list[tuple[float, int, Reached | Motion]] = []
@@ -202,7 +202,7 @@ class LegSearch:
         return ()
 
     def _lead_on(self, here: Reached) -> None:
-        """Add the poses that one push may lead to, where two motions may follow."""
+        """Add the poses that one push can reach, if two motions may follow."""
         pose = here.node.pose
         if self.successors is None or pose in self._led_on:
             return
@@ -217,8 +217,8 @@ class LegSearch:
     def _motions(
         self, here: Reached, targets: Iterable[int]
     ) -> list[tuple[float, Motion]]:
-        """Return the motions from a node to some poses, with a time [s] that their
-        sequences are not below.
+        """Motions from a node to some poses, each with a lower bound [s] of the time of
+        its sequences.
         """
         left = self.query.limits.legs - len(here.steps)
         if left == 0 or here.node.pose == GOAL:
@@ -243,14 +243,14 @@ class LegSearch:
         return out
 
     def _due(self, motion: Motion) -> float:
-        """Return the least time [s] of the sequences that begin with a motion."""
+        """Lower bound [s] of the time of the sequences that start with a motion."""
         here = motion.before
         least = self._time_estimate(here.node.pose, motion.to, motion.mode)
         regrasp = 0.0 if motion.held_contacts else self._regrasp
         return here.time + self._ahead(motion.to) + least + regrasp
 
     def _after(self, motion: Motion) -> list[Reached]:
-        """Return the nodes that a motion leads to."""
+        """Successor nodes of a motion."""
         here = motion.before
         out = []
         for choice in self._choices(motion):
@@ -271,20 +271,20 @@ class LegSearch:
         return out
 
     def _key(self, motion: Motion) -> tuple[int, int, str, HeldContacts | None]:
-        """Return under what the choices of a motion are kept."""
+        """Cache key of the choices of a motion."""
         start = motion.before.node
         held_contacts = start.held_contacts if motion.held_contacts else None
         return (start.pose, motion.to, motion.mode, held_contacts)
 
     def _worth_asking(self, motion: Motion) -> bool:
-        """Return whether a motion has choices, or may be judged."""
+        """Whether a motion has choices, or may be evaluated."""
         key = self._key(motion)
         if key in self._found:
             return bool(self._found[key])
         return self.spent < self.max_work and motion.mode in self.modes
 
     def _choices(self, motion: Motion) -> list[Choice]:
-        """Return the feasible choices of a motion, judged the first time."""
+        """Feasible choices of a motion, evaluated at the first request."""
         key = self._key(motion)
         start, end, mode, held_contacts = key
         if key not in self._found:
@@ -300,7 +300,7 @@ class LegSearch:
         return self._found[key]
 
     def _note(self, mode: str, evaluated: Sequence[Choice]) -> None:
-        """Count a motion that ``mode`` cannot do, by the first reason against it."""
+        """Count a motion that ``mode`` cannot do, by its first refusal."""
         refusals = (choice.refusal for choice in evaluated)
         first = next((r for r in refusals if r is not None and r.code != SKIPPED), None)
         if first is None:
@@ -312,23 +312,21 @@ class LegSearch:
         self._refused[mode, first.code] = motions
 
     def _short(self, start: int, end: int) -> bool:
-        """Return whether a motion is not worth its price: one on the way that leads
-        nowhere.
-        """
+        """Whether a motion is too short to pay off and does not end at the goal."""
         if end == GOAL:
             return False
         shape = self.query.body.shape
         return displacement(shape, self.poses[start], self.poses[end]) < SHORTEST
 
     def _straight(self, start: int, end: int) -> float:
-        """Return a time [s] that no motion between two poses is below."""
+        """Lower bound [s] of the time of any motion between two poses."""
         ends = (self.poses[start], self.poses[end])
         center = self.query.body.center_of_mass
         return straight_time(*ends, center, self._radius, self.query.motion)
 
     def _time_estimate(self, start: int, end: int, mode: str) -> float:
-        """Return about the least time [s] of a motion between two poses, contacts held;
-        more where the straight way is not free.
+        """Estimated minimum time [s] of a motion between two poses with the contacts
+        kept. It is longer if the straight path is blocked.
         """
         key = (start, end, mode)
         if key not in self._least_times:
@@ -340,8 +338,8 @@ class LegSearch:
         return self._least_times[key]
 
     def _ahead(self, pose: int) -> float:
-        """Return about the time [s] from a pose to the goal, weighed so that what leads
-        on is looked at before all that is near.
+        """Estimated time [s] from a pose to the goal, weighted to favour nodes near the
+        goal.
         """
         while len(self._lengths) < len(self.poses):
             some = self.poses[len(self._lengths) :]
@@ -350,18 +348,18 @@ class LegSearch:
 
     @property
     def _regrasp(self) -> float:
-        """The price [s] of other contacts: the release, the way there, the touch."""
+        """Cost [s] of changing contacts: release, transfer and touch."""
         return overhead(self.query.motion)
 
 
 def _hopeless(evaluated: Sequence[Choice]) -> bool:
-    """Whether a mode that ``evaluated`` is of can never move the object."""
+    """Whether the mode of the ``evaluated`` choices can never move the object."""
     refusals = (choice.refusal for choice in evaluated)
     return any(r is not None and r.code in HOPELESS for r in refusals)
 
 
 def _best(choices: Sequence[Choice]) -> list[Choice]:
-    """Return the feasible choices of some placements, the quickest one of each."""
+    """Quickest feasible choice of each placement."""
     out: dict[HeldContacts, Choice] = {}
     for choice in choices:
         if choice.feasible and len(out) < KEPT:

@@ -1,6 +1,4 @@
-"""Whether a wall with an opening carries a pressed object all the way, up to where it
-goes in.
-"""
+"""Support of a pressed object on a wall along its path into an opening."""
 
 from __future__ import annotations
 
@@ -18,11 +16,12 @@ from pushpressslide.rom.drives import HeldDrive
 def opening_refusal(
     query: MotionQuery, segment: Segment, poses: Sequence[Pose2]
 ) -> Refusal | None:
-    """Return where the object would tip into the opening on its way, or None.
+    """Refusal of ``poses`` X_WG along a path on which the object would tip into the
+    opening, or None.
 
-    What of the base the opening leaves carries the load as long as the centre of
+    The part of the base outside the opening carries the load as long as the centre of
     pressure of the drag, the weight included, lies within its convex hull
-    (docs/modes.md). ``poses``: X_WG along the path that begins with ``segment``.
+    (docs/modes.md). The path starts with ``segment``.
     """
     opening = query.scene.support.opening
     shape = query.body.shape

@@ -18,7 +18,7 @@ Problems = dict[tuple[str, tuple[Contact, ...], str, str], InfeasibleTaskError]
 
 
 class PlacementPlanner(Protocol):
-    """The plans of one placement after the other, with what their arms need."""
+    """The plans of consecutive placements, with their joint paths."""
 
     @property
     def plans(self) -> Sequence[Plan]:
@@ -26,24 +26,24 @@ class PlacementPlanner(Protocol):
 
     @property
     def paths(self) -> Sequence[tuple[Any, ...]]:
-        """The joint paths of each of them; empty where tips move without arms."""
+        """Joint paths of each plan, empty if the plant has no arms."""
 
     def add(self, placement: Plan) -> None:
         """Add the plan of one more placement.
 
-        Raises InfeasibleTaskError where an arm has no joint path for it.
+        Raises InfeasibleTaskError if an arm has no joint path for it.
         """
 
     def keep(self, count: int) -> None:
         """Forget all placements but the first ``count``."""
 
     def after(self) -> PlacementPlanner:
-        """Return an empty preparation from where the arms are after all placements."""
+        """An empty preparation from the state of the arms after all placements."""
 
 
 @dataclass
 class PlansAlone:
-    """The preparation of a plant without arms: any plan will do."""
+    """The preparation of a plant without arms, which accepts any plan."""
 
     plans: list[Plan] = field(default_factory=list)
     paths: Sequence[Any] = ()
@@ -57,7 +57,7 @@ class PlansAlone:
         del self.plans[count:]
 
     def after(self) -> PlansAlone:
-        """Return an empty preparation."""
+        """Empty preparation."""
         return PlansAlone()
 
 
@@ -68,12 +68,12 @@ def prepared(
     force: bool = False,
     first: int = 0,
 ) -> list[Choice]:
-    """Add to ``planner`` the best choice of every placement, and return the judged
-    choices, with what those lack that had to be passed over.
+    """Add the best choice of every placement to ``planner``. Returns the evaluated
+    choices, with refusals of those that were skipped.
 
-    ``choices`` are those of a plan that is ``empty`` so far, from the leg ``first`` on. With ``force``
-    infeasible ones are taken too, as far as they have a path. Raises InfeasibleTaskError
-    where a placement has none.
+    ``choices`` are those of a plan that is ``empty`` so far, from the leg ``first`` on.
+    With ``force``, infeasible choices are taken too if they have a path. Raises
+    InfeasibleTaskError if a placement has none.
     """
     groups = [list(group) for _, group in groupby(choices, lambda c: c.leg)]
     for group in groups:
@@ -103,11 +103,10 @@ def add_first(
     problems: Problems,
     tries: float = math.inf,
 ) -> bool:
-    """Add the first choice of a placement that has a joint path, and return whether
-    there is one.
+    """Add the first choice of a placement that has a joint path. True if there is one.
 
-    Writes into ``choices`` and ``problems`` what the others lack, which are not tried
-    again; at most ``tries`` problems.
+    The refusals of the others are written into ``choices`` and ``problems``, and these
+    are not tried again. At most ``tries`` problems.
     """
     for i, choice in enumerate(choices):
         if not choice.segments or not (choice.feasible or force):
@@ -129,9 +128,10 @@ def add_first(
 def with_joint_paths(
     planner: PlacementPlanner, empty: Plan, choices: Sequence[Choice]
 ) -> list[Choice]:
-    """Return the choices of a task without legs, the possible ones first; those refused
-    for which the arms have no joint path. ``planner`` is an empty one, and is empty
-    in the end.
+    """Choices of a task without legs, the feasible ones first. Those without joint
+    paths are refused.
+
+    ``planner`` is an empty one, and is empty in the end.
     """
     out = []
     for choice in choices:

@@ -1,4 +1,4 @@
-"""From choices to a plan, and to the line that says why there is none."""
+"""The plan of the best choices, or the message that explains why there is none."""
 
 from __future__ import annotations
 
@@ -13,11 +13,10 @@ from pushpressslide.modes import MODES
 def selectable(
     empty: Plan, choices: Sequence[Choice], *, force: bool = False
 ) -> list[Choice]:
-    """Return the choices that can do their part of a plan that is ``empty`` so
-    far.
+    """Choices that can do their part of a plan that is ``empty`` so far.
 
-    With ``force`` they just have a path for it. Raises InfeasibleTaskError where there
-    is none.
+    With ``force``, choices that merely have a path. Raises InfeasibleTaskError if there
+    are none.
     """
     feasible = [c for c in choices if c.segments and (c.feasible or force)]
     if not feasible:
@@ -28,10 +27,10 @@ def selectable(
 def infeasible(
     empty: Plan, choices: Sequence[Choice], search_note: str = "", shortfall: str = ""
 ) -> InfeasibleTaskError:
-    """Return the error that says why no choice can do the task.
+    """Error that explains why no choice can do the task.
 
-    ``search_note`` says that several motions cannot, where they were searched for, and
-    ``shortfall`` what the last of them lack.
+    ``search_note`` summarises the search over several motions, if there was one.
+    ``shortfall`` states why the last sequence has no joint paths.
     """
     _, refused = _refused(empty.queries, choices)
     brief = f"{empty.task.name}: no mode can do this task{search_note}"
@@ -42,8 +41,9 @@ def infeasible(
 
 
 def refusal(queries: Sequence[MotionQuery], choices: Sequence[Choice]) -> str:
-    """Return one line that says why no choice can do the task of some ``queries``,
-    all reasons in it."""
+    """One line that explains why no choice can do the task of some ``queries``, with
+    all reasons.
+    """
     part, refused = _refused(queries, choices)
     reasons = "; ".join(
         f"{choice.mode}: {reason}" for choice, reason in gathered(refused)
@@ -54,8 +54,8 @@ def refusal(queries: Sequence[MotionQuery], choices: Sequence[Choice]) -> str:
 def _refused(
     queries: Sequence[MotionQuery], choices: Sequence[Choice]
 ) -> tuple[MotionQuery, list[Choice]]:
-    """Return the leg that no choice does, and what stands against those that have as
-    many arms as they need.
+    """The leg without a feasible choice, and the refusals of its choices. Choices short
+    of arms are excluded.
     """
     by_leg: dict[int, list[Choice]] = {}
     for choice in choices:
@@ -72,10 +72,10 @@ def _refused(
 
 
 def gathered(choices: Sequence[Choice]) -> list[tuple[Choice, str]]:
-    """Return the choices with their reasons, without repetition.
+    """Choices with their refusals, without repetition.
 
-    Of the refused ones of a mode with one code only the first, which says how many more
-    there are.
+    Refused choices of a mode with the same code are merged into the first, which states
+    how many more there are.
     """
     alike: dict[tuple[str, str], list[Choice]] = {}
     for i, choice in enumerate(choices):

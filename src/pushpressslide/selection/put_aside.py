@@ -1,4 +1,4 @@
-"""Which bodies stand in the way of others, and where one may be put for a while."""
+"""Bodies that block others, and poses where they may be put aside."""
 
 from __future__ import annotations
 
@@ -38,23 +38,23 @@ Goals = Mapping[str, tuple[Pose2, ...]]
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """The state between two stages, and where the bodies have still to go."""
+    """The state between two stages, and the remaining goals of the bodies."""
 
     task: Task
     state: WorldState
     goals: Goals
 
     def outline(self, body: str) -> Polygon:
-        """Return the footprint of a body where it is."""
+        """Footprint of a body at its present pose."""
         return body_shape(self.task, body).placed(self.state.poses[body])
 
     def goal_outlines(self, body: str) -> list[Polygon]:
-        """Return the footprints of a body at the goals that it has left."""
+        """Footprints of a body at its remaining goals."""
         shape = body_shape(self.task, body)
         return [shape.placed(goal) for goal in self.goals.get(body, ())]
 
     def swept_area(self, body: str) -> BaseGeometry:
-        """Return what a body sweeps that goes straight by the goals that it has left."""
+        """Region that a body sweeps on straight paths through its remaining goals."""
         from shapely import union_all
 
         stations = [self.outline(body), *self.goal_outlines(body)]
@@ -62,8 +62,8 @@ class Moment:
 
 
 def in_the_way(moment: Moment) -> list[str]:
-    """Return the bodies with goals that stand in another's goal, or within a tip's
-    width of its straight way, in the order of the task.
+    """Bodies with goals that stand in another's goal, or within a tip's width of its
+    straight path, in the order of the task.
     """
     task = moment.task
     margin = 2.0 * max(robot.tip_radius for robot in task.robots)
@@ -84,11 +84,11 @@ def in_the_way(moment: Moment) -> list[str]:
 
 
 def spots(moment: Moment, body: str) -> list[Pose2]:
-    """Return poses X_WG to which ``body`` may be put aside, the best first.
+    """Poses X_WG to which ``body`` may be put aside, the best first.
 
     They are on rings about it, within the workspace and reach, and clear of all other
-    bodies and of the goals that the others have left. Those that also keep clear of the
-    others' straight ways come first, then those that are nearer.
+    bodies and of their remaining goals. Those that also keep clear of the others'
+    straight paths come first, then those that are nearer.
     """
     here = moment.state.poses[body]
     stage = stage_task(moment.task, Stage(body, here), moment.state).query
@@ -110,9 +110,7 @@ def spots(moment: Moment, body: str) -> list[Pose2]:
 def _free(
     stage: MotionQuery, moment: Moment, body: str, distance: float
 ) -> list[Pose2]:
-    """Return the poses on a ring about the body of a ``stage`` that are free and
-    reached.
-    """
+    """Free, reachable poses on a ring about the body of a ``stage``."""
     here = stage.start
     angles = [2.0 * math.pi * i / AROUND for i in range(AROUND)]
     ring = [
@@ -137,7 +135,7 @@ def _free(
 
 
 def _within(scene: Scene, limits: Limits, X: Pose2) -> bool:
-    """Return whether a pose is in the workspace and clear of the robots' bases."""
+    """Whether a pose is in the workspace and clear of the robots' bases."""
     shape = scene.body.shape
     for x, y, height in scene.bases:
         gap = shape.distance(X.unapply((x, y)))

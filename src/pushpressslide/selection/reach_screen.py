@@ -1,6 +1,4 @@
-"""Which arms can do what, by how far they reach: asked for many motions at once, before
-any of them is judged.
-"""
+"""Reach of the arms for many motions at once, before any of them is evaluated."""
 
 from __future__ import annotations
 
@@ -20,12 +18,10 @@ Able = NDArray[np.bool_]
 
 
 class ReachScreen:
-    """What the arms of a task reach of its object, at poses that are asked for again and
-    again.
-    """
+    """Cache of the object contacts that the arms of a task reach, by object pose."""
 
     def __init__(self, query: MotionQuery) -> None:
-        """Know nothing yet."""
+        """Start with an empty cache."""
         self._query = query
         self._spans: list[Able] = []  # (arms,) at each pose
         self._contacts: dict[str, list[Able]] = {}  # (arms, places) at each pose
@@ -33,8 +29,10 @@ class ReachScreen:
     def can_reach(
         self, mode: str, poses: Sequence[Pose2], start: int, end: int
     ) -> bool:
-        """Return whether ``mode`` may lead the object from one of ``poses`` X_WG to
-        another, contacts kept; ``poses`` only grow. What is not able is out of reach.
+        """Whether ``mode`` may lead the object from one of ``poses`` X_WG to another
+        with the same contacts.
+
+        ``poses`` only grow. A False is certain: the motion is out of reach.
         """
         new = poses[len(self._spans) :]
         if new:
@@ -50,9 +48,10 @@ class ReachScreen:
 
 
 def touching(query: MotionQuery, mode: str, poses: Sequence[Pose2]) -> Able:
-    """Return which contacts of ``mode`` are reached at n ``poses`` X_WG by each arm that
-    may touch the object, (n, arms, contacts); one that always is where the mode does
-    not say which there are.
+    """Mask of the contacts of ``mode`` that each arm allowed to touch the object
+    reaches at n ``poses`` X_WG, (n, arms, contacts).
+
+    One column of True if the mode names no candidate contacts.
     """
     scene = query.scene
     contacts = MODES[mode].candidate_contacts(query)
@@ -64,8 +63,10 @@ def touching(query: MotionQuery, mode: str, poses: Sequence[Pose2]) -> Able:
 
 
 def _in_span(scene: Scene, poses: Sequence[Pose2]) -> Able:
-    """Return which arms are long enough to touch the object somewhere at each of n
-    poses, (n, arms). Joint limits are left aside: what is not in span is out of reach.
+    """Mask of the arms that are long enough to touch the object somewhere at each of n
+    poses, (n, arms).
+
+    Joint limits are ignored: an object out of span is out of reach.
     """
     import shapely
 

@@ -1,4 +1,6 @@
-"""What a search over sequences of motions tried, and why it was dropped."""
+"""Summary of a search over sequences of motions: what was tried, and why it was
+dropped.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,7 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class RefusedMotions:
-    """Motions between two poses that a mode cannot do, all for one reason."""
+    """Motions between two poses that a mode cannot do, all for the same reason."""
 
     mode: str
     code: str  # of the refusals
@@ -18,7 +20,7 @@ class RefusedMotions:
 
 @dataclass(frozen=True, slots=True)
 class DroppedSequence:
-    """A sequence whose motions are possible each, but not for the arms."""
+    """A sequence of feasible motions for which the arms have no joint path."""
 
     modes: tuple[str, ...]
     time: float  # [s] that it would have taken
@@ -27,7 +29,7 @@ class DroppedSequence:
 
 @dataclass(frozen=True, slots=True)
 class Searched:
-    """What a search has tried."""
+    """Everything that a search has tried."""
 
     poses: int  # on the way
     evaluated: int  # motions

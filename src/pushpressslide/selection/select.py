@@ -1,4 +1,4 @@
-"""Mode selection: every mode and placement that the robots allow, judged and ranked."""
+"""Mode selection: every mode and placement that the robots allow, evaluated and ranked."""
 
 from __future__ import annotations
 
@@ -32,14 +32,13 @@ ENDS = Refusal("no_continuation", "no way on with its contacts")
 
 
 def select(task: Task, enough: int = 1) -> list[Choice]:
-    """Return all choices for ``task``, the quickest feasible one first; never empty.
+    """All choices for ``task``, the quickest feasible one first. Never empty.
 
-    Joint paths are not looked at: ``jobs.run.run`` looks for them.
-
-    A choice that cannot do the task has a refusal with the number that decides; or it
-    was skipped because ``enough`` choices of its mode are feasible and at least as
-    fast. With legs, choices are grouped by placement, in order; ``leg`` says which leg
-    they begin with. Raises TaskError for a task of several goals.
+    Joint paths are not checked: ``jobs.run.run`` does so. An infeasible choice has a
+    refusal with the deciding number, or it was skipped because ``enough`` choices of
+    its mode are feasible and at least as fast. With legs, choices are grouped by
+    placement, in order; ``leg`` is their first leg. Raises TaskError for a task of
+    several goals.
     """
     return list(chain.from_iterable(placements(task.queries(), enough)))
 
@@ -47,11 +46,10 @@ def select(task: Task, enough: int = 1) -> list[Choice]:
 def placements(
     queries: Sequence[MotionQuery], enough: int = 1, first: int = 0
 ) -> list[list[Choice]]:
-    """Return the choices for each placement of the arms, best first; ``queries`` are
-    those of all legs.
+    """Choices for each placement of the arms, best first.
 
-    A leg for which the arms can keep their contacts is one more segment of the leg
-    before it. Legs before the ``first`` are done.
+    ``queries`` are those of all legs. A leg for which the arms can keep their contacts
+    is one more segment of the leg before it. Legs before the ``first`` are done.
     """
     parts = queries[first:]
     allowed = [set(part.modes or MODES) for part in parts]
@@ -72,30 +70,31 @@ def placements(
 
 
 def _select_leg(leg_query: MotionQuery, leg: int, enough: int) -> list[Choice]:
-    """Return all choices for one leg of a task, best first."""
+    """All choices for one leg of a task, best first."""
     return [of_leg(choice, leg) for choice in _select(leg_query, enough)]
 
 
 def evaluate_motion(
     query: MotionQuery, mode: str, held_contacts: HeldContacts | None
 ) -> list[Choice]:
-    """Return the choices of a mode for one motion, best first; few are judged. Where
-    contacts are ``held_contacts``, no others are asked for.
+    """Choices of a mode for one motion, best first. Few are evaluated.
+
+    If contacts are ``held_contacts``, only these are considered.
     """
     part = replace(query, modes=(mode,), from_search=True)
     return _select(part, 2, None if held_contacts is None else held_contacts.contacts)
 
 
 def of_leg(choice: Choice, leg: int) -> Choice:
-    """Return a choice as that of a leg of its task."""
+    """The choice as one of a leg of its task."""
     segments = tuple(replace(segment, leg=leg) for segment in choice.segments)
     return replace(choice, leg=leg, segments=segments)
 
 
 def _lengthened(choice: Choice, ahead: list[Choice]) -> Choice:
-    """Return ``choice`` lengthened by the best of ``ahead`` with the same contacts.
+    """The ``choice`` extended by the best of ``ahead`` with the same contacts.
 
-    It is infeasible where none goes on with them.
+    Infeasible if none continues with them.
     """
     if not choice.feasible:
         return choice
@@ -114,10 +113,9 @@ def _lengthened(choice: Choice, ahead: list[Choice]) -> Choice:
 
 
 def _ranked(choices: list[Choice]) -> list[Choice]:
-    """Return ``choices``, those of each mode in its own order, ranked.
+    """Ranked ``choices``; those of each mode keep their order.
 
-    Of equally quick modes that one is first whose contacts push least against each
-    other.
+    Of equally quick modes, the one whose contacts squeeze the object least comes first.
     """
     squeeze: dict[str, float] = {}
     for choice in choices:
@@ -126,7 +124,7 @@ def _ranked(choices: list[Choice]) -> list[Choice]:
 
 
 def contact_squeeze(choice: Choice) -> float:
-    """Return the share of equal pushes of its contacts that cancel each other."""
+    """Fraction of equal pushes of the contacts that cancel each other."""
     normals = [contact.normal for contact in choice.contacts if contact.kind == "side"]
     if not normals:
         return 0.0
@@ -137,7 +135,7 @@ def contact_squeeze(choice: Choice) -> float:
 def _select(
     query: MotionQuery, enough: int, held_contacts: tuple[Contact, ...] | None = None
 ) -> list[Choice]:
-    """Return all choices for one motion, best first."""
+    """All choices for one motion, best first."""
     out: list[Choice] = []
     scene = query.scene
     arms = len(scene.arms)
@@ -163,10 +161,10 @@ def _select(
 
 
 def _by_tip(query: MotionQuery, mode: Mode[Any]) -> list[MotionQuery]:
-    """Return the query for each kind of tip that ``mode`` may touch the object with, that
-    of the nearer arm first.
+    """One query for each kind of tip with which ``mode`` may touch the object, that of
+    the nearer arm first.
 
-    Arms with alike tips share what depends on the object alone.
+    Arms with equal tips share the results that depend on the object alone.
     """
     tips = {(robot.tip_radius, robot.tip_length) for robot in query.scene.tips}
     if mode.arms > 1 or len(tips) == 1:
@@ -178,13 +176,13 @@ def _by_tip(query: MotionQuery, mode: Mode[Any]) -> list[MotionQuery]:
 
 
 def _blocks(query: MotionQuery) -> Callable[[Choice], Refusal | None]:
-    """Return what says what is in the way of a choice for ``query``; either arm's choices
-    of one contact share their path.
+    """Check of the path of a choice for ``query``. Both arms' choices of one contact
+    share their path.
     """
     refusals: dict[Way, Refusal | None] = {}
 
     def blocks(choice: Choice) -> Refusal | None:
-        """Return what is in the way; None if nothing."""
+        """Refusal of a path that is blocked, or None."""
         touched = tuple(replace(contact, arm=0) for contact in choice.contacts)
         path = (touched, tuple(segment.path for segment in choice.segments))
         if path not in refusals:

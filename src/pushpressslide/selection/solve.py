@@ -1,5 +1,5 @@
-"""A task to a plan: one motion if one leads to the goal, else several that are searched
-for, each placement with what its arms need.
+"""Solution of a task: one motion if one leads to the goal, otherwise a sequence from
+search, with the joint paths of each placement.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ MOST_FURTHER = 640  # more, where pushes from the poses on the way are looked at
 
 @dataclass
 class Solution:
-    """How a task is done."""
+    """The solution of a task."""
 
     plan: Plan
     choices: list[Choice]  # what was judged; those passed over say why
@@ -52,7 +52,7 @@ class Solution:
 
     @property
     def notes(self) -> dict[str, Any]:
-        """What a record keeps of it."""
+        """Notes for the record of a run."""
         searched = None if self.searched is None else self.searched.notes
         return {"planning_time": self.planning_time, "search": searched}
 
@@ -60,12 +60,12 @@ class Solution:
 def solve(
     planner: PlacementPlanner, task: Task, enough: int, *, force: bool = False
 ) -> Solution:
-    """Return how ``task`` is done, and leave the plans of its placements, with what
-    their arms need, in ``planner``.
+    """Solution of ``task``. The plans of its placements, with their joint paths, are
+    left in ``planner``.
 
-    ``enough`` choices of each mode are judged at first. ``force`` takes infeasible ones
-    too. Obstacles that may move are pushed only where nothing leads past them. Raises
-    InfeasibleTaskError where nothing leads to the goal.
+    ``enough`` choices of each mode are evaluated at first. ``force`` takes infeasible
+    ones too. Movable obstacles are pushed only if no path avoids them. Raises
+    InfeasibleTaskError if nothing leads to the goal.
     """
     return solved(planner, Plan(task), enough, force=force)
 
@@ -73,8 +73,8 @@ def solve(
 def solved(
     planner: PlacementPlanner, empty: Plan, enough: int, *, force: bool = False
 ) -> Solution:
-    """Return as ``solve`` how the task of a plan is done that is ``empty`` so far; its
-    ``restart`` says from where a task goes on that was begun before.
+    """Solution, as by ``solve``, of the task of a plan that is ``empty`` so far. Its
+    ``restart`` is the state from which a started task goes on.
     """
     clock = _Clock()
     try:
@@ -94,8 +94,8 @@ def solved(
 
 
 def _pushing(planner: PlacementPlanner, pushing: Plan, enough: int) -> list[Choice]:
-    """Add one motion that pushes what may move to ``planner``, and return the
-    choices that were judged; none where there is no such motion.
+    """Plan one motion that may push movable obstacles, and add it to ``planner``.
+    Returns the evaluated choices, empty if there is no such motion.
     """
     choices = _selected(pushing, enough)
     problems: Problems = {}
@@ -105,15 +105,15 @@ def _pushing(planner: PlacementPlanner, pushing: Plan, enough: int) -> list[Choi
 
 
 def _selected(empty: Plan, enough: int) -> list[Choice]:
-    """Return the choices for the legs that are not done."""
+    """Choices for the legs that are not done."""
     return list(chain.from_iterable(placements(empty.queries, enough, empty.first)))
 
 
 def _solved(
     planner: PlacementPlanner, empty: Plan, enough: int, force: bool, clock: _Clock
 ) -> Solution:
-    """Return how the task of a plan is done that is ``empty`` so far; ``clock`` takes
-    the time of each stage.
+    """Solution of the task of a plan that is ``empty`` so far. ``clock`` records the
+    time of each stage.
     """
     choices = _selected(empty, enough)
     clock.lap("selection")
@@ -133,13 +133,13 @@ def _solved(
 
 
 def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Plan:
-    """Return the plan for ``choice``, by default the best one, or the best sequence of
-    motions where none does it alone.
+    """Plan for ``choice``, by default the best one, or the best sequence of motions if
+    no single choice does the task.
 
-    Joint paths are not looked at: ``jobs.run.run`` looks for them. Of a task with
-    legs, the best choice does every placement but that one.
-    ``force`` plans an infeasible choice all the same, as far as it has a path. Raises
-    InfeasibleTaskError with the reasons, one per choice, where nothing can do the task.
+    Joint paths are not checked: ``jobs.run.run`` does so. In a task with legs,
+    ``choice`` does its own placement, and the best choices do the others. ``force``
+    plans an infeasible choice all the same if it has a path. Raises InfeasibleTaskError
+    with the reasons, one per choice, if nothing can do the task.
     """
     if choice is None:
         return solve(PlansAlone(), task, 1, force=force).plan
@@ -155,7 +155,7 @@ def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Pl
 
 
 def searchable(task: Task) -> bool:
-    """Return whether several motions are searched for where no single one is found."""
+    """Whether a sequence of motions is searched for if no single motion is found."""
     free = not task.legs and task.tool is None
     return free and task.limits.legs > 1 and task.scene.rests
 
@@ -163,10 +163,10 @@ def searchable(task: Task) -> bool:
 def _searched(
     planner: PlacementPlanner, empty: Plan, choices: Sequence[Choice]
 ) -> tuple[Plan, Searched]:
-    """Return the plan of the quickest sequence of motions that has joint paths, and
-    what else was tried.
+    """Plan of the quickest sequence of motions that has joint paths, and a summary of
+    the search.
 
-    Raises InfeasibleTaskError where none was found.
+    Raises InfeasibleTaskError if none was found.
     """
     (query,) = empty.queries
     paths = free_space(query).paths_to(query.goal)
@@ -191,7 +191,7 @@ def _searched(
 
 
 def _plan(empty: Plan, steps: Sequence[Step]) -> Plan:
-    """Return the plan of a sequence; its legs are those of the plan's task."""
+    """Plan of a sequence. Its legs are those of the plan's task."""
     task = empty.task
     start = empty.restart
     segments: list[Segment] = []
@@ -208,10 +208,11 @@ def _plan(empty: Plan, steps: Sequence[Step]) -> Plan:
 
 
 def _prepare(planner: PlacementPlanner, plan: Plan) -> tuple[list[int] | None, str]:
-    """Prepare the placements of a plan, those in common with the one before as they are.
+    """Plan the joint paths of a plan's placements. Those in common with the previous
+    plan are kept.
 
-    Returns the legs of the first placement that has no joint path, and what it lacks;
-    None where all have one.
+    Returns the legs of the first placement without a joint path, and its refusal. None
+    if all have one.
     """
     placements = plan.by_placement
     same = 0
@@ -230,7 +231,7 @@ def _prepare(planner: PlacementPlanner, plan: Plan) -> tuple[list[int] | None, s
 
 
 def joined(planner: PlacementPlanner, empty: Plan) -> Plan:
-    """Return one plan of all that was prepared for one that is ``empty`` so far."""
+    """One plan of all prepared placements, for a plan that is ``empty`` so far."""
     segments = chain.from_iterable(part.segments for part in planner.plans)
     return replace(empty, segments=tuple(segments))
 
@@ -238,7 +239,7 @@ def joined(planner: PlacementPlanner, empty: Plan) -> Plan:
 def _infeasible(
     empty: Plan, choices: Sequence[Choice], search: LegSearch, shortfall: str
 ) -> InfeasibleTaskError:
-    """Return the error that says why neither one motion nor several do the task."""
+    """Error that explains why neither one motion nor a sequence does the task."""
     refused = [choice for choice in choices if not choice.feasible]
     searched = (
         f"; nor do several motions by way of {len(search.poses) - 2} poses "
@@ -254,12 +255,12 @@ class _Clock:
     """The time [s] that each stage took."""
 
     def __init__(self) -> None:
-        """Begin now."""
+        """Start the first stage."""
         self.laps: dict[str, float] = {}
         self._since = perf_counter()
 
     def lap(self, stage: str) -> None:
-        """End a stage, and begin the next."""
+        """End a stage, and start the next."""
         now = perf_counter()
         self.laps[stage] = now - self._since
         self._since = now

@@ -1,10 +1,10 @@
-"""A task of several goals to stages: which body is moved when and where to, so that all
-are at their goals in the end.
+"""Stages of a task of several goals: which body moves when and where, so that all end
+at their goals.
 
-The order is found. A body goes whose goal is free; where none can go, one that stands
-in the way of another is put aside first. Orders with fewer stages are tried first, then
-those of the shorter ways. All stages are planned before anything moves, each from where
-the one before it ends, and what was planned of an order is kept for the next.
+The order is found by search. A body goes whose goal is free. If none can go, one that
+blocks another is put aside first. Orders with fewer stages are tried first, then those
+with shorter paths. All stages are planned before anything moves, each from the end
+state of the previous one. Plans of common first stages are reused between orders.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ SHARED = 1e-8  # [m^2] that two footprints may share and still count as touching
 
 @dataclass(frozen=True)
 class PlannedStage:
-    """A stage, how it is done, and what its arms need."""
+    """A stage, its solution, and its joint paths."""
 
     stage: Stage
     solution: Solution
@@ -54,12 +54,13 @@ def plan_stages(
     *,
     force: bool = False,
 ) -> list[PlannedStage]:
-    """Return the stages that bring all bodies of ``task`` to their goals, each planned
-    from where the one before it ends; one of a task without ``goals``.
+    """Stages that bring all bodies of ``task`` to their goals, each planned from the
+    end state of the previous one.
 
-    ``planner`` is an empty one of the arms where they begin; by default no joint
-    paths are looked for. ``enough`` and ``force`` are those of ``solve``. Raises
-    InfeasibleTaskError, with the body and why it cannot go, where nothing leads there.
+    A task without ``goals`` is one stage. ``planner`` is an empty one of the arms at
+    their start; by default no joint paths are planned. ``enough`` and ``force`` are
+    those of ``solve``. Raises InfeasibleTaskError, with the body and the reason, if
+    nothing leads there.
     """
     first = PlansAlone() if planner is None else planner
     if not task.goals:
@@ -88,16 +89,16 @@ def plan_stage(
     *,
     force: bool = False,
 ) -> PlannedStage:
-    """Return one stage planned from a state; ``planner`` has its arms.
+    """One stage planned from a state. ``planner`` has its arms.
 
-    Raises InfeasibleTaskError where nothing leads to its goal.
+    Raises InfeasibleTaskError if nothing leads to its goal.
     """
     solution = solve(planner, stage_task(task, stage, start), enough, force=force)
     return PlannedStage(stage, solution, planner)
 
 
 def goals_of(task: Task) -> dict[str, tuple[Pose2, ...]]:
-    """Return the goals of each body that has any, in their order."""
+    """Goals of each body that has any, in order."""
     out: dict[str, tuple[Pose2, ...]] = {}
     for goal in task.goals:
         out[goal.body] = (*out.get(goal.body, ()), goal.pose)
@@ -105,20 +106,20 @@ def goals_of(task: Task) -> dict[str, tuple[Pose2, ...]]:
 
 
 def after(state: WorldState, stage: Stage) -> WorldState:
-    """Return the state after a stage that went as planned."""
+    """State after a stage that went as planned."""
     return state.with_body_at(stage.body, stage.goal)
 
 
 def is_there(X: Pose2, goal: Pose2, tolerance: Tolerance) -> bool:
-    """Return whether a pose is within the tolerance of a goal."""
+    """Whether a pose is within the tolerance of a goal."""
     turn = abs(math.remainder(X.yaw - goal.yaw, 2.0 * math.pi))
     near = math.dist(X.position, goal.position) <= tolerance.position
     return near and turn <= tolerance.yaw
 
 
 def estimate(task: Task, order: Sequence[Stage]) -> tuple[int, float]:
-    """Return what orders are ranked by: the number of stages, and the time [s] that
-    straight ways and the arms' ways between them would take.
+    """Ranking key of an order: the number of stages, and the time [s] of straight paths
+    and of the arms' transfers between them.
     """
     state = start_state(task)
     time = 0.0
@@ -137,7 +138,7 @@ def estimate(task: Task, order: Sequence[Stage]) -> tuple[int, float]:
 def _orders(
     moment: Moment, asides: int, done: tuple[Stage, ...] = ()
 ) -> Iterator[tuple[Stage, ...]]:
-    """Yield orders that lead all bodies to their goals, with ``asides`` bodies put
+    """Yield orders that bring all bodies to their goals. ``asides`` bodies are put
     aside on the way, each at most once.
     """
     moment = _visited(moment)
@@ -164,7 +165,7 @@ def _orders(
 
 
 def _visited(moment: Moment) -> Moment:
-    """Return the moment without the goals at which a body is that has more."""
+    """The moment without the goals that a body with several goals has reached."""
     tolerance = moment.task.tolerance
     left: dict[str, tuple[Pose2, ...]] = {}
     for body, goals in moment.goals.items():
@@ -177,7 +178,7 @@ def _visited(moment: Moment) -> Moment:
 
 
 def _stays(moment: Moment, body: str) -> bool:
-    """Return whether a body is at the only goal that it has left."""
+    """Whether a body is at its last goal."""
     goals = moment.goals[body]
     here = moment.state.poses[body]
     return len(goals) == 1 and is_there(here, goals[0], moment.task.tolerance)
@@ -188,14 +189,14 @@ def _all_there(moment: Moment) -> bool:
 
 
 def _is_free(moment: Moment, body: str) -> bool:
-    """Return whether no other body stands in the next goal of ``body``."""
+    """Whether no other body stands in the next goal of ``body``."""
     goal = moment.goal_outlines(body)[0]
     others = (moment.outline(other) for other in moment.state.poses if other != body)
     return all(goal.intersection(other).area <= SHARED for other in others)
 
 
 def _shut_in(moment: Moment) -> str:
-    """Return one line that says which body has no place to go to."""
+    """One line that names the body without a place to go."""
     task = moment.task
     for body, goals in moment.goals.items():
         if goals and not _is_free(moment, body):
@@ -213,10 +214,10 @@ def _shut_in(moment: Moment) -> str:
 
 
 class _OrderSearch:
-    """Plans orders of stages; what two orders have in common is planned once.
+    """Planner of orders of stages that plans common first stages once.
 
-    At first each stage is to be one motion. Only where no order is done so, several
-    motions are searched for.
+    At first each stage has to be one motion. If no order succeeds, sequences of motions
+    are searched for.
     """
 
     def __init__(
@@ -232,14 +233,14 @@ class _OrderSearch:
 
     @property
     def refusal(self) -> InfeasibleTaskError | None:
-        """Why the first stage that was refused has no plan."""
+        """The refusal of the first stage that has no plan."""
         refused = self._refused[True] or self._refused[False]
         return refused[0] if refused else None
 
     def planned(
         self, order: Sequence[Stage], thorough: bool
     ) -> list[PlannedStage] | None:
-        """Return the plans of all stages; None where one of them has none."""
+        """Plans of all stages, or None if a stage has none."""
         out: list[PlannedStage] = []
         state = start_state(self.task)
         for number, stage in enumerate(order, start=1):
@@ -260,7 +261,9 @@ class _OrderSearch:
         planner: PlacementPlanner,
         thorough: bool,
     ) -> None:
-        """Plan the last of some stages, unless that was tried or too many had no plan."""
+        """Plan the last of some stages, unless it was tried before or too many had no
+        plan.
+        """
         refused = self._refused[thorough]
         most = SEARCHES if thorough else REFUSALS
         if (thorough, key) in self._tried or len(refused) >= most:
@@ -286,7 +289,7 @@ class _OrderSearch:
 
 
 def _within(planned: PlannedStage, limits: Limits) -> PlannedStage:
-    """Return a planned stage with the ``limits`` of the task."""
+    """The planned stage with the ``limits`` of the task."""
     plan = planned.solution.plan
     plan = replace(plan, task=replace(plan.task, limits=limits))
     return replace(planned, solution=replace(planned.solution, plan=plan))

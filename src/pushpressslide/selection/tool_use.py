@@ -1,4 +1,6 @@
-"""A task whose goal is another body's: the object is a tool that pushes it straight."""
+"""A task whose goal is another body's: the object is a tool that pushes that body
+straight.
+"""
 
 from __future__ import annotations
 
@@ -23,14 +25,14 @@ BACK: tuple[Point, ...] = ((-1.0, 0.0), (0.0, -1.0), (1.0, 0.0), (0.0, 1.0))
 
 @dataclass(frozen=True, slots=True)
 class StraightPush:
-    """How a tool's flat face moves a body."""
+    """Straight push of a body by a tool's flat face."""
 
     body: Obstacle
     direction: float  # [rad] in W
     distance: float  # [m]
 
     def tool_goal(self, face: tuple[Point, Point]) -> Pose2:
-        """Return X_WG of the tool where the push ends, its face against the body.
+        """Pose X_WG of the tool at the end of the push, its face against the body.
 
         ``face`` [m] are the ends in G of the tool's face.
         """
@@ -52,13 +54,12 @@ class StraightPush:
 def tool_use(
     d: Mapping[str, Any], tool: ObjectModel, obstacles: Sequence[Obstacle], source: str
 ) -> tuple[ToolUse | None, Pose2]:
-    """Return how the object is used as a tool, and the goal X_WG of the object itself.
+    """Use of the object as a tool, and the goal X_WG of the object itself.
 
-    None and the task's own goal where the goal names no other body. Else the tool
-    pushes the body from where it stands straight to its goal, face against side: its
-    goal is behind the body's. Raises TaskError for a body that is not there or fixed, a
-    face that is not there, and a body's goal at another yaw than the face leaves it
-    with.
+    None and the task's own goal if the goal names no other body. Otherwise the tool
+    pushes the body from its initial pose straight to its goal, face against side, and
+    the tool's goal is behind the body's. Raises TaskError for a missing or fixed body,
+    a missing face, and a body's goal at a yaw that the push does not give.
     """
     goal = d["goal"]
     name = goal["body"]
@@ -80,8 +81,8 @@ def tool_use(
 
 
 def _outer_edges(tool: ObjectModel) -> dict[int, tuple[Point, Point]]:
-    """Return the ends in G of the flat faces that no other part of the tool stands out
-    beyond, by index.
+    """Ends in G, by index, of the flat faces beyond which no other part of the tool
+    extends.
     """
     shape = tool.shape
     edges = {i: edge for i, edge in enumerate(shape.edges) if edge is not None}
@@ -95,7 +96,7 @@ def _outer_edges(tool: ObjectModel) -> dict[int, tuple[Point, Point]]:
 
 
 def _movable_body(name: str, obstacles: Sequence[Obstacle], source: str) -> Obstacle:
-    """Return the obstacle ``name``; raises TaskError unless it is a movable box."""
+    """The obstacle ``name``. Raises TaskError unless it is a movable box."""
     movable = {o.name: o for o in obstacles if o.movable}
     if name not in movable:
         allowed = ", ".join(["object", *movable])
@@ -110,7 +111,7 @@ def _movable_body(name: str, obstacles: Sequence[Obstacle], source: str) -> Obst
 
 
 def _is_rectangle(shape: Shape) -> bool:
-    """Return whether a footprint is a rectangle along G's axes about G's origin."""
+    """Whether a footprint is a rectangle along G's axes about G's origin."""
     x_min, x_max, y_min, y_max = shape.bounds(Pose2())
     about_origin = max(abs(x_min + x_max), abs(y_min + y_max)) < ON_HULL
     corners = {(x, y) for x in (x_min, x_max) for y in (y_min, y_max)}
@@ -120,11 +121,12 @@ def _is_rectangle(shape: Shape) -> bool:
 def _straight_push(
     d: Mapping[str, Any], body: Obstacle, target: Pose2, source: str
 ) -> StraightPush:
-    """Return the push that leaves ``body`` within the tolerance of ``target`` X_WO.
+    """Push that leaves ``body`` within the tolerance of ``target`` X_WO.
 
-    The face leaves the body square to the push: what the goal's yaw and its place ask
-    for is shared out. Raises TaskError where the push has no length, the yaw is out of
-    tolerance, or the body stands askew of the push.
+    The face leaves the body square to the push. The directions given by the goal's yaw
+    and by its position may differ; the push takes a compromise. Raises TaskError if the
+    push has no length, the yaw is out of tolerance, or the body stands askew to the
+    push.
     """
     name = body.name
     distance = math.dist(body.pose.position, target.position)
@@ -159,9 +161,8 @@ def _straight_push(
 
 
 def tool_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | None:
-    """Return where the tool would not push its body straight to its goal, or None.
-
-    ``poses``: X_WG along a choice's path.
+    """Refusal of ``poses`` X_WG along a choice's path on which the tool does not push
+    its body straight to the goal, or None.
     """
     tool = query.tool
     goal = query.goal

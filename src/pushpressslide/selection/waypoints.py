@@ -1,8 +1,10 @@
-"""Poses by which an object may be led where no single motion leads to its goal.
+"""Waypoints of an object for sequences of motions, if no single motion leads to its
+goal.
 
-First those that the modes' own geometry asks for: a push goes straight along a line
+First come the poses that suit the modes' geometry: a push goes straight along a line
 through the centre of mass, so that the object is first turned towards its goal, or
-brought before its goal. Then those round obstacles. Then an even sample of the rest.
+brought before its goal. Then come poses round obstacles, then an even sample of the
+rest.
 """
 
 from __future__ import annotations
@@ -51,7 +53,7 @@ STRIDES = tuple(1.2207440846057596**-k for k in (1, 2, 3))
 
 
 def free_space(query: MotionQuery) -> FreeSpace:
-    """Return where the object may be on its way."""
+    """Free space of the object between start and goal."""
     others = tuple(obstacle.footprint for obstacle in query.scene.obstacles)
     body = query.body
     return FreeSpace(
@@ -65,7 +67,7 @@ def free_space(query: MotionQuery) -> FreeSpace:
 
 
 def bounds(query: MotionQuery) -> Bounds:
-    """Return the region in which the object's frame may be on its way [m]."""
+    """Region [m] in which the object's frame may be."""
     ends = (query.start, query.goal)
     xs: Sequence[float] = [X.x for X in ends]
     ys: Sequence[float] = [X.y for X in ends]
@@ -90,8 +92,8 @@ def _within(region: Bounds, allowed: Bounds) -> Bounds:
 
 
 def waypoints(query: MotionQuery, free_paths: PathsTo) -> list[Pose2]:
-    """Return poses X_WG, those that are likely to be of use first; free, and where some
-    arm reaches the object. None for an object that is shut in.
+    """Free poses X_WG at which some arm reaches the object, the most useful first.
+    Empty if the object is shut in.
 
     ``free_paths`` lead to the goal of ``query``.
     """
@@ -114,8 +116,10 @@ def waypoints(query: MotionQuery, free_paths: PathsTo) -> list[Pose2]:
 
 
 def push_successors(query: MotionQuery, free_paths: PathsTo, X: Pose2) -> list[Pose2]:
-    """Return poses X_WG that one push leads to from ``X``, straight or on an arc, by
-    each face; free, and where some arm reaches the object.
+    """Poses X_WG that one push by each face can reach from ``X``, straight or on an
+    arc.
+
+    Only free poses at which some arm reaches the object.
     """
     goal = free_paths.goal
     radius = ARC * query.body.radius
@@ -133,7 +137,7 @@ def push_successors(query: MotionQuery, free_paths: PathsTo, X: Pose2) -> list[P
 
 
 def _on_arc(X: Pose2, heading: float, radius: float, turn: float) -> Pose2:
-    """Return where a pose is after an arc that begins along ``heading`` [rad]."""
+    """End pose of an arc that starts along ``heading`` [rad]."""
     side = math.copysign(radius, turn)
     x = X.x + side * (math.sin(heading + turn) - math.sin(heading))
     y = X.y - side * (math.cos(heading + turn) - math.cos(heading))
@@ -141,13 +145,15 @@ def _on_arc(X: Pose2, heading: float, radius: float, turn: float) -> Pose2:
 
 
 def push_axes(scene: Scene) -> list[float]:
-    """Return the directions [rad] in G in which a push of one face goes straight."""
+    """Directions [rad] in G along which a push on one face goes straight."""
     return [math.atan2(-y, -x) for face in pushable(scene) for x, y in [face.foot]]
 
 
 def _gates(path: Sequence[Pose2], axes: Sequence[float]) -> list[Pose2]:
-    """Return the places of a way, and the middles of its pieces, with the object turned
-    so that it is pushed along the way there; turned as little as possible.
+    """Via points of a path and the midpoints between them, with the object turned so
+    that it can be pushed along the path.
+
+    It is turned as little as possible.
     """
     middles = [between(*ends, 0.5) for ends in pairwise(path)]
     out = []
@@ -161,8 +167,8 @@ def _gates(path: Sequence[Pose2], axes: Sequence[float]) -> list[Pose2]:
 def _pushed_along(
     before: Pose2, after: Pose2, here: Pose2, axes: Sequence[float]
 ) -> list[Pose2]:
-    """Return the pose ``here`` turned to where a push leads from ``before`` to
-    ``after``, by the faces for which it is turned least.
+    """The pose ``here`` turned so that a push leads from ``before`` to ``after``, by
+    the faces that need the smallest turns.
     """
     ahead = math.atan2(after.y - before.y, after.x - before.x)
     turns = [math.remainder(ahead - axis - here.yaw, 2.0 * math.pi) for axis in axes]
@@ -171,13 +177,13 @@ def _pushed_along(
 
 
 def _turned(start: Pose2, goal: Pose2, axes: Sequence[float]) -> list[Pose2]:
-    """Return the start turned on the spot: as at the goal, and towards the goal."""
+    """The start pose turned on the spot: to the goal's yaw, and towards the goal."""
     turned = Pose2(start.x, start.y, goal.yaw)
     return [turned, *_pushed_along(start, goal, start, axes)]
 
 
 def _before(start: Pose2, goal: Pose2, axes: Sequence[float]) -> list[Pose2]:
-    """Return poses from which a straight push leads to the goal: near by, and abreast of
+    """Poses from which a straight push leads to the goal: near to it, and level with
     the start.
     """
     out = []
@@ -192,17 +198,19 @@ def _before(start: Pose2, goal: Pose2, axes: Sequence[float]) -> list[Pose2]:
 
 
 def _nearest(axes: Sequence[float], bearing: float) -> list[float]:
-    """Return the axes [rad] in the order of how far they are off a bearing [rad], as
-    many as there are faces of a box.
+    """The axes [rad] nearest to a bearing [rad], sorted by their angle to it: as many
+    as a box has faces.
     """
     off = [(abs(math.remainder(axis - bearing, 2.0 * math.pi)), axis) for axis in axes]
     return [axis for _, axis in sorted(off)[:SIDES]]
 
 
 def _handed_over(query: MotionQuery, space: FreeSpace) -> list[Pose2]:
-    """Return poses at which an arm that reaches the goal takes the object over from one
-    that reaches the start, with the least way through them; none where one arm reaches
-    both, or where there is one arm.
+    """Poses at which one arm hands the object over to another, those with the shortest
+    path first.
+
+    The first arm reaches the start, the second one the goal. Empty if one arm reaches
+    both, or if there is one arm.
     """
     ends = [query.start, query.goal]
     mode = next(
@@ -231,14 +239,14 @@ def _handed_over(query: MotionQuery, space: FreeSpace) -> list[Pose2]:
 
 
 def _poses_along(free_paths: PathsTo, poses: Sequence[Pose2]) -> list[Pose2]:
-    """Return the places of the ways that lead from ``poses`` to the goal, in turn."""
+    """Via poses of the paths from ``poses`` to the goal, in turn."""
     found = [free_paths.via_poses(X) for X in poses]
     each = [path[1:-1] for path in found if path is not None]
     return [X for row in zip_longest(*each) for X in row if X is not None]
 
 
 def _without_near_duplicates(poses: Sequence[Pose2]) -> list[Pose2]:
-    """Return the first poses that are apart from each other."""
+    """The first poses that keep a minimum distance from each other."""
     out: list[Pose2] = []
     for X in poses:
         near = (
@@ -254,7 +262,7 @@ def _without_near_duplicates(poses: Sequence[Pose2]) -> list[Pose2]:
 
 
 def _sample(yaw: float, region: Bounds) -> list[Pose2]:
-    """Return poses spread evenly over the region and all yaws, from ``yaw`` on."""
+    """Poses spread evenly over the region and all yaws, starting at ``yaw``."""
     x_min, x_max, y_min, y_max = region
     out = []
     for i in range(1, SPREAD + 1):
@@ -268,7 +276,7 @@ def _sample(yaw: float, region: Bounds) -> list[Pose2]:
 def _usable(
     query: MotionQuery, space: FreeSpace, poses: Sequence[Pose2]
 ) -> list[Pose2]:
-    """Return the poses that are free, in bounds and reached, each once."""
+    """The free, reachable poses within bounds, without duplicates."""
     x_min, x_max, y_min, y_max = space.bounds
     inside = [X for X in poses if x_min <= X.x <= x_max and y_min <= X.y <= y_max]
     if not inside:
@@ -284,8 +292,8 @@ def _usable(
 
 
 def reached(scene: Scene, poses: Sequence[Pose2]) -> NDArray[np.bool_]:
-    """Return whether some arm's tip reaches the top, at the centre of mass or above the
-    middle of a side, (n,).
+    """Whether some arm's tip reaches the top, at the centre of mass or above the middle
+    of a side, (n,).
     """
     out = np.full(len(poses), False)
     for robot in scene.robots:
@@ -304,7 +312,7 @@ def _reached(robot: Robot, scene: Scene, poses: Sequence[Pose2]) -> NDArray[np.b
 
 
 def _side_middles(shape: Shape) -> list[Point]:
-    """Return the middles [m] in G of the sides of the hull's bounding box."""
+    """Midpoints [m] in G of the sides of the hull's bounding box."""
     x_min, x_max, y_min, y_max = shape.bounds(Pose2())
     x = 0.5 * (x_min + x_max)
     y = 0.5 * (y_min + y_max)

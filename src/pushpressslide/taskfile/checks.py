@@ -1,4 +1,4 @@
-"""What a task's fields must satisfy together: bodies apart, modes that fit the robots,
+"""Consistency checks of a task's fields: separated bodies, modes that fit the robots,
 poses within reach.
 """
 
@@ -62,10 +62,10 @@ MODELS = ("panda", "iiwa7", "hand")
 def check(
     query: MotionQuery, body: ObjectModel, true_start: Pose2, *, staged: bool = False
 ) -> None:
-    """Check all that concerns more than one field of a motion, cheap checks first.
+    """Check the consistency of a motion's fields, cheap checks first.
 
-    ``body`` and ``true_start``, X_WG, are the object as it really is; ``staged``: the
-    motion is one of several goals, which are not looked at here.
+    ``body`` and ``true_start``, X_WG, are the true object. ``staged``: the motion is
+    one of several goals, which are not checked here.
 
     Raises:
         TaskError: the first field that does not fit the others.
@@ -84,7 +84,9 @@ def check(
 
 def check_places(query: MotionQuery, body: ObjectModel, true_start: Pose2) -> None:
     """Check that start and goal are in the workspace, on the support, within reach and
-    clear of bases and obstacles; raises TaskError as ``check``.
+    clear of bases and obstacles.
+
+    Raises TaskError as ``check`` does.
     """
     scene = query.scene
     source = query.source
@@ -111,8 +113,8 @@ def _motion_faults(scene: Scene, motion: Motion) -> Iterator[Fault]:
 
 
 def _contact_faults(scene: Scene, points: Sequence[Point]) -> Iterator[Fault]:
-    """Yield a contact that no tip can have on the object's top: beside it, in a notch or
-    too near to an edge.
+    """Yield a contact on the object's top that no tip can make: off the top, in a notch
+    or too near to an edge.
     """
     inset = min(margins.inset(robot.tip_radius) for robot in scene.robots)
     for i, point in enumerate(points):
@@ -125,7 +127,7 @@ def _contact_faults(scene: Scene, points: Sequence[Point]) -> Iterator[Fault]:
 
 
 def _face_faults(scene: Scene, face: int) -> Iterator[Fault]:
-    """Yield a face that is not there, or that no tip can touch."""
+    """Yield a missing face, or one that no tip can touch."""
     from pushpressslide.mechanics.faces import faces
 
     edges = scene.body.shape.edges
@@ -146,7 +148,7 @@ def _face_faults(scene: Scene, face: int) -> Iterator[Fault]:
 
 
 def wall_faults(scene: Scene, start: Pose2, goal: Pose2) -> Iterator[Fault]:
-    """Yield what a wall does not allow: a body that would fall, and a start or goal
+    """Yield violations of a wall's rules: a body that would fall, and a start or goal
     that does not suit its opening.
     """
     if not any(scene.weight_along):
@@ -209,7 +211,7 @@ def _mode_faults(query: MotionQuery) -> Iterator[Fault]:
 
 
 def _arm_faults(motion: Motion, count: int) -> Iterator[Fault]:
-    """Yield an arm that is none of the ``count`` of a task."""
+    """Yield an arm that is none of the ``count`` arms of a task."""
     arm = motion.arm
     names = ARM_NAMES[:count]
     if arm is not None and arm not in names:
@@ -219,7 +221,7 @@ def _arm_faults(motion: Motion, count: int) -> Iterator[Fault]:
 
 
 def _vehicle_faults(query: MotionQuery) -> Iterator[Fault]:
-    """Yield a vehicle that no mode of the task has."""
+    """Yield a vehicle that no mode of the task offers."""
     from pushpressslide.modes import MODES
 
     vehicle = query.motion.vehicle
@@ -233,7 +235,7 @@ def _vehicle_faults(query: MotionQuery) -> Iterator[Fault]:
 
 
 def _goal_faults(query: MotionQuery) -> Iterator[Fault]:
-    """Yield a goal at which the object is already."""
+    """Yield a goal that the object has already reached."""
     off = query.start.inverse().compose(query.goal)
     distance = math.hypot(off.x, off.y)
     turn = abs(math.remainder(off.yaw, math.tau))
@@ -263,8 +265,8 @@ def _workspace_faults(limits: Limits, start: Pose2, goal: Pose2) -> Iterator[Fau
 def _edge_faults(
     query: MotionQuery, body: ObjectModel, true_start: Pose2
 ) -> Iterator[Fault]:
-    """Yield a pose at which a body tips over the edge of support.region, or at the goal
-    may.
+    """Yield a pose at which a body tips over the edge of support.region, or may do so
+    at the goal.
     """
     region = query.scene.support.region
     if region is None:
@@ -292,8 +294,8 @@ def _near_edge(
     min_margin: float,
     region: tuple[Point, ...],
 ) -> Iterator[Fault]:
-    """Yield a pose at which a body's ``center`` [m] in G is not ``min_margin`` [m] or more
-    inside the edge of a region.
+    """Yield a pose at which a body's ``center`` [m] in G is less than ``min_margin``
+    [m] inside the edge of a region.
     """
     import numpy as np
     from shapely import Polygon
@@ -310,13 +312,13 @@ def _near_edge(
 
 
 def check_reach(query: MotionQuery, body: ObjectModel) -> None:
-    """Check that some robot brings its tip beside or onto the object at start and at
+    """Check that some robot brings its tip next to or onto the object at start and at
     goal.
 
-    By kinematics alone, with the tool held any way that is tried, and with room for
-    what is between the places tried: what it refuses no choice of contact could do.
+    By kinematics alone, with all tool attitudes tried, and with tolerance for places
+    between those tried: a refused pose is impossible for every choice of contact.
     Raises TaskError for a robot that cannot be read, and for a start or goal that no
-    robot reaches, by how much it stays short.
+    robot reaches, with the shortfall.
     """
     scene = query.scene
     source = query.source
@@ -358,7 +360,7 @@ def _kinematics(robot: Robot, i: int, source: str) -> ArmKinematics:
 
 
 def shortfall(kin: ArmKinematics, robot: Robot, scene: Scene, X_WG: Pose2) -> float:
-    """Return by how much [m] a tip stays short of every place where it could touch.
+    """Smallest shortfall [m] of a tip from the places where it could touch.
 
     It is 0 if the tip reaches one.
     """
@@ -392,7 +394,7 @@ def shortfall(kin: ArmKinematics, robot: Robot, scene: Scene, X_WG: Pose2) -> fl
 
 
 def _bases(scene: Scene) -> list[tuple[str, Vector3]]:
-    """Return the fields and places of the bases that no body may enter."""
+    """Fields and positions of the bases that no body may enter."""
     return [
         (f"robots[{i}].base", base)
         for i, (robot, base) in enumerate(zip(scene.robots, scene.bases, strict=True))
@@ -444,7 +446,7 @@ def _obstacle_faults(scene: Scene, tool: ToolUse | None) -> Iterator[Fault]:
 
 
 def pose_text(pose: Pose2) -> Shown:
-    """Return a pose for a message: metres and degrees."""
+    """Pose for a message, in metres and degrees."""
     return Shown(f"x {pose.x:g}, y {pose.y:g}, yaw {math.degrees(pose.yaw):g} deg")
 
 

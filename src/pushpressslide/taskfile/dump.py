@@ -1,5 +1,5 @@
-"""A Task back to the text of a task file, with every field resolved, in the file's
-layout and units.
+"""Conversion of a Task to the text of a task file, with every field resolved, in the
+file's layout and units.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from pushpressslide.taskfile.schema import SCHEMA
 
 
 def task_data(task: Task) -> dict[str, Any]:
-    """Return the task as plain data in the layout and units of the file."""
+    """Plain data of the task in the layout and units of the file."""
     values = {**attributes(task), "legs": task.legs or None}
     values["goals"] = task.goals or None
     tool = values.pop("tool")
@@ -32,7 +32,7 @@ def task_data(task: Task) -> dict[str, Any]:
 
 
 def dump_task(task: Task) -> str:
-    """Return the YAML text of a task with every default written out.
+    """YAML text of a task with every default written out.
 
     It loads again to an equal task.
     """

@@ -1,6 +1,4 @@
-"""The goals of several bodies, or of one body one after the other: what of a file does
-not fit, and where the goals do not fit each other.
-"""
+"""Checks of several goals, of several bodies or of one body in sequence."""
 
 from __future__ import annotations
 
@@ -26,8 +24,8 @@ from pushpressslide.taskfile.place import Fault, nearest, refuse
 def goals_faults(
     plain: Mapping[str, Any], obstacles: Sequence[Obstacle]
 ) -> Iterator[Fault]:
-    """Yield a file that has both ``goal`` and ``goals`` or none of them, goals beside
-    legs, and goals of bodies that cannot be moved.
+    """Yield a file with both ``goal`` and ``goals`` or neither, goals next to legs, and
+    goals of bodies that cannot be moved.
     """
     goals = plain["goals"]
     if goals is None:

@@ -1,4 +1,4 @@
-"""Fields of older task files that are of a run's execution now."""
+"""Fields of older task files that now belong to a run's execution."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ GONE: Mapping[str, tuple[object, str]] = {
 
 
 def without_gone(data: Mapping[Any, Any], source: str, ran: bool) -> dict[Any, Any]:
-    """A file's plain data without the fields that are gone.
+    """Plain data of a file without the removed fields.
 
-    Raises TaskError for a value that runs no longer take from a task, unless the task is
-    that of a run that is over, ``ran``.
+    Raises TaskError for a value that runs no longer take from a task, unless the task
+    is that of a finished run, ``ran``.
     """
     out = _without(data, "", source, ran)
     if isinstance(out.get("legs"), list):
@@ -37,7 +37,7 @@ def without_gone(data: Mapping[Any, Any], source: str, ran: bool) -> dict[Any, A
 def _without(
     data: Mapping[Any, Any], place: str, source: str, ran: bool
 ) -> dict[Any, Any]:
-    """A task's or a leg's data at ``place`` of the file, without fields that are gone."""
+    """Data of a task or leg at ``place`` of the file, without the removed fields."""
     motion = data.get("motion")
     if not isinstance(motion, dict):
         return dict(data)

@@ -8,10 +8,10 @@ from pushpressslide.taskfile.schema import SCHEMA
 
 
 def json_schema() -> dict[str, Any]:
-    """Return the JSON Schema (draft 2020-12) of the plain data of a task file.
+    """JSON Schema (draft 2020-12) of the plain data of a task file.
 
-    It holds types, ranges, names and defaults. What fields must satisfy together, such
-    as bodies that do not overlap, only loading a task checks.
+    It holds types, ranges, names and defaults. Conditions between fields, such as
+    bodies that do not overlap, are checked only when a task is loaded.
     """
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",

@@ -1,7 +1,7 @@
-"""Kinds of fields: what each takes in words, how it is read, and its JSON Schema.
+"""Kinds of fields: the allowed values in words, a reader, and the JSON Schema.
 
-Reading is apart from decoding, so that each field is known to be sound before fields
-are compared: ``read`` gives plain data in the file's units with every default resolved,
+Reading is separate from decoding, so that each field is known to be valid before fields
+are compared. ``read`` gives plain data in the file's units with every default resolved,
 ``decode`` makes the data of a task of it, and ``encode`` is the inverse of ``decode``.
 """
 
@@ -26,13 +26,13 @@ def _same(value: Any) -> Any:
 
 
 def attributes(data: Any) -> dict[str, Any]:
-    """Return the fields of a dataclass by name."""
+    """Fields of a dataclass by name."""
     return {field.name: getattr(data, field.name) for field in dataclass_fields(data)}
 
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """What values a field takes."""
+    """Allowed values of a field, with their conversions."""
 
     words: str  # what it takes
     many: str  # what several of it take
@@ -55,7 +55,7 @@ class Field:
 
     @property
     def absent(self) -> Any:
-        """What is read where the file leaves the field out; REQUIRED: it must not."""
+        """Value if the file leaves the field out, or REQUIRED if it must not."""
         return self.kind.absent if self.default is REQUIRED else self.default
 
 
@@ -72,7 +72,7 @@ _NUMBERS: Mapping[bool, tuple[type[float], str, str]] = {
 def number(
     unit: str, within: str, words: tuple[str, ...] = (), whole: bool = False
 ) -> Kind:
-    """Return the kind of a finite number in a range, or of a word in place of it.
+    """Kind of a finite number in a range, or of a word in place of it.
 
     An end of ``within`` in a round bracket is open. An angle is in degrees in the file
     (unit "deg") and in radians in the data.
@@ -110,7 +110,7 @@ def number(
 def _leaf(
     words: str, many: str, json: Mapping[str, Any], sound: Callable[[Any], bool]
 ) -> Kind:
-    """Return the kind of a value that is as it should be, or is refused."""
+    """Kind of a single value that is accepted unchanged or refused."""
 
     def read(value: Any, place: Place) -> Any:
         """Read one value."""
@@ -122,14 +122,14 @@ def _leaf(
 
 
 def text(words: str, many: str = "", pattern: str = r"[\s\S]*") -> Kind:
-    """Return the kind of a text of a pattern."""
+    """Kind of a text that matches a pattern."""
     sound = re.compile(pattern).fullmatch
     json = {"type": "string", "pattern": f"^{pattern}$"}
     return _leaf(words, many, json, lambda v: isinstance(v, str) and bool(sound(v)))
 
 
 def choice(*words: str) -> Kind:
-    """Return the kind of one of some words."""
+    """Kind of a word from a fixed list."""
     json = {"enum": list(words)}
     return _leaf(f"one of {', '.join(words)}", "", json, lambda v: v in words)
 
@@ -143,7 +143,7 @@ NAME = text(
 
 
 def array(item: Kind, low: float, high: float) -> Kind:
-    """Return the kind of a list; it is a tuple in the data."""
+    """Kind of a list. It is a tuple in the data."""
     size = f"{low:g} to {high:g}"
     if low == high:
         size = f"{low:g}"
@@ -177,7 +177,7 @@ def array(item: Kind, low: float, high: float) -> Kind:
 
 
 def point(unit: str, within: str) -> Kind:
-    """Return the kind of a point or vector in the plane."""
+    """Kind of a point or vector in the plane."""
     axis = number(unit, within)
     words = f"a point [x, y] of two finite numbers [{unit}]"
     return replace(
@@ -200,7 +200,7 @@ def _object_schema(fields: Mapping[str, Field], required: list[str]) -> dict[str
 
 
 def _read_section(fields: Mapping[str, Field], value: Any, place: Place) -> Any:
-    """Return the plain values of a section's fields; raises TaskError."""
+    """Plain values of a section's fields. Raises TaskError."""
     if not isinstance(value, dict):
         raise place.refused(value)
     for key in value:
@@ -223,21 +223,21 @@ def section(
     make: Callable[..., Any],
     take: Callable[[Any], Mapping[str, Any]] = attributes,
 ) -> Kind:
-    """Return the kind of a section with some fields by their keys.
+    """Kind of a section with some fields by their keys.
 
-    In the data it is what ``make`` makes of the fields by their names. ``take`` is the
-    inverse; what it leaves out is not written.
+    In the data it is the result of ``make`` called with the fields by their names.
+    ``take`` is the inverse; fields that it leaves out are not written.
     """
     listed = f"with the fields {', '.join(fields)}"
     names = {key: f.name or key.removesuffix("_deg") for key, f in fields.items()}
     required = [key for key, field in fields.items() if field.absent is REQUIRED]
 
     def decode(value: Any) -> Any:
-        """Return the data of a plain value."""
+        """Data of a plain value."""
         return make(**{names[k]: f.kind.decode(value[k]) for k, f in fields.items()})
 
     def encode(value: Any) -> Any:
-        """Return the plain value of data."""
+        """Plain value of data."""
         values = take(value)
         return {
             key: field.kind.encode(values[names[key]])
@@ -258,7 +258,7 @@ def section(
 
 
 def shorthand(kind: Kind, key: str) -> Kind:
-    """Return the kind of a section that may be given by one of its fields, a text."""
+    """Kind of a section that may be given by one of its fields, a text."""
 
     def read(value: Any, place: Place) -> Any:
         """Read a section, or its one field."""
@@ -275,7 +275,7 @@ def shorthand(kind: Kind, key: str) -> Kind:
 
 
 def nullable(kind: Kind) -> Kind:
-    """Return the kind of what may be null, and is null where the file leaves it out."""
+    """Kind of a value that may be null, and is null if the file leaves it out."""
 
     def unless_null(step: Callable[..., Any]) -> Callable[..., Any]:
         """Read null, or a value."""
@@ -293,9 +293,9 @@ def nullable(kind: Kind) -> Kind:
 
 
 def degrees(radians: float) -> float:
-    """Return the angle [deg] that math.radians turns back into ``radians``.
+    """Angle [deg] that math.radians turns back into ``radians``.
 
-    Plain math.degrees where there is none.
+    Plain math.degrees if there is none.
     """
     value = math.degrees(radians)
     candidates = [round(value, digits) for digits in (0, 1, 2, 3, 4, 6, 8, 10, 12)]

@@ -1,4 +1,4 @@
-"""Sections of the task file that are laid out otherwise than the data."""
+"""Sections of the task file whose layout differs from that of the data."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from pushpressslide.taskfile.kinds import (
 
 
 class Stand(NamedTuple):
-    """Where something stands in the world, and where it heads."""
+    """Position and heading of something in the world."""
 
     x: float  # [m]
     y: float

@@ -1,4 +1,4 @@
-"""The legs of a task: what each does otherwise than the task says, and where it ends."""
+"""The legs of a task: their differences from the task's motion, and their end poses."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from pushpressslide.taskfile.place import Fault
 
 
 def inherited(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the file's plain data with the task's ``motion`` in each leg.
+    """Plain data of the file with the task's ``motion`` in each leg.
 
-    What a leg says itself stays. What is no section is left to the reader.
+    Fields of the leg itself stay. Anything that is not a section is left to the reader.
     """
     motion = data.get("motion") or {}
     legs = data.get("legs")
@@ -33,15 +33,15 @@ def _with_motion(leg: Any, motion: Mapping[str, Any]) -> Any:
 
 
 def legs_to(goal: Pose2, legs: tuple[Leg, ...] | None) -> tuple[Leg, ...]:
-    """Return the legs that the file gives, the last one to ``goal``."""
+    """Legs of the file, the last one to ``goal``."""
     if legs is None:
         return ()
     return (*legs[:-1], replace(legs[-1], goal=goal))
 
 
 def leg_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
-    """Yield modes that are not those of the legs or a tool beside them, a leg without
-    an end or past the goal, and a leg with another time step.
+    """Yield modes or a tool that conflict with the legs, a leg without an end pose, an
+    end pose of the last leg, and a leg with another time step.
     """
     legs = plain["legs"] or []
     goal = plain["goal"] or {"body": None}

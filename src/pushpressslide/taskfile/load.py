@@ -1,6 +1,6 @@
 """Task files: from YAML to a checked Task.
 
-Every field stands in the metadata of ``core/task.py``.
+Every field is defined by the metadata of ``core/task.py``.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _SHIPPED = Path(__file__).parent.parent / "tasks"
 
 
 def shipped_tasks() -> dict[str, Path]:
-    """Return the tasks that come with the package: name to file, by name."""
+    """Files of the tasks that come with the package, by name."""
     return {
         path.stem: path
         for path in sorted(_SHIPPED.glob("*.yaml"), key=lambda path: path.stem)
@@ -46,7 +46,7 @@ def shipped_tasks() -> dict[str, Path]:
 
 
 def descriptions_of_shipped_tasks() -> dict[str, str]:
-    """Return what each shipped task is about, by its name; the tasks are not checked."""
+    """Description of each shipped task, by name. The tasks are not checked."""
     return {
         name: one_line(read_yaml(path)["description"])
         for name, path in shipped_tasks().items()
@@ -54,12 +54,12 @@ def descriptions_of_shipped_tasks() -> dict[str, str]:
 
 
 def one_line(text: str) -> str:
-    """Return a text with its line ends and repeated spaces as single spaces."""
+    """Text with its line ends and repeated spaces as single spaces."""
     return " ".join(text.split())
 
 
 def load_task(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Task:
-    """Return the complete, checked task of a shipped name or of a YAML file.
+    """Complete, checked task of a shipped name or of a YAML file.
 
     Args:
         name_or_path: name of a shipped task, or path of a YAML file.
@@ -76,10 +76,10 @@ def load_task(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Task:
 
 
 def file_of(name_or_path: str | Path) -> Path:
-    """Return the file of a shipped task, or the path that is given.
+    """File of a shipped task, or the given path.
 
     Raises:
-        TaskError: where a name is none of a shipped task.
+        TaskError: for a name of no shipped task.
     """
     shipped = shipped_tasks()
     path = shipped.get(str(name_or_path)) or Path(name_or_path)
@@ -95,7 +95,7 @@ def file_of(name_or_path: str | Path) -> Path:
 
 
 def check_task(task: Task) -> None:
-    """Check a task that was built or changed in Python as one that is read from a file.
+    """Check a task built or changed in Python like one read from a file.
 
     Raises:
         TaskError: as :func:`load_task`.
@@ -104,7 +104,7 @@ def check_task(task: Task) -> None:
 
 
 def task_from_data(data: Mapping[str, Any], source: str) -> Task:
-    """Return the checked task of plain data in the file's layout and units.
+    """Checked task of plain data in the file's layout and units.
 
     ``source`` names the file in messages.
 
@@ -139,10 +139,10 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
 
 
 def load_written_task(path: Path) -> Task:
-    """Return the task of a file that :func:`dump_task` wrote, as it was.
+    """Task of a file written by :func:`dump_task`, unchanged.
 
-    It is not judged anew: a body that a run has thrown off the table is read where it
-    lies.
+    It is not checked again: a body that a run has thrown off the table is read at its
+    last pose.
 
     Raises:
         TaskError: for a file of another layout, or a mesh that is gone.
@@ -151,8 +151,8 @@ def load_written_task(path: Path) -> Task:
 
 
 def written_task(data: Mapping[str, Any], source: str) -> Task:
-    """Return the task of data that :func:`task_data` gave, as of
-    :func:`load_written_task`; ``source`` names their file.
+    """Task of data from :func:`task_data`, as by :func:`load_written_task`. ``source``
+    names their file.
     """
     data = without_gone(data, source, ran=True)
     plain = _plain(data, Place(source, bounded=False))
@@ -163,7 +163,7 @@ def written_task(data: Mapping[str, Any], source: str) -> Task:
 
 
 def _plain(data: Mapping[str, Any], place: Place) -> dict[str, Any]:
-    """Return the file's fields with every default, and the full paths of its meshes."""
+    """Fields of the file with every default, and the full paths of its meshes."""
     plain: dict[str, Any] = SCHEMA.read(inherited(data), place)
     folder = Path(place.source).parent
     body = plain["object"]
@@ -173,7 +173,7 @@ def _plain(data: Mapping[str, Any], place: Place) -> dict[str, Any]:
 
 
 def _task(plain: Mapping[str, Any], values: Mapping[str, Any], source: str) -> Task:
-    """Return the task of a file's fields and their decoded ``values``."""
+    """Task of a file's fields and their decoded ``values``."""
     tool = None
     goal = values["start"]
     if plain["goals"] is None:
@@ -212,7 +212,7 @@ def _body_faults(
 
 
 def _located(robot: Robot, folder: Path) -> Robot:
-    """Return the robot with the full path of its model, where it is given by one."""
+    """The robot with the full path of its model, if it is given by a path."""
     if robot.model in MODELS:
         return robot
     return replace(robot, model=str((folder / robot.model).resolve()))

@@ -1,6 +1,6 @@
 """A mesh file as an upright solid: its footprint, its height, its centre of mass.
 
-The base and the top must be flat, the sides upright, and the footprint one piece
+The base and the top must be flat, the sides upright, and the footprint connected and
 without a hole, all to within ``TOLERANCE``.
 """
 
@@ -45,10 +45,10 @@ GRID = 1e-6
 
 
 def read_mesh(path: str, scale: float) -> MeshSolid:
-    """Return the solid in a file, one unit of which is ``scale`` [m].
+    """Solid in a file, one unit of which is ``scale`` [m].
 
-    Raises ValueError, with what is wrong, for a file that cannot be read and for a
-    solid that does not stand upright on a flat base without a hole.
+    Raises ValueError, with the cause, for a file that cannot be read and for a solid
+    that does not stand upright on a flat base without a hole.
     """
     file = Path(path)
     if file.suffix.lower() not in SUFFIXES:
@@ -61,7 +61,7 @@ def read_mesh(path: str, scale: float) -> MeshSolid:
 
 @lru_cache(maxsize=16)
 def _read(path: str, scale: float, changed: int, size: int) -> MeshSolid:
-    """Return the solid in a file, read once as long as it does not change."""
+    """Solid in a file, cached until the file changes."""
     from shapely import Polygon
 
     mesh = _loaded(path, scale)
@@ -92,7 +92,7 @@ def _read(path: str, scale: float, changed: int, size: int) -> MeshSolid:
 
 
 def _loaded(path: str, scale: float) -> Trimesh:
-    """Return the triangles of a file [m]. Raises ValueError unless they are closed."""
+    """Triangles of a file [m]. Raises ValueError unless they are closed."""
     import trimesh
 
     _check_count(Path(path))
@@ -115,7 +115,7 @@ def _loaded(path: str, scale: float) -> Trimesh:
 
 
 def _check_count(file: Path) -> None:
-    """Raise ValueError for a file of too many triangles, before they are read."""
+    """Raise ValueError for a file of too many triangles, before it is read."""
     size = file.stat().st_size
     with file.open("rb") as content:
         head = content.read(STL_HEAD)
@@ -138,8 +138,8 @@ def _check_triangles(count: int) -> None:
 
 
 def _check_size(mesh: Trimesh, scale: float) -> None:
-    """Raise ValueError for places that are no numbers or far away, and for a solid that
-    is larger than a task may hold.
+    """Raise ValueError for positions that are not finite or far away, and for a solid
+    larger than a task may hold.
     """
     import numpy as np
 
@@ -163,7 +163,7 @@ def _check_size(mesh: Trimesh, scale: float) -> None:
 
 
 def _top_view(triangles: Array, mask: NDArray[np.bool_], extent: float) -> Area:
-    """Return the union of some triangles (m, 3, 3) as seen from above."""
+    """Union of some triangles (m, 3, 3) in the view from above."""
     import numpy as np
     import shapely
 
@@ -176,7 +176,7 @@ def _top_view(triangles: Array, mask: NDArray[np.bool_], extent: float) -> Area:
 
 
 def _holes(area: Polygon, extent: float) -> float:
-    """Return the area [m^2] of holes that are more than rounding."""
+    """Area [m^2] of holes larger than round-off."""
     from shapely import Polygon
 
     sizes = [float(Polygon(hole).area) for hole in area.interiors]

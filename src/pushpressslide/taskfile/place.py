@@ -1,4 +1,4 @@
-"""Where in a task file a value stands, and how it is refused there."""
+"""Position of a value in a task file, and the error for a bad value there."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ def refuse(source: str, faults: Iterable[Fault]) -> None:
 
 
 def nearest(name: object, known: Iterable[str]) -> str:
-    """Return ``did you mean 'x'? known: ...``, the hint only if a known name is near."""
+    """Text ``did you mean 'x'? known: ...``, with the hint only if a known name is
+    similar.
+    """
     names = list(known)
     close = difflib.get_close_matches(str(name)[:64], names, n=1, cutoff=0.6)
     hint = f"did you mean {close[0]!r}? " if close else ""
@@ -37,15 +39,15 @@ class Place:
     bounded: bool = True
 
     def field(self, key: object, allowed: str = "") -> Place:
-        """Return the place of a field of the section that is here."""
+        """Place of a field of this section."""
         path = f"{self.path}.{key}" if self.path else str(key)
         return replace(self, path=path, allowed=allowed)
 
     def item(self, index: int, allowed: str = "") -> Place:
-        """Return the place of an item of the list that is here."""
+        """Place of an item of this list."""
         return replace(self, path=f"{self.path}[{index}]", allowed=allowed)
 
     def refused(self, value: object, fault: str = "") -> TaskError:
-        """Return the error for a value here: what is wrong, and what is allowed."""
+        """Error for a value here: the cause, and the allowed values."""
         reason = f"{fault}allowed: {self.allowed}"
         return TaskError(self.source, self.path, value, reason)

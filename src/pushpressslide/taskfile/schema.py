@@ -117,7 +117,7 @@ _TAKE: dict[str, Callable[[Any], dict[str, Any]]] = {
 
 
 def _section(data: Any) -> Kind:
-    """Return the section of the file that a dataclass becomes."""
+    """Section of the file for a dataclass."""
     hints = get_type_hints(data)
     keyed: dict[str, Field] = {}
     for field in fields(data):
@@ -155,7 +155,7 @@ def _field(field: DataField[Any], spec: FieldSpec, kind: Kind) -> Field:
 
 
 def _wrapped(key: str, field: Field, meaning: str) -> Field:
-    """Return a field as the only one of a section."""
+    """Section with a single field."""
     alone = kinds.section(
         {key: field},
         lambda **values: values[field.name],
@@ -165,7 +165,7 @@ def _wrapped(key: str, field: Field, meaning: str) -> Field:
 
 
 def _kind(hint: Any, spec: FieldSpec) -> Kind:
-    """Return the kind of a field by its type; None in a union only makes it nullable."""
+    """Kind of a field by its type. None in a union only makes it nullable."""
     if hint in _KINDS:
         return kinds.NAME if spec.is_name else _KINDS[hint]
     union = get_origin(hint) in (Union, UnionType)
@@ -185,7 +185,7 @@ def _kind(hint: Any, spec: FieldSpec) -> Kind:
 
 
 def _array(items: tuple[Any, ...], spec: FieldSpec) -> Kind:
-    """Return the kind of a tuple: of so many numbers, or of any number of items."""
+    """Kind of a tuple: a fixed number of numbers, or any number of items."""
     low, high = spec.count
     if items[-1] is not ...:
         low = high = len(items)

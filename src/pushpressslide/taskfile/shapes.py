@@ -1,4 +1,4 @@
-"""Shapes in the task file: a kind of shape is added here alone."""
+"""Shapes in the task file. A kind of shape is added here alone."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ _POLYGON = Field(
 
 
 def _prism(polygon: tuple[Point, ...], height: float) -> Prism:
-    """Return the prism with its corners counter-clockwise, the first one staying so."""
+    """Prism with its corners counter-clockwise. The first one stays first."""
     return Prism(counter_clockwise(without_straight_corners(polygon)), height)
 
 
@@ -89,7 +89,7 @@ def _named(rows: Sequence[Row], shape: Shape) -> dict[str, Shape]:
 
 
 def one_shape(**shapes: Shape | None) -> Shape:
-    """Return the only shape among the fields of a section."""
+    """The only shape among the fields of a section."""
     (shape,) = (shape for shape in shapes.values() if shape is not None)
     return shape
 
@@ -140,7 +140,7 @@ NAMES = tuple(row[0] for row in _ROWS)
 
 
 def named_shape(shape: Shape) -> dict[str, Shape]:
-    """Return a shape by the name of its kind."""
+    """Shape by the name of its kind."""
     return _named(_ROWS, shape)
 
 
@@ -150,7 +150,7 @@ _ONE = [{"properties": {name: _GIVEN}, "required": [name]} for name in NAMES]
 
 
 def with_one_shape(holder: Kind) -> Kind:
-    """Return the kind of a section whose JSON Schema asks for exactly one shape."""
+    """Kind of a section whose JSON Schema requires exactly one shape."""
     return replace(holder, absent=REQUIRED, json={**holder.json, "oneOf": _ONE})
 
 
@@ -158,7 +158,7 @@ SHAPE = with_one_shape(_ANY)
 
 
 def located(plain: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Return fields that hold a shape with the full path of its mesh."""
+    """Fields that hold a shape with the full path of its mesh."""
     mesh = plain["mesh"]
     if mesh is None:
         return dict(plain)
@@ -167,9 +167,8 @@ def located(plain: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def shape_faults(field: str, plain: Mapping[str, Any]) -> Iterator[Fault]:
-    """Yield what keeps fields that hold a shape from being one: several kinds, a
-    polygon that crosses itself, parts that do not make one body, a mesh that is no
-    upright solid.
+    """Yield errors of fields that hold a shape: several kinds, a polygon that crosses
+    itself, parts that are not connected, a mesh that is not an upright solid.
     """
     given = [name for name in NAMES if plain[name] is not None]
     if len(given) != 1:
@@ -188,7 +187,7 @@ def shape_faults(field: str, plain: Mapping[str, Any]) -> Iterator[Fault]:
 
 
 def polygon_faults(field: str, polygon: Sequence[Point]) -> Iterator[Fault]:
-    """Yield what keeps corners from being those of a simple polygon."""
+    """Yield errors of corners that do not form a simple polygon."""
     fault = border_fault(tuple(polygon))
     if fault is not None:
         corners = [list(corner) for corner in polygon]

@@ -1,4 +1,4 @@
-"""The task file that ``pps new`` writes: one to begin with, and all other fields as
+"""The task file written by ``pps new``: a minimal task, and all other fields as
 comments with their defaults.
 """
 
@@ -40,7 +40,7 @@ STATED = {"support": ("friction", 0.3), "contact": ("friction", 0.7)}
 
 
 def starter(name: str, file: str) -> str:
-    """Return the text of a task ``name`` in a ``file``."""
+    """Text of a task ``name`` in a ``file``."""
     lines = [BEGIN.format(name=name, file=file)]
     for key, field in (SCHEMA.fields or {}).items():
         if key not in GIVEN:
@@ -70,5 +70,5 @@ def _commented(key: str, field: Field) -> Iterator[str]:
 
 
 def _words(text: str, before: str) -> list[str]:
-    """Return a text in lines."""
+    """Text wrapped into lines."""
     return textwrap.wrap(text, WIDTH, initial_indent=before, subsequent_indent=before)

@@ -1,4 +1,4 @@
-"""Supports in the task file: a kind of support is added here, in one row."""
+"""Supports in the task file. A kind of support is added here, in one row."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pushpressslide.taskfile.shapes import polygon_faults
 
 @dataclass(frozen=True, slots=True)
 class SupportKind:
-    """What a kind of support has in the file, and where it is in the world."""
+    """File fields of a kind of support, and its frame in the world."""
 
     needs: tuple[str, ...]  # fields that it must have
     takes: tuple[str, ...]  # fields that it may have
@@ -52,7 +52,7 @@ KINDS = {
 
 
 def support_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
-    """Yield what the kind of support needs and lacks, or has of another kind."""
+    """Yield missing fields of the kind of support, and fields of another kind."""
     name = plain["kind"]
     kind = KINDS[name]
     for key in ("pose", "opening", "angle_deg", "region"):
@@ -70,13 +70,13 @@ def support_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
 
 
 def make_support(kind: Any, frame: Stand | None, **others: Any) -> Support:
-    """Return the support of the file's fields, on a table where it does not stand."""
+    """Support of the file's fields, by default a table."""
     place = KINDS[kind].frame(frame, others.get("angle") or 0.0)
     return Support(kind=kind, frame=place, **others)
 
 
 def support_fields(support: Support) -> dict[str, Any]:
-    """Return the file's fields of a support, without those that it does not have."""
+    """File fields of a support, without those that its kind lacks."""
     stand = KINDS[support.kind].stand(support.frame)
     fields: dict[str, Any] = {"kind": support.kind, "friction": support.friction}
     shown: dict[str, Any] = {

@@ -1,5 +1,5 @@
-"""YAML text to plain data, strictly: no duplicate keys, no file that is not text,
-errors with their line.
+"""Strict YAML to plain data: no duplicate keys, text files only, errors with their
+line.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class _Loader(yaml.SafeLoader):
     def construct_mapping(
         self, node: yaml.MappingNode, deep: bool = False
     ) -> dict[Hashable, Any]:
-        """Return a mapping; raises on a key that stands twice."""
+        """Mapping without duplicate keys. Raises on a key that occurs twice."""
         seen: set[Hashable] = set()
         for key_node, _ in node.value:
             if key_node.tag == "tag:yaml.org,2002:merge":
@@ -57,7 +57,7 @@ def _flat(message: object) -> str:
 
 
 def parse_yaml(text: str, source: str) -> Any:
-    """Return the plain data of one YAML document.
+    """Plain data of one YAML document.
 
     Raises:
         TaskError: text that is not YAML, a duplicate key, a value that YAML cannot
@@ -78,7 +78,7 @@ def parse_yaml(text: str, source: str) -> Any:
 
 
 def read_yaml(path: Path) -> dict[Any, Any]:
-    """Return the top-level mapping of a YAML file.
+    """Top-level mapping of a YAML file.
 
     Raises:
         TaskError: a file that cannot be read, is too long, is not UTF-8 text or not
@@ -104,7 +104,7 @@ def read_yaml(path: Path) -> dict[Any, Any]:
 
 
 def _content(path: Path) -> bytes:
-    """Return at most one byte more than is allowed."""
+    """Content of a file, cut one byte beyond the allowed size."""
     allowed = "allowed: the path of a YAML file"
     try:
         with path.open("rb") as file:
@@ -146,7 +146,7 @@ def apply_overrides(data: dict[Any, Any], overrides: Sequence[str]) -> None:
 
 
 def _index(holder: Any, keys: Sequence[str], source: str) -> Any:
-    """Return the last of the keys as the index of its list or mapping."""
+    """Last of the keys as the index of its list or mapping."""
     *outer, key = keys
     name = ".".join(keys)
     if isinstance(holder, dict):

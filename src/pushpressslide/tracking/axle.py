@@ -1,6 +1,6 @@
-"""Follows a path of arcs with the axle of an object that is pushed like a car
+"""Tracking of an arc path with the axle of an object pushed like a car
 (docs/mechanics.md, sections 3 and 5): look-ahead alignment, and the wrench on the limit
-surface that turns so.
+surface for that turn.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 
 
 class AxleTracker:
-    """The law of one car; its wrench is about the CoM."""
+    """Tracking law of one car. Its wrench is about the CoM."""
 
     def __init__(
         self, law: LookAheadAlignment, car: PushedCar, max_friction: float
     ) -> None:
         """Bind the law to a car that slides straight under ``max_friction`` [N].
 
-        Across the heading acts the effective wheelbase times the curvature of the force along
-        it: nothing for a car that is turned without friction.
+        The force across the heading is the effective wheelbase times the curvature
+        times the force along it. It is zero for a car that is turned without friction.
         """
         self._curvature = law.curvature
         self._figures = (
@@ -46,7 +46,7 @@ class AxleTracker:
         speed: float,
         steering_scale: float,
     ) -> Guidance:
-        """Return wrench and twist that follow ``path``, an ArcPath, at ``speed`` [m/s].
+        """Wrench and twist that follow ``path``, an ArcPath, at ``speed`` [m/s].
 
         ``steering_scale`` narrows the steering of a car that steers by friction.
         """

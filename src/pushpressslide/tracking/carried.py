@@ -1,5 +1,5 @@
-"""A holonomic law for an object that may be on a wall: the arms give what slides it,
-less its weight in the plane (docs/mechanics.md, section 7).
+"""Holonomic law for an object that may be on a wall: the arms give the sliding wrench
+minus the weight in the plane (docs/mechanics.md, section 7).
 """
 
 from __future__ import annotations
@@ -15,7 +15,9 @@ from pushpressslide.tracking.holonomic import HolonomicTracker
 
 
 class CarriedTracker:
-    """The weight acts at the CoM: tips that carry it at another height move the CoP by
+    """Holonomic law with an in-plane weight.
+
+    The weight acts at the CoM: tips that carry it at another height move the CoP by
     ``lever`` times it, against its direction. Without a weight in the plane it is the
     holonomic law.
     """
@@ -28,8 +30,10 @@ class CarriedTracker:
         lever: float,
         decay: float,
     ) -> None:
-        """Bind the law; ``weight`` [N] in the plane, ``lever`` [m/N]: height of the
-        tips above the CoM over the load.
+        """Bind the law.
+
+        ``weight`` [N] is in the plane, ``lever`` [m/N] the height of the tips above the
+        CoM over the load.
         """
         self._X_BV = X_BV
         self._surface = surface
@@ -46,8 +50,8 @@ class CarriedTracker:
         speed: float,
         steering_scale: float,
     ) -> Guidance:
-        """Return the arms' wrench, about the surface's centre, and the twist that
-        follow ``path``, a TwistPath, at ``speed`` [m/s] in its own metric.
+        """Wrench of the arms, about the surface's centre, and twist that follow
+        ``path``, a TwistPath, at ``speed`` [m/s] in its own metric.
         """
         if not any(self._weight):
             return self._level.step(path, X_WB, progress, speed, steering_scale)

@@ -1,5 +1,5 @@
-"""A holonomic law that asks for no more than the contacts hold: the pull towards the
-path is eased until they do, the path's own motion is not.
+"""Holonomic law limited to what the contacts hold: the pull towards the path is
+reduced, the path's own motion is not.
 """
 
 from __future__ import annotations
@@ -17,9 +17,8 @@ SHARES = (1.0, 0.5, 0.2, 0.0)  # of the pull, that are tried
 
 
 class EasedTracker:
-    """The law with the largest share of its pull at which the contacts hold.
-
-    Without where they never do.
+    """The law with the largest fraction of its pull that the contacts hold, or without
+    pull if they hold none.
     """
 
     def __init__(
@@ -39,9 +38,9 @@ class EasedTracker:
         speed: float,
         steering_scale: float,
     ) -> Guidance:
-        """Return wrench and twist that follow ``path`` at ``speed`` [m/s].
+        """Wrench and twist that follow ``path`` at ``speed`` [m/s].
 
-        ``steering_scale`` in (0, 1] eases too.
+        ``steering_scale`` in (0, 1] also reduces the pull.
         """
         for share in SHARES:
             guidance = self._law.step(

@@ -1,9 +1,9 @@
-"""Follows a path of twists with an object that can be driven any way, or any way within
-a cone (docs/mechanics.md, section 9).
+"""Tracking of a twist path with an object that can be driven in any direction, or in
+those of a cone (docs/mechanics.md, section 9).
 
-The path's twist, plus a pull towards the nearest pose of the path that is in proportion
-to the error and to the speed: friction knows no time, so errors decay over a way and
-not over a time. Errors are REFERENCE MINUS ACTUAL.
+The command is the path's twist, plus a pull towards the nearest pose of the path. The
+pull is proportional to the error and to the speed: friction knows no time, so that
+errors decay over a distance and not over a time. Errors are REFERENCE MINUS ACTUAL.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ SHARE = 0.5  # of the path's speed that the pull may take
 
 
 class HolonomicTracker:
-    """Feed-forward and pull, and the wrench on the limit surface that moves so.
+    """Feed-forward and pull, and the wrench on the limit surface for that motion.
 
     V may be any frame of the body; the wrench is about the surface's centre.
     """
@@ -42,8 +42,9 @@ class HolonomicTracker:
         into_cone: IntoCone | None = None,
         share: float = SHARE,
     ) -> None:
-        """Bind the law; ``decay`` [m] > 0 is the way over which an error falls to 1/e,
-        ``share`` in [0, 1)."""
+        """Bind the law. ``decay`` [m] > 0 is the distance over which an error falls to
+        1/e, ``share`` in [0, 1).
+        """
         self._X_BV = X_BV
         self._surface = surface
         self._into_cone = into_cone
@@ -59,9 +60,10 @@ class HolonomicTracker:
         speed: float,
         steering_scale: float,
     ) -> Guidance:
-        """Return wrench and twist that follow ``path``, a TwistPath.
+        """Wrench and twist that follow ``path``, a TwistPath.
 
-        At ``speed`` [m/s] in its own metric; ``steering_scale`` in (0, 1] eases the pull.
+        ``speed`` [m/s] is in the path's own metric; ``steering_scale`` in (0, 1]
+        reduces the pull.
         """
         assert isinstance(path, TwistPath)
         X_WV = X_WB.compose(self._X_BV)
@@ -92,7 +94,7 @@ class HolonomicTracker:
         error: tuple[float, float, float],
         saturated: bool,
     ) -> Guidance:
-        """Return the guidance to ``twist``, or to what the contacts can give of it."""
+        """Guidance to ``twist``, or to the nearest twist that the contacts can drive."""
         wrench = self._surface.wrench(twist)
         nearest = None
         if self._into_cone is not None:
@@ -110,9 +112,10 @@ class HolonomicTracker:
     def _driven(
         self, twist: Twist, wanted: Wrench, nearest: Wrench
     ) -> tuple[Twist, Wrench]:
-        """Return the twist that ``nearest`` drives, in the place of ``twist`` and
-        slower by as much as that is less than what was ``wanted``, and its wrench on
-        the surface.
+        """Twist driven by ``nearest`` in place of ``twist``, and its wrench on the
+        surface.
+
+        It is slowed in the ratio by which it falls short of the ``wanted`` motion.
         """
         surface = self._surface
         nearest = nearest.moved_to(surface.center)

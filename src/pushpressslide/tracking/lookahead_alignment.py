@@ -1,9 +1,9 @@
 """Look-ahead alignment of a unicycle with its path (docs/mechanics.md, section 4.2).
 
-A virtual target slides along the path, the look-ahead ahead of the vehicle; the turn is
-in proportion to its lateral coordinate in the vehicle's frame. With the gain 4 /
+A virtual target slides along the path, the look-ahead ahead of the vehicle. The turn is
+proportional to its lateral coordinate in the vehicle's frame. With the gain 4 /
 look_ahead^2 the lateral error decays critically, as (1 + 2 D / look_ahead) exp(-2 D /
-look_ahead) over a way D. Errors are REFERENCE MINUS ACTUAL.
+look_ahead) over a distance D. Errors are REFERENCE MINUS ACTUAL.
 """
 
 from __future__ import annotations
@@ -17,8 +17,10 @@ from pushpressslide.kernels.tracking import clipped, look_ahead_curvature
 
 @dataclass(frozen=True, slots=True)
 class LookAheadAlignment:
-    """The law; ``fixed`` is the paper's literal reading, a target that stays
-    ``look_ahead`` beyond the goal.
+    """The look-ahead law.
+
+    ``fixed`` is the paper's literal reading, a target that stays ``look_ahead`` beyond
+    the goal.
     """
 
     look_ahead: float  # [m] > 0
@@ -33,10 +35,10 @@ class LookAheadAlignment:
         path_curvature: float,
         steering_scale: float = 1.0,
     ) -> tuple[float, bool]:
-        """Return the curvature [1/m] to drive and whether it had to be clipped.
+        """Curvature [1/m] to drive, and whether it was clipped.
 
         ``X_WV`` is the vehicle's pose, ``left_error`` [m] and ``heading_error`` [rad]
-        reference minus actual, ``path_curvature`` [1/m] that of the path there;
+        reference minus actual, ``path_curvature`` [1/m] that of the path there.
         ``steering_scale`` narrows the bounds.
         """
         ell = self.look_ahead

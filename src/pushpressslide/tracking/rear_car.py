@@ -1,5 +1,7 @@
-"""A pushed object driven as a rear-steer car (docs/mechanics.md, section 3). In plain
-floats, for a control loop: what it costs is tested.
+"""Tracking of a pushed object driven as a rear-steer car (docs/mechanics.md, section
+3).
+
+In plain floats, for a control loop; a test bounds its cost.
 """
 
 from __future__ import annotations
@@ -22,12 +24,12 @@ EASING = 0.5 * margins.ARM.steering_time  # [s]
 
 
 class RearPushTracker:
-    """Rear Stanley law, and the wrench on the limit surface that steers so."""
+    """Rear Stanley law, and the wrench on the limit surface for its steering."""
 
     def __init__(
         self, steer: Steering, car: RearSteerCar, X_BV: Pose2, max_friction: float
     ) -> None:
-        """Bind the law to a car that is led along the path at ``X_BV``.
+        """Bind the law to a car whose frame ``X_BV`` follows the path.
 
         ``max_friction`` is mu_s N [N].
         """
@@ -48,9 +50,7 @@ class RearPushTracker:
         speed: float,
         steering_scale: float,
     ) -> Guidance:
-        """Return wrench and twist that follow ``path`` at ``speed`` [m/s] from pose
-        ``X_WB``.
-        """
+        """Wrench and twist that follow ``path`` at ``speed`` [m/s] from pose ``X_WB``."""
         assert isinstance(path, ArcPath)
         heading_axis, reach, bearing = self._figures
         steer, cop, axle = self._law
@@ -85,7 +85,7 @@ class RearPushTracker:
 
 
 def figures_of_car(car: RearSteerCar, max_friction: float) -> Car:
-    """Return what ``kernels.tracking.steered_push`` knows a car by; ``max_friction`` is
+    """Parameters of a car for ``kernels.tracking.steered_push``. ``max_friction`` is
     mu_s N [N].
     """
     ex, ey = car.axis

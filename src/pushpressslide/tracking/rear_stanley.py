@@ -22,22 +22,23 @@ def rear_stanley(
     gain: float = 1.0,
     feed_forward: bool = True,
 ) -> Steering:
-    """Return the law ``steer(left_error, heading_error, curvature, steering_scale)`` of one car.
+    """The law ``steer(left_error, heading_error, curvature, steering_scale)`` of one
+    car.
 
     ``effective_wheelbase`` [m] is from the CoP to the virtual front axle, rho^2 / d.
     ``gain`` is k in units of the largest value without overshoot, v / (4
     effective_wheelbase): in these units the law does not depend on the speed.
-    ``feed_forward`` removes the steady offset on
-    a curve. ``left_error`` [m], ``heading_error`` [rad]: reference minus actual;
-    ``curvature`` [1/m] of the path there; ``steering_scale`` narrows ``steering_bounds`` [rad].
-    The law gives the steering angle delta [rad] and whether it had to be clipped.
+    ``feed_forward`` removes the steady offset on a curve. ``left_error`` [m],
+    ``heading_error`` [rad]: reference minus actual; ``curvature`` [1/m] of the path
+    there; ``steering_scale`` narrows ``steering_bounds`` [rad]. The law gives the
+    steering angle delta [rad] and whether it was clipped.
     """
     (law,) = stanley_law(effective_wheelbase, *steering_bounds, gain, feed_forward)
 
     def steer(
         left_error: float, heading_error: float, curvature: float, steering_scale: float
     ) -> tuple[float, bool]:
-        """Return the steering angle [rad], and whether it was clipped."""
+        """Steering angle [rad], and whether it was clipped."""
         return stanley_steering(
             left_error, heading_error, curvature, steering_scale, law
         )

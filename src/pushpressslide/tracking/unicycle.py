@@ -1,5 +1,5 @@
-"""A pressed object driven as a unicycle: along a path, and turned on the spot
-(docs/mechanics.md, sections 2 and 4).
+"""Tracking of a pressed object driven as a unicycle: along a path, and turned on the
+spot (docs/mechanics.md, sections 2 and 4).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ PIVOT_SHARE = 0.3  # of the turn's force that this pull may take
 
 
 class UnicycleTracker:
-    """Look-ahead alignment, and the wrench on the limit surface that turns so."""
+    """Look-ahead alignment, and the wrench on the limit surface for that turn."""
 
     def __init__(self, law: LookAheadAlignment, drive: SteeredDrive) -> None:
         """Bind the law to a vehicle."""
@@ -49,10 +49,10 @@ class UnicycleTracker:
         speed: float,
         steering_scale: float,
     ) -> Guidance:
-        """Return the wrench (about the CoP) and the twist that follow ``path``.
+        """Wrench (about the CoP) and twist that follow ``path`` at ``speed`` [m/s].
 
-        At ``speed`` [m/s]. ``steering_scale`` has no part: a turn takes less of the press's friction than straight
-        sliding.
+        ``steering_scale`` is not used: a turn takes less of the press's friction than
+        straight sliding.
         """
         assert isinstance(path, ArcPath)
         qx, qy, axis, ex, ey = self._axle
@@ -95,8 +95,8 @@ class UnicycleTracker:
 
 
 class PivotTracker:
-    """Turns on the spot: the force across the axis, a little along it to keep the pivot
-    in its place.
+    """Law of a spin: the force is across the axis, with a small component along it to
+    keep the pivot in place.
     """
 
     def __init__(self, drive: SpinDrive) -> None:
@@ -113,8 +113,8 @@ class PivotTracker:
         speed: float,
         steering_scale: float,
     ) -> Guidance:
-        """Return wrench (about the centre of pressure) and twist that turn along
-        ``path`` at ``speed``.
+        """Wrench (about the centre of pressure) and twist that turn along ``path`` at
+        ``speed``.
         """
         assert isinstance(path, TwistPath)
         car = self._car

@@ -1,1 +1,1 @@
-"""The search for joint paths, by what any library of rigid bodies knows of an arm."""
+"""Search for joint paths, on top of any library of rigid bodies."""

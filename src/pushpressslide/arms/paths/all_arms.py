@@ -1,6 +1,6 @@
-"""Joint paths of all arms of a plan; two arms keep clear of each other.
+"""Joint paths of all arms of a plan, with clearance between two arms.
 
-Where only one of them has a contact, the other waits out of its way.
+If only one of them has a contact, the other waits out of its way.
 """
 
 from __future__ import annotations
@@ -44,9 +44,10 @@ FEW = 16  # joint paths of each arm, in a search over sequences of motions
 
 @dataclass(frozen=True, order=True)
 class Conflict:
-    """Where two arms come too near to each other.
+    """Insufficient clearance between two arms.
 
-    A conflict in a later stage of the motion is greater, then one of a larger distance.
+    A conflict in a later stage of the motion is greater, then one with a larger
+    distance.
     """
 
     stage: int  # 0: along the contacts; 1: in the approach
@@ -62,13 +63,13 @@ def joint_paths(
     postures: tuple[Array, ...] | None = None,
     holding: frozenset[int] = frozenset(),
 ) -> tuple[ArmPath, ...]:
-    """Return each arm's joint path and its tool's attitude.
+    """Joint path and tool attitude of each arm.
 
     Two arms keep clear of each other, if need be by waiting in the approach.
-    ``postures`` (n,) [rad] are where the arms are, None for their ready postures; the
-    arms in ``holding`` already have their contact, and keep it. ``force`` takes the
-    best paths there are. Raises InfeasibleTaskError, with the figure that decides,
-    where an arm has no path, or two arms come too near to each other.
+    ``postures`` (n,) [rad] are the present ones of the arms, None for their ready
+    postures. The arms in ``holding`` already have their contact, and keep it. ``force``
+    takes the best paths available. Raises InfeasibleTaskError, with the deciding
+    number, if an arm has no path, or two arms come too near to each other.
     """
     starts = postures or (None,) * len(plan.task.robots)
     still = {arm: q for arm, q in enumerate(starts) if arm in holding and q is not None}
@@ -94,7 +95,7 @@ def joint_paths(
 def drawn_back(
     paths: tuple[ArmPath, ...], holding: frozenset[int] = frozenset()
 ) -> tuple[Array, ...]:
-    """Return each arm's posture (n,) [rad] after its path, its tip drawn back.
+    """Posture (n,) [rad] of each arm after its path, with its tip retreated.
 
     The arms in ``holding`` keep their contact.
     """
@@ -110,8 +111,8 @@ def drawn_back(
 def _with_ways_back(
     problems: Sequence[ArmProblem], paths: tuple[ArmPath, ...]
 ) -> tuple[ArmPath, ...]:
-    """Return the paths with the ways back from their ends: as long as the arms can
-    follow, clear of everything.
+    """Paths extended by the retreats from their ends, as long as the arms can follow,
+    clear of everything.
     """
     routes = [
         _way_back(problem, path, attitude)
@@ -140,9 +141,11 @@ def _with_ways_back(
 def _way_back(
     problem: ArmProblem, path: JointPath, attitude: ToolAttitude
 ) -> tuple[Array, float]:
-    """Return the postures (b, n) of an arm whose tip is drawn back from its contact, as
-    far as the arm can, and the way [m] from one to the next; of an arm that waits, the
-    same posture all the time.
+    """Postures (b, n) of an arm that retreats from its contact, and the distance [m]
+    between them.
+
+    The arm retreats until it can follow no further. An arm that waits has the same
+    posture throughout.
     """
     q = path.move[-1]
     along = problem.along
@@ -172,7 +175,9 @@ def _way_back(
 
 
 def _clear_count(clear: Callable[[int], bool], count: int) -> int:
-    """Return how many of ``count`` samples in turn are clear; the first is given."""
+    """Number of leading samples, of ``count``, that are clear. The first is assumed
+    clear.
+    """
     blocked = (i for i in range(1, count) if not clear(i))
     return next(blocked, count)
 
@@ -182,7 +187,7 @@ def _capsules(problem: ArmProblem) -> ArmCapsules:
 
 
 class _TwoArms:
-    """The search for two joint paths that keep apart."""
+    """Search for two joint paths with clearance between the arms."""
 
     def __init__(self, plan: Plan, problems: list[ArmProblem], force: bool) -> None:
         self.plan = plan
@@ -191,8 +196,8 @@ class _TwoArms:
         self._capsules = [_capsules(problem) for problem in problems]
 
     def paths(self) -> tuple[ArmPath, ...]:
-        """Return the first attempt without a conflict, else raise the greatest
-        conflict.
+        """First attempt without a conflict. Raises the greatest conflict if there is
+        none.
         """
         conflicts = []
         for attempt in self._attempts():
@@ -208,7 +213,7 @@ class _TwoArms:
 
     def _attempts(self) -> Iterator[tuple[ArmPath, ...] | Conflict]:
         """Yield both paths, or their conflict: each arm's best path first, then all
-        pairs, the best of the lesser scores first.
+        pairs, ordered by the lower of their scores.
         """
         searches = [search(problem, force=self.force) for problem in self.problems]
         results = []
@@ -250,8 +255,8 @@ class _TwoArms:
     def _apart_at_first(
         self, options: Sequence[Sequence[Solution]]
     ) -> tuple[list[Pair], float]:
-        """Return the pairs of solutions that are apart where the contacts begin, and the
-        largest distance [m], at most LOOK, of those that are not.
+        """Pairs of solutions with clearance at the start of the contacts, and the
+        largest distance [m], at most LOOK, of the others.
         """
         left, right = options
         one, other = (
@@ -265,8 +270,9 @@ class _TwoArms:
         return pairs, float(distances[~apart].max(initial=-math.inf))
 
     def _along(self, pair: Pair) -> float:
-        """Return the arms' least distance [m] at the touch and along the contacts, of
-        every sixth sample where that is too small already.
+        """Smallest distance [m] between the arms at the touch and along the contacts.
+
+        A coarse check of every sixth sample decides if that is too small already.
         """
         touching = self._touching(pair)
         if touching < APART:
@@ -275,7 +281,7 @@ class _TwoArms:
         return min(touching, self._glanced(left, right))
 
     def _touching(self, pair: Pair) -> float:
-        """Return the arms' least distance [m] as both go from beside the object to
+        """Smallest distance [m] between the arms as both go from near the object to
         their contacts.
         """
         paths = []
@@ -294,7 +300,7 @@ class _TwoArms:
         return self._min_distance(left, right)
 
     def _glanced(self, left: Array, right: Array) -> float:
-        """Return what ``_least`` does, of every sixth sample where that is too small
+        """The result of ``_least``, or that of every sixth sample if it is too small
         already.
         """
         coarse = self._min_distance(left[::GLANCE], right[::GLANCE])
@@ -303,7 +309,7 @@ class _TwoArms:
         return self._min_distance(left, right)
 
     def _min_distance(self, left: Array, right: Array) -> float:
-        """Return the arms' least distance [m], at most LOOK, over postures (k, n) of
+        """Smallest distance [m] between the arms, at most LOOK, over postures (k, n) of
         each.
         """
         one, other = self._capsules
@@ -312,7 +318,7 @@ class _TwoArms:
     def _waiting(
         self, pair: Pair, along: float
     ) -> Iterator[tuple[ArmPath, ...] | Conflict]:
-        """Yield both paths begun together, then with one arm waiting for the other."""
+        """Yield both paths started together, then with one arm waiting for the other."""
         left, right = (float(solution.path.approach_time[-1]) for solution in pair)
         for delays in ((0.0, 0.0), (0.0, left), (right, 0.0)):
             force = self.force and delays[0] > 0.0
@@ -342,7 +348,7 @@ class _TwoArms:
     def _around(
         self, arm: int, solution: Solution, others: dict[int, Array]
     ) -> Solution | None:
-        """Return an arm's move with an approach around ``others``, if there is one."""
+        """Move of an arm with an approach around ``others``, if there is one."""
         care = solution.care
         path = path_of_move(
             self.problems[arm], solution.move, others=others, thorough=True, care=care
@@ -354,7 +360,7 @@ class _TwoArms:
     def _delayed(
         self, pair: Pair, delays: Sequence[float], along: float, *, force: bool = False
     ) -> tuple[ArmPath, ...] | Conflict:
-        """Return both paths, each begun after its delay [s], or the conflict of their
+        """Both paths, each started after its delay [s], or the conflict of their
         approaches.
         """
         paths = [
@@ -380,7 +386,7 @@ def _score(pair: Pair) -> float:
 
 
 def _after(path: JointPath, delay: float) -> JointPath:
-    """Return the path of an arm that first waits ``delay`` [s]."""
+    """Path of an arm that first waits ``delay`` [s]."""
     if delay == 0.0:
         return path
     times = np.concatenate([[0.0], path.approach_time + delay])
@@ -392,7 +398,7 @@ def _after(path: JointPath, delay: float) -> JointPath:
 
 
 def _sampled(path: JointPath, times: Array) -> Array:
-    """Return postures (m, n) of the approach at ``times`` (m,)."""
+    """Postures (m, n) of the approach at ``times`` (m,)."""
     return np.column_stack(
         [np.interp(times, path.approach_time, column) for column in path.approach.T]
     )

@@ -1,5 +1,5 @@
-"""Approaches of an arm from its posture to the place beside the object, where the touch
-begins.
+"""Approaches of an arm from its posture to the place near the object where the touch
+starts.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ LEAST_GAP = 0.015  # [m] of that line, where the arm cannot follow all of it
 
 @dataclass(frozen=True)
 class Care:
-    """How well an arm has to be placed where it feels for its contact."""
+    """Required quality of an arm's posture at the touch."""
 
     margin: float  # [rad] to the joint limits
     # of the Jacobian: the spring of the tip moves a stretched arm's joints by its square
@@ -71,8 +71,8 @@ class Trajectory:
 
 @dataclass(frozen=True)
 class Descent:
-    """The end of an approach in reverse: from the contact back to beside the object,
-    then up.
+    """The end of an approach in reverse: from the contact back to a place near the
+    object, then up.
     """
 
     points: Array  # (k, 3) [m] of the tip, drawn back
@@ -86,20 +86,20 @@ class Descent:
 
     @property
     def touch(self) -> Array:
-        """Postures (k, n) from beside the object to the contact, evenly spaced."""
+        """Postures (k, n) from near the object to the contact, evenly spaced."""
         return self.retreat.q[: self.reached][::-1]
 
     def down(self, count: int) -> tuple[Array, float]:
-        """Return the last ``count`` postures (count, n) down to beside the object, and
-        the drop [m].
+        """Last ``count`` postures (count, n) down to the place near the object, and the
+        drop [m].
         """
         return self.up[:count][::-1], float(self.heights[count - 1])
 
 
 class Approach:
-    """Approaches of an arm: up, over the object, and down beside it.
+    """Approaches of an arm: up, over the object, and down next to it.
 
-    Each of these is tried as high as the arm can go, half as high, and not at all.
+    The rise is tried as high as the arm can go, half as high, and not at all.
     """
 
     def __init__(
@@ -110,11 +110,11 @@ class Approach:
         before: float,
         start: Array | None = None,
     ) -> None:
-        """Choose how to rise from ``start`` (n,), or from the ready posture if None.
+        """Choose the rises from ``start`` (n,), or from the ready posture if None.
 
-        The touch begins ``before`` [m] off the contact. ``free`` says whether a posture
-        (n,) is clear of everything. The ready posture may be replaced by a free one
-        near it.
+        The touch starts ``before`` [m] off the contact. ``free`` is True for a posture
+        (n,) clear of everything. The ready posture may be replaced by a free one near
+        it.
         """
         self.scene = scene
         self.kin = kin
@@ -136,14 +136,14 @@ class Approach:
             self._rises = self._rises_from(start)
 
     def _rises_from(self, start: Array) -> list[Array]:
-        """Return rises (k, n) straight up from ``start``: full, half and none."""
+        """Rises (k, n) straight up from ``start``: full, half and none."""
         attitude, yaw = tool_attitude(self.kin, start, self._axes)
         rise, _ = self._rise(self._tip(start), yaw, start, attitude)
         rise = np.concatenate([start[None], rise[1:]])
         return [rise[:count] for count in _counts(len(rise))]
 
     def _ready_rises(self, free: Free) -> list[Array]:
-        """Return the rises from the ready posture, or from a free one near it."""
+        """Rises from the ready posture, or from a free one near it."""
         home = self.kin.facts.home
         lifted = self._lifted(home)
         ready = (
@@ -163,11 +163,11 @@ class Approach:
         least_gap: float = LEAST_GAP,
         care: Care = CAREFUL,
     ) -> Descent:
-        """Return the last part of every approach to the start of a tip path.
+        """Last part of every approach to the start of a tip path.
 
-        ``normal`` points from the tip into the object, in the world; ``posture`` is how
-        the arm follows the path; the tip must be drawn back by ``least_gap`` [m] at
-        least, placed with ``care``.
+        ``normal`` points from the tip into the object, in the world. ``posture`` is the
+        arm's posture along the path. The tip must retreat by ``least_gap`` [m] at
+        least, with the posture quality ``care``.
         """
         first = tip.positions[0]
         yaw = float(tip.yaws[0]) + posture.offset
@@ -195,8 +195,8 @@ class Approach:
         attitude: ToolAttitude,
         margin: float = DESCENT_MARGIN,
     ) -> tuple[Array, Array]:
-        """Return postures (m, n) straight up from a place (3,), as high as the arm can
-        or need be, and their heights (m,) [m] above it.
+        """Postures (m, n) straight up from a place (3,), as high as possible or
+        necessary, and their heights (m,) [m] above it.
         """
         height = self._height(place)
         top = max(self.hover, height + LEAST_RISE)
@@ -221,7 +221,7 @@ class Approach:
 
     @property
     def start_posture(self) -> Array:
-        """The posture (n,) from which every approach begins."""
+        """The posture (n,) at the start of every approach."""
         start: Array = self._rises[0][0]
         return start
 
@@ -233,9 +233,9 @@ class Approach:
             yield from self._direct(*descent.down(count))
 
     def around(self, descent: Descent, free: Free) -> Iterator[Trajectory]:
-        """Yield approaches around what is in the way, by RRT-Connect.
+        """Yield approaches around obstacles, by RRT-Connect.
 
-        ``free`` says whether a posture (n,) is clear of everything.
+        ``free`` is True for a posture (n,) clear of everything.
         """
         high = len(descent.up)
         for count in dict.fromkeys((high, 1)) if high else ():
@@ -243,7 +243,7 @@ class Approach:
 
     def to(self, posture: Array, free: Free | None = None) -> Iterator[Trajectory]:
         """Yield motions to a ``posture`` (n,) away from the object: straight through
-        joint space, or around what is in the way, if it is asked for what is ``free``.
+        joint space, or with ``free`` also around obstacles.
         """
         end = posture[None]
         yield from (
@@ -251,8 +251,8 @@ class Approach:
         )
 
     def high_postures(self) -> Iterator[Array]:
-        """Yield postures (n,) with the tip above everything: the ready one lifted, that
-        with its base joint turned, then random ones.
+        """Yield postures (n,) with the tip above everything: the lifted ready posture,
+        variants with the base joint turned, then random ones.
         """
         facts = self.kin.facts
         raised = facts.home
@@ -288,16 +288,16 @@ class Approach:
                 yield self._timed(rise, list(corners), down, drop)
 
     def _tip(self, q: Array) -> Array:
-        """Return where the tip (..., 3) [m] is in postures (..., n)."""
+        """Tip position (..., 3) [m] in postures (..., n)."""
         return np.asarray(self.kin.tip_pose(q)[1])
 
     def _height(self, place: Array) -> float:
-        """Return the height [m] of a place (3,) above the support."""
+        """Height [m] of a place (3,) above the support."""
         return float(place @ self._up) - self._level
 
     def _lifted(self, home: Array) -> Array | None:
-        """Return the ready posture with its tip moved up above everything, or None if
-        it is there already or the arm cannot reach it.
+        """Ready posture with its tip lifted above everything. None if it is there
+        already or the arm cannot reach it.
         """
         p = self._tip(home)
         rise = self.hover - self._height(p)
@@ -316,7 +316,7 @@ class Approach:
         return np.asarray(lifted.q[0])
 
     def _high(self) -> Iterator[Array]:
-        """Yield random postures about the ready one with the tip above everything; the
+        """Yield random postures about the ready one with the tip above everything. The
         seed is fixed.
         """
         facts = self.kin.facts
@@ -328,8 +328,8 @@ class Approach:
     def _timed(
         self, rise: Array, corners: list[Array], down: Array, drop: float
     ) -> Trajectory:
-        """Return the trajectory up, from corner to corner, and down by ``drop`` [m]; it
-        rests at each corner.
+        """Trajectory up, from corner to corner, and down by ``drop`` [m]. It rests at
+        each corner.
         """
         bottom = self._height(self._tip(rise[0]))
         top = self._height(self._tip(rise[-1]))
@@ -350,11 +350,11 @@ class Approach:
 def rest_to_rest(
     facts: RobotFacts, corners: Array, min_duration: float = 0.0
 ) -> tuple[float, Array]:
-    """Return the duration [s] and the postures (m, n) of a minimum-jerk motion through
-    ``corners`` (k, n).
+    """Duration [s] and postures (m, n) of a minimum-jerk motion through ``corners`` (k,
+    n).
 
-    It is as fast as the joints allow, but no faster than ``min_duration`` [s] at constant
-    speed.
+    It is as fast as the joints allow, but takes at least ``min_duration`` [s] at
+    constant speed.
     """
     slides = np.array([joint.kind == "prismatic" for joint in facts.moving])
     speeds = np.minimum(
@@ -373,8 +373,8 @@ def rest_to_rest(
 def led_in(
     paths: Sequence[JointPath], facts: Sequence[RobotFacts], postures: Sequence[Array]
 ) -> list[JointPath]:
-    """Return each arm's path with a motion before it, from the arm's posture (n,) [rad]
-    to the start of the path.
+    """Path of each arm with a motion before it, from the arm's posture (n,) [rad] to
+    the start of the path.
 
     These motions take the same time, so that the arms keep clear of each other as
     planned.
@@ -398,22 +398,24 @@ def led_in(
 
 
 def _counts(high: int) -> tuple[int, ...]:
-    """Return how many samples of a rise of ``high`` are tried: all, half and one."""
+    """Numbers of samples of a rise of ``high`` to try: all, half and one."""
     if not high:
         return ()
     return tuple(dict.fromkeys((high, (high + 1) // 2, 1)))
 
 
 def _reached(path: Continuation) -> int:
-    """Return the number of samples that the arm can follow; the first is given."""
+    """Number of samples that the arm can follow. The first is assumed reached."""
     if path.failed_at is None:
         return len(path.q)
     return max(1, path.failed_at)
 
 
 def _touching(retreat: Continuation, condition: float) -> int:
-    """Return the number of samples on which an arm can feel for its contact: those that
-    it can follow, with a ``condition`` number up to that, or as at the contact itself.
+    """Number of samples on which an arm can make the touch.
+
+    These are the samples that it can follow with a ``condition`` number up to that
+    limit, or up to that at the contact itself.
     """
     count = _reached(retreat)
     allowed = max(condition, retreat.conditions[0])
@@ -422,7 +424,7 @@ def _touching(retreat: Continuation, condition: float) -> int:
 
 
 def _blend(count: int) -> Array:
-    """Return the minimum-jerk ramp from 0 to 1 in ``count`` samples."""
+    """Minimum-jerk ramp from 0 to 1 in ``count`` samples."""
     u = np.linspace(0.0, 1.0, count)
     out: Array = u**3 * (10.0 - 15.0 * u + 6.0 * u * u)
     return out

@@ -1,4 +1,4 @@
-"""What one arm has to do in a plan: bring its tip to its contact and follow it."""
+"""Problem of one arm in a plan: bring its tip to its contact and follow it."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class ObjectPath:
 
 @dataclass(frozen=True)
 class ContactPath:
-    """A contact that moves with the object, and the tip path that it asks for."""
+    """A contact that moves with the object, and its tip path."""
 
     contact: Contact
     tip: TipPath
@@ -52,7 +52,7 @@ class ContactPath:
 
 @dataclass(frozen=True, eq=False)
 class ArmProblem:
-    """One arm of a plan, with the posture that it starts from.
+    """One arm of a plan, with its initial posture.
 
     Derived parts (kinematics, planning plant, approach) are built on first use.
     """
@@ -67,7 +67,7 @@ class ArmProblem:
 
     @cached_property
     def query(self) -> MotionQuery:
-        """What was asked for."""
+        """Motion query of the plan."""
         return self.plan.query
 
     @property
@@ -87,17 +87,17 @@ class ArmProblem:
 
     @cached_property
     def clearance(self) -> Clearance:
-        """Distances of the arm to everything else."""
+        """Clearance model of the arm."""
         return self.library.clearance(self.plan, self.arm, self.others)
 
     @cached_property
     def object_path(self) -> ObjectPath:
-        """The object's path, sampled."""
+        """The object's sampled path."""
         return object_path(self.plan)
 
     @cached_property
     def along(self) -> ContactPath | None:
-        """The arm's contact along the object's path; None for an arm that waits."""
+        """The arm's contact along the object's path. None for an arm that waits."""
         contact = next((c for c in self.plan.contacts if c.arm == self.arm), None)
         if contact is None:
             return None
@@ -112,12 +112,12 @@ class ArmProblem:
 
     @property
     def posture(self) -> Array:
-        """The posture (n,) [rad] that the arm starts from."""
+        """Initial posture (n,) [rad] of the arm."""
         return self.kin.facts.home if self.start is None else self.start
 
     @cached_property
     def approach(self) -> Approach:
-        """The approaches from the starting posture."""
+        """Approaches from the initial posture."""
         query = self.query
         return Approach(
             query.scene,
@@ -128,7 +128,7 @@ class ArmProblem:
         )
 
     def tool_options(self, along: ContactPath) -> list[ToolOption]:
-        """Return how the tool may be held along a contact, the preferred option first.
+        """Tool attitudes to try along a contact, the preferred option first.
 
         An arm with fewer than six joints keeps its tool upright.
         """
@@ -148,14 +148,15 @@ class ArmProblem:
         return tool_options(azimuths, float(yaws[middle]), axes, rolls=rolls)
 
     def contact_clearance(self, postures: Array) -> Gap:
-        """Return the gap with the least to spare of postures (k, n) along the contact:
-        of every fourth posture where that is too small already.
+        """Tightest gap of postures (k, n) along the contact.
+
+        A coarse check of every fourth posture decides if that is too small already.
         """
         coarse = self._along_contact(postures, GLANCE)
         return self._along_contact(postures, 1) if coarse.clear else coarse
 
     def _along_contact(self, postures: Array, step: int) -> Gap:
-        """Return what ``contact_clearance`` does, of every ``step``th posture."""
+        """The result of ``contact_clearance`` for every ``step``th posture."""
         carried = {name: poses[::step] for name, poses in self._carried.items()}
         shapes = self.object_path.shapes[::step]
         return self.clearance.min_distance(
@@ -163,15 +164,13 @@ class ArmProblem:
         )
 
     def touch_clearance(self, postures: Array) -> Gap:
-        """Return the gap with the least to spare of postures (k, n) from beside the
-        object to the contact.
-        """
+        """Tightest gap of postures (k, n) from near the object to the contact."""
         poses = self.object_path.shapes[:1] * len(postures)
         return self.clearance.min_distance(postures, poses, touching=True)
 
     def waiting_clearance(self, q: Array) -> Gap:
-        """Return the gap with the least to spare of an arm that waits in a posture (n,)
-        while the object, and what it pushes, are moved.
+        """Tightest gap of an arm that waits in a posture (n,) while the object, and
+        anything it pushes, moves.
         """
         shapes = self.object_path.shapes
         postures = np.repeat(q[None], len(shapes), axis=0)
@@ -181,8 +180,8 @@ class ArmProblem:
 
     @cached_property
     def _pushed(self) -> dict[str, list[Pose2]]:
-        """The ways of the bodies that the object pushes, as a tool or on its way, as
-        many poses as the object has, by their names.
+        """Paths, by name, of the bodies that the object pushes as a tool or along its
+        path, with as many poses as the object.
         """
         tool = self.query.tool
         if tool is None:
@@ -195,20 +194,18 @@ class ArmProblem:
 
     @cached_property
     def _carried(self) -> dict[str, list[Pose2]]:
-        """The ways of the obstacles that the object pushes on its way, by name."""
+        """Paths, by name, of the obstacles that the object pushes along its path."""
         query = self.query
         shape = query.body.shape
         return carried_ways(shape, query.yielding, self.object_path.shapes)
 
     def approach_clearance(self, model: Clearance, postures: Array) -> Gap:
-        """Return the gap with the least to spare of postures (m, n) before the
-        contact.
-        """
+        """Tightest gap of postures (m, n) before the contact."""
         poses = self.object_path.shapes[:1] * len(postures)
         return model.min_distance(postures, poses, touching=False)
 
     def free(self, model: Clearance, q: Array) -> bool:
-        """Return whether a posture (n,) before the contact keeps its clearance."""
+        """Whether a posture (n,) before the contact keeps its clearance."""
         return self.approach_clearance(model, q[None]).clear
 
 
@@ -225,7 +222,7 @@ def _between(ends: tuple[Pose2, Pose2], share: float) -> Pose2:
 
 
 def object_path(plan: Plan) -> ObjectPath:
-    """Return the object's path over all segments of ``plan``, sampled by arc length."""
+    """Path of the object over all segments of ``plan``, sampled by arc length."""
     lengths: list[float] = []
     bodies: list[Pose2] = []
     done = 0.0

@@ -1,4 +1,4 @@
-"""Least distance of two arms: distances of their capsules in closed form."""
+"""Smallest distance of two arms, by closed-form distances of their capsules."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pushpressslide.robots.kinematics import ArmKinematics
 
 @dataclass(frozen=True)
 class ArmCapsules:
-    """The m capsules that hold one arm, from base to tip."""
+    """The m capsules that enclose one arm, from base to tip."""
 
     kinematics: ArmKinematics
     links: Sequence[str]  # the link of each
@@ -21,7 +21,7 @@ class ArmCapsules:
     radii: Array  # (m,) [m]
 
     def segments(self, postures: Array) -> Array:
-        """Return the ends (k, m, 2, 3) [m] of the axes in postures (k, n)."""
+        """Ends (k, m, 2, 3) [m] of the capsule axes in postures (k, n)."""
         poses = self.kinematics.link_poses(postures)
         R, p = (
             np.stack([poses[link][i] for link in self.links], axis=1) for i in (0, 1)
@@ -33,10 +33,10 @@ class ArmCapsules:
 def least_distance(
     one: ArmCapsules, other: ArmCapsules, postures: Array, others: Array, look: float
 ) -> float:
-    """Return the least distance [m] of two arms over postures (k, n), or (1, n) of an
-    arm that stands still.
+    """Smallest distance [m] of two arms over postures (k, n), or (1, n) of an arm that
+    stands still.
 
-    It is at most ``look``, and negative where the arms intersect.
+    It is at most ``look``, and negative if the arms intersect.
     """
     a = one.segments(postures)
     b = other.segments(others)
@@ -46,8 +46,8 @@ def least_distance(
 def pair_distances(
     one: ArmCapsules, other: ArmCapsules, postures: Array, others: Array, look: float
 ) -> Array:
-    """Return the distances (k, j) [m], at most ``look``, of one arm in postures (k, n)
-    and the other in postures (j, n), each with each.
+    """Distances (k, j) [m], at most ``look``, between each of one arm's postures (k, n)
+    and each of the other's (j, n).
     """
     a = np.repeat(one.segments(postures), len(others), axis=0)
     b = np.tile(other.segments(others), (len(postures), 1, 1, 1))
@@ -58,8 +58,10 @@ def pair_distances(
 def _distances(
     one: Array, other: Array, radii: Array, other_radii: Array, look: float
 ) -> Array:
-    """Return the least distances (k,) [m], at most ``look``, of capsules about axes
-    (k, m, 2, 3) and others; either may be of one posture alone.
+    """Smallest distances (k,) [m], at most ``look``, of capsules about axes (k, m, 2,
+    3) and others.
+
+    Either may be of a single posture.
     """
     a, b = np.broadcast_arrays(one[:, :, None], other[:, None])
     reach = radii[:, None] + other_radii
@@ -80,8 +82,8 @@ def _distances(
 
 
 def _segment_distance(a: Array, b: Array) -> Array:
-    """Return distances (...) [m] of segments (..., 2, 3), of which at least one is no
-    point (Ericson, Real-Time Collision Detection, 5.1.9).
+    """Distances (...) [m] of segments (..., 2, 3), at least one of which has a length
+    (Ericson, Real-Time Collision Detection, 5.1.9).
     """
     u = a[..., 1, :] - a[..., 0, :]
     v = b[..., 1, :] - b[..., 0, :]

@@ -1,4 +1,4 @@
-"""How near an arm may come to what is about it, and what tells how near it is."""
+"""Clearances of an arm to its surroundings, and the interface that measures them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LOOK = 0.08  # [m] larger distances are not computed
 
 @dataclass(frozen=True, slots=True)
 class Gap:
-    """Two shapes, and how near they come."""
+    """Distance between two shapes, and their required clearance."""
 
     distance: float  # [m]
     pair: str  # their names
@@ -30,12 +30,12 @@ class Gap:
 
     @property
     def lack(self) -> float:
-        """By how much they are too near [m]; < 0 where they are not."""
+        """Shortfall of the clearance [m], < 0 if it is kept."""
         return self.allowed - self.distance
 
     @property
     def text(self) -> str:
-        """By how much they are too near, in words."""
+        """Shortfall of the clearance, in words."""
         digits = 0 if self.allowed == CLEARANCE else 1
         return (
             f"{self.pair} come as near as {self.distance * 1e3:.1f} mm, allowed from "
@@ -59,10 +59,10 @@ class Clearance(Protocol):
         touching: bool,
         bodies: Mapping[str, Sequence[Pose2]] | None = None,
     ) -> Gap:
-        """Gap with the least to spare, looked for up to ``LOOK``, over postures (k, n)
-        and object poses X_WG (k).
+        """Tightest gap, searched up to ``LOOK``, over postures (k, n) and object poses
+        X_WG (k).
 
         ``touching``: the tip's sphere touches the object on purpose; this pair is left
-        out. ``bodies``: poses (k each) of movable obstacles by name, by default where
-        the task has them.
+        out. ``bodies``: poses (k each) of movable obstacles by name, by default those
+        of the task.
         """

@@ -21,11 +21,11 @@ SHORTCUTS = 80  # tried on a path
 def connect(
     start: Array, goal: Array, free: Free, lower: Array, upper: Array
 ) -> Array | None:
-    """Return the corners (k, n) of a free path from ``start`` (n,) to ``goal`` (n,), or
-    None if there was none in 1000 samples.
+    """Corners (k, n) of a free path from ``start`` (n,) to ``goal`` (n,). None if 1000
+    samples give no path.
 
-    ``free`` says whether one posture (n,) is free; joints stay within ``lower`` and
-    ``upper`` (n,). The random seed is fixed, so that the result is reproducible.
+    ``free`` is True for a free posture (n,). Joints stay within ``lower`` and ``upper``
+    (n,). The random seed is fixed, so that the result is reproducible.
     """
     if not (free(start) and free(goal)):
         return None
@@ -58,8 +58,8 @@ class _Tree:
         self._parents = [-1]
 
     def grow(self, target: Array, free: Free) -> int | None:
-        """Extend the nearest posture by a stride towards ``target``; return the new
-        posture's number, or None if it is not free.
+        """Extend the nearest posture by a stride towards ``target``. Returns the new
+        posture's index, or None if it is not free.
         """
         near = int(np.abs(np.array(self.postures) - target).max(axis=1).argmin())
         step = target - self.postures[near]
@@ -72,7 +72,7 @@ class _Tree:
         return len(self.postures) - 1
 
     def branch(self, i: int) -> list[Array]:
-        """Return the postures from number ``i`` back to the root."""
+        """Postures from index ``i`` back to the root."""
         out = []
         while i >= 0:
             out.append(self.postures[i])
@@ -81,13 +81,13 @@ class _Tree:
 
 
 def _clear(a: Array, b: Array, free: Free) -> bool:
-    """Return whether the straight line from ``a`` to ``b`` is free, ``a`` given."""
+    """Whether the straight line from ``a`` to ``b`` is free, assuming that ``a`` is."""
     count = max(1, math.ceil(float(np.abs(b - a).max()) / CHECK_STEP))
     return all(free(a + (i / count) * (b - a)) for i in range(1, count + 1))
 
 
 def _shortened(path: list[Array], free: Free, rng: np.random.Generator) -> Array:
-    """Return the path with corners cut wherever the shortcut is free."""
+    """Path with corners cut wherever the shortcut is free."""
     for _ in range(SHORTCUTS):
         if len(path) < 3:
             break

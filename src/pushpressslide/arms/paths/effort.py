@@ -24,13 +24,13 @@ def largest_share(
     postures: Array,
     bodies: Sequence[Pose2],
 ) -> float:
-    """Return the largest torque of any joint along ``postures`` (k, n), as a share of
-    its effort limit.
+    """Largest joint torque along ``postures`` (k, n), as a fraction of the effort
+    limit.
 
     The arm is at rest under gravity and the contact's planned force. A press applies
-    its load, and the drag: alone on the object it drags the centre of pressure the way
-    that goes, beside other contacts any way along the support. A push applies its part
-    of the drag. ``bodies`` are the poses X_WB (k).
+    its load and the drag. If it is alone on the object, the drag is along the motion of
+    the centre of pressure, otherwise in any direction along the support. A push applies
+    its part of the drag. ``bodies`` are the poses X_WB (k).
     """
     frame = plan.task.support.frame
     effort = model.facts.effort_limit
@@ -59,8 +59,8 @@ def largest_share(
 
 
 def _drag_directions(plan: Plan, bodies: Sequence[Pose2]) -> Array:
-    """Return unit vectors (k - 1, 2) along which the object's centre of pressure goes
-    between poses X_WB (k); zero where it stays, as in a turn on the spot.
+    """Unit vectors (k - 1, 2) of the motion of the object's centre of pressure between
+    poses X_WB (k). Zero if it stays, as in a spin.
     """
     presses = [contact for contact in plan.contacts if contact.kind == "top"]
     cop = resting_cop(plan.task.scene, presses)
@@ -70,9 +70,7 @@ def _drag_directions(plan: Plan, bodies: Sequence[Pose2]) -> Array:
 
 
 def _forces(plan: Plan, contact: Contact) -> tuple[float, float]:
-    """Return the largest normal force of a contact, and the largest force along the
-    support that it takes besides [N].
-    """
+    """Largest normal force of a contact, and its largest force along the support [N]."""
     contacts = plan.contacts
     drag = 0.0
     for segment in plan.segments:

@@ -3,9 +3,9 @@
 The tip follows its contact point, and the tool's yaw follows the object, since a tip
 that does not turn with the face rolls along it. Free parameters are the tool's yaw
 relative to the object, its tilt, and the elbow. All combinations of a grid are followed
-by continuation (postures.py), which keeps the elbow away from the joint limits; the
+by continuation (postures.py), which keeps the elbow away from the joint limits. The
 best one that keeps clear of table, object and obstacles is taken. If there is none, the
-nearest misses are refined by trajectory optimisation (refine.py) and judged again. An
+nearest misses are refined by trajectory optimisation (refine.py) and checked again. An
 arm without a contact waits (waiting.py).
 """
 
@@ -78,7 +78,7 @@ class Solution:
 
 @dataclass(frozen=True)
 class SearchResult:
-    """What a search has brought so far."""
+    """Intermediate result of a search."""
 
     solutions: tuple[Solution, ...]  # the preferred first
     # where nothing was found: first the moves that something is in the way of, then
@@ -86,9 +86,10 @@ class SearchResult:
     misses: tuple[Miss, ...] = ()
 
     def best(self, problem: ArmProblem) -> Solution:
-        """Return the preferred joint path.
+        """The preferred joint path.
 
-        Raises InfeasibleTaskError, with what the nearest miss lacks, if there is none.
+        Raises InfeasibleTaskError, with the shortfall of the nearest miss, if there is
+        none.
         """
         if self.solutions:
             return self.solutions[0]
@@ -108,10 +109,10 @@ class SearchResult:
 def joint_path(
     library: ArmLibrary, plan: Plan, arm: int = 0, *, force: bool = False
 ) -> ArmPath:
-    """Return the joint path of one arm, as if it were alone, and its tool's attitude.
+    """Joint path and tool attitude of one arm, ignoring other arms.
 
-    ``force`` takes the best path there is, however bad. Raises InfeasibleTaskError,
-    with the figure that decides, where no tried posture has a path.
+    ``force`` takes the best path available, however bad. Raises InfeasibleTaskError,
+    with the deciding number, if no tried posture has a path.
     """
     problem = ArmProblem(library, plan, arm)
     solution = next(search(problem, force=force)).best(problem)
@@ -119,11 +120,11 @@ def joint_path(
 
 
 def search(problem: ArmProblem, *, force: bool = False) -> Iterator[SearchResult]:
-    """Yield the result after each joint path that is found, the preferred one first.
+    """Yield the result after each new joint path, the preferred one first.
 
-    A search that finds nothing yields one result, with the misses. Arms that are placed
-    barely well enough for the touch, and refined moves, are tried only where the grid
-    has no other joint path. Work is done only for the results that are asked for.
+    A search that finds nothing yields one result, with the misses. Postures of low
+    quality at the touch, and refined moves, are tried only if the grid has no other
+    joint path. The search is lazy: it advances only when the next result is requested.
     """
     stuck = None if force else _stuck(problem)
     if stuck is not None:
@@ -174,8 +175,8 @@ def search(problem: ArmProblem, *, force: bool = False) -> Iterator[SearchResult
 
 
 def _stuck(problem: ArmProblem) -> Miss | None:
-    """Return what is too near an arm where it stands after it has let go, so that no
-    approach can begin there; None if nothing.
+    """Miss of an arm that is blocked at its posture after release, so that no approach
+    can start there, or None.
     """
     if problem.start is None or problem.holds or problem.along is None:
         return None
@@ -197,11 +198,11 @@ def path_of_move(
     thorough: bool = False,
     care: Care = CAREFUL,
 ) -> JointPath | Miss:
-    """Return the whole joint path of a move, its approach included.
+    """Whole joint path of a move, its approach included.
 
-    ``others`` are postures (n,) of further arms that stand still during the approach;
-    ``thorough`` also searches for approaches around what is in the way; ``care`` says
-    how well the arm has to be placed where the touch begins.
+    ``others`` are postures (n,) of further arms that stand still during the approach.
+    ``thorough`` also searches for approaches around obstacles. ``care`` is the required
+    posture quality at the start of the touch.
     """
     posture = move.posture
     along = problem.along
@@ -245,7 +246,9 @@ def _waiting_path(
     force: bool,
     thorough: bool,
 ) -> JointPath | Miss:
-    """Return the path of an arm to where it waits; the rest as in ``path_of_move``."""
+    """Path of an arm to its waiting posture. The other parameters are those of
+    ``path_of_move``.
+    """
     posture = move.posture.q[0]
     clear = problem.waiting_clearance(posture).distance
     start = problem.approach.start_posture
@@ -269,12 +272,12 @@ def _waiting_path(
 
 
 def _standing(posture: Array) -> Trajectory:
-    """Return the approach of an arm that stays in a posture (n,)."""
+    """Approach of an arm that stays in a posture (n,)."""
     return Trajectory(STANDING, np.repeat(posture[None], 2, axis=0))
 
 
 def _model(problem: ArmProblem, others: Mapping[int, Array]) -> Clearance:
-    """Return the arm's clearance model, of further arms that stand still too."""
+    """Clearance model of the arm, including further arms that stand still."""
     if not others:
         return problem.clearance
     return problem.library.clearance(
@@ -299,17 +302,15 @@ def _joint_path(
 
 
 def _approach_clearance(problem: ArmProblem, model: Clearance, postures: Array) -> Gap:
-    """Return the gap with the least to spare: of every eighth posture where that is too
-    small already.
+    """Tightest gap of the approach. A coarse check of every eighth posture decides if
+    that is too small already.
     """
     coarse = problem.approach_clearance(model, postures[::GLANCE])
     return problem.approach_clearance(model, postures) if coarse.clear else coarse
 
 
 def _approach_miss(posture: Posture, descent: Descent, gap: Gap | None) -> Miss:
-    """Return why no approach is clear, or, without a ``gap``, why there is none to
-    judge.
-    """
+    """Miss of a blocked approach, or, without a ``gap``, of a missing one."""
     if gap is None:
         reason = "the arm is stretched too far to feel for it"
         if not descent.retreat.ok:
@@ -325,7 +326,7 @@ def _approach_miss(posture: Posture, descent: Descent, gap: Gap | None) -> Miss:
 
 
 def _contact_miss(problem: ArmProblem, posture: Posture, gap: Gap) -> Miss | None:
-    """Return what a posture lacks along the contact, or None."""
+    """Miss of a posture along the contact, or None."""
     if not gap.clear:
         return Miss(10.0 * gap.lack, gap.text, posture)
     along = problem.along
@@ -346,7 +347,7 @@ def _contact_miss(problem: ArmProblem, posture: Posture, gap: Gap) -> Miss | Non
 
 
 def _rolled(problem: ArmProblem, along: ContactPath, attitude: ToolAttitude) -> float:
-    """Return how far a single press rolls from where it began [m]; else zero."""
+    """Distance [m] that a single press rolls from its start, zero for other contacts."""
     if [contact.kind for contact in problem.plan.contacts] != ["top"]:
         return 0.0
     return attitude.rolled(problem.robot.tip_radius, float(np.ptp(along.tip.yaws)))
@@ -378,14 +379,14 @@ def _candidates(problem: ArmProblem, force: bool) -> Iterator[Move | Miss]:
 
 
 def _kind_of_attitude(option: ToolOption) -> tuple[bool, bool]:
-    """Return whether a tool is tilted, and whether it turns with the object."""
+    """Whether a tool is tilted, and whether it turns with the object."""
     tool, _ = option
     return tool.tilt > 0.0, tool.turns
 
 
 def _refined(problem: ArmProblem, misses: tuple[Miss, ...]) -> Iterator[Solution]:
-    """Yield the joint paths of the nearest misses, made good; none in a search over
-    sequences of motions, where others are tried sooner.
+    """Yield joint paths refined from the nearest misses. Empty in a search over
+    sequences of motions, where other motions are tried instead.
     """
     along = problem.along
     if along is None:
@@ -409,7 +410,7 @@ def _refined(problem: ArmProblem, misses: tuple[Miss, ...]) -> Iterator[Solution
 
 
 def _parked_around(problem: ArmProblem, misses: tuple[Miss, ...]) -> Iterator[Solution]:
-    """Yield paths to where an arm may wait, around what is in the direct way there."""
+    """Yield paths to waiting postures, around obstacles on the direct path."""
     blocked = [miss for miss in misses if miss.in_approach]
     for miss in blocked[:REFINED]:
         move = Move.from_posture(problem.kin, miss.posture)
@@ -419,14 +420,14 @@ def _parked_around(problem: ArmProblem, misses: tuple[Miss, ...]) -> Iterator[So
 
 
 def _with_clearance(problem: ArmProblem, miss: Miss) -> Miss:
-    """Return a miss with the shortfall of its clearance along the contact included."""
+    """The miss with the shortfall of its clearance along the contact included."""
     gap = problem.contact_clearance(miss.posture.q)
     lack = max(miss.shortfall, 10.0 * gap.lack)
     return replace(miss, shortfall=lack)
 
 
 def _diverse(misses: list[Miss]) -> list[Miss]:
-    """Return the nearest misses whose tools are held differently."""
+    """Nearest misses with different tool attitudes."""
     out: list[Miss] = []
     for miss in misses:
         if not any(miss.posture.resembles(chosen.posture) for chosen in out):
@@ -437,9 +438,9 @@ def _diverse(misses: list[Miss]) -> list[Miss]:
 def _refined_move(
     problem: ArmProblem, along: ContactPath, posture: Posture
 ) -> Move | None:
-    """Return an allowed move near a missed posture, or None.
+    """Feasible move near a missed posture, or None.
 
-    The end of the approach is refined with it, so that the arm can draw back.
+    The end of the approach is refined with it, so that the arm can retreat.
     """
     tip = along.tip
     first = tip.positions[0]

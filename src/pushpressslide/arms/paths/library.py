@@ -1,4 +1,4 @@
-"""What a library of rigid bodies does for the search for joint paths."""
+"""Interface of a library of rigid bodies for the search for joint paths."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from pushpressslide.robots.kinematics import ArmKinematics
 
 
 class ArmLibrary(Protocol):
-    """Dynamics, distances and, where it has one, an optimiser of joint paths."""
+    """Dynamics, distances and, if available, an optimiser of joint paths."""
 
     def model(self, robot: Robot) -> ArmModel:
-        """Return the arm's dynamics."""
+        """Arm's dynamics."""
 
     def clearance(self, plan: Plan, arm: int, others: Mapping[int, Array]) -> Clearance:
-        """Return the distances of an arm of a plan; ``others`` are postures (n,) of arms
+        """Clearance model of an arm of a plan. ``others`` are postures (n,) of arms
         that stand still, by index.
         """
 
     def capsules(self, robot: Robot, index: int) -> ArmCapsules:
-        """Return the capsules that hold an arm, the ``index``th of its task."""
+        """Capsules that enclose the ``index``th arm of a task."""
 
     def refined(
         self,
@@ -38,7 +38,9 @@ class ArmLibrary(Protocol):
         margin: float,
         min_distance: float,
     ) -> Posture | None:
-        """Return a posture near ``guess`` that follows a path where the guess just
-        fails, ``margin`` [rad] from the joint limits and ``min_distance`` [m] from everything;
-        None where there is none, or nothing that looks for it.
+        """Posture near ``guess`` that follows a path which the guess just misses. None
+        if there is none, or no optimiser.
+
+        It keeps ``margin`` [rad] from the joint limits and ``min_distance`` [m] from
+        everything.
         """

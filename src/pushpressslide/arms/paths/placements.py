@@ -1,4 +1,4 @@
-"""Joint paths of one placement after the other."""
+"""Joint paths of consecutive placements."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ ROOM = 0.05  # [m] about the object, for errors
 
 
 class PlacementPaths:
-    """Joint paths of placements, each from where the arms let go in the one before."""
+    """Joint paths of placements, each from the arms' postures after the previous
+    release.
+    """
 
     def __init__(
         self,
@@ -27,10 +29,11 @@ class PlacementPaths:
         postures: tuple[Array, ...] | None = None,
         within: Bounds | None = None,
     ) -> None:
-        """Begin without a placement; ``force`` takes the best paths there are.
+        """Start without a placement. ``force`` takes the best paths available.
 
-        ``postures`` (n,) [rad] are where the arms begin, None for their ready postures;
-        ``within`` [m] bounds where the object may be led: x_min, x_max, y_min, y_max.
+        ``postures`` (n,) [rad] are the initial ones of the arms, None for their ready
+        postures. ``within`` [m] bounds the region of the object: x_min, x_max, y_min,
+        y_max.
         """
         self.library = library
         self.force = force
@@ -42,8 +45,8 @@ class PlacementPaths:
     def add(self, placement: Plan) -> None:
         """Add the plan of one more placement.
 
-        One that goes on with all contacts of the placement before it lengthens that.
-        Raises InfeasibleTaskError as ``joint_paths``.
+        A placement that keeps all contacts of the previous one extends it. Raises
+        InfeasibleTaskError as ``joint_paths`` does.
         """
         if self.within is not None:
             _check_bounds(placement, self.within)
@@ -75,7 +78,7 @@ class PlacementPaths:
         self.paths = self.paths[:count]
 
     def after(self) -> PlacementPaths:
-        """Return an empty preparation from where the arms are after all placements."""
+        """An empty preparation from the state of the arms after all placements."""
         postures = self.postures
         if self.plans:
             postures = drawn_back(self.paths[-1])
@@ -83,7 +86,7 @@ class PlacementPaths:
 
 
 def _check_bounds(placement: Plan, within: Bounds) -> None:
-    """Raise InfeasibleTaskError where a plan leads the object beyond ``within``."""
+    """Raise InfeasibleTaskError if a plan leads the object beyond ``within``."""
     low_x, high_x, low_y, high_y = within
     x_min, x_max, y_min, y_max = reached_bounds(placement, ROOM)
     beyond = max(low_x - x_min, x_max - high_x, low_y - y_min, y_max - high_y)
@@ -95,8 +98,8 @@ def _check_bounds(placement: Plan, within: Bounds) -> None:
 
 
 def reached_bounds(plan: Plan, margin: float) -> Bounds:
-    """Return x_min, x_max, y_min, y_max [m] of what the object covers on its planned
-    way, and ``margin`` [m] about it.
+    """Bounds x_min, x_max, y_min, y_max [m] of the object's footprint along its planned
+    path, enlarged by ``margin`` [m].
     """
     poses = [plan.true_start]
     for segment in plan.segments:

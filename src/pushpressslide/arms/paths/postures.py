@@ -1,5 +1,5 @@
-"""Moves of an arm whose tip follows a contact: candidates from a grid of tool attitudes,
-by continuation, and how far from allowed the others are.
+"""Moves of an arm whose tip follows a contact: candidates from a grid of tool
+attitudes, by continuation, and the shortfalls of the others.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Posture:
     q: Array  # (k, n)
 
     def resembles(self, other: Posture) -> bool:
-        """Return whether the tool is held much as in another posture."""
+        """Whether the tool attitude is similar to that of another posture."""
         mine = self.attitude
         theirs = other.attitude
         turn = self.offset - other.offset
@@ -77,7 +77,7 @@ def _size(angle: float) -> float:
 
 @dataclass(frozen=True)
 class Move:
-    """A posture along the contact, with the figures that it is judged by."""
+    """A posture along the contact, with the figures of its evaluation."""
 
     posture: Posture
     margin: float  # [rad] least, to a joint limit
@@ -87,7 +87,7 @@ class Move:
 
     @classmethod
     def from_posture(cls, kin: ArmKinematics, posture: Posture) -> Move:
-        """Return the move with its figures."""
+        """The move with its figures."""
         q = posture.q
         return cls(
             posture,
@@ -99,7 +99,7 @@ class Move:
 
     @property
     def allowed(self) -> bool:
-        """Whether all figures are within their limits; the tip's error is not checked."""
+        """Whether all figures are within their limits. The tip's error is not checked."""
         return (
             self.margin >= JOINT_MARGIN
             and self.condition < CONDITION_LIMIT
@@ -108,7 +108,7 @@ class Move:
 
     @property
     def score(self) -> float:
-        """Figure of merit: joint margin, saturated, less penalties for nearness to a
+        """Figure of merit: saturated joint margin, minus penalties for nearness to a
         singularity, for tilt and for distance from home.
         """
         safe = min(self.margin, 0.4) - 0.01 * self.condition
@@ -117,7 +117,7 @@ class Move:
 
 @dataclass(frozen=True)
 class Miss:
-    """A posture that is not allowed."""
+    """A posture that is not feasible."""
 
     # mean violation over the path, in radians and tenths of a metre
     shortfall: float
@@ -130,8 +130,8 @@ class Miss:
 def tool_attitude(
     kin: ArmKinematics, q: Array, axes: Matrix3
 ) -> tuple[ToolAttitude, float]:
-    """Return the tool's attitude about a support's ``axes``, and its yaw [rad], in
-    posture ``q`` (n,).
+    """Tool attitude about a support's ``axes``, and its yaw [rad], in posture ``q``
+    (n,).
     """
     R = np.asarray(kin.tip_pose(q)[0])
     x, y, z = R[:, 2] @ np.array(axes)
@@ -143,9 +143,7 @@ def tool_attitude(
 def continued_moves(
     kin: ArmKinematics, tip: TipPath, q: Array, axes: Matrix3, *, force: bool
 ) -> list[Move | Miss]:
-    """Return the one move along a tip path that begins in posture ``q`` (n,), or what
-    it lacks.
-    """
+    """The one move along a tip path that starts in posture ``q`` (n,), or its miss."""
     attitude, yaw = tool_attitude(kin, q, axes)
     held = [(attitude, yaw - float(tip.yaws[0]))]
     allowed, misses = _followed(kin, tip, held, q[None], force)
@@ -161,7 +159,7 @@ def continued_moves(
 def moves(
     kin: ArmKinematics, tip: TipPath, options: Sequence[ToolOption], *, force: bool
 ) -> tuple[list[Move], list[Move], list[Miss]]:
-    """Return good moves along a tip path, moves with a worse condition, and misses.
+    """Good moves along a tip path, moves with a worse condition, and misses.
 
     Good moves are grouped by attitude in the order of ``options``, each group best
     first. All options are followed at once; ``force`` allows all of them.
@@ -187,7 +185,7 @@ def moves(
 def _first_postures(
     kin: ArmKinematics, tip: TipPath, i: int, tools: Sequence[HeldTool]
 ) -> IkSolution:
-    """Return postures at sample ``i`` of a tip path, one for each of b held tools."""
+    """Postures at sample ``i`` of a tip path, one for each of b tool attitudes."""
     yaw = tip.yaws[i]
     rotations = np.array([tool.rotation_at(yaw + offset) for tool, offset in tools])
     positions = np.tile(tip.positions[i], (len(tools), 1))
@@ -203,9 +201,10 @@ def _followed(
     start_postures: Array,
     force: bool,
 ) -> tuple[list[Move], list[Miss]]:
-    """Follow a tip path with b held tools from postures (b, n); moves come best first.
+    """Moves and misses along a tip path with b tool attitudes from postures (b, n),
+    best first.
 
-    Tools that are far off somewhere on a coarser path are followed no closer.
+    Attitudes that are far off on a coarser path are not followed on the fine one.
     """
     k = len(tip.yaws)
     coarse = np.unique(np.append(np.arange(0, k, GLANCE), k - 1))
@@ -240,8 +239,8 @@ def _continued(
     tools: Sequence[HeldTool],
     start_postures: Array,
 ) -> Sequence[Continuation]:
-    """Return the joint paths of b held tools along some samples of a tip path, from
-    postures (b, n).
+    """Joint paths of b tool attitudes along some samples of a tip path, from postures
+    (b, n).
     """
     if not tools:
         return ()
@@ -256,7 +255,7 @@ def _continued(
 def _lost(
     tip: TipPath, samples: NDArray[np.intp], tools: HeldTool, path: Continuation
 ) -> Miss:
-    """Return the miss of a tool that is far off on some ``samples`` of a tip path."""
+    """Miss of a tool attitude that is far off on some ``samples`` of a tip path."""
     tool, offset = tools
     every = np.arange(len(tip.yaws))
     q = np.column_stack([np.interp(every, samples, column) for column in path.q.T])
@@ -265,7 +264,7 @@ def _lost(
 
 
 def shortfall(path: Continuation, count: int | None = None) -> float:
-    """Return the mean violation of a path, or of its first ``count`` samples."""
+    """Mean violation of a path, or of its first ``count`` samples."""
     steps = np.append(0.0, np.abs(np.diff(path.q, axis=0)).max(axis=1))
     violation = (
         10.0 * path.position_residual
@@ -278,7 +277,7 @@ def shortfall(path: Continuation, count: int | None = None) -> float:
 
 
 def problem_text(path: Continuation, positions: Array) -> str:
-    """Return in one line why a path is not allowed."""
+    """Reason in one line why a path is not feasible."""
     if path.failed_at is None:
         return f"condition number {path.condition:.0f} of the Jacobian, allowed below {CONDITION_LIMIT:.0f}"
     i = path.failed_at
@@ -301,12 +300,12 @@ def problem_text(path: Continuation, positions: Array) -> str:
 def tool_options(
     azimuths: Sequence[float], yaw: float, axes: Matrix3, *, rolls: bool
 ) -> list[ToolOption]:
-    """Return tool attitudes with their yaw offsets (b,) [rad], the preferred first.
+    """Tool attitudes with their yaw offsets (b,) [rad], the preferred first.
 
     The tip may lean to ``azimuths`` [rad] when the object is at ``yaw`` [rad], in the
-    middle of its path; ``axes`` are the support's. ``rolls``: a tool that leans in one
-    direction all the time would roll its tip over the object, so that a tool that turns
-    with the object is preferred.
+    middle of its path; ``axes`` are the support's. ``rolls``: a tool with a constant
+    lean would roll its tip over the object, so that a tool that turns with the object
+    is preferred.
     """
     fixed = [
         (ToolAttitude(tilt, azimuth, axes), YAW_OFFSETS)
@@ -328,7 +327,7 @@ def tool_options(
 
 
 def _offsets_behind(side: float, yaw: float, azimuths: Sequence[float]) -> Array:
-    """Return the yaw offsets at which a turning tool leans back from its contact."""
+    """Yaw offsets at which a turning tool leans back from its contact."""
     off = np.array(
         [
             [math.remainder(o + side + yaw - a, math.tau) for a in azimuths]

@@ -1,5 +1,7 @@
-"""Where an arm without a contact waits while another moves the object: where it is, if
-that is out of the way; else it is parked at its home posture, or elsewhere.
+"""Waiting posture of an arm without a contact while another moves the object.
+
+It stays in place if that is out of the way; otherwise it is parked at its home posture,
+or elsewhere.
 """
 
 from __future__ import annotations
@@ -22,8 +24,8 @@ def waiting_moves(problem: ArmProblem, *, force: bool = False) -> Iterator[Move 
     """Yield the postures in which an arm may wait, the preferred first, and the misses
     between.
 
-    Those with room about them come before those that are merely clear; with ``force``
-    the last is where the arm is, however bad.
+    Those with ample clearance come before those that are merely clear. With ``force``
+    the last is the present posture, however bad.
     """
     start = problem.approach.start_posture
     home = problem.kin.facts.home
@@ -48,6 +50,6 @@ def waiting_moves(problem: ArmProblem, *, force: bool = False) -> Iterator[Move 
 
 
 def _still(problem: ArmProblem, q: Array) -> Move:
-    """Return a posture (n,) that is kept while the object is moved."""
+    """Move that keeps a posture (n,) while the object moves."""
     still = np.repeat(q[None], len(problem.object_path.shapes), axis=0)
     return Move.from_posture(problem.kin, Posture(UPRIGHT, 0.0, still))

@@ -1,1 +1,1 @@
-"""What several modes share, and is none."""
+"""Parts shared by several modes. No file here is a mode."""

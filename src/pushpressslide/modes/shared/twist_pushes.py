@@ -1,5 +1,5 @@
-"""Two pushes that drive the object by twists of their cone: the path's choice, the law
-and the continuation.
+"""Two pushes that drive the object by twists of their cone: choice of the path,
+tracking law and continuation.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ class TwistPushes(Mode[CarDrive | TwistDrive]):
     """A mode of two pushes whose segments may have a TwistDrive."""
 
     def tracker(self, query: MotionQuery, segment: Segment) -> Tracker:
-        """Return the holonomic law for a segment, corrected within the cone of a
-        part of the friction.
+        """Holonomic law for a segment, with corrections inside the cone of a fraction
+        of the friction.
         """
         drive = segment.drive
         assert isinstance(drive, TwistDrive)
@@ -53,7 +53,7 @@ class TwistPushes(Mode[CarDrive | TwistDrive]):
     def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> Continuation | None:
-        """Return the continuation by twists within the cone of the true contacts."""
+        """Continuation by twists within the cone of the measured contacts."""
         drive = segment.drive
         assert isinstance(drive, TwistDrive)
         contacts = measured.contacts
@@ -66,15 +66,18 @@ class TwistPushes(Mode[CarDrive | TwistDrive]):
 def within_reach(
     query: MotionQuery, placements: Sequence[tuple[Contact, ...]]
 ) -> list[tuple[Contact, ...]]:
-    """Return the placements of two contacts that two arms reach at start and goal, as
-    the tables know, for one of the many motions of a search; else all of them.
+    """Placements of two contacts that two arms reach at start and goal, by the reach
+    tables.
+
+    The filter applies to the many motions of a search over sequences; otherwise all
+    placements.
     """
     if not query.from_search:
         return list(placements)
     feasibility = Feasibility(query)
 
     def reached(contacts: Sequence[Contact]) -> bool:
-        """Return whether two arms reach two contacts."""
+        """Whether two arms reach two contacts."""
         return any(
             all(map(feasibility.reach_ends, given_to(contacts, arms)))
             for arms in ((0, 1), (1, 0))
@@ -84,12 +87,14 @@ def within_reach(
 
 
 def exact_margin(scene: Scene, contacts: Sequence[Contact]) -> Margin:
-    """Return how far inside the cone of ``contacts`` [rad] a twist is, by the limit
-    surface that touches at that twist; far outside where it tips the object.
+    """Function from a twist to its margin [rad] inside the cone of ``contacts``, by the
+    limit surface that touches at that twist.
+
+    The margin is far outside if the twist tips the object.
     """
 
     def margin(rate: TwistRate) -> float:
-        """Return the margin of a twist."""
+        """Margin of a twist."""
         try:
             surface = push_surface(scene, contacts[0].height, Twist(*rate))
         except ValueError:
@@ -107,8 +112,8 @@ def driven_by_twists(
     cone: TwistCone,
     push: float = 0.0,
 ) -> Choice:
-    """Return a choice with a path of twists in the cone of its contacts, which push
-    with up to ``push`` [N].
+    """Choice with a path of twists in the cone of its contacts, which push with up to
+    ``push`` [N].
     """
     margin = least_cone_margin(path, cone)
     drive = TwistDrive(cone.surface, path.radius, push)
@@ -124,7 +129,7 @@ def driven_by_twists(
 
 
 def in_free_arms(scene: Scene, choice: Choice) -> list[Choice]:
-    """Return a choice for each way to give its contacts to arms that do not cross."""
+    """One choice for each assignment of its contacts to arms that do not cross."""
     (segment,) = choice.segments
     length = segment.path.length
     poses = [segment.body_pose(share * length) for share in (0.0, 0.5, 1.0)]

@@ -1,6 +1,4 @@
-"""What dragging an object by two contacts that hold it takes: of the contacts'
-friction, and of the base under it.
-"""
+"""Friction utilisation and tipping margin of an object that two contacts drag."""
 
 from __future__ import annotations
 
@@ -49,8 +47,8 @@ def held_drag(
     point: Point,
     allocator: AllocatorAbout,
 ) -> HeldDrag:
-    """Return what dragging ``point`` [m] in B along its path by two presses is like.
-    Raises ValueError where the object tips.
+    """Drag of an object whose ``point`` [m] in B two presses lead along its path.
+    Raises ValueError if the object tips.
     """
     height = scene.body.shape.height
     twist = path.initial_twist(point)
@@ -86,18 +84,18 @@ def pinned_drag(
     twist: Twist,
     allocator: AllocatorAbout,
 ) -> PinnedDrag:
-    """Return what dragging with ``twist`` by a press and a push is like. Raises
-    ValueError where the object tips.
+    """Drag of an object that a press and a push lead with ``twist``. Raises ValueError
+    if the object tips.
     """
     press, push = contacts
     load = scene.weight_on + press.load
 
     def forces(wrench: Wrench) -> Allocation:
-        """Return the contact forces of a wrench."""
+        """Contact forces of a wrench."""
         return allocator(wrench.about)(wrench.fx, wrench.fy, wrench.tau)
 
     def shift(wrench: Wrench) -> Point:
-        """Return how far [m] the contact forces move the centre of pressure."""
+        """Shift [m] of the centre of pressure by the contact forces."""
         (ax, ay), (bx, by) = forces(wrench).forces
         h1 = press.height / load
         h2 = push.height / load
@@ -119,8 +117,11 @@ def _utilisation(
     allocation: Allocation,
     surface: DraggedSurface,
 ) -> float:
-    """Return the largest friction utilisation of presses, the first of the contacts of
-    an allocation, scaled up by the share of the wanted wrench that it could not give.
+    """Largest friction utilisation of the presses, which are the first contacts of an
+    allocation.
+
+    It is scaled up by the share of the wanted wrench that the allocation could not
+    realise.
     """
     upper = max(
         hypot(*force) / (mu * press.load)

@@ -1,5 +1,5 @@
-"""An object that one press drives as one vehicle: the segments to a goal, and the rest
-of one from where object and contact really are.
+"""An object that one press drives as one vehicle: the segments to a goal, and their
+continuation from a measured state.
 
 Source: docs/mechanics.md, sections 2 and 4.
 """
@@ -56,7 +56,7 @@ FEW = 10  # vehicles that are tried for one motion of a sequence
 
 @dataclass(frozen=True, slots=True)
 class Press:
-    """One contact with its load, and how it drives the object."""
+    """One contact with its load, direction and steering limits."""
 
     contact: Contact
     backward: bool
@@ -67,7 +67,7 @@ class Press:
 
 
 def driven_choice(query: MotionQuery, mode: str, press: Press) -> Choice:
-    """Evaluate one press and direction without the arm's reach."""
+    """Evaluate one press and direction, without the arm's reach."""
     contact = press.contact
     how = "pushed" if press.backward else "pulled"
     if query.motion.vehicle == "pivot":
@@ -103,8 +103,8 @@ def driven_choice(query: MotionQuery, mode: str, press: Press) -> Choice:
 def _driven_segments(
     query: MotionQuery, mode: str, press: Press, vehicle: PressedVehicle
 ) -> tuple[float, tuple[Segment, ...]]:
-    """Return a tool's drag [N], and the segments: a turn on the spot, or a drive.
-    Raises RefusedError where there is none.
+    """Drag of a tool [N], and the segments: a spin in place, or a drive. Raises
+    RefusedError if there are none.
     """
     if query.motion.vehicle == "pivot":
         pushed = _tool_drag(query, vehicle)
@@ -118,8 +118,8 @@ def _driven_segments(
 def _spin(
     query: MotionQuery, mode: str, contact: Contact, vehicle: PressedVehicle
 ) -> Segment:
-    """Return the segment that turns the object on the spot. Raises RefusedError
-    where the goal is elsewhere.
+    """Segment that spins the object in place. Raises RefusedError if the goal is
+    elsewhere.
     """
     X_BV = vehicle.X_BV
     start, goal = (X_WB.compose(X_BV) for X_WB in query.body_ends)
@@ -140,8 +140,8 @@ def _spin(
 def _drive(
     query: MotionQuery, mode: str, press: Press, vehicle: PressedVehicle, returns: bool
 ) -> tuple[Segment, ...]:
-    """Return the segments of a path of one vehicle; ``returns``: it can go back.
-    Raises RefusedError where there is only a loop.
+    """Segments of a path of one vehicle, which may back up if ``returns``. Raises
+    RefusedError if every path has a loop.
     """
     motion = query.motion
     car = vehicle.car
@@ -177,7 +177,7 @@ def _route(
     look_ahead: float,
     returns: bool,
 ) -> PressedRoute:
-    """Return the path to the goal, straight back first where that helps."""
+    """Path to the goal, backing up straight first if that helps."""
     straight = 0.0
     if query.tool is not None:
         straight = query.tool.straight
@@ -202,8 +202,8 @@ def _route(
 
 
 def _tool_drag(query: MotionQuery, vehicle: PressedVehicle) -> float:
-    """Return what a body pushed by the object adds to the drag [N]. Raises RefusedError
-    where the object drives askew to its pushing face.
+    """Drag [N] added by a body that the object pushes. Raises RefusedError if the
+    object drives askew to its pushing face.
     """
     drag, skew = tool_load(query, vehicle.X_BV.yaw)
     if skew > margins.ASKEW:
@@ -218,11 +218,11 @@ def _tool_drag(query: MotionQuery, vehicle: PressedVehicle) -> float:
 def vehicle_choices(
     query: MotionQuery, mode: str, placements: PressPlacements
 ) -> list[Choice]:
-    """Return for each contact and direction the choice with the safest load that does
-    not tip the object, steered straight.
+    """For each contact and direction, the choice with the safest load that does not tip
+    the object, planned for straight steering.
 
-    In a search over sequences only those that head for the goal most nearly: there are
-    other motions.
+    In a search over sequences, only the choices that head most nearly for the goal:
+    there are other motions.
     """
     directions = DIRECTIONS[query.motion.vehicle or "unicycle"]
     pairs = list(product(placements.contacts, directions))
@@ -242,8 +242,8 @@ def vehicle_choices(
 
 
 def _askew(ends: Ends, contact: Contact, backward: bool) -> float:
-    """Return about by how much [rad] a vehicle heads past the goal at its start, and
-    comes from aside at the goal, in all.
+    """Rough sum [rad] of the angles between the vehicle's heading and the bearing of
+    the goal, at start and goal.
     """
     start, goal = ends
     bearing = math.atan2(goal.y - start.y, goal.x - start.x)
@@ -255,8 +255,8 @@ def _askew(ends: Ends, contact: Contact, backward: bool) -> float:
 
 
 def with_turns(query: MotionQuery, choice: Choice, min_angle: float) -> Choice:
-    """Return a choice planned with the axle of its turns; refused if it is steered like
-    a unicycle by less than ``min_angle`` [rad] only.
+    """The choice planned with the axle of its turns. Refused if it can be steered like
+    a unicycle by less than ``min_angle`` [rad].
     """
     drive = choice.segments[-1].drive
     if not isinstance(drive, UnicycleDrive):
@@ -282,8 +282,8 @@ def with_turns(query: MotionQuery, choice: Choice, min_angle: float) -> Choice:
 def driven_anew(
     query: MotionQuery, mode: str, contact: Contact, drive: UnicycleDrive
 ) -> Choice:
-    """Return the choice to go back first and then to the goal as one vehicle, with the
-    contact that the object was driven with.
+    """Choice that backs up first and then drives to the goal as one vehicle, with the
+    current contact.
     """
     steepest = drive.steepest
     angle = margins.PLANNED_STEERING * steepest
@@ -298,9 +298,10 @@ def steered_path(
     longest: float,
     turning: float,
 ) -> MotionPath:
-    """Return the gentlest path of ``drive`` between its ``ends``, of up to ``longest``
-    [m], that turns by about ``turning`` [rad]; straight ahead where steering along a
-    run-in is enough.
+    """Gentlest path of ``drive`` between its ``ends``, of at most ``longest`` [m], that
+    turns by about ``turning`` [rad].
+
+    A straight path if steering along a run-in is enough.
     """
     aside = margins.CORRECTED * body.radius
     start, goal = ends

@@ -1,6 +1,7 @@
 """Manoeuvres of a pressed object: up to three turns, each by a force at one angle, and
-a straight run-in on which what error there is decays. For goals that no path of one
-vehicle leads to.
+a straight run-in.
+
+They reach goals that no path of one vehicle leads to. Errors decay on the run-in.
 
 Source: docs/mechanics.md, sections 1.2, 2 and 4.
 """
@@ -45,7 +46,9 @@ class DrivenTurn:
 
     @property
     def look_ahead(self) -> float:
-        """A third of the vehicle's length, more where all steering corrects little [m]."""
+        """Look-ahead [m]: a third of the vehicle's length, or more if full steering
+        corrects little.
+        """
         press = self.turn.press
         wheelbase = abs(self.turn.effective_wheelbase)
         upper = min(self.turn.left, -self.turn.right)
@@ -55,7 +58,7 @@ class DrivenTurn:
         return margins.ARM.look_ahead(length, self.most_speed, lower)
 
     def drive(self, max_friction: float, last: bool) -> TurnDrive:
-        """Return the turn as a drive; ``last``: it is the run-in."""
+        """The turn as a drive. ``last`` marks the run-in."""
         turn = self.turn
         press = turn.press
         X_BV = turn.X_BV
@@ -91,7 +94,7 @@ class DrivenTurn:
 
 @dataclass(frozen=True, slots=True)
 class Manoeuvre:
-    """Turns one after the other, the last one the run-in, and how long they take."""
+    """Turns in order, the last one the run-in, and their total time."""
 
     contact: Contact
     start: Pose2  # X_WB
@@ -104,7 +107,7 @@ class Manoeuvre:
 
     @property
     def driven_turns(self) -> list[DrivenTurn]:
-        """The paths of the turns' axles."""
+        """The turns with the paths of their axles."""
         out = []
         X = self.start
         for turn, speed, arc in self.arcs[:-1]:
@@ -118,7 +121,7 @@ class Manoeuvre:
         return [*out, DrivenTurn(turn, path, self.goal, speed, self.most_speed)]
 
     def choice(self, query: MotionQuery, mode: str) -> Choice:
-        """Return it as a choice of ``mode``, a segment for each turn."""
+        """The manoeuvre as a choice of ``mode``, with a segment for each turn."""
         scene = query.scene
         contact = self.contact
         utilisation = press_utilisation(scene, contact.load)
@@ -162,9 +165,10 @@ def pressed_manoeuvres(
     contacts: Sequence[Contact],
     swing: float = math.inf,
 ) -> list[Manoeuvre]:
-    """Return manoeuvres from ``X_WB`` to the goal of ``query``, the quickest first, by a
-    press at one of ``contacts``; ``swing`` [rad]: how far the object may be turned from
-    where it is meanwhile.
+    """Manoeuvres from ``X_WB`` to the goal of ``query`` by a press at one of
+    ``contacts``, the quickest first.
+
+    ``swing`` [rad] limits the rotation of the object from its present yaw.
     """
     _, goal = query.body_ends
     out = []
@@ -179,7 +183,7 @@ def pressed_manoeuvres(
 
 @dataclass(frozen=True, slots=True)
 class _RunIn:
-    """A straight end that leads to the goal."""
+    """A straight final segment that leads to the goal."""
 
     turn: PressedTurn
     speed: float  # [m/s]
@@ -193,7 +197,7 @@ def _by_press(
     turns: Sequence[PressedTurn],
     swing: float,
 ) -> list[Manoeuvre]:
-    """Return the quickest manoeuvres of one press with each of its run-ins."""
+    """Quickest manoeuvres of one press, for each of its run-ins."""
     X_WB, goal = ends
     most_speed = query.motion.speed
     run_ins = _run_ins(query.scene, most_speed, goal, turns)
@@ -230,25 +234,25 @@ def _by_press(
 
 
 def pause(motion: Motion) -> float:
-    """Return the time [s] that a turn takes besides: it begins and ends at rest."""
+    """Extra time [s] of a turn, which starts and ends at rest."""
     return margins.REST_TO_REST * motion.speed / motion.acceleration
 
 
 def narrow(body: ObjectModel, speed: float) -> float:
-    """Return the time [s] that a turn has to save to be taken that leaves little
-    steering to correct it; at ``speed`` [m/s].
+    """Time [s] that a turn with little steering reserve has to save at ``speed`` [m/s]
+    to be preferred.
     """
     return margins.NARROW * body.radius / speed
 
 
 def straightest(body: ObjectModel) -> float:
-    """Return the curvature [1/m] of straight turns, that have a centre far away."""
+    """Curvature [1/m] below which a turn counts as straight, with a distant centre."""
     return margins.STRAIGHTEST / body.radius
 
 
 def _both_ways(turns: Sequence[PressedTurn], straight: float) -> list[PressedTurn]:
-    """Return turns, and those of less curvature than ``straight`` [1/m] bent to their
-    other side besides.
+    """The turns, and a copy bent to the other side of each with a curvature below
+    ``straight`` [1/m].
     """
     others = [turn for turn in turns if abs(turn.curvature) < straight]
     return [*turns, *(replace(turn, curvature=-turn.curvature) for turn in others)]
@@ -257,8 +261,8 @@ def _both_ways(turns: Sequence[PressedTurn], straight: float) -> list[PressedTur
 def _run_ins(
     scene: Scene, max_length: float, goal: Pose2, turns: Sequence[PressedTurn]
 ) -> list[_RunIn]:
-    """Return the straight turns that can be corrected well, as long as they may be, at
-    up to ``max_length`` [m/s].
+    """Run-ins along the straight turns that leave enough steering to correct, at up to
+    ``max_length`` [m/s].
     """
     out = []
     for turn in turns:
@@ -271,7 +275,7 @@ def _run_ins(
 
 
 def _staging(X_WB: Pose2, goal: Pose2, run_in: _RunIn) -> Pose2:
-    """Return the pose in B from which a run-in leads to ``goal``."""
+    """Pose in B from which a run-in leads to ``goal``."""
     yaw = run_in.turn.X_BV.yaw
     length = run_in.length
     back = Pose2(-length * math.cos(yaw), -length * math.sin(yaw), 0.0)
@@ -280,7 +284,7 @@ def _staging(X_WB: Pose2, goal: Pose2, run_in: _RunIn) -> Pose2:
 
 
 def _straight(turn: PressedTurn) -> bool:
-    """Whether it is by a force along the heading axis."""
+    """Whether the turn is driven by a force along the heading axis."""
     return abs(math.remainder(turn.angle, math.pi)) < 1e-6
 
 
@@ -290,8 +294,8 @@ def _speed(speed: float, turn: PressedTurn) -> float:
 
 
 def as_driven(curvature: float, like: float, straight: float) -> float:
-    """Return a turn's curvature [1/m] as it is driven: at least ``straight`` [1/m], on
-    the side of ``like``; a turn straight on has a centre far away.
+    """Curvature [1/m] as driven: of at least ``straight`` [1/m], on the side of
+    ``like``. A straight turn has a distant centre.
     """
     if abs(curvature) >= straight:
         return curvature

@@ -1,4 +1,4 @@
-"""The choices of manoeuvres for a task, the safest press first."""
+"""Manoeuvre choices of a task, the safest press first."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ def manoeuvre_choices(
     enough: int,
     path_refusal: Callable[[Choice], Refusal | None],
 ) -> list[Choice]:
-    """Return manoeuvres until ``enough`` are feasible, in the order of ``turning``: one
-    per contact, then others, each by either arm; then the contacts that were skipped.
+    """Manoeuvres in the order of ``turning``, until ``enough`` are feasible.
 
-    In a search over sequences a contact that was out of reach on its way is not pressed
-    harder or less, and few are tried: there are other motions.
+    First one per contact, then others, each by either arm, then the contacts that were
+    skipped. In a search over sequences, a contact that was out of reach is not tried
+    with other loads, and few are tried: there are other motions.
     """
     ends = query.body_ends
     X_WB, _ = ends
@@ -74,7 +74,7 @@ def _ranked(
     contacts: Sequence[Contact],
     tried: Sequence[Choice],
 ) -> dict[Contact, float]:
-    """Return the contacts to try in their order, with about the time [s] of each."""
+    """Contacts in the order to try them, with the estimated time [s] of each."""
     if not query.from_search:
         return by_time(query, X_WB, contacts)
     ranked = by_time(query, X_WB, _still_reached(contacts, tried))
@@ -84,7 +84,7 @@ def _ranked(
 def _manoeuvres(
     query: MotionQuery, X_WB: Pose2, contacts: Sequence[Contact]
 ) -> Iterator[Manoeuvre]:
-    """Yield the manoeuvres to try, in their order."""
+    """Yield the manoeuvres to try, in order."""
     every = soonest(query, X_WB, contacts)
     return islice(every, TRIED) if query.from_search else every
 
@@ -92,7 +92,7 @@ def _manoeuvres(
 def _still_reached(
     contacts: Sequence[Contact], tried: Sequence[Choice]
 ) -> list[Contact]:
-    """Return the contacts whose places were not out of reach in all that was tried."""
+    """Contacts whose places were within reach in at least one trial, or not tried."""
     lost: dict[Point, bool] = {}
     for choice in tried:
         point = choice.contacts[0].point
@@ -102,12 +102,12 @@ def _still_reached(
 
 
 def _press(contact: Contact) -> tuple[Point, float]:
-    """Return where [m] and how hard [N] a contact presses, whichever arm does it."""
+    """Place [m] and load [N] of a press, without its arm."""
     return contact.point, contact.load
 
 
 def _skipped(motion: Motion, mode: str, contact: Contact, time: float) -> Choice:
-    """Return the choice of a contact for which no manoeuvre was planned; it takes about
+    """Choice of a contact for which no manoeuvre was planned, with its estimated
     ``time`` [s].
     """
     return Choice(

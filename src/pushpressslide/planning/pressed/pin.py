@@ -1,4 +1,4 @@
-"""Where an object is pinned that turns about a pressed point, and how hard."""
+"""Place and load of the press about which an object turns."""
 
 from __future__ import annotations
 
@@ -22,11 +22,10 @@ LEAST_TURN = math.radians(3.0)  # of a goal
 def least_pin_load(
     dragged: Callable[[float], PinnedDrag], cap: float, uses: Sequence[float]
 ) -> float:
-    """Return the load to press with [N], the least that takes the best of ``uses`` of
-    the friction; ``cap`` [N] where none is safe. ``dragged`` says what dragging with a
-    load [N] is like.
+    """Smallest press load [N] that meets the strictest achievable friction utilisation
+    of ``uses``. It is ``cap`` [N] if none is met.
 
-    Raises ValueError where the object tips.
+    ``dragged`` maps a load [N] to the drag. Raises ValueError if the object tips.
     """
     hardest = dragged(cap).friction_utilisation
     allowed = next((share for share in uses if hardest <= share), None)
@@ -46,8 +45,8 @@ def least_pin_load(
 def pin_refusal(
     cap: float, load: float, drag: PinnedDrag, allowed: float
 ) -> Refusal | None:
-    """Return what stands against a press of ``load`` [N] where a contact may have up to
-    ``cap`` [N], and take the ``allowed`` share of its friction; None if nothing.
+    """Refusal of a press of ``load`` [N], or None. ``cap`` [N] is the largest load,
+    ``allowed`` the largest friction utilisation.
     """
     utilisation = drag.friction_utilisation
     push = drag.forces.normals[1]
@@ -68,8 +67,8 @@ def pin_refusal(
 
 
 def pin_of(query: MotionQuery) -> Point:
-    """Return the point to press [m] in B. Raises RefusedError where the goal is not
-    turned about one that can be.
+    """Point to press [m] in B. Raises RefusedError if the goal is not a turn about a
+    point that can be pressed.
     """
     body = query.body
     start, goal = query.body_ends

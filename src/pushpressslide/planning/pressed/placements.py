@@ -1,4 +1,4 @@
-"""Where and how hard one arm may press an object that it slides."""
+"""Places and loads at which one arm may press an object that it slides."""
 
 from __future__ import annotations
 
@@ -20,15 +20,17 @@ from pushpressslide.rom.drives import ORIGIN
 
 @dataclass(frozen=True, slots=True)
 class PressPlacements:
-    """The places and loads that a task allows for the press."""
+    """Places and loads of the press that a task allows."""
 
     contacts: tuple[Contact, ...]  # without loads, one for each place
     loads: tuple[float, ...]  # [N], the safest first
 
     def turning(self, scene: Scene) -> list[list[Contact]]:
-        """Return the presses on the top that turn the object, those far enough off its
-        CoM, in groups of one load: firm ones, the safest first, before those that a
-        small creep of the tip turns far.
+        """Presses on the top with enough lever to turn the object, in groups of one
+        load.
+
+        Firm presses come first, the safest load first. The others follow: a small creep
+        of the tip turns the object far.
         """
         places = [
             contact
@@ -51,19 +53,19 @@ class PressPlacements:
 
 
 def turned_by_tool(scene: Scene, press: Contact) -> bool:
-    """Whether a press has lever enough for a turn that its tool makes along."""
+    """Whether a press has enough lever for a turn that the tool follows."""
     lower = least_lever(scene, press.load) / margins.HELD_TURN
     return press_lever(scene, press) >= lower
 
 
 def _firm(scene: Scene, press: Contact) -> bool:
-    """Return whether a press is far enough from the centre of pressure."""
+    """Whether a press is far enough from the centre of pressure."""
     return press_lever(scene, press) >= margins.ARM.firm_lever
 
 
 def press_placements(query: MotionQuery) -> PressPlacements:
-    """Return where and how hard to press. Raises RefusedError where no press holds, and
-    where the top is too small for one.
+    """Places and loads of the press. Raises RefusedError if no press holds, or if the
+    top is too small.
     """
     motion = query.motion
     scene = query.scene

@@ -1,5 +1,7 @@
-"""Which of many presses leads to a goal soonest: all of them at once, on a base of few
-cells. What it takes for their order, not for a plan.
+"""Ranking of many presses by their estimated time to a goal, computed at once on a
+coarse base.
+
+The estimates serve the order only, not a plan.
 """
 
 from __future__ import annotations
@@ -40,9 +42,10 @@ MANY = 12  # turns of one press, from which on every other one is left out
 def by_time(
     query: MotionQuery, X_WB: Pose2, contacts: Sequence[Contact]
 ) -> dict[Contact, float]:
-    """Return contacts in the order of how long [s] manoeuvres by them may take from
-    ``X_WB`` to the goal of ``query``, without those by which nothing leads there; as they are
-    where there are few.
+    """Contacts sorted by the estimated time [s] of their manoeuvres from ``X_WB`` to
+    the goal of ``query``.
+
+    Contacts without a manoeuvre are left out. A short list keeps its order.
     """
     if len(contacts) <= AT_ONCE:
         return dict.fromkeys(contacts, 0.0)
@@ -56,8 +59,8 @@ def by_time(
 def soonest(
     query: MotionQuery, X_WB: Pose2, contacts: Sequence[Contact]
 ) -> Iterator[Manoeuvre]:
-    """Yield manoeuvres, planned when asked for: of some contacts at a time the quickest
-    of each, then the others.
+    """Yield manoeuvres, planned on demand: batch by batch the quickest of each contact,
+    then the others.
     """
     later: list[Manoeuvre] = []
     for i in range(0, len(contacts), AT_ONCE):
@@ -75,8 +78,8 @@ def soonest(
 def manoeuvre_times(
     query: MotionQuery, X_WB: Pose2, presses: Sequence[Press]
 ) -> NDArray[np.float64]:
-    """Return about how long (m,) [s] the quickest manoeuvre from ``X_WB`` to the goal of
-    ``query`` takes by each of m presses of its object; infinite where there is none.
+    """Estimated times (m,) [s] of the quickest manoeuvre from ``X_WB`` to the goal of
+    ``query`` by each of m presses. Infinite if there is none.
     """
     speed = query.motion.speed
     table = turn_table(tuple(presses), speed, RESOLUTION)
@@ -118,7 +121,7 @@ def manoeuvre_times(
 
 @dataclass(frozen=True, slots=True)
 class _Paces:
-    """What a turn at each of COUNT angles costs; arrays (m, COUNT)."""
+    """Costs of a turn at each of COUNT angles, in arrays (m, COUNT)."""
 
     steering: Array  # [rad] that the force may be turned to either side
     speed: Array  # [m/s]
@@ -127,7 +130,7 @@ class _Paces:
 
 @dataclass(frozen=True, slots=True)
 class _Turns:
-    """The turns that are planned with of each press, and NaN after them; (m, k)."""
+    """The turns considered for each press, padded with NaN, (m, k)."""
 
     centers: NDArray[np.complex128]  # [m] in B
     sides: Array  # 1 to the left, -1 to the right
@@ -152,8 +155,10 @@ def _planned_turns(
     headings: NDArray[np.complex128],
     straight: float,
 ) -> _Turns:
-    """Return every other turn, or of many every fourth, about its centre; those of less
-    curvature than ``straight`` [1/m] about a far one on either side.
+    """Every other turn about its centre, or every fourth if there are many.
+
+    Turns of less curvature than ``straight`` [1/m] are taken about a distant centre on
+    either side.
     """
     many = table.steerable[:, ::EVERY].sum(1, keepdims=True) > MANY
     stride = np.where(many, 2 * EVERY, EVERY)

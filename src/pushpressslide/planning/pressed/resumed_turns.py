@@ -1,9 +1,9 @@
-"""The rest of a manoeuvre from where object and contact really are: the same turns, as
-they then are and as long as they then have to be.
+"""Continuation of a manoeuvre from the measured object pose and contact: the same turns
+with new curvatures and lengths.
 
-A turn about a point of the body does not end quite where it was planned to: the tip
-rolls and creeps, and the pressure is not quite what it was believed to be. The turns
-that are left and the run-in have lengths to choose that make up for it.
+A turn about a point of the body does not end exactly where it was planned: the tip
+rolls and creeps, and the pressure is not quite as believed. The lengths of the
+remaining turns and of the run-in make up for it.
 """
 
 from __future__ import annotations
@@ -40,9 +40,10 @@ Arc = tuple[Pose2, float]  # X_BV, curvature [1/m]
 def pressed_at(
     scene: Scene, speed: float, segments: Sequence[Segment], contact: Contact
 ) -> list[Segment]:
-    """Return the segments of a manoeuvre with the same turns pressed at ``contact``:
-    their paths as they were, but for the curvatures. A turn that is no longer one there
-    stays as planned.
+    """Segments of a manoeuvre with the same turns pressed at ``contact``: the same
+    paths with new curvatures.
+
+    A turn that does not exist at the new contact stays as planned.
     """
     found = pressed_turns(press_of(scene, contact), speed)
     straight = straightest(scene.body)
@@ -72,10 +73,11 @@ def resume_turns(
     X_WB: Pose2,
     contact: Contact,
 ) -> tuple[Segment, ...]:
-    """Return ``segments``, the rest of a manoeuvre, pressed at ``contact`` and with the
-    lengths that lead from ``X_WB`` to the goal, or as near to it as they can; those
-    next to the planned ones, where several do. The last turn is steered besides: it has
-    too few lengths.
+    """The remaining ``segments`` pressed at ``contact``, with lengths that lead from
+    ``X_WB`` as near to the goal as possible.
+
+    Of several solutions, the one nearest to the planned lengths is taken. The last turn
+    is also steered, since too few lengths are left to choose.
     """
     now = pressed_at(scene, speed, segments, contact)
     X_GB = scene.body.X_GB
@@ -96,8 +98,8 @@ def resume_turns(
 
 
 def run_in_missed(segments: Sequence[Segment], X_WB: Pose2, radius: float) -> float:
-    """Return how far [m] the turns of a manoeuvre from ``X_WB`` on end from where its
-    run-in begins; an error of one radian counts for ``radius`` [m].
+    """Distance [m] between the end of the turns from ``X_WB`` and the start of the
+    run-in. An error of one radian counts as ``radius`` [m].
     """
     *turns, run_in = segments
     end = X_WB
@@ -110,8 +112,9 @@ def run_in_missed(segments: Sequence[Segment], X_WB: Pose2, radius: float) -> fl
 
 @dataclass(frozen=True, slots=True)
 class _ArcMotion:
-    """Arcs from ``start`` on, of lengths to choose, the first of them steered besides;
-    x (n + 1,) are the lengths [m] of n arcs and the steering [rad].
+    """Arcs from ``start`` with free lengths, the first of them also steered.
+
+    x (n + 1,) holds the lengths [m] of n arcs and the steering [rad].
     """
 
     arcs: list[Arc]
@@ -121,20 +124,20 @@ class _ArcMotion:
     radius: float  # [m] that an error of one radian counts for
 
     def steered(self, x: Array) -> list[Arc]:
-        """Return the arcs as they are steered."""
+        """The arcs with the steering applied."""
         (X_BV, curvature), *others = self.arcs
         return [(X_BV, curvature + math.tan(x[-1]) / self.effective_wheelbase), *others]
 
     def short(self, x: Array) -> Array:
-        """Return what is left to the goal at their end (3,) [m]."""
+        """Remaining displacement (3,) [m] from the end of the arcs to the goal."""
         goal = self.goal
         end = _poses(self.steered(x), x[:-1].tolist(), self.start)[-1]
         yaw = math.remainder(goal.yaw - end.yaw, math.tau)
         return np.array([goal.x - end.x, goal.y - end.y, self.radius * yaw])
 
     def solved(self, x: Array, low: Array, high: Array, measure: Array) -> Array:
-        """Return ``x`` within bounds that leads to the goal, with the least change by
-        ``measure`` (n + 1,): Gauss and Newton's method.
+        """Solution ``x`` within bounds that leads to the goal with the smallest change
+        by ``measure`` (n + 1,), by Gauss-Newton.
         """
         for _ in range(STEPS):
             off = self.short(x)
@@ -154,8 +157,9 @@ class _ArcMotion:
 def _arcs(
     segments: Sequence[Segment], X_WB: Pose2, goal: Pose2, scene: Scene
 ) -> tuple[list[Arc], list[float]]:
-    """Return the arcs of ``segments`` that lead from ``X_WB`` to ``goal``, and their
-    lengths [m], with no length changed by more than the object's ``radius`` [m].
+    """Arcs of ``segments`` that lead from ``X_WB`` to ``goal``, and their lengths [m].
+
+    No length changes by more than the object's ``radius`` [m].
     """
     radius = scene.body.radius
     arcs: list[Arc] = [
@@ -185,8 +189,8 @@ def _arcs(
 
 
 def _step(slopes: Array, off: Array, low: Array, high: Array) -> Array:
-    """Return the least step (n,) within bounds that makes up for ``off`` (3,), as far
-    as they let it.
+    """Smallest step (n,) within bounds that reduces ``off`` (3,) as much as the bounds
+    allow.
     """
     step = np.zeros(len(low))
     free = np.ones(len(low), dtype=bool)
@@ -203,7 +207,7 @@ def _step(slopes: Array, off: Array, low: Array, high: Array) -> Array:
 
 
 def _poses(arcs: Sequence[Arc], lengths: Sequence[float], X_WB: Pose2) -> list[Pose2]:
-    """Return X_WB before the first arc and after each."""
+    """Poses X_WB before the first arc and after each."""
     out = [X_WB]
     for (X_BV, curvature), length in zip(arcs, lengths, strict=True):
         out.append(

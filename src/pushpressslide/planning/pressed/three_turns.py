@@ -1,11 +1,10 @@
-"""Three turns about points of the body that lead from one pose to another, for any
-choice of the points.
+"""Three turns about given points of the body that lead from one pose to another.
 
 A turn by an angle a about the body's point c moves a body at the origin to (1 - e^{ia})
-c; three of them lead to p, turned by theta, iff e^{i a1} (c2 - c1) + e^{i (a1 + a2)}
-(c3 - c2) = p - c1 + e^{i theta} c3: a linkage of two bars, whose two solutions are
-closed form. Dubins' and Reeds and Shepp's words are special cases; a straight piece is
-a turn about a point far away.
+c. Three of them lead to p, turned by theta, iff e^{i a1} (c2 - c1) + e^{i (a1 + a2)}
+(c3 - c2) = p - c1 + e^{i theta} c3. This is a linkage of two bars, whose two solutions
+are closed form. The words of Dubins and of Reeds and Shepp are special cases. A
+straight line is a turn about a distant point.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ NOTHING = 1e-5  # [rad] up to which a turn is left out
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """Turns one after the other."""
+    """A sequence of turns."""
 
     turns: tuple[int, ...]  # indices of the centres
     angles: tuple[float, ...]  # [rad], of the centre's own sense
@@ -43,13 +42,13 @@ def words(
     count: int,
     swing: float = math.inf,
 ) -> list[list[Word]]:
-    """Return the quickest ``count`` words of up to three turns that lead to each of
-    ``goals``, poses of the body seen from its start.
+    """The quickest ``count`` words of up to three turns to each of ``goals``, which are
+    poses of the body relative to its start.
 
-    ``centers`` (n,) [m] in the body, x + iy; ``senses`` (n,) +1 or -1, the way about a
-    centre that can be driven; ``times`` (n,) [s/rad]; ``pauses`` (n,) [s] that a turn
-    takes besides; ``swing`` [rad]: how far the body may be turned from its start
-    meanwhile.
+    ``centers`` (n,) [m] are points of the body, x + iy. ``senses`` (n,) of +1 or -1 are
+    the drivable directions about a centre. ``times`` (n,) [s/rad] are the times per
+    angle, ``pauses`` (n,) [s] the extra time of a turn. ``swing`` [rad] limits the
+    rotation of the body from its start.
     """
     linkage = _Linkage(centers[None])
     out = []
@@ -87,11 +86,12 @@ def least_times(
     goals: NDArray[np.complex128],
     yaws: Array,
 ) -> Array:
-    """Return the time (m,) [s] of the quickest word for each of m bodies, with n turns
-    each, to its own goal, at ``goals`` (m,) [m], x + iy, with ``yaws`` (m,) [rad];
-    infinite where there is none.
+    """Times (m,) [s] of the quickest word of each of m bodies to its own goal. Infinite
+    if there is none.
 
-    The rest as in ``words``, of shape (m, n); NaN for turns that a body does not have.
+    Each body has n turns. ``goals`` (m,) [m] are x + iy, with ``yaws`` (m,) [rad]. The
+    other parameters are as in ``words``, of shape (m, n), with NaN for turns that a
+    body does not have.
     """
     body, turns, angles = _Linkage(centers).to(goals, yaws)
     figures = senses[body, turns], times[body, turns], pauses[body, turns]
@@ -104,12 +104,12 @@ def least_times(
 
 
 class _Linkage:
-    """Two bars from the first centre over the second to the third, for all threes of
-    each body's centres.
+    """The two-bar linkage from the first centre over the second to the third, for all
+    triples of each body's centres.
     """
 
     def __init__(self, centers: NDArray[np.complex128]) -> None:
-        """Prepare for ``centers`` (m, n) [m]."""
+        """Precompute for ``centers`` (m, n) [m]."""
         i, j, k = (
             v.ravel()
             for v in np.meshgrid(*[np.arange(centers.shape[1])] * 3, indexing="ij")
@@ -128,9 +128,8 @@ class _Linkage:
     def to(
         self, goals: NDArray[np.complex128], yaws: Array
     ) -> tuple[NDArray[np.intp], NDArray[np.intp], tuple[Array, Array]]:
-        """Return body (s,), centres (3, s), and the angles (3, s) [rad] of both
-        solutions, for all threes that lead to the bodies' ``goals`` (m,) [m] and
-        ``yaws`` (m,) [rad].
+        """Bodies (s,), centres (3, s) and angles (3, s) [rad] of both solutions, for
+        all triples that lead to ``goals`` (m,) [m] and ``yaws`` (m,) [rad].
         """
         i, j, k = self._threes
         first = goals[:, None] - self._centers
@@ -166,8 +165,8 @@ class _Linkage:
 def _driven(
     angles: Array, senses: Array, times: Array, pauses: Array
 ) -> tuple[Array, Array]:
-    """Return the angles (3, s), turned the way that can be driven, and the times (s,),
-    infinite where a turn is too large.
+    """Angles (3, s) in the drivable direction, and the times (s,). A time is infinite
+    if a turn is too large.
     """
     sizes = _positive(senses * angles)
     time = (times * sizes + pauses * (sizes > NOTHING)).sum(0)
@@ -175,7 +174,7 @@ def _driven(
 
 
 def _lowest_indices(values: Array, count: int) -> NDArray[np.intp]:
-    """Return the indices of up to ``count`` least values that are finite."""
+    """Indices of up to ``count`` smallest finite values."""
     count = min(count, len(values))
     lower = (
         np.argpartition(values, count - 1)[:count]
@@ -186,8 +185,6 @@ def _lowest_indices(values: Array, count: int) -> NDArray[np.intp]:
 
 
 def _positive(angles: Array) -> Array:
-    """Return angles in [0, 2 pi); a turn short of a full one by no more than round-off
-    is none.
-    """
+    """Angles in [0, 2 pi). A full turn to within round-off counts as zero."""
     out = angles - TURN * np.floor(angles / TURN)
     return np.where(out > TURN - NOTHING, 0.0, out)

@@ -1,14 +1,16 @@
-"""How a pressed object turns under a force at one angle from its heading axis: as a
-unicycle, whose axle is where a small change of the angle moves nothing across.
+"""Unicycle model of a pressed object that turns under a force at one angle from its
+heading axis.
+
+The axle is the point that a small change of the angle does not move sideways.
 
 The drag's height, and the pressure that it moves, put the virtual axle elsewhere for
-each angle. With v and w at an angle, and v' and w' their change with it, a point q of
-the heading axis has no change across its motion where v_q x v_q' = 0; along the axis
-that is linear in q. A path of q can then be followed like a unicycle's, as far as q
-does not slip sideways under forces farther off that angle, and as the contact's motion
-turns with the force: where the drag moves the axle beyond the contact it does not, and
-a tip whose motion is controlled leaves the object's turn to chance. Source:
-docs/mechanics.md, sections 1.2, 2 and 4.
+each angle. With v and w at an angle, and v' and w' their derivatives, a point q of the
+heading axis does not move across its motion if v_q x v_q' = 0. Along the axis this is
+linear in q. A path of q can be followed like a unicycle's under two conditions. Forces
+further off that angle must not slip q sideways, and the contact's motion must turn with
+the force. If the drag moves the axle beyond the contact it does not, and a tip whose
+motion is controlled leaves the object's turn to chance. Source: docs/mechanics.md,
+sections 1.2, 2 and 4.
 """
 
 from __future__ import annotations
@@ -59,8 +61,8 @@ class PressedTurn:
 
 @dataclass(frozen=True, slots=True)
 class TurnTable:
-    """What forces at all angles STEP i do to m presses of an object; arrays (m, COUNT),
-    as in PressedTurn.
+    """Effects of forces at all angles STEP i on m presses of an object, in arrays (m,
+    COUNT) as in PressedTurn.
     """
 
     steerable: NDArray[np.bool_]  # as one unicycle's turn
@@ -77,7 +79,9 @@ class TurnTable:
 
 @dataclass(frozen=True, slots=True)
 class _Slides:
-    """What forces at all angles STEP i do to m presses; NaN where the object tips."""
+    """Sliding motions under forces at all angles STEP i, for m presses. NaN if the
+    object tips.
+    """
 
     # (3, m, COUNT) of the centre of pressure, along the axis and to its left, and w
     motion: Array
@@ -89,8 +93,9 @@ class _Slides:
 def turn_table(
     presses: tuple[Press, ...], speed: float, resolution: int = RESOLUTION
 ) -> TurnTable:
-    """Return what forces at all angles do to presses of one object at ``speed`` [m/s],
-    its base cut up as finely as ``resolution`` says (mechanics/dragging.py).
+    """Effects of forces at all angles on presses of one object at ``speed`` [m/s].
+
+    ``resolution`` sets the mesh of the base (mechanics/dragging.py).
     """
     slides = _slides(presses, resolution)
     motion = slides.motion
@@ -131,7 +136,7 @@ def turn_table(
 
 
 def _slides(presses: Sequence[Press], resolution: int) -> _Slides:
-    """Return how the object slides under each force under which it does not tip."""
+    """Sliding motion of the object under each force that does not tip it."""
     m = len(presses)
     body = presses[0].body
     shift = presses[0].shift
@@ -164,8 +169,8 @@ def _slides(presses: Sequence[Press], resolution: int) -> _Slides:
 
 
 def _firm(motion: Array, levers: Array) -> NDArray[np.bool_]:
-    """Return where the contact's motion turns with the force, from each angle to the
-    next; ``levers`` (m, 1) [m].
+    """Whether the contact's motion turns with the force, from each angle to the next.
+    ``levers`` is (m, 1) [m].
     """
     along = np.arctan2(motion[1] + motion[2] * levers, motion[0])
     firm: NDArray[np.bool_] = (
@@ -182,9 +187,10 @@ def _free(
     firm: NDArray[np.bool_],
     side: int,
 ) -> Array:
-    """Return how far [rad] the force may be turned to one ``side``, 1 to the left, -1
-    to the right, until the axle slips sideways; ``firm`` between an angle and the next
-    on that side.
+    """Angle [rad] by which the force may be turned to one ``side`` (1 left, -1 right)
+    until the axle slips sideways.
+
+    ``firm`` is between an angle and the next on that side.
     """
     steps = np.zeros(steerable.shape)
     free = steerable
@@ -199,17 +205,17 @@ def _free(
 
 @lru_cache(maxsize=1024)
 def pressed_turns(press: Press, speed: float) -> tuple[PressedTurn, ...]:
-    """Return the turns that a press can be driven with at ``speed`` [m/s]."""
+    """Turns that a press can be driven with at ``speed`` [m/s]."""
     table = turn_table((press,), speed)
     columns = np.flatnonzero(table.steerable[0, ::EVERY])
     return tuple(_turn(table, int(column) * EVERY, press) for column in columns)
 
 
 def _turn(table: TurnTable, column: int, press: Press) -> PressedTurn:
-    """Return the turn of a table's only press at one angle."""
+    """Turn of a table's only press at one angle."""
 
     def of_this_turn(quantity: Array) -> float:
-        """Return the quantity of this turn."""
+        """Entry of a table column for this turn."""
         return float(quantity[0, column])
 
     ex, ey = press.axis
@@ -231,7 +237,7 @@ def _turn(table: TurnTable, column: int, press: Press) -> PressedTurn:
 
 
 def steering_of(press: Press, backward: bool, speed: float) -> float:
-    """Return up to which force angle [rad] from straight motion a press is driven like
+    """Largest force angle [rad] from straight motion at which a press is driven like
     one unicycle at ``speed`` [m/s].
     """
     turns = [

@@ -1,5 +1,5 @@
-"""A pressed object as a vehicle: which way it drives, how far it may steer without
-tipping, and where it can go.
+"""A pressed object as a vehicle: its direction, its steering limits without tipping,
+and its routes.
 
 Source: docs/mechanics.md, sections 1.2, 2 and 4.
 """
@@ -45,16 +45,15 @@ class PressedVehicle:
 
 
 def press_of(scene: Scene, contact: Contact) -> Press:
-    """Return the press of a contact, as believed; raises ValueError for one at the CoM."""
+    """Press of a contact, as believed. Raises ValueError for a contact at the CoM."""
     mu = scene.support.friction
     return Press(scene.body, mu, contact.point, contact.load, scene.rho)
 
 
 @lru_cache(maxsize=4096)
 def steered(press: Press, backward: bool, angle: float) -> Unicycle:
-    """Return the vehicle that turns by a force at ``angle`` [rad] from the motion.
-
-    Raises ValueError where it tips.
+    """Vehicle that turns by a force at ``angle`` [rad] from the motion. Raises
+    ValueError if it tips.
     """
     ahead, reach = press.steered(angle, backward)
     shift = ahead + reach
@@ -72,9 +71,11 @@ def pressed_vehicle(
     angle: float,
     max_length: float = math.inf,
 ) -> PressedVehicle:
-    """Return the object as a vehicle that turns by a force at ``angle`` [rad] and is
-    steered by at most ``max_length`` [rad]; ``motion.vehicle`` says whether it turns on
-    the spot. Raises ValueError, with the number that decides, where it tips.
+    """The object as a vehicle that turns by a force at ``angle`` [rad] and is steered
+    by at most ``max_length`` [rad].
+
+    ``motion.vehicle`` says whether it turns on the spot. Raises ValueError, with the
+    deciding number, if it tips.
     """
     kind = query.motion.vehicle
     press = press_of(query.scene, contact)
@@ -107,9 +108,11 @@ def pressed_vehicle(
 
 
 def way_back(press: Press, backward: bool) -> Unicycle | None:
-    """Return the vehicle for a short straight way; None where the object would tip, or
-    cannot be steered since the drag moves the centre of pressure by more than the
-    vehicle is long.
+    """Vehicle for a short straight path. None if the object would tip, or cannot be
+    steered.
+
+    It cannot be steered if the drag moves the centre of pressure by more than the
+    vehicle's length.
     """
     if _tipping_margin(press, STEEPEST[0], backward) < margins.TIPPING_MARGIN:
         return None
@@ -128,7 +131,7 @@ def _tipping_margin(press: Press, angle: float, backward: bool) -> float:
 
 @dataclass(frozen=True, slots=True)
 class PressedRoute:
-    """A path of the virtual axle, after going back straight."""
+    """A path of the virtual axle, after backing up straight."""
 
     path: ArcPath
     back_up: float  # [m]
@@ -144,8 +147,8 @@ def route_to(
     run_ins: Sequence[float],
     back_ups: Sequence[float],
 ) -> PressedRoute:
-    """Return the gentlest route of the vehicle frame from ``start`` to ``goal``, going
-    back as little as needed.
+    """Gentlest route of the vehicle frame from ``start`` to ``goal``, backing up as
+    little as needed.
     """
     angle = margins.PLANNED_STEERING * vehicle.steepest
     tightest = math.tan(angle) / abs(vehicle.car.effective_wheelbase)
@@ -169,15 +172,15 @@ def route_to(
 
 
 def turns(car: Unicycle, tightest: float) -> list[float]:
-    """Return the curvatures to try [1/m], the gentlest first, none above ``tightest``."""
+    """Curvatures to try [1/m], the gentlest first, none above ``tightest``."""
     return sorted({min(k * margins.SWING / car.length, tightest) for k in TIGHTER})
 
 
 def backing_up(
     X_GB: Pose2, X_WB: Pose2, vehicle: PressedVehicle, then: Segment, distance: float
 ) -> Segment:
-    """Return the segment to drive ``distance`` [m] straight the other way before
-    ``then``, which a vehicle drives; from ``X_WB``.
+    """Segment that backs up by ``distance`` [m] from ``X_WB``, straight and opposite to
+    ``then``, the next segment.
     """
     car = way_back(vehicle.press, not vehicle.car.backward)
     planned = then.drive
