@@ -166,7 +166,7 @@ def test_a_choice_says_what_was_decided_of_it_and_why() -> None:
     assert (bad.verdict, bad.reason) == ("refused", "face 1: tips at 200 mm")
     skipped = good.refused(Refusal(SKIPPED, "there is a quicker one"))
     assert (skipped.feasible, skipped.evaluated) == (False, False)
-    assert skipped.verdict == "passed over"
+    assert skipped.verdict == "skipped"
     assert skipped.reason == "face 1: there is a quicker one"
     assert bad.refused(None) == good
 

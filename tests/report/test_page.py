@@ -28,7 +28,7 @@ from pushpressslide.view.planar.video import write_pictures
 
 NEEDS = Refusal("load", "needs 60 N & more, limits.normal_force is <40> N")
 REFUSED = Choice("press_slide", refusal=NEEDS)
-PASSED = Choice("press_slide", refusal=Refusal(SKIPPED, "not judged in full"))
+PASSED = Choice("press_slide", refusal=Refusal(SKIPPED, "not evaluated in full"))
 
 
 def save(run, folder):
@@ -60,9 +60,11 @@ def test_the_page_of_a_run_holds_its_numbers_and_reasons(run, tmp_path):
     assert "Goal missed" in text
     assert "10.00 mm" in text
     assert "needs 60 N &amp; more, limits.normal_force is &lt;40&gt; N" in text
-    assert [
-        text.count(f">{of}</td>") for of in ("chosen", "refused", "passed over")
-    ] == [1, 1, 1]
+    assert [text.count(f">{of}</td>") for of in ("chosen", "refused", "skipped")] == [
+        1,
+        1,
+        1,
+    ]
     assert 'href="replay.html"' in text
 
 
@@ -272,7 +274,7 @@ def test_what_went_wrong_on_the_way_is_told(run, tmp_path):
     page = write_report([save(replace(run, record=record), tmp_path)])
     text = page.read_text("utf-8")
     assert "3.2 s: <code>contact_lost</code> tip 0 felt nothing" in text
-    assert "planned anew" in text
+    assert "replanned" in text
     assert "No other attempt: no way &lt;on&gt;." in text
 
 

@@ -204,7 +204,7 @@ class RunOptions:
         bool,
         typer.Option(
             "--anyway",
-            help="Run the best choice that has a path, even if judged infeasible.",
+            help="Run the best choice that has a path, even if it is infeasible.",
         ),
     ] = False
     force: Force = False

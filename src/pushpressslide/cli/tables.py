@@ -212,7 +212,7 @@ def print_result(result: Mapping[str, Any], folder: Path) -> None:
     _print_stages(result.get("stages", ()))
     for event in result["events"]:
         goes_on = (
-            "planned anew" if event["recovered"] else f"no way on: {event['lacking']}"
+            "replanned" if event["recovered"] else f"no recovery: {event['lacking']}"
         )
         text = f"{event['time']:.1f} s: {event['code']}, {event['text']}; {goes_on}"
         print_text(text, 4)

@@ -1,6 +1,6 @@
 """Simulators written for earlier versions: one object with all parts of a cell.
 
-No longer accepted from version 0.5 on.
+No longer accepted from version 0.6 on.
 """
 
 from __future__ import annotations

@@ -209,8 +209,8 @@ class Motion:
     )
     recoveries: int = setting(
         3,
-        "how often the arms may let go and the motion be planned anew, where contact or "
-        "goal was missed or a limit was broken",
+        "how often the arms may let go and replan, after a missed contact, a missed goal "
+        "or a broken limit",
         within="[0, 20]",
     )
     curvature_margin: float = setting(
@@ -223,8 +223,8 @@ class Motion:
     )
     clearance: float = setting(
         0.01,
-        "gap that the object keeps from obstacles; where it stands nearer at start or "
-        "goal, the gap that it has there, growing to this one on 5 cm of way",
+        "gap that the object keeps from obstacles; if start or goal is closer, the gap "
+        "there, growing to this one over 5 cm of path",
         "m",
         "[0.001, 0.1]",
     )

@@ -154,7 +154,7 @@ class Choice:
         """The decision in a word or two."""
         if self.feasible:
             return "possible"
-        return "refused" if self.evaluated else "passed over"
+        return "refused" if self.evaluated else "skipped"
 
     @property
     def reason(self) -> str:

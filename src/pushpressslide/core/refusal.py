@@ -67,7 +67,7 @@ def _shown(number: float | None) -> Quantity | _Unknown:
 
 
 NOT_EVALUATED = Refusal(
-    SKIPPED, "not judged in full, as there is one that is no slower"
+    SKIPPED, "not evaluated in full: another choice is at least as fast"
 )
 
 

@@ -213,8 +213,7 @@ class Obstacle:
     )
     may_move: bool = setting(
         False,
-        "whether the object may push it on its way, where no way leads past it; only if "
-        "movable",
+        "whether the object may push it along if no path leads past it; only if movable",
     )
 
     told = Renamed("nominal")
@@ -261,7 +260,7 @@ class Belief:
     # of each: a motion is planned so that it holds for all of them
     friction_error: float = setting(
         0.0,
-        "share by which both frictions may be wrong, either way",
+        "share by which both frictions may be wrong, up or down",
         within="[0, 0.5]",
     )
     center_error: float = setting(

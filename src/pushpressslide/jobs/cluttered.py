@@ -78,7 +78,7 @@ def cluttered_task(base: Task, index: int, seed: int) -> Task:
             break
     else:
         raise PushPressSlideError(
-            f"no start, goal and obstacles with a free way between in {TRIES} draws"
+            f"no start, goal and obstacles with a free path between them in {TRIES} draws"
         )
     return replace(
         base,
@@ -111,7 +111,7 @@ def started_task(base: Task, index: int, seed: int) -> Task:
         if _fits(base, base.object, (start, base.goal), base.obstacles):
             name = f"{base.name}-from-{seed}-{index:03d}"
             return replace(base, name=name, source="", start=start)
-    raise PushPressSlideError(f"no start with a free way to the goal in {TRIES} draws")
+    raise PushPressSlideError(f"no start with a free path to the goal in {TRIES} draws")
 
 
 def _object(rng: np.random.Generator, arms: int) -> ObjectModel:

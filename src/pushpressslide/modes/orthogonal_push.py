@@ -158,7 +158,7 @@ class OrthogonalPush(TwistPushes):
         margin = cones[0].angle(*direct)
         text = (
             f"to the goal it takes ({fx:.1f}, {fy:.1f}) N and {tau:.2f} N m, "
-            f"{describe_cone_margin(margin)}; no way of three twists "
+            f"{describe_cone_margin(margin)}; no path of three twists "
             f"within {cone_goal.longest:.2f} m"
         )
         refusal = Refusal("outside_cone", text, margin, margins.CONE_MARGIN, "rad")

@@ -188,8 +188,8 @@ class ParallelPush(TwistPushes):
             return driven_by_twists(query, choice, path, cone)
         margin = cone.angle(*cone_goal.direct)
         text = (
-            f"the direct way is {describe_cone_margin(margin)}; "
-            f"no bent way of {cone_goal.longest:.2f} m"
+            f"the direct path is {describe_cone_margin(margin)}; "
+            f"no curved path of {cone_goal.longest:.2f} m"
         )
         return choice.refused(
             Refusal("outside_cone", text, margin, margins.CONE_MARGIN, "rad")

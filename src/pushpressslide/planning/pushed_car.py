@@ -158,7 +158,7 @@ def car_path(query: MotionQuery, car: PushedCar, curvature: float) -> ArcPath:
     if path.length > longest:
         text = (
             "a loop of {figure:m.2f} with radii of "
-            f"{1.0 / curvature:.3f} m and no way back, allowed {{allowed:m.2f}}"
+            f"{1.0 / curvature:.3f} m and no reversing, allowed {{allowed:m.2f}}"
         )
         raise RefusedError(Refusal("loop", text, path.length, longest, "m"))
     return path

@@ -60,7 +60,9 @@ def contact_refusal(query: MotionQuery, face: Face, height: float) -> Refusal | 
     or None.
     """
     if face.depth <= 0.0:
-        text = "the centre of mass is not before the face but beside or behind it"
+        text = (
+            "the centre of mass is not in front of the face but next to it or behind it"
+        )
         return Refusal("offset_contact", text)
     allowed = query.scene.contact_friction * face.depth
     offset = abs(face.offset)

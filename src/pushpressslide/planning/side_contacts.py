@@ -92,7 +92,7 @@ def before_contacts(
     says, or less in a narrow notch.
 
     A task and contacts as arguments, as plants pass them, give a warning. They are no
-    longer accepted from version 0.5 on.
+    longer accepted from version 0.6 on.
     """
     if contacts is None:
         return _before_contacts_of(scene, motion)

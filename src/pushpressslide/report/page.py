@@ -263,7 +263,7 @@ def events(result: Mapping[str, Any]) -> str:
     rows = []
     for event in result["events"]:
         what = f"<code>{escape(event['code'])}</code> {escape(event['text'])}"
-        onward = "The arms let go, and the rest was planned anew."
+        onward = "The arms let go, and the rest was replanned."
         if not event["recovered"]:
             onward = f"No other attempt: {escape(event['lacking'])}."
         rows.append(f"<li>{event['time']:.1f} s: {what}. {onward}</li>")
@@ -373,7 +373,7 @@ def search_part(search: Mapping[str, Any] | None) -> str:
         rows.append(_dropped(modes, time, sequence["why"]))
     text = (
         f"No single motion was found. {search['judged']} motions between start, goal and "
-        f"{search['poses']} poses on the way were judged."
+        f"{search['poses']} poses in between were evaluated."
     )
     dropped = table(("Modes", "Dropped", "Why"), rows) if rows else ""
     return f"<h3>Search for several motions</h3><p>{escape(text)}</p>{dropped}"

@@ -51,7 +51,7 @@ GROUPS: Groups = (
         ),
     ),
     (
-        "On the way, against the first plan at the same time",
+        "During the run, against the first plan at the same time",
         (
             Row("Position error, RMS", "rms_position_error", 1e3, "mm", 2),
             Row("Yaw error, RMS", "rms_yaw_error", 180.0 / math.pi, "°", 2),
@@ -89,7 +89,7 @@ GROUPS: Groups = (
             Row("Slip along the surface", "slip_distance", 1e3, "mm", 2),
             Row("Largest tilt of the object", "max_tilt_deg", 1.0, "°", 2),
             Row("Farthest off the support", "support_gap_max", 1e3, "mm", 2),
-            Row("Falls on the way in", "fall_height", 1e3, "mm", 1),
+            Row("Falls while entering", "fall_height", 1e3, "mm", 1),
             Row("Falls as fast as", "fall_speed", 1.0, "m/s", 2),
             Row("Depth in the opening", "seated_depth", 1e3, "mm", 1),
         ),

@@ -62,7 +62,7 @@ def plan_figure(plan: Plan) -> Figure:
         for u in shares
     ]
     surroundings(ax, task.scene)
-    footprints(ax, shape, poses[1:-1], style.SKY, "planned on the way")
+    footprints(ax, shape, poses[1:-1], style.SKY, "planned poses")
     footprint(ax, shape, task.start, style.BLACK, "start", fill=True)
     footprint(ax, shape, goal, style.GREEN, "goal", fill=True)
     others = other_goals(ax, task)
@@ -123,7 +123,7 @@ def path_figure(plan: Plan, record: Record) -> Figure:
     last = _pose_at(record, -1)
     surroundings(ax, task.scene)
     footprint(ax, shape, task.goal, style.GREEN, "goal", fill=True)
-    footprints(ax, shape, poses[1:-1], style.GREY, "object on the way")
+    footprints(ax, shape, poses[1:-1], style.GREY, "object in between")
     footprint(ax, shape, poses[0], style.BLACK, "start", dashed=True)
     footprint(ax, shape, last, style.ORANGE, "end")
     others = _other_bodies(ax, task.scene, record) + other_goals(ax, task)

@@ -286,7 +286,7 @@ def _urdf_joint(joint: Element) -> JointFacts:
     parent = joint.find("parent")
     child = joint.find("child")
     if parent is None or child is None:
-        raise ValueError(f"joint {name!r} lacks its parent or child")
+        raise ValueError(f"joint {name!r} has no parent or no child")
     limits = {}
     axis = (1.0, 0.0, 0.0)
     if kind in MOVING:

@@ -28,7 +28,7 @@ FALLS = Refusal(
     "the object falls when the arms let go for it: nothing carries it where the leg "
     "before ends",
 )
-ENDS = Refusal("no_continuation", "no way on with its contacts")
+ENDS = Refusal("no_continuation", "its contacts allow no continuation")
 
 
 def select(task: Task, enough: int = 1) -> list[Choice]:

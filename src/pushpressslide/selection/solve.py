@@ -242,8 +242,8 @@ def _infeasible(
     """Error that explains why neither one motion nor a sequence does the task."""
     refused = [choice for choice in choices if not choice.feasible]
     searched = (
-        f"; nor do several motions by way of {len(search.poses) - 2} poses "
-        f"({search.evaluated} judged)"
+        f"; nor does a sequence through up to {len(search.poses) - 2} poses "
+        f"({search.evaluated} motions evaluated)"
     )
     last = ""
     if shortfall:

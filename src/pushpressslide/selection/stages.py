@@ -208,7 +208,7 @@ def _shut_in(moment: Moment) -> str:
             ]
             return (
                 f"{task.source or task.name}: {body!r} cannot go to its goal: "
-                f"{standing[0]!r} stands there, and can be put nowhere aside"
+                f"{standing[0]!r} stands there and cannot be put aside"
             )
     return f"{task.source or task.name}: no order brings all bodies to their goals"
 

@@ -92,7 +92,7 @@ def _check_bounds(placement: Plan, within: Bounds) -> None:
     beyond = max(low_x - x_min, x_max - high_x, low_y - y_min, y_max - high_y)
     if beyond > 0.0:
         raise InfeasibleTaskError(
-            f"{placement.query.source}: the object would be led {beyond:.2f} m beyond "
+            f"{placement.query.source}: the object would move {beyond:.2f} m beyond "
             "the support that is modelled"
         )
 
