@@ -10,7 +10,7 @@ from contextvars import ContextVar
 from functools import cache
 from types import ModuleType
 
-SHOWN = 1.0  # [s] of compiling that a user is told of
+SHOWN = 1.0  # [s] of compiling above which a user is informed
 
 _compiled: list[float] = []  # [s] of each loop that this process has compiled
 _unwanted: ContextVar[bool] = ContextVar("unwanted", default=False)

@@ -36,7 +36,7 @@ class Applied(NamedTuple):
     """What was really applied of a command. Nothing is known of a tip without an arm."""
 
     torque: Array | None = None  # (n,) [N m]
-    reference: Array | None = None  # (n,) [rad] that the joints were led to
+    reference: Array | None = None  # (n,) [rad] to which the joints were commanded
     # largest torque and change of a torque that were asked for, as shares of their limits
     torque_share: float = 0.0
     rate_share: float = 0.0

@@ -50,7 +50,7 @@ class Observation(NamedTuple):
 
     time: float  # [s]
     pose: StampedPose | None  # None: nothing new
-    commanded_twist: Twist  # that the object was led with since the last tick, in B
+    commanded_twist: Twist  # commanded to the object since the last tick, in B
     driven: bool  # whether the tips are to move the object now
     tips: tuple[TipState, ...]  # as measured
     binding: BoundLaws  # what is followed

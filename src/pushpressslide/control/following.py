@@ -84,7 +84,7 @@ class Following(NamedTuple):
     reference: Segment | None = None
     reference_start: float = 0.0  # [s] its time zero
     joint_start: float = 0.0  # [m] of joint path before this segment
-    rho: float | None = None  # [m] that replanning believes; None: as it was told
+    rho: float | None = None  # [m] that replanning uses; None: as the task gives it
 
     @property
     def left(self) -> float:

@@ -47,7 +47,7 @@ class Law:
     floor_speed: float  # [m/s] along a path, at its end
     force_gain: float  # on the contact forces
     servo: bool  # whether a servo adds to them
-    tracks_joints: bool  # whether the joints are led by time
+    tracks_joints: bool  # whether the joint reference is a function of time
     insertion: Insertion | None  # into an opening of the support
     waits: bool  # at the end of the last path, for the object to be seated or at rest
 

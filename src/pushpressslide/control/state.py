@@ -54,7 +54,7 @@ class TipMemory(NamedTuple):
     )
     felt: float | None = None  # [s] since when contact is felt in this touch
     absent: float | None = None  # [s] since when it is felt no more
-    resumed: float | None = None  # [s] when the tip advanced anew since it was
+    resumed: float | None = None  # [s] when the tip last started to advance
     touch_depth: float = 0.0  # [m] advance at which contact was felt
     regulator: NormalForceState = NormalForceState()
     velocity: Point | None = None  # [m/s] world, as last commanded in this phase
@@ -91,7 +91,7 @@ class Watches(NamedTuple):
     lost: float | None = None  # [s] since when contact is missing
     losses: ContactLosses | None = None
     still: StallWatch | None = None  # where the object was when it last moved
-    replanned: float = 0.0  # [s] of the last replan on the way
+    replanned: float = 0.0  # [s] of the last replan
     retouches: int = 0
     retries: int = 0
 
@@ -104,7 +104,7 @@ class PhaseState(NamedTuple):
     tips: tuple[TipMemory, ...]  # one per contact
     # whether the touch begins with lining up, or goes on from where the tips are
     align: bool = True
-    commanded_twist: Twist = NO_TWIST  # that the object is led with, in B
+    commanded_twist: Twist = NO_TWIST  # commanded to the object, in B
     failure: Failure | None = None
     retreat_fraction: float = (
         1.0  # share of the way back at which the tips stop, in a release

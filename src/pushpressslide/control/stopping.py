@@ -21,11 +21,11 @@ from pushpressslide.control.limits import TORQUE_TIME, ArmLimits, ArmReading
 from pushpressslide.core.control import ArmCommand, BrakeCommand, Commands, JointCommand
 
 # changes of a joint's direction from tick to tick, one after the other, each time at
-# this share of its speed limit or more: a motion that is led takes tens of ticks to turn
+# this share of its speed limit or more: a commanded motion takes tens of ticks to turn
 FLIPS = 3
 FLIP_SPEED = 0.05
 # ticks in each of which a joint becomes faster, by this share of its speed limit or more:
-# three times as much as in any tick where the arms are led, or meet an object
+# three times as much as in any tick in which the arms are driven or meet an object
 GROWTH_TICKS = 3
 CALM = 0.06
 BEYOND = 1.5  # times its speed limit, at which a joint no longer obeys anything

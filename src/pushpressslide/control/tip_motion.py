@@ -31,7 +31,7 @@ HEIGHT_EASING = 0.5  # [s] in which the spring along the height relaxes
 HEIGHT_SLACK = 0.002  # [m] from the contact's height, within which it does
 # [N s/m] of a pressing tip along its normal, which is force controlled
 PRESS_DAMPING = 150.0
-RETURN_RATE = 5.0  # [1/s] at which a tip that slid along its face is led back
+RETURN_RATE = 5.0  # [1/s] at which a tip that slid along its face is moved back
 # [m/s^2] of the tips' reference: a jump of the steering must not jerk the contact
 TIP_ACCELERATION = {"side": 0.5, "top": 1.0}
 # [s] in which the drag of a press may turn about, from one side of its disc of friction
@@ -51,7 +51,7 @@ class ContactKeeping(NamedTuple):
     """Correction that keeps a pushing tip at its contact, next to another one."""
 
     place: Point  # [m] of the tip's centre, as planned, in B
-    min_force: float  # [N] of normal force that it is led on to feel
+    min_force: float  # [N] of normal force below which the tip is moved on
 
 
 class TipTask(NamedTuple):
@@ -62,7 +62,7 @@ class TipTask(NamedTuple):
     force: Point  # [N] along the support, in B
     load: float  # [N] that a press is to have
     entry_speed: float | None = None  # [m/s] of a press whose object enters an opening
-    # where one of several pushing tips is led back to if it slides or parts
+    # where one of several pushing tips is moved back to if it slides or separates
     hold: ContactKeeping | None = None
 
 

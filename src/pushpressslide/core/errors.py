@@ -108,7 +108,7 @@ class InfeasibleTaskError(PushPressSlideError):
     ) -> None:
         super().__init__(message)
         self.brief = brief or message  # the reason of one choice alone
-        self.choices = tuple(choices)  # that were judged; empty where none were
+        self.choices = tuple(choices)  # that were evaluated; may be empty
 
 
 class SimulationError(PushPressSlideError):

@@ -55,7 +55,7 @@ class Record:
     seed: int
     wall_time: float  # [s] of the whole loop
     modes: tuple[str, ...]
-    plan: Plan  # as it was run, with what was planned anew
+    plan: Plan  # as it was run, replans included
     # versions, time step, joint margin, clearance, ...
     meta: Mapping[str, Any] = field(default_factory=dict)
     # what result.json holds, where the run was measured; ``report.metrics.result``

@@ -39,7 +39,7 @@ class Refusal:
     formatted as ``Quantity`` does it.
     """
 
-    code: str  # what stands against it, one word for machines
+    code: str  # the reason, one word for machines
     text: str
     figure: float | None = None  # SI, the number that decides
     allowed: float | None = None  # SI, its bound

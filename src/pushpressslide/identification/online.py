@@ -32,7 +32,7 @@ BOUND = 6.0  # factor about the prediction that the estimates stay within
 # surface's own change with the force's angle, which the prediction's user takes into
 # account, is less
 OFF = 0.5
-OFF_RHO = 0.1  # the same of an ellipsoid whose rho was told, which may be wrong
+OFF_RHO = 0.1  # the same of an ellipsoid whose rho was given, which may be wrong
 
 
 def window_of(sensing: Sensing, speed: float, lever: float) -> float:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from pushpressslide.core.errors import PushPressSlideError
 
 PATIENCE = 10.0  # [s] in which a scheduler has to answer
-# times that a piece is begun anew after it was lost with its worker
+# times that a job is restarted after it was lost with its worker
 LOST = 5
 
 

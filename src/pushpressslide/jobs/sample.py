@@ -125,7 +125,7 @@ def run_forced(task: Task, options: SweepOptions, index: int, rank: int) -> Row:
     row: Row = {"index": index, "rank": rank}
     try:
         sample = sample_task(task, options, index)
-        # what is judged is this choice, not what comes after it
+        # this choice is evaluated, not what follows it
         sample = replace(sample, motion=replace(sample.motion, recoveries=0))
         row["task"] = sample.name
         choices = forced_choices(sample, FORCED)

@@ -51,7 +51,7 @@ class StageOptions:
 
     engine: str
     seed: int = 0  # of the first stage's noise; the others' are the next ones
-    # run the best choice that has a path, even where it was judged infeasible
+    # run the best choice that has a path, even if it is infeasible
     force: bool = False
     models: str = "generated"  # of the robots
     monitor: Monitor = field(default_factory=Monitor)

@@ -86,10 +86,10 @@ class Candidate:
     """The choices of one placement, evaluated on demand."""
 
     least_time: float  # [s] that none of its choices beats
-    # makes the choices, judged but for the arms' reach; told False, it says only what
+    # makes the choices, evaluated except for the arms' reach; with False, only what
     # they would be
     make: Callable[[bool], list[Choice]]
-    # whether its choices are judged in the order of the candidates, not of their own times
+    # whether its choices are evaluated in the order of the candidates, not of their times
     ordered: bool = False
     # where its choices touch, by whichever arms; None: it does not say
     contacts: tuple[Contact, ...] | None = None
@@ -102,7 +102,9 @@ class Measured:
     X_WB: Pose2
     contacts: tuple[Contact, ...]  # where they really are
     longest: float = math.inf  # [m] that the way may be
-    estimates: ParameterEstimates = NOTHING  # what was identified on the way
+    estimates: ParameterEstimates = (
+        NOTHING  # the parameters identified during the motion
+    )
 
     @classmethod
     def touching(

@@ -58,7 +58,7 @@ from pushpressslide.rom.drives import ORIGIN, TwistDrive
 ANGLES = (math.radians(40.0), math.radians(140.0))  # between the two normals
 PIECEWISE = 5  # placements on two faces for which paths of several twists are sought
 PIECEWISE_SEARCHED = 2  # the same of the many motions that a sequence may have
-OFFERED = 6  # placements on two faces that are judged further
+OFFERED = 6  # placements on two faces that are evaluated further
 
 
 class OrthogonalPush(TwistPushes):

@@ -37,7 +37,7 @@ class Inside:
     max_sections: int = 3  # that there may be
 
 
-# The preferred first. Under way the rest is planned anew from where the body is, so that
+# The preferred first. During the motion the rest is replanned from where the body is, so that
 # a last piece with room makes up for a first one along the cone's edge; three pieces
 # along the edge seldom end at the goal.
 PLANNED = (

@@ -31,7 +31,7 @@ class PlacedPair:
     contacts: tuple[Contact, ...]
     path: TwistPath
     crossing: bool  # whichever arm takes which contact
-    refusal: Refusal | None  # what stands against the places
+    refusal: Refusal | None  # the refusal of the places
 
 
 def placed_pairs(query: MotionQuery) -> list[PlacedPair]:

@@ -148,7 +148,7 @@ def _plans(
     """Return what plan.json has of each stage, and its plan."""
     from pushpressslide.taskfile.load import written_task
 
-    if stored["schema"] == SCHEMA - 1:  # a single stage, told without a list
+    if stored["schema"] == SCHEMA - 1:  # a single stage, written without a list
         alone = {"body": OBJECT, "goal": asdict(task.goal), "aside": False}
         poses = {body: asdict(X) for body, X in start_state(task).poses.items()}
         begun = {"began": 0.0, "poses": poses, "planned_anew": False}

@@ -197,7 +197,7 @@ def _ending(
         return shortfall
     for number, (run, result) in enumerate(zip(runs, results, strict=True)):
         code = result["reason"]["code"]
-        # where other bodies end is judged at the end; one put aside may be anywhere
+        # where other bodies end counts at the end; one put aside may be anywhere
         judged_later = {"goal_reached", "body_moved"}
         if run.stage.aside:
             judged_later.add("goal_missed")

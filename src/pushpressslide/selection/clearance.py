@@ -236,7 +236,7 @@ def _too_near(
     for i, obstacle in enumerate(obstacles):
         lacking = allowed[:, i] - distances[:, i]
         if distances[:, i].min() == 0.0 and allowed[:, i].min() <= 0.0:
-            # it touches at an end, and may on the way
+            # it touches at an end, so it may in between
             shared = overlaps(shape, poses, others[i])
             deepest = int(shared.argmax())
             if shared[deepest] > ENTERED * clearance**2:

@@ -37,7 +37,7 @@ SHORTEST = 0.05  # [m] that a motion leads the object, turns included
 BLOCKED = (
     1.5  # times its least time, that a motion may take whose straight way is not free
 )
-# of refusals that stand against a mode wherever the object is to go
+# codes of refusals that exclude a mode wherever the object is to go
 ALWAYS = frozenset(
     {
         "arms",
@@ -52,7 +52,7 @@ ALWAYS = frozenset(
         "too_close",
     }
 )
-# of those, that stand against it with whatever contacts
+# of those, codes that exclude it with any contacts
 HOPELESS = frozenset({"smooth_tip"})
 
 # of a motion by a mode: with the contacts that are held, with whatever contacts where
@@ -104,7 +104,7 @@ class LegSearch:
 
     query: MotionQuery
     free_paths: PathsTo  # to the goal
-    poses: list[Pose2]  # X_WG: start, goal, and those on the way; more as it goes on
+    poses: list[Pose2]  # X_WG: start, goal and via poses; more are added
     touching: ReachScreen
     evaluate: EvaluateMotion
     max_work: (

@@ -31,7 +31,7 @@ class DroppedSequence:
 class Searched:
     """Everything that a search has tried."""
 
-    poses: int  # on the way
+    poses: int  # between start and goal
     evaluated: int  # motions
     refused: tuple[RefusedMotions, ...] = ()  # the most frequent first
     dropped: tuple[DroppedSequence, ...] = ()  # in their order

@@ -38,7 +38,7 @@ SEQUENCES = 16  # whose joint paths are looked for
 TRIES_ANEW = 2
 SEQUENCES_ANEW = 6
 JUDGED = 320  # work on motions between two poses in a search
-MOST_FURTHER = 640  # more, where pushes from the poses on the way are looked at too
+MOST_FURTHER = 640  # more, if pushes from the via poses are evaluated too
 
 
 @dataclass
@@ -46,7 +46,7 @@ class Solution:
     """The solution of a task."""
 
     plan: Plan
-    choices: list[Choice]  # what was judged; those passed over say why
+    choices: list[Choice]  # all that were evaluated or skipped
     planning_time: dict[str, float] = field(default_factory=dict)  # [s] by stage
     searched: Searched | None = None  # where one motion did not do it
 

@@ -36,11 +36,11 @@ from pushpressslide.selection.clearance import base_discs
 from pushpressslide.selection.reach_screen import touching
 
 STRAIGHTS = (0.12, 0.25)  # [m] of straight push that leads to the goal
-ONWARD = (0.15, 0.3, 0.5)  # [m] of straight push from a pose on the way
+ONWARD = (0.15, 0.3, 0.5)  # [m] of straight push from a via pose
 ARC = 2.0  # radii of the object: of the arcs from there
 TURNS = tuple(math.radians(a) for a in (-90.0, -45.0, 45.0, 90.0))  # on them
 SPREAD = 16  # poses of the even sample
-FACES = 2  # by which a pose on the way is turned to be pushed along it
+FACES = 2  # by which a via pose is turned to be pushed along the path
 SIDES = 4  # faces by which a straight push to the goal is tried
 ROOM = 0.3  # [m] about start and goal, within which the way may lead
 HAND_OVER = 0.06  # [m] between the places at which an arm may take an object over

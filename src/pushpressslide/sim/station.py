@@ -147,6 +147,6 @@ class Station:
 
     def set_torque(self, i: int, torque: Array) -> None:
         """Write the joint torques [N m] of arm ``i`` until the next call."""
-        # a third of what fixing the port anew takes; the call tells Drake of the change
+        # a third of the time of fixing the port again; the call tells Drake of the change
         self._inputs[i].GetMutableData()
         self._torques[i].SetFromVector(torque)
