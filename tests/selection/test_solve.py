@@ -65,7 +65,7 @@ def test_a_push_round_a_post_is_found_as_several_motions(found: Plan) -> None:
 
 def test_what_the_search_dropped_is_told(solution: Solution) -> None:
     """A cylinder too heavy for a press: its motions are refused by their reasons."""
-    searched = solution.searched
+    searched = solution.search_notes
     assert searched is not None
     assert searched.evaluated >= sum(motions.count for motions in searched.refused) > 0
     assert searched.poses > 0

@@ -10,7 +10,7 @@ from pushpressslide.selection.select import select
 
 
 def ranked(task: Task, joints: bool) -> list[Choice]:
-    """Return all choices of a task; with ``joints`` as many judged in full as a run
+    """Return all choices of a task; with ``joints`` as many evaluated in full as a run
     looks at, by the joint paths of the arms, too.
     """
     if not joints:

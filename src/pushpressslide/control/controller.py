@@ -128,7 +128,7 @@ class Controller:
         self.robots = query.scene.robots
         self.estimator = estimator(query)
         self.kept_arms = self.placement.kept_arms
-        self.touches = _touches(query, first, gap, self.placement.entry)
+        self.touches = _made_touches(query, first, gap, self.placement.entry)
         self.law = _law(query, execution, self.placement)
         patience = min(
             margins.ARM.loss_time(contact.kind)
@@ -446,7 +446,7 @@ class Controller:
         return tuple(commands)
 
 
-def _touches(
+def _made_touches(
     query: MotionQuery, first: Segment, gap: float | None, into: Insertion | None
 ) -> tuple[TipTouch, ...]:
     """Touch of each contact of the ``first`` segment."""

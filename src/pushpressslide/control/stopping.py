@@ -113,7 +113,7 @@ class Stop:
     began: float  # [s]
     period: float  # [s]
     levels: list[StopLevel] = field(init=False)
-    _held: list[JointCommand | None] = field(init=False)  # where an arm holds
+    _hold_commands: list[JointCommand | None] = field(init=False)  # where an arm holds
     _overload: list[int] = field(init=False)  # ticks of too much torque, of each arm
     _resting: int = 0  # ticks that all joints have been at rest
     # [s] since when an arm no longer draws back; before that, when the stop began
@@ -121,7 +121,7 @@ class Stop:
 
     def __post_init__(self) -> None:
         self.levels = [StopLevel.DRAW_BACK] * len(self.arms)
-        self._held = [None] * len(self.arms)
+        self._hold_commands = [None] * len(self.arms)
         self._overload = [0] * len(self.arms)
         self._waiting = self.began
 
@@ -185,10 +185,10 @@ class Stop:
             return BrakeCommand()
         if level is StopLevel.DRAW_BACK:
             return command
-        held = self._held[arm]
+        held = self._hold_commands[arm]
         if held is None:
             held = JointCommand(reading.q, np.zeros_like(reading.q))
-            self._held[arm] = held
+            self._hold_commands[arm] = held
         return held
 
     def _watch_rest(self, readings: Sequence[ArmReading]) -> None:

@@ -338,8 +338,7 @@ class ArmMargins:
     settling: float = field(default=1.8, metadata={"unit": "s"})
     """Of lining up, believing the touch, and drawing back."""
     slid: float = field(default=0.0025, metadata={"unit": "m"})
-    """Of a contact, before the way is planned anew: what tip and pose, as measured,
-    tell apart.
+    """Of a contact, before a replan: what the measured tip and pose resolve.
     """
     off_path: float = field(default=0.001, metadata={"unit": "m"})
     """The same of the object from its path."""
@@ -384,7 +383,7 @@ class ArmMargins:
     off_axle: float = field(default=0.015, metadata={"unit": "m"})
     """Of the virtual axle from where it is planned: what noisy poses tell apart."""
     least_left: float = field(default=0.02, metadata={"unit": "m"})
-    """Of path, with less of which nothing is planned anew."""
+    """Remaining path below which nothing is replanned."""
     touch_depth: float = field(default=0.05, metadata={"unit": "m"})
     """Beyond an expected contact, at which the object counts as not there."""
     felt_time: float = field(default=0.03, metadata={"unit": "s"})

@@ -98,7 +98,7 @@ class ArmExecutor:
     joint_stiffness: float  # [N m/rad] of the joint-tracking term; 0 switches it off
     dt: float  # [s]
     frame: SupportFrame = TABLE  # of the commands
-    _most: tuple[float, ...] = field(init=False)  # (n,) [N m] of a torque
+    _torque_limits: tuple[float, ...] = field(init=False)  # (n,) [N m] of a torque
     # (n,) [N m] that a torque may change by in a tick
     _most_change: tuple[float, ...] = field(init=False)
     _plane: Array = field(
@@ -117,7 +117,7 @@ class ArmExecutor:
     _share: PostureShare | None = None  # of the joints, where they were last looked at
 
     def __post_init__(self) -> None:
-        self._most = tuple(self.effort.tolist())
+        self._torque_limits = tuple(self.effort.tolist())
         self._most_change = tuple((self.rate * self.dt).tolist())
         self._axes = np.array(self.frame.axes)
         self._upright = bool(self._axes[2, 2] == 1.0)
@@ -140,7 +140,7 @@ class ArmExecutor:
         """
         rate = min(FREE_RATE, 0.25 / self.dt)
         tau = joint_torque(arm.M, arm.bias, arm.q, arm.v, q_ref, v_ref, rate)
-        return limited(tau, previous, self._most, self._most_change)
+        return limited(tau, previous, self._torque_limits, self._most_change)
 
     def brake(self, arm: ArmDynamics, weight: Array, previous: Array) -> LimitedTorque:
         """Torques that hold the arm's ``weight`` (n,) [N m] and stop its joints as fast
@@ -157,7 +157,7 @@ class ArmExecutor:
         in_time = np.sqrt(TAKEN_BACK * self.rate * size)
         braking = float(np.min(np.minimum(left, in_time) / size))
         tau = weight - min(BRAKE_SHARE / self.dt, braking) * momentum
-        return limited(tau, previous, self._most, self._most_change)
+        return limited(tau, previous, self._torque_limits, self._most_change)
 
     def contact(
         self,
@@ -191,7 +191,7 @@ class ArmExecutor:
         wrench[3:] += self.frame.direction(command.force)
         tau = arm.bias + arm.J.T @ wrench
         tau += held_for_a_tick(Impedance(torque, added), arm.M)
-        return limited(tau, previous, self._most, self._most_change)
+        return limited(tau, previous, self._torque_limits, self._most_change)
 
     def _of_tip(
         self,

@@ -23,7 +23,9 @@ BETWEEN = 3  # footprints between the ends of a motion
 
 def motions(plan: Plan) -> list[tuple[Segment, ...]]:
     """Return the segments of a plan, without what was planned anew on the way, by leg."""
-    return [tuple(part) for _, part in groupby(plan.segments, lambda piece: piece.leg)]
+    return [
+        tuple(part) for _, part in groupby(plan.segments, lambda segment: segment.leg)
+    ]
 
 
 def filmstrip(plan: Plan) -> Figure:

@@ -26,7 +26,7 @@ from pushpressslide.selection.reach_screen import ReachScreen
 from pushpressslide.selection.search_notes import (
     DroppedSequence,
     RefusedMotions,
-    Searched,
+    SearchNotes,
 )
 
 START = 0
@@ -118,9 +118,9 @@ class LegSearch:
     modes: list[str] = field(default_factory=list)
     _refused: dict[tuple[str, str], RefusedMotions] = field(default_factory=dict)
     _dropped: list[DroppedSequence] = field(default_factory=list)
-    _found: dict[tuple[int, int, str, HeldContacts | None], list[Choice]] = field(
-        default_factory=dict
-    )
+    _choices_by_motion: dict[
+        tuple[int, int, str, HeldContacts | None], list[Choice]
+    ] = field(default_factory=dict)
     _lengths: list[float] = field(default_factory=list)
     _led_on: set[int] = field(default_factory=set)  # poses that others were added for
     _least_times: dict[tuple[int, int, str], float] = field(default_factory=dict)
@@ -143,7 +143,7 @@ class LegSearch:
             if _hopeless(judged):
                 continue
             self.modes.append(mode)
-            self._found[START, GOAL, mode, None] = _best(judged)
+            self._choices_by_motion[START, GOAL, mode, None] = _best(judged)
 
     def ban(self, steps: Sequence[Step], first: int, last: int, reason: str) -> None:
         """Exclude ``steps`` from the ``first`` to the ``last``, of one placement, with
@@ -157,11 +157,11 @@ class LegSearch:
         self._dropped.append(DroppedSequence(modes, sum(times), reason))
 
     @property
-    def tried(self) -> Searched:
+    def tried(self) -> SearchNotes:
         """Summary of everything tried so far."""
         often = sorted(self._refused.values(), key=lambda motions: -motions.count)
         poses = len(self.poses) - 2
-        return Searched(poses, self.evaluated, tuple(often), tuple(self._dropped))
+        return SearchNotes(poses, self.evaluated, tuple(often), tuple(self._dropped))
 
     def soonest(self) -> tuple[Step, ...]:
         """Quickest sequence that is not banned. Empty if there is none, or if the
@@ -279,25 +279,25 @@ class LegSearch:
     def _worth_asking(self, motion: Motion) -> bool:
         """Whether a motion has choices, or may be evaluated."""
         key = self._key(motion)
-        if key in self._found:
-            return bool(self._found[key])
+        if key in self._choices_by_motion:
+            return bool(self._choices_by_motion[key])
         return self.spent < self.max_work and motion.mode in self.modes
 
     def _choices(self, motion: Motion) -> list[Choice]:
         """Feasible choices of a motion, evaluated at the first request."""
         key = self._key(motion)
         start, end, mode, held_contacts = key
-        if key not in self._found:
+        if key not in self._choices_by_motion:
             self.evaluated += 1
             self.spent += 1 if motion.held_contacts else MODES[mode].evaluation_cost
             asked = self.query.between(self.poses[start], self.poses[end])
             judged = self.evaluate(asked, mode, held_contacts)
-            self._found[key] = _best(judged)
-            if not self._found[key]:
+            self._choices_by_motion[key] = _best(judged)
+            if not self._choices_by_motion[key]:
                 self._note(mode, judged)
             if _hopeless(judged) and mode in self.modes:
                 self.modes.remove(mode)
-        return self._found[key]
+        return self._choices_by_motion[key]
 
     def _note(self, mode: str, evaluated: Sequence[Choice]) -> None:
         """Count a motion that ``mode`` cannot do, by its first refusal."""

@@ -103,8 +103,8 @@ def spots(moment: Moment, body: str) -> list[Pose2]:
             blocked = sum(bool(outline.intersects(path)) for path in paths)
             onward = sum(math.dist(X.position, g.position) for g in moment.goals[body])
             ranked.append((blocked, number, round(onward, 6), X.x, X.y, X))
-        kept += sorted(ranked, key=lambda entry: entry[:-1])[:PER_RING]
-    return [entry[-1] for entry in sorted(kept, key=lambda entry: entry[:-1])]
+        kept += sorted(ranked, key=lambda rank: rank[:-1])[:PER_RING]
+    return [rank[-1] for rank in sorted(kept, key=lambda rank: rank[:-1])]
 
 
 def _free(

@@ -28,7 +28,7 @@ class DroppedSequence:
 
 
 @dataclass(frozen=True, slots=True)
-class Searched:
+class SearchNotes:
     """Everything that a search has tried."""
 
     poses: int  # between start and goal

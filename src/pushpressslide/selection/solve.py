@@ -24,7 +24,7 @@ from pushpressslide.selection.placement_planner import (
 )
 from pushpressslide.selection.planner import infeasible, selectable
 from pushpressslide.selection.reach_screen import ReachScreen
-from pushpressslide.selection.search_notes import Searched
+from pushpressslide.selection.search_notes import SearchNotes
 from pushpressslide.selection.select import (
     evaluate_motion,
     of_leg,
@@ -48,12 +48,12 @@ class Solution:
     plan: Plan
     choices: list[Choice]  # all that were evaluated or skipped
     planning_time: dict[str, float] = field(default_factory=dict)  # [s] by stage
-    searched: Searched | None = None  # where one motion did not do it
+    search_notes: SearchNotes | None = None  # where one motion did not do it
 
     @property
     def notes(self) -> dict[str, Any]:
         """Notes for the record of a run."""
-        searched = None if self.searched is None else self.searched.notes
+        searched = None if self.search_notes is None else self.search_notes.notes
         return {"planning_time": self.planning_time, "search": searched}
 
 
@@ -127,7 +127,7 @@ def _solved(
     clock.lap("joint_paths")
     if added:
         return Solution(joined(planner, empty), choices, clock.laps)
-    plan, searched = _searched(planner, empty, choices)
+    plan, searched = _search_sequence(planner, empty, choices)
     clock.lap("search")
     return Solution(plan, choices, clock.laps, searched)
 
@@ -160,9 +160,9 @@ def searchable(task: Task) -> bool:
     return free and task.limits.legs > 1 and task.scene.rests
 
 
-def _searched(
+def _search_sequence(
     planner: PlacementPlanner, empty: Plan, choices: Sequence[Choice]
-) -> tuple[Plan, Searched]:
+) -> tuple[Plan, SearchNotes]:
     """Plan of the quickest sequence of motions that has joint paths, and a summary of
     the search.
 

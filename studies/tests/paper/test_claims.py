@@ -20,7 +20,7 @@ from pushpressslide_studies.paper.one_arm import (
     REAR_PUSH,
     TOOL_USE,
 )
-from pushpressslide_studies.paper.table import findings, summary
+from pushpressslide_studies.paper.table import outcome_lines, summary
 from pushpressslide_studies.paper.two_arms import PIVOT_AND_MOVE, PRESS_FIT
 from pushpressslide_studies.paper.virtual_axle import LIGHT, TASK, predict, result_of
 
@@ -192,7 +192,7 @@ def test_the_fixed_target_is_held_against_what_is_asked_of_the_others(
 
 def test_rho_as_identified_is_told_beside_the_exact_one() -> None:
     outcomes = {("identified-rho", "turn"): Outcome(Path(), None, rho=RHO)}
-    (sentence,) = findings(IDENTIFIED_RHO, Evidence(outcomes))
+    (sentence,) = outcome_lines(IDENTIFIED_RHO, Evidence(outcomes))
     assert "identified rho 99.0 mm, exact 101.0 mm (-2.0 %)" in sentence
 
 

@@ -18,7 +18,7 @@ from pushpressslide_studies.paper.experiment import Experiment, Variant
 from pushpressslide_studies.paper.experiments import AXLE, EXPERIMENTS, chosen
 from pushpressslide_studies.paper.figures import FIGURES
 from pushpressslide_studies.paper.one_arm import JOINT_TRACKING
-from pushpressslide_studies.paper.table import findings
+from pushpressslide_studies.paper.table import outcome_lines
 
 VARIANTS = [(e.name, v) for e in EXPERIMENTS.values() for v in e.variants]
 
@@ -97,7 +97,7 @@ def test_findings_say_what_a_change_did_and_where_it_ended() -> None:
     outcomes[JOINT_TRACKING.name, "less-joint"] = Outcome(
         Path(), made_up(41.0, success=False)
     )
-    slow, _, _, fast, worse = findings(JOINT_TRACKING, Evidence(outcomes))
+    slow, _, _, fast, worse = outcome_lines(JOINT_TRACKING, Evidence(outcomes))
     assert "Time 40.0 to 41.0 s (alike)" in slow
     assert slow.endswith("It ends with: time is over.")
     assert "Time 40.0 to 10.0 s (× 0.25)" in fast
@@ -109,7 +109,7 @@ def test_findings_are_silent_about_what_could_not_be_run() -> None:
         (JOINT_TRACKING.name, variant.name): Outcome(Path(), None, "no")
         for variant in JOINT_TRACKING.variants
     }
-    assert findings(JOINT_TRACKING, Evidence(outcomes)) == []
+    assert outcome_lines(JOINT_TRACKING, Evidence(outcomes)) == []
 
 
 def test_one_page_holds_runs_that_reach_miss_and_cannot_be_run(

@@ -114,7 +114,7 @@ class _Tip:
         return SideContact(place, place, law, self._friction)
 
     def take(self, twist: Twist) -> None:
-        """Stretch the spring by what an object with ``twist`` stays behind."""
+        """Extend the spring by what an object with ``twist`` stays behind."""
         at = twist.moved_to(self._point)
         behind = self._in_axes((at.vx, at.vy))
         self._normal_spring += self._stiffness * (self._ahead[0] - behind[0])

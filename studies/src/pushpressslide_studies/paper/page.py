@@ -32,7 +32,13 @@ from pushpressslide_studies.paper.experiment import Experiment, Variant, Verdict
 from pushpressslide_studies.paper.experiments import AXLE
 from pushpressslide_studies.paper.figures import FIGURES, paper_figure
 from pushpressslide_studies.paper.pictures import CAPTION, NAME
-from pushpressslide_studies.paper.table import LEGEND, ending, findings, scope, summary
+from pushpressslide_studies.paper.table import (
+    LEGEND,
+    ending,
+    outcome_lines,
+    scope,
+    summary,
+)
 
 TITLE = "The paper's experiments"
 # style of a verdict
@@ -158,7 +164,7 @@ def _experiment(experiment: Experiment, evidence: Evidence, page: Path) -> str:
         f"<p>{escape(experiment.source)}. {escape(experiment.claim)}</p>",
         *(_picture(runs[title], title) for title in pictured if title in runs),
         _figures(experiment, evidence, page),
-        _findings(experiment, evidence),
+        _outcome_list(experiment, evidence),
         _plots(experiment, runs, titles),
     ]
     if len(runs) > 1:
@@ -169,8 +175,8 @@ def _experiment(experiment: Experiment, evidence: Evidence, page: Path) -> str:
     return "".join(parts)
 
 
-def _findings(experiment: Experiment, evidence: Evidence) -> str:
-    sentences = findings(experiment, evidence)
+def _outcome_list(experiment: Experiment, evidence: Evidence) -> str:
+    sentences = outcome_lines(experiment, evidence)
     items = "".join(f"<li>{escape(sentence)}</li>" for sentence in sentences)
     listed = f"<ul>{items}</ul>" if items else ""
     return f"<h3>What comes out</h3>{listed}<p>{escape(experiment.why)}</p>"

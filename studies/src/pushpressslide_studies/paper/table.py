@@ -83,7 +83,9 @@ def _experiment(experiment: Experiment, evidence: Evidence) -> str:
             title = ""
         cells = [row.text(outcome.result or {}) for row in FIGURES]
         lines.append([title, "measured", *cells, ending(outcome)])
-    text = "\n".join(f"- {sentence}" for sentence in findings(experiment, evidence))
+    text = "\n".join(
+        f"- {sentence}" for sentence in outcome_lines(experiment, evidence)
+    )
     if text:
         text += "\n\n"
     return f"## {experiment.title}\n\n{_rows(lines)}\n\n{text}{experiment.why}\n"
@@ -116,7 +118,7 @@ def ending(outcome: Outcome) -> str:
     return str(outcome.result["reason"]["code"]).replace("_", " ")
 
 
-def findings(experiment: Experiment, evidence: Evidence) -> list[str]:
+def outcome_lines(experiment: Experiment, evidence: Evidence) -> list[str]:
     """Return sentences on the measured figures; none where a run is missing."""
     sentences = []
     for comparison in experiment.comparisons:

@@ -71,7 +71,7 @@ PIVOT_AND_MOVE = Experiment(
                 "start.x=0.44",
                 "start.yaw_deg=2",
             ),
-            why="Planned anew from where the box is at the second touch.",
+            why="Replanned from where the box is at the second touch.",
         ),
     ),
     why="Masses and friction are not in the paper; box, arms, their distance and the slot are the paper's. "

@@ -59,7 +59,7 @@ def _displaced(X_WB: Pose2, motion: Motion) -> Pose2:
 def _motion(X_WB: Pose2, pusher: Pusher) -> Motion:
     """Return how the T moves in the next period."""
     center = X_WB.unapply(pusher.position)
-    touches = _touches(center)
+    touches = _contacts_at(center)
     if not touches:
         return REST
     vx, vy = X_WB.unrotate(pusher.velocity)
@@ -72,16 +72,16 @@ def _motion(X_WB: Pose2, pusher: Pusher) -> Motion:
     return Motion(*(a + b for a, b in zip(driven, corrected, strict=True)))
 
 
-def _least_motion(touches: list[Touch], advances: list[float]) -> Motion:
+def _least_motion(contacts: list[Touch], advances: list[float]) -> Motion:
     """Return the least motion with an advance of at least ``advances`` [px] at each
     contact, by passes over the contacts.
     """
-    impulses = [0.0] * len(touches)
+    impulses = [0.0] * len(contacts)
     x = 0.0
     y = 0.0
     turn = 0.0
-    for _ in range(PASSES if len(touches) > 1 else 1):
-        for index, (touch, advance) in enumerate(zip(touches, advances, strict=True)):
+    for _ in range(PASSES if len(contacts) > 1 else 1):
+        for index, (touch, advance) in enumerate(zip(contacts, advances, strict=True)):
             nx, ny = touch.normal
             mobility = 1.0 + (touch.arm / RHO) ** 2
             missing = advance - (x * nx + y * ny + turn * touch.arm)
@@ -94,7 +94,7 @@ def _least_motion(touches: list[Touch], advances: list[float]) -> Motion:
     return Motion(x, y, turn)
 
 
-def _touches(center: Point) -> list[Touch]:
+def _contacts_at(center: Point) -> list[Touch]:
     """Return the contacts of a pusher whose centre is at a point [px] in B."""
     out = []
     for box in (BAR, STEM):
