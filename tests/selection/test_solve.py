@@ -109,7 +109,7 @@ def test_no_sequence_is_searched_for_where_one_motion_is_allowed(task: Task) -> 
 
 def test_a_refusal_says_how_many_motions_were_looked_at(task: Task) -> None:
     shut_in = replace(task, obstacles=(_wall(task),))
-    with pytest.raises(InfeasibleTaskError, match="nor do several motions"):
+    with pytest.raises(InfeasibleTaskError, match="nor does a sequence"):
         plan(shut_in)
 
 
