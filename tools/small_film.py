@@ -2,7 +2,8 @@
 
     python tools/small_film.py runs/x/run.webp docs/figures/x.webp
 
-Two thirds of the width, one picture of three, as quick as the run.
+Two thirds of the width, one picture of three, as quick as the run; from when the
+object starts to move.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+import numpy as np
 from PIL import Image, ImageSequence
 
 WIDTH = 800  # [pixels]
@@ -21,13 +23,18 @@ LARGEST = 3_000_000  # [bytes]
 def main() -> None:
     """Read a film, and write the small one."""
     source, target = map(Path, sys.argv[1:])
+    start = 1e3 * moving_from(source.parent / "record.npz")
     pictures = []
-    spent = 0
+    passed = spent = 0
     with Image.open(source) as film:
         size = (WIDTH, round(WIDTH * film.height / film.width))
         for i, picture in enumerate(ImageSequence.Iterator(film)):
             picture.load()
-            spent += int(picture.info["duration"])
+            duration = int(picture.info["duration"])
+            passed += duration
+            if passed < start:
+                continue
+            spent += duration
             if i % EVERY == 0:
                 pictures.append(picture.convert("RGB").resize(size))
     first, *others = pictures
@@ -43,6 +50,13 @@ def main() -> None:
     written = target.stat().st_size
     if written > LARGEST:
         sys.exit(f"{target}: {written} bytes, allowed {LARGEST}")
+
+
+def moving_from(record: Path) -> float:
+    """Time [s] since the start at which the object starts to be moved."""
+    with np.load(record) as arrays:
+        time = arrays["time"]
+        return float(time[np.argmax(arrays["phase"] == "move")] - time[0])
 
 
 if __name__ == "__main__":

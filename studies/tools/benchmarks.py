@@ -93,7 +93,7 @@ def _fact(benchmarks: Mapping[str, Sequence[Mapping[str, Any]]]) -> str:
     quickest = min(row["ratio"] for row in solvers)
     ours, _, hpipm = benchmarks["mpc"][:3]
     return (
-        f"- **It is quick.** Two contact forces inside their cones take {one:.2g} µs; the "
+        f"- **It is quick.** Allocating two contact forces inside their cones takes {one:.2g} µs; the "
         f"quickest solver takes {quickest:.1f} times as long. Tracking and allocation "
         f"together take {ours['median_us']:.2g} µs; one step of a model-predictive "
         f"controller takes {hpipm['ratio']:.0f} times as long "

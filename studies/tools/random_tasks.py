@@ -537,7 +537,7 @@ def by_older(tables: Iterable[Table]) -> str:
     """Words for tables of which one is by sources with another contact solver."""
     made = map(sources_of, tables)
     older = any(one is not None and is_older(one) for one in made)
-    return " (simulated with an older contact solver)" if older else ""
+    return " (run with an older contact solver)" if older else ""
 
 
 def main() -> None:

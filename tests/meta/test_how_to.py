@@ -30,7 +30,7 @@ def test_the_object_of_the_page_is_pressed_and_not_pushed_in_its_notch() -> None
     assert choices[0].feasible
     against = [str(choice) for choice in choices]
     for words in (
-        "the centre of mass is not before the face",
+        "the centre of mass is not in front of the face",
         "turns by 383 deg",
         "(-0.054, 0.031)",
     ):

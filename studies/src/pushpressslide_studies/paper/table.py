@@ -105,10 +105,15 @@ def summary(claims: Sequence[Claim]) -> str:
         if run:
             counts.append(f"{good} of {run} {what} reproduced")
     every = [claim.verdict for claim in claims]
-    for verdict in (Verdict.unstated, Verdict.not_run):
-        if verdict in every:
-            counts.append(f"{every.count(verdict)} {verdict}")
-    return f"{', '.join(counts)}."
+    further = [
+        f"{every.count(verdict)} {verdict}"
+        for verdict in (Verdict.unstated, Verdict.not_run)
+        if verdict in every
+    ]
+    text = ", ".join(counts)
+    if further:
+        text += f"; of further claims {', '.join(further)}"
+    return f"{text}."
 
 
 def ending(outcome: Outcome) -> str:
