@@ -10,21 +10,21 @@ closed-form control.
 
 From a file and back
     load_task, dump_task, check_task, load_run, report
-What a task consists of
+Parts of a task
     Task, Object, Support, Obstacle, Robot, Motion, Limits, Sensing, Tolerance, Pose2;
     shapes: Box, Cylinder, Prism, Compound, MeshSolid
 From a task to a result
     select, Choice, plan, Plan, run, Record, result
 The loop in your own program
-    run_loop, RunLoop, RunOptions, Cell, Controller; Plant, as earlier versions had it
-Does a flat finger keep what it pushes
+    run_loop, RunLoop, RunOptions, Cell, Controller; Plant, as in earlier versions
+Pushing with a flat finger
     push_sticks, FlatFinger
-Rooms: dir() lists their modules
+Packages: dir() lists their modules
     modes, mechanics, allocation, batch, planar
 Errors, each with one line
     PushPressSlideError, TaskError, InfeasibleTaskError, SimulationError
 
-Units are SI, angles are in radians. Everything here is imported when it is first used.
+Units are SI, angles are in radians. Every name is imported at its first use.
 """
 
 from __future__ import annotations

@@ -244,7 +244,7 @@ def note(table: Table, made: Sources) -> None:
 
 
 def sources_of(table: Table) -> Sources | None:
-    """The sources that made the published rows of a table; None where nobody noted it."""
+    """The sources that made the published rows of a table, if noted."""
     made = all_sources().get(table.name)
     rows, _ = read(table)
     if made is None or not rows or rows[-1]["key"] != made.key:
@@ -429,7 +429,7 @@ def missed(tables: Iterable[Table]) -> list[str]:
 
 
 def modes_chosen() -> list[str]:
-    """Return how often each mode was chosen where any was allowed."""
+    """Counts of the chosen modes, of tasks that allow any."""
     counts: Counter[str] = Counter()
     for table in KNOWN:
         if table.sets == OPEN:

@@ -1,4 +1,4 @@
-"""The least load for a centre of pressure, against a dense search over loads."""
+"""Minimum load for a centre of pressure, against a dense search over loads."""
 
 import math
 import random

@@ -1,4 +1,4 @@
-"""Loads of two presses that put the centre of pressure where it is wanted."""
+"""Loads of two presses that put the centre of pressure at a requested point."""
 
 import math
 

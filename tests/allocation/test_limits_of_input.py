@@ -1,5 +1,5 @@
-"""What every allocator answers to a wrench that is no number, to no friction, and to
-figures that cannot be.
+"""Response of every allocator to a wrench of NaN, to zero friction, and to invalid
+figures.
 """
 
 import math

@@ -38,7 +38,7 @@ def drawn(count: int, seed: int):
 
 def possible(press, load, push, normal, friction, cop, wrench) -> tuple[bool, bool]:
     """Whether some share of the force along the line of contacts is inside cone and
-    disc, on a fine grid; and whether that is so by far, or by far not.
+    disc, on a fine grid, and whether that verdict has a clear margin.
     """
     fx, fy, tau = wrench
     r = np.array(push) - np.array(press)

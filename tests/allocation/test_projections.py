@@ -1,4 +1,4 @@
-"""Where a wrench is moved to that two side contacts cannot give (docs/mechanics.md,
+"""Projection of wrenches that two side contacts cannot produce (docs/mechanics.md,
 section 6).
 """
 

@@ -1,5 +1,5 @@
-"""The paper's own formulas for two contacts, and what is wrong with them
-(docs/mechanics.md, 5 to 7).
+"""The paper's own formulas for two contacts, and their errors (docs/mechanics.md, 5 to
+7).
 """
 
 import pytest

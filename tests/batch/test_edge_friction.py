@@ -1,5 +1,5 @@
-"""Friction under polygons in closed form: the integral over the base wherever the centre
-of rotation is, the same in Python and compiled.
+"""Friction under polygons in closed form: equal to the integral over the base for any
+centre of rotation, in Python and compiled.
 """
 
 import math

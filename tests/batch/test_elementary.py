@@ -1,4 +1,4 @@
-"""Compiled sines, arctangents and the like give what those of ``math`` give."""
+"""Compiled sines, arctangents and the like agree with those of ``math``."""
 
 import math
 

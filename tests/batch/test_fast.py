@@ -1,4 +1,4 @@
-"""Whether numba is wanted."""
+"""Whether numba is enabled."""
 
 from pushpressslide.batch import fast
 

@@ -1,6 +1,4 @@
-"""A compiled tick of the planar engine answers as the interpreted one, of which the planar
-engine calls the parts.
-"""
+"""A compiled tick of the planar engine gives the results of the interpreted one."""
 
 import numpy as np
 import pytest

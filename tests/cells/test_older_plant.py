@@ -1,4 +1,4 @@
-"""A simulator as it was written for version 0.3: a plant of one piece still runs."""
+"""A simulator written for version 0.3, with a plant of one piece, still runs."""
 # mypy: ignore-errors
 
 import warnings
@@ -90,7 +90,7 @@ class MyPlant:
         self.speed = (*velocity, 0.0)
 
     def _into(self, velocity) -> float:
-        """Return how fast [m/s] a velocity in the world leads into the face."""
+        """Speed [m/s] into the face of a velocity in the world."""
         vx, vy = self.X.unrotate(velocity)
         return vx * self.contact.normal[0] + vy * self.contact.normal[1]
 

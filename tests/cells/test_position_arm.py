@@ -1,4 +1,4 @@
-"""An arm that takes positions: it pushes, stiff, and a tick late."""
+"""An arm with position commands: it pushes, stiffly, one tick late."""
 
 from __future__ import annotations
 

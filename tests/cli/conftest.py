@@ -1,4 +1,4 @@
-"""How a refusal of the command is judged, for every test of it."""
+"""Checks of a refusal by the command, shared by all tests of it."""
 
 from collections.abc import Callable
 

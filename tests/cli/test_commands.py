@@ -1,4 +1,4 @@
-"""What the commands print, leave behind and exit with."""
+"""Output, files and exit statuses of the commands."""
 
 import json
 from concurrent.futures import ThreadPoolExecutor

@@ -1,4 +1,4 @@
-"""The shell completes what the package has: no list of names is out of date."""
+"""The shell completes the package's names; no list of names is out of date."""
 
 import os
 import subprocess
@@ -13,7 +13,7 @@ from pushpressslide.taskfile.load import shipped_tasks
 
 
 def pps(*args: str, folder: Path, **env: str) -> str:
-    """Return what the command prints, in a folder."""
+    """Output of the command, run in a folder."""
     command = (sys.executable, "-m", "pushpressslide", *args)
     return subprocess.run(
         command,
@@ -26,7 +26,7 @@ def pps(*args: str, folder: Path, **env: str) -> str:
 
 
 def completed(line: str, folder: Path) -> list[str]:
-    """Return what bash offers for the last word of a line."""
+    """Completions that bash offers for the last word of a line."""
     words = line.split(" ")
     return pps(
         folder=folder,

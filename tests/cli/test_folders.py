@@ -1,5 +1,5 @@
-"""A folder of results is written by one command at a time, and what cannot be written
-is told in one line with what is left.
+"""A folder of results is written by one command at a time. A failed write is reported
+in one line with the files that are left.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""``pps identify``: what it prints and leaves, and how it refuses."""
+"""``pps identify``: its output, its files and its refusals."""
 
 import json
 import math

@@ -1,8 +1,8 @@
-"""Ctrl-C or a request to terminate at any time: status 130, one line, what was finished is kept, and no file is
-there by half.
+"""Ctrl-C or a request to terminate at any time: status 130, one line, finished results
+are kept, and no file is incomplete.
 
-The process interrupts itself at a chosen place, so that nothing depends on how fast the
-machine is.
+The process interrupts itself at a chosen point, so that nothing depends on the speed of
+the machine.
 """
 
 import json

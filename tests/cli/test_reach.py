@@ -1,4 +1,4 @@
-"""Goals out of reach are refused when the task is loaded, by the arms' own kinematics;
+"""Goals out of reach, by the arms' own kinematics, are refused when the task is loaded;
 others never are.
 """
 

@@ -1,5 +1,5 @@
-"""What is printed fits 80 columns, names what was written, and opens pages only where
-there is a screen.
+"""Printed text fits 80 columns and names the written files. Pages open only if there is
+a screen.
 """
 
 import webbrowser

@@ -1,4 +1,4 @@
-"""Without Drake everything works but what runs in it, which says how to install it."""
+"""Without Drake everything works except Drake runs, which say how to install it."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Every mode of the library keeps the contract; a new mode is tested by being there."""
+"""Every mode of the library keeps the contract; a new mode is tested automatically."""
 
 import importlib
 import inspect
@@ -107,8 +107,8 @@ def planned(mode: Mode, count: int) -> list[tuple[Choice, Plan]]:
 
 
 def guided(mode: Mode, made: Plan, rng: random.Random) -> tuple[Guidance, Segment]:
-    """Return what the mode's tracker asks for near some point of the plan's path, and
-    the segment it is on.
+    """Guidance of the mode's tracker near a random point of the plan's path, and the
+    segment it is on.
     """
     segment = rng.choice(made.segments)
     path = segment.path
@@ -128,7 +128,9 @@ def guided(mode: Mode, made: Plan, rng: random.Random) -> tuple[Guidance, Segmen
 def guided_on_path(
     mode: Mode, made: Plan, rng: random.Random
 ) -> tuple[Guidance, Segment]:
-    """Return what the mode's tracker asks for at some point of the plan's path."""
+    """Guidance of the mode's tracker at a random point of the plan's path, and its
+    segment.
+    """
     segment = rng.choice(made.segments)
     s = rng.uniform(0.0, segment.path.length)
     X_WB = segment.path.pose(s).compose(segment.X_BV.inverse())
@@ -139,10 +141,11 @@ def guided_on_path(
 def exact_motion(
     made: Plan, segment: Segment, forces: tuple[Point, ...]
 ) -> tuple[float, Twist, float]:
-    """Return what contact forces [N] do on the exact surface of the object's own base.
+    """Effect of contact forces [N] on the exact surface of the object's own base.
 
-    Under the load of the presses, where the forces' height moves it: by what factor
-    they exceed what slides the object, the twist, and the length that weighs its turn.
+    The pressure is that under the load of the presses, displaced by the forces' height.
+    The result is the factor by which the forces exceed those that slide the object, the
+    twist, and the length that weighs its rotation.
     """
     body = made.task.object
     load = body.mass * GRAVITY
@@ -331,8 +334,8 @@ def test_what_the_allocator_gives_plus_its_residual_is_what_was_asked_and_inside
 
 
 def on_main_twist(segment: Segment, progress: float) -> bool:
-    """Whether a path is at its longest twist, and not on a lead-in or lead-out; of arcs,
-    whether the steering is that of one arc, and not led from one to the next.
+    """Whether a path is at its longest twist, and not on a lead-in or lead-out. For
+    arcs, whether the steering is that of one arc, without easing to the next.
     """
     path = segment.path
     if not isinstance(path, TwistPath):
@@ -446,9 +449,11 @@ def test_off_the_path_too_the_twist_is_the_one_that_the_wrench_causes_on_the_dri
 def test_the_turns_of_a_manoeuvre_are_those_that_their_forces_cause_on_the_exact_surface() -> (
     None
 ):
-    """As planned (for the mean of forces a step to either side) force, curvature and
-    heading are right; steered, the object still turns more to the side of the force,
-    about an axle that hardly slips. Of each task the quickest: steered, slower ones
+    """Force, curvature and heading are right as planned (for the mean of forces a step
+    to either side).
+
+    Steered, the object still turns more to the side of the force, about an axle that
+    hardly slips. Only the fastest choice of each task is tested: steered, slower ones
     slip by up to 14 degrees (2 in 644 beyond 10).
     """
     rng = random.Random(6)

@@ -1,4 +1,4 @@
-"""What the controller adapts to: contacts near slipping, and tips that do not move."""
+"""Adaptation of the controller: contacts near slipping, and tips that do not move."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_tips_that_nothing_leads_change_no_force(speeds: list[TipSpeed]) -> None
 
 @pytest.mark.parametrize("share", [0.2, 0.8])
 def test_effort_changes_by_how_far_tips_are_from_half_their_speed(share: float) -> None:
-    """However they are led; what they do across that does not count."""
+    """The direction of the command does not matter, nor does motion across it."""
     led = (0.03, -0.04, 0.0)
     moved = (share * 0.03 + 0.04, -share * 0.04 + 0.03, 0.0)
     before = Adaptation(force_scale=1.3)

@@ -1,4 +1,4 @@
-"""Approaches: where they lead, how fast, and how they come to rest when stopped."""
+"""Approaches: their end points, their speed, and how they come to rest when stopped."""
 
 from __future__ import annotations
 

@@ -214,7 +214,9 @@ def failed(name: str) -> ControllerState:
 
 
 def heights(name: str, state: ControllerState, *times: float) -> list[float]:
-    """Return how far [m] the first tip is led off its contact at some times [s]."""
+    """Distances [m] by which the first tip is commanded off its contact at several
+    times [s].
+    """
     controller = made(name)
     contact = controller.segments[0].contacts[0]
     count = len(controller.segments[0].contacts)

@@ -1,4 +1,4 @@
-"""Plans made on the way are free of obstacles and stay in the workspace."""
+"""Replans during the motion are free of obstacles and stay in the workspace."""
 
 from dataclasses import replace
 
@@ -220,7 +220,7 @@ def improve(
     touched: tuple[Point, ...] = TOUCHED,
     estimates: ParameterEstimates = NOTHING,
 ) -> Replan | None:
-    """Return what is made of an object ``aside`` [m] and ``turned`` [rad] of its path."""
+    """Replan for an object ``aside`` [m] and ``turned`` [rad] from its path, or None."""
     off = guidance(progress, 0.0)._replace(error=(9.0, aside, turned))
     there = SEGMENT.body_pose(progress).compose(Pose2(0.0, 0.002, 0.0))
     return Replanner(TASK.queries()).improve(

@@ -1,4 +1,4 @@
-"""What is known of the object: our estimator, and another one in its place."""
+"""Estimates of the object: the default estimator, and another one in its place."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Laws of a run that an experiment changes."""
+"""Laws of a run that an experiment can change."""
 
 import pushpressslide as pps
 from pushpressslide.control.execution import Execution

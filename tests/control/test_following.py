@@ -1,4 +1,6 @@
-"""What is followed, and where on the planned path the joints are led meanwhile."""
+"""The followed path, and the arc length on the planned path at which the joints are
+led.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,7 @@ def following() -> Following:
 
 
 def led_by(segment: Segment) -> Following:
-    """Return what is followed where a ``segment`` took the place of the planned one."""
+    """Following state with ``segment`` in place of the planned one."""
     binding = bind_laws(TASK.scene, segment, USUAL.tracker(TASK.query, segment))
     return following()._replace(binding=binding)
 

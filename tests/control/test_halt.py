@@ -1,4 +1,4 @@
-"""Tips that are drawn back and halted on the way."""
+"""Tips that are drawn back and halted during the motion."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""Where on the planned joint path an arm is, of an object that is led otherwise than
-planned.
-"""
+"""Position of an arm on its planned joint path if the object leaves its plan."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The guard: which limits it enforces, when, and with which words."""
+"""The guard: the limits it enforces, their timing and their messages."""
 
 from __future__ import annotations
 

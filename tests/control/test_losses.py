@@ -1,4 +1,4 @@
-"""A contact that is lost again and again."""
+"""A contact that is lost repeatedly."""
 
 from __future__ import annotations
 
@@ -16,8 +16,10 @@ DT = 0.004
 
 
 def touched_and_lost(way: float) -> tuple[ControllerState, int]:
-    """Return how it ends, and after how many touches, if the contact is felt in every
-    touch and lost in every move; each time the object has come ``way`` [m] on.
+    """Final state, and number of touches, if the contact is felt in every touch and
+    lost in every move.
+
+    The object advances by ``way`` [m] each time.
     """
     controller = Controller(PLAN)
     (contact,) = controller.segments[0].contacts

@@ -1,4 +1,4 @@
-"""What does not change while a placement is run."""
+"""Constant data of a placement during its run."""
 
 from __future__ import annotations
 

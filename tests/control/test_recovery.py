@@ -1,4 +1,4 @@
-"""Plans made anew: what is tried, and in which order."""
+"""Replanning after a loss: the options tried, and their order."""
 
 from __future__ import annotations
 

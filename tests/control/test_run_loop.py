@@ -1,6 +1,4 @@
-"""The run loop, with a scripted controller and a plant that does nothing but keep a
-diary.
-"""
+"""The run loop, with a scripted controller and a plant that only records its calls."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sensors: what noise, bias, delay and drop-outs do to what the controller sees."""
+"""Sensors: effect of noise, bias, delay and drop-outs on the controller's measurements."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Track and allocate stay closed form: a fixed, small number of function calls,
-whatever the machine does.
+"""Track and allocate stay closed form: a fixed, small number of function calls on any
+machine.
 """
 
 import sys
@@ -15,7 +15,9 @@ MOST_CALLS = 40  # Python functions that one track plus allocate may enter
 
 
 def functions_entered(work) -> int:
-    """Return how many Python functions a call of ``work`` enters, itself left out."""
+    """Number of Python functions that a call of ``work`` enters, without ``work``
+    itself.
+    """
     entered = 0
 
     def count(frame: object, event: str, argument: object) -> None:

@@ -1,4 +1,4 @@
-"""What the controller remembers and is given: where tips are, ramps, and new phases."""
+"""State and inputs of the controller: tip positions, ramps, and new phases."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs of arms that are stopped while they approach: by levels, and with which words."""
+"""Runs of arms that are stopped during the approach: by levels, with their messages."""
 
 from __future__ import annotations
 

@@ -173,7 +173,7 @@ def test_tips_without_arms_draw_back_whatever_happens(
 
 
 def watched(*rates: float) -> list[str | None]:
-    """Return what a watch says of one joint at each of its rates [rad/s]."""
+    """Verdicts of a watch on one joint at each of its rates [rad/s]."""
     watch = JointWatch([LIMIT])
     return [watch.step([rate]) for rate in rates]
 

@@ -1,4 +1,4 @@
-"""What counts as a lost contact on the way, and how a tip is kept at its own."""
+"""Detection of a contact lost during the motion, and how a tip is kept at its own."""
 
 from __future__ import annotations
 
@@ -79,9 +79,10 @@ def test_a_tip_that_sticks_off_its_height_is_left_there() -> None:
 def led(
     place: tuple[float, float], force: float, speed: float = SPEED
 ) -> tuple[float, float]:
-    """Return the velocity [m/s] that one of two pushing tips at ``place`` [m] is led
-    with beside its ``speed`` [m/s] ahead, in the axes of its contact; it feels
-    ``force`` [N].
+    """Commanded velocity [m/s] of one of two pushing tips, minus its ``speed`` [m/s]
+    ahead, in B.
+
+    The tip is at ``place`` [m] and feels ``force`` [N].
     """
     contact = SIDES[0]
     X_WB = Pose2(0.5, 0.1, 0.7)
@@ -197,8 +198,10 @@ def mover(noise: float = 0.0, radii: tuple[float, ...] = (RADIUS,)) -> TipMover:
 def at(
     contact: Contact, force: Vector3 = ZERO, lower: float = 0.0, dt: float = DT
 ) -> TipContext:
-    """Return what a tip is given at its contact, with a ``force`` [N] of the contact's
-    frame (n, t, out of the object along the height), and ``lower`` [m] than planned.
+    """Context of a tip at its contact.
+
+    It feels ``force`` [N] in the contact's frame (n, t, out of the object along the
+    height), and is ``lower`` [m] than planned.
     """
     (x, y), height = contact.tip_place(RADIUS)
     px, py = TURNED.apply((x, y))

@@ -163,7 +163,9 @@ def test_a_touch_that_never_lasts_ends_with_a_problem() -> None:
 
 
 def pushed(advance: float) -> Pose2:
-    """Return where a tip that is ``advance`` [m] on has an object that weighs nothing."""
+    """Pose of a weightless object that a tip has pushed, ``advance`` [m] into its
+    touch.
+    """
     x, y, _ = BEHIND.direction(START)
     on = max(0.0, advance - GAP)
     return Pose2(START.x + on * x, START.y + on * y, START.yaw)
@@ -206,7 +208,7 @@ def test_what_is_seen_grows_with_the_noise() -> None:
 
 
 def test_a_tip_that_is_drawn_back_is_told_how_its_reference_moves() -> None:
-    """Its arm's inertia would turn the tool else."""
+    """Otherwise its arm's inertia would turn the tool."""
     room = 0.06
     dt = 1e-5
 

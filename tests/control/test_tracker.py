@@ -1,4 +1,4 @@
-"""Poses of the object that come from elsewhere: late, seldom, from another thread."""
+"""Object poses from another source: late, infrequent, from another thread."""
 
 from __future__ import annotations
 

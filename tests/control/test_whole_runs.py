@@ -1,4 +1,4 @@
-"""Whole runs on the planar engine: what is recorded, handed over and recovered from."""
+"""Whole runs on the planar engine: recording, hand-over and recovery."""
 
 from __future__ import annotations
 

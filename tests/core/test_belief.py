@@ -1,4 +1,4 @@
-"""What planner and controller are told: the belief where it is given, else the truth."""
+"""Input of planner and controller: the belief if it is given, otherwise the truth."""
 
 from dataclasses import replace
 

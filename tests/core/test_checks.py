@@ -1,5 +1,5 @@
-"""Public data takes no number that cannot be: every numeric field of every dataclass of
-the package's front door, and of what these hold.
+"""Public data accepts no impossible number: every numeric field of every dataclass
+exported by the package, and of those they contain.
 """
 
 import dataclasses

@@ -1,4 +1,6 @@
-"""The table of margins: what it says of itself, and the ways that follow from it."""
+"""Table of margins: reasons and units of all margins, and the distances that follow
+from them.
+"""
 
 import ast
 import inspect

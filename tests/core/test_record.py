@@ -1,4 +1,4 @@
-"""What a record says of itself."""
+"""Figures, representations and tables of a record."""
 
 import importlib.util
 import sys

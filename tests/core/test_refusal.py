@@ -1,4 +1,4 @@
-"""Refusals are data; what they say of it."""
+"""Refusals as data, and the texts made from them."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The frame that plans live in, on a table and on a wall."""
+"""Frame of all plans, on a table and on a wall."""
 
 import math
 

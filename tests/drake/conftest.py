@@ -1,4 +1,4 @@
-"""Runs on Drake that several files look at: each is made once."""
+"""Runs on Drake shared by several files; each is made once."""
 
 from collections.abc import Callable
 from functools import cache

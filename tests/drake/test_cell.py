@@ -1,4 +1,4 @@
-"""What the simulator's own failure is, and what is an error of ours."""
+"""Failures of the simulator, as opposed to errors in the package."""
 
 from types import SimpleNamespace
 

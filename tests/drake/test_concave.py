@@ -1,4 +1,4 @@
-"""Concave objects in Drake: the volume mesh, and tasks that are done."""
+"""Concave objects in Drake: the volume mesh, and tasks that reach their goals."""
 
 import math
 from dataclasses import replace

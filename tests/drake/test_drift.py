@@ -1,6 +1,4 @@
-"""A tip that moves on needs no force for the acceleration that the arm's own geometry
-gives it.
-"""
+"""A moving tip needs no force for the acceleration caused by the arm's own geometry."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The torques that a contact takes, by the arm's own statics."""
+"""Torques required by a contact, by the arm's own statics."""
 
 import pushpressslide as pps
 from pushpressslide.arms.paths.effort import largest_share

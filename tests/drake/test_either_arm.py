@@ -106,7 +106,7 @@ def run_of(name: str) -> tuple[Task, Plan, Record, dict[str, Any]]:
 def travel(
     record: Record, arm: int, ticks: np.ndarray[Any, np.dtype[np.bool_]]
 ) -> float:
-    """Return how far [rad] any joint of an arm gets at these ticks."""
+    """Largest range of motion [rad] of any joint of an arm at these ticks."""
     return float(np.ptp(record.arrays[f"joint_position_{arm}"][ticks], axis=0).max())
 
 

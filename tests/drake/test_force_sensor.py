@@ -1,4 +1,4 @@
-"""What the tips' force sensors feel."""
+"""Measurements of the tips' force sensors."""
 
 import numpy as np
 

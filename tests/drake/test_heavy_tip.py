@@ -1,5 +1,5 @@
-"""An arm that is nearly stretched weighs much at its tip, and follows its reference's
-velocity all the same.
+"""A nearly stretched arm has a large tip inertia, and still follows its reference's
+velocity.
 """
 
 from dataclasses import replace
@@ -81,8 +81,10 @@ def torque(
 
 
 def damped(state: ArmDynamics, force: np.ndarray, share: float = 1.0) -> np.ndarray:
-    """Return the torque (n,) of a tip's damper, ``force`` (3,) [N] at first, with the
-    velocity that it leads to in a tick; a cap leaves a ``share`` of it along the table.
+    """Torque (n,) of a tip's damper over a tick, with the velocity that results.
+
+    It is ``force`` (3,) [N] at first. A cap leaves a ``share`` of the damper along the
+    table.
     """
     turning = ROTATION_DAMPING + PERIOD * ROTATION_STIFFNESS
     along = share * DAMPING

@@ -1,4 +1,4 @@
-"""Joint paths: right to the tip, refused with a figure, made good where a grid of
+"""Joint paths: accurate at the tip, refused with a figure, refined if a grid of
 postures just fails.
 """
 
@@ -42,7 +42,7 @@ def near_the_base(radius: float) -> Task:
 def tip_errors(
     plan: Plan, path: JointPath, attitude: ToolAttitude
 ) -> tuple[float, float]:
-    """Return how far the tip [m] and the tool's turn [rad] are off at the samples."""
+    """Errors of the tip [m] and of the tool's rotation [rad] at the samples."""
     kin = arm_kinematics(plan.task.robots[0])
     (segment,) = plan.segments
     (contact,) = segment.contacts

@@ -1,4 +1,4 @@
-"""A light object: what the arm does beside its push must not use up the friction."""
+"""A light object: forces of the arm other than its push must not use up the friction."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Arms whose wrists weigh next to nothing, as most robot files have them, and what stops
-one that runs away all the same.
+"""Arms with nearly massless wrists, as in most robot files, and the stop of one that
+runs away nevertheless.
 """
 
 from __future__ import annotations
@@ -44,8 +44,9 @@ def test_a_ur5e_does_what_the_shipped_arms_do(task: str) -> None:
 
 
 def stopped_in(record: Record) -> float:
-    """Return how long [s] it took from the first tick at which a joint is too fast, or
-    at which the stop began, till all rest."""
+    """Time [s] from the first tick at which a joint is too fast, or from the start of
+    the stop, until all joints rest.
+    """
     times = record.arrays["time"]
     fastest = np.abs(record.arrays["joint_velocity_0"]).max(axis=1)
     moving = np.flatnonzero(fastest > AT_REST * FASTEST)

@@ -1,5 +1,5 @@
-"""Limits, enforced on Drake and on the planar engine: whatever is broken, the arms stop
-safely and the run says why.
+"""Limits, enforced on Drake and on the planar engine: after any violation the arms stop
+safely and the run gives the reason.
 """
 
 from __future__ import annotations

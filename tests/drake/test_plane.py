@@ -1,4 +1,4 @@
-"""What bodies stand on: their bases in cells, and the half-space under them."""
+"""Bases of bodies: their cells, and the half-space under them."""
 
 import math
 from collections import Counter
@@ -209,8 +209,8 @@ def test_a_plane_lies_where_its_frame_says() -> None:
 
 
 def pushed(time_step: float) -> tuple[float, float]:
-    """Return the force [N] and the turn rate [rad/s] of a small, high box that is
-    pushed at two thirds of its height, so that it stands on a third of its base.
+    """Force [N] and turn rate [rad/s] of a small, high box pushed at two thirds of its
+    height, so that it stands on a third of its base.
     """
     body = ObjectModel(Box((0.032, 0.095, 0.05)), 0.1, (0.0, 0.0))
     place = np.array([0.016, 0.003, 0.005])

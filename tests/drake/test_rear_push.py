@@ -109,7 +109,7 @@ def test_the_object_follows_its_plan(shipped_run: Run, name: str) -> None:
 
 
 def change_of_the_end(first: Record, second: Record) -> tuple[float, float]:
-    """Return how far apart two runs end: position [m] and yaw [rad]."""
+    """Difference of the final poses of two runs: position [m] and yaw [rad]."""
     apart = first.arrays["object_pose"][-1] - second.arrays["object_pose"][-1]
     return math.hypot(apart[0], apart[1]), abs(float(apart[2]))
 

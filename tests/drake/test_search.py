@@ -1,4 +1,4 @@
-"""The search for a joint path: frozen results, no more work than is asked for, refusals
+"""The search for a joint path: frozen results, no more work than requested, refusals
 that follow from the result alone.
 """
 

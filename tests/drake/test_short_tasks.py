@@ -1,7 +1,8 @@
-"""What the long tests show at length, on Drake in tasks as short as can be: the modes of
-two arms, a wrong belief, noise with delay over a new grasp, a wall, a bar as a tool.
+"""Short Drake versions of the long tests: the modes of two arms, a wrong belief, noise
+with delay over a new contact, a wall, a bar as a tool.
 
-One arm that pushes or presses, two that press, and limits have short tests of their own.
+One arm that pushes or presses, two that press, and limits have short tests of their
+own.
 """
 
 import math
@@ -64,8 +65,8 @@ def done(task: Task) -> tuple[dict[str, Any], Record]:
 
 
 def largest_lag(record: Record) -> float:
-    """Return how far [rad] joints are from where they were planned as the tips are
-    drawn back, more than when they began to be.
+    """Largest lag [rad] of a joint behind its plan while the tips are drawn back, minus
+    its lag at the start.
     """
     released = record.arrays["phase"] == PHASES.index("release")
     lags = []

@@ -1,4 +1,4 @@
-"""Small tips: the room their rods need, and how deep they sink in."""
+"""Small tips: the clearance of their rods, and their indentation."""
 
 from __future__ import annotations
 
@@ -82,8 +82,8 @@ def test_before_the_contact_a_small_tips_rod_keeps_the_usual_clearance() -> None
 
 
 def sunk(radius: float, force: float, height: float) -> float:
-    """Return how deep [m] a smooth sphere sinks into a box that lies on the table, after
-    it was put on top of it and pressed more and more, up to ``force`` [N].
+    """Depth [m] to which a smooth sphere sinks into a box on the table, after it was
+    put on top and pressed with a force that grows to ``force`` [N].
     """
     body = ObjectModel(Box((0.2, 0.2, height)), 1.0, (0.0, 0.0))
     builder = DiagramBuilder()

@@ -1,4 +1,4 @@
-"""Meshes of supports, and surface frictions that give the frictions of pairs."""
+"""Meshes of supports, and surface frictions that reproduce the frictions of pairs."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What a demanding new user tries first: other arms, shapes, wrong beliefs, noise,
+"""First trials of a demanding new user: other arms, shapes, wrong beliefs, noise,
 obstacles, limits.
 """
 

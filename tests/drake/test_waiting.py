@@ -1,4 +1,4 @@
-"""Where an arm without a contact waits."""
+"""Waiting positions of an arm without a contact."""
 
 from __future__ import annotations
 

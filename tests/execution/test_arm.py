@@ -1,4 +1,4 @@
-"""From tip commands to torques: what the tip of an arm then does, by its mechanics."""
+"""From tip commands to torques: the resulting motion of an arm's tip, by its mechanics."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def torque(
 def wrench(
     one: ArmExecutor, arm: ArmDynamics, command: TipCommand = NOTHING
 ) -> np.ndarray:
-    """Return what holds the torque at the tip: moment and force, world axes."""
+    """Moment and force at the tip that balance the torque, world axes."""
     held, *_ = np.linalg.lstsq(arm.J.T, torque(one, arm, command), rcond=None)
     return held
 

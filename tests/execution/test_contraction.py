@@ -1,4 +1,4 @@
-"""In free space an arm comes to rest at its reference, however little its joints weigh."""
+"""In free space an arm comes to rest at its reference, however light its links are."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property

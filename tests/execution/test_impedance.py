@@ -1,4 +1,4 @@
-"""What holds a tip: springs and dampers, and the moment on the tool."""
+"""Impedance of a tip: springs and dampers, and the moment on the tool."""
 
 import math
 from dataclasses import replace

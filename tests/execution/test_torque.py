@@ -1,4 +1,4 @@
-"""Laws of what keeps joints inside their limits, and of the tip's inertia."""
+"""Laws that keep joints inside their limits, and the tip's inertia."""
 
 import numpy as np
 import pytest

@@ -25,7 +25,7 @@ def rotation(angle: float) -> np.ndarray:
 
 
 def entry(wrench: np.ndarray) -> np.ndarray | None:
-    """Return where the line of action enters the base; None where it misses."""
+    """Point at which the line of action enters the base. None if it misses."""
     force = wrench[:2]
     torque = wrench[2]
     size = math.hypot(*force)

@@ -1,5 +1,5 @@
-"""What is identified of the centre of mass of an object, against motions of a
-unicycle whose heading leads from the true centre to the contact.
+"""Identification of an object's centre of mass, against motions of a unicycle whose
+heading leads from the true centre to the contact.
 """
 
 import math
@@ -58,7 +58,7 @@ def driven(
 
 
 def planned(center=0.0, backward=False):
-    """Return what identifies it in a segment planned with ``center`` [m]."""
+    """Identifier of the centre in a segment planned with ``center`` [m]."""
     yaw = math.atan2(-center, CONTACT[0])
     axle = (AXLE * math.cos(yaw), center + AXLE * math.sin(yaw))
     turn = math.pi if backward else 0.0
@@ -137,7 +137,7 @@ def test_a_centre_is_looked_for_as_far_off_as_is_believed_possible():
 
 def test_the_friction_moves_the_axle_the_more_the_higher_the_contact_and_the_less_lever():
     def axle(height, lever):
-        """Return how far the axle is doubted [m]."""
+        """Doubt of the axle's position [m]."""
         unsure = scene(friction_error=0.2)
         return doubt(unsure, CONTACT, lever, 0.06, height).axle
 

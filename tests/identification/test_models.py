@@ -1,4 +1,4 @@
-"""The models: they recover what made synthetic pushes, and keep the laws that they
+"""The models recover the parameters of synthetic pushes, and keep the laws that they
 promise.
 """
 

@@ -1,4 +1,6 @@
-"""What is identified of the virtual axle on the way, against motions made of the model."""
+"""Identification of the virtual axle during the motion, against motions made by the
+model.
+"""
 
 import math
 import random
@@ -30,8 +32,8 @@ def seen(
     lever: float,
     noise=0.0,
 ):
-    """Return what is identified over 3 s of a steady turn about an axle, force and
-    motion to match.
+    """Parameters identified over 3 s of a steady turn about an axle, with matching
+    force and motion.
     """
     rng = random.Random(0)
     identifier = AxleIdentifier(0.3, predicted, lever)
@@ -108,7 +110,7 @@ def test_rho_of_an_exciting_motion_is_the_exact_models() -> None:
 
 
 def at_rest_under(force: float, state: AxleState | None = None) -> AxleState:
-    """Return what is known of an object that rests for 2 s under a ``force`` [N]."""
+    """State of the identifier after an object has rested for 2 s under a ``force`` [N]."""
     predicted = Identified(axle=-0.1, effective_wheelbase=0.15, drag=3.0)
     identifier = AxleIdentifier(0.0, predicted, 0.05)
     state = state or AxleState()

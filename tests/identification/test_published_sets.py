@@ -1,5 +1,5 @@
-"""The five published sets: the models beat the one-parameter ellipsoid on pushes that
-were held out.
+"""The five published sets: the models beat the one-parameter ellipsoid on held-out
+pushes.
 """
 
 import math

@@ -1,4 +1,6 @@
-"""The reader of push logs: what it takes, and that it says what is wrong and where."""
+"""The reader of push logs: accepted formats, and errors that name the fault and its
+location.
+"""
 
 from pathlib import Path
 

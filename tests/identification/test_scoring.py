@@ -1,5 +1,5 @@
-"""Scores: they are of held-out pushes, repeatable, and the models see no more of them
-than the wrench.
+"""Scores are of held-out pushes and repeatable, and the models use only the wrench of
+these.
 """
 
 from dataclasses import replace

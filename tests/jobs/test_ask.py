@@ -1,4 +1,4 @@
-"""What Python asks for at the top: tasks are checked there, and folders are read."""
+"""Top-level Python functions: tasks are checked, and folders are read."""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,6 +1,4 @@
-"""Many truths of one plan at once, like runs of them on the planar engine that plan
-nothing anew.
-"""
+"""Many truths of one plan at once, compared with planar-engine runs without replans."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""Sweeps on a Dask cluster: the same rows, also where a worker is lost on the way."""
+"""Sweeps on a Dask cluster: the same rows, even if a worker is lost."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""What a notebook shows of a plan, a record and a result is a picture, a page that
-plays, and a table, with nothing loaded from elsewhere.
+"""Notebook displays of a plan, a record and a result: a picture, a page that plays, and
+a table, without external resources.
 """
 
 import json

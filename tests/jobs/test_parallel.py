@@ -1,4 +1,4 @@
-"""Processes that work end with the one that started them."""
+"""Worker processes end with the one that started them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rows of a sweep are whole lines, whatever ends the one that wrote them."""
+"""Rows of a sweep are whole lines, even if their writer is killed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Random tasks are within the published ranges, and go where their mode can go."""
+"""Random tasks are within the published ranges, with goals that their mode can reach."""
 
 import ast
 import json

@@ -1,5 +1,5 @@
-"""Sweeps: which finished samples stand for new ones, what counts, and what a refusal
-that is run all the same comes to.
+"""Sweeps: reuse of finished samples, the samples that count, and the result of a
+refused task that is run nevertheless.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A policy learns the tasks from our demonstrations, as the example shows."""
+"""A policy learns the tasks from demonstrations, as the example shows."""
 
 import runpy
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Demonstrations: what their file holds, and the command that writes it."""
+"""Demonstrations: contents of their file, and the command that writes it."""
 
 import json
 import sys

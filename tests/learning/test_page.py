@@ -1,4 +1,4 @@
-"""The page on learning does not lie: its programs run, its ids are registered."""
+"""The page on learning is true: its programs run, its ids are registered."""
 
 import re
 from pathlib import Path

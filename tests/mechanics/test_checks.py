@@ -1,4 +1,4 @@
-"""What may be and what may not: the checks that all constructors share."""
+"""Allowed and forbidden values in the checks that all constructors share."""
 
 import math
 

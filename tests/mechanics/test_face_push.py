@@ -1,4 +1,4 @@
-"""A face pushed anywhere, on the exact surface (docs/mechanics.md, 1.1 and 5)."""
+"""A face pushed at any point, on the exact surface (docs/mechanics.md, 1.1 and 5)."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The side faces of an object, and the room ahead of the CoM when one is pushed."""
+"""Side faces of an object, and the space ahead of the CoM when one is pushed."""
 
 import math
 
@@ -54,8 +54,10 @@ def test_the_offset_of_a_face_is_how_far_its_point_is_to_the_left_of_the_com(
 
 
 def test_a_face_that_does_not_reach_beside_the_com_is_off_to_a_side() -> None:
-    """The inner side of the upright leg of an L: its nearest place to the CoM is its
-    end, 70 mm in front, which is to the right of who pushes back.
+    """The inner side of the upright leg of an L.
+
+    Its point nearest to the CoM is its end, 70 mm in front, which is to the right for a
+    push backwards.
     """
     inner = faces(body(ANGLE, (0.2, 0.04)), 0.01, 0.02)[3]
     assert inner.normal == pytest.approx((-1.0, 0.0))

@@ -1,4 +1,4 @@
-"""Does a flat finger stick: against the cone of its two ends, closed forms, and the
+"""Sticking of a flat finger: against the cone of its two ends, closed forms, and the
 planar engine.
 """
 

@@ -193,9 +193,11 @@ def pressure_about(corners: np.ndarray, cop: np.ndarray) -> np.ndarray:
 
 
 def friction_about(part: np.ndarray, plane: np.ndarray, center: np.ndarray):
-    """The force and the moment about the origin, over mu, that turn the base to the
-    left about ``center``: Gauss points in triangles between the centre and parts of the
-    edges that get smaller towards the foot of its perpendicular.
+    """Force and moment about the origin, over mu, that turn the base to the left about
+    ``center``.
+
+    They are sums over Gauss points in triangles between the centre and parts of the
+    edges. The parts get smaller towards the foot of the perpendicular.
     """
     steps = np.roll(part, -1, 0) - part
     squares = (steps * steps).sum(axis=1)
@@ -227,8 +229,8 @@ def friction_about(part: np.ndarray, plane: np.ndarray, center: np.ndarray):
 
 
 def axle_by_search(press: Press, angle: float) -> float | None:
-    """The axle [m], by a general solver for the centre of rotation and the force that
-    slides the object together; None where its pressure has no place: it tips.
+    """The axle [m], by a general solver for the centre of rotation and the sliding
+    force together. None if the pressure leaves the base, so that the object tips.
     """
     corners = base_of(press)
     u = np.array(press.along(angle))

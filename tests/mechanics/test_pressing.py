@@ -1,4 +1,4 @@
-"""How hard to press, and where."""
+"""Force and position of a press."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Where the virtual axle is, against the figures of docs/mechanics.md, 3, 4 and 4.1."""
+"""Position of the virtual axle, against the figures of docs/mechanics.md, 3, 4 and 4.1."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The weight on a wall: along the plane, and by how much it moves the centre of
+"""The weight on a wall: along the plane, and its displacement of the centre of
 pressure.
 """
 

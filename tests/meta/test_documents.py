@@ -1,4 +1,4 @@
-"""The documents do not lie: links, functions, tests, commands, fields, examples."""
+"""The documents are true: links, functions, tests, commands, fields, examples."""
 
 import re
 import tomllib

@@ -1,4 +1,4 @@
-"""The figures of the documents are those that the tools make."""
+"""The figures of the documents are those made by the tools."""
 
 import re
 import runpy

@@ -1,4 +1,4 @@
-"""What the how-to pages show works, and gives what they say."""
+"""The programs of the how-to pages work, with the results stated there."""
 
 import re
 import time

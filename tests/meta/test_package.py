@@ -43,7 +43,7 @@ def imported(path: Path) -> set[str]:
 
 
 def place_of(path: Path) -> Path:
-    """Return where a file stands in its package."""
+    """Path of a file inside its package."""
     return path.relative_to(STUDIES if path.is_relative_to(STUDIES) else SOURCE)
 
 

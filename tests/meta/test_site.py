@@ -1,4 +1,4 @@
-"""The documents build as a site: no link leads nowhere, nothing comes from a network."""
+"""The documents build as a site without broken links or network resources."""
 
 import os
 import re

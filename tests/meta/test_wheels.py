@@ -1,4 +1,4 @@
-"""What a user installs: the core without the studies, and the studies beside it."""
+"""Contents of the wheels: the core without the studies, and the studies beside it."""
 
 import subprocess
 import sys

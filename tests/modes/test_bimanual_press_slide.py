@@ -1,5 +1,5 @@
-"""Two arms press on top and slide the object any way: loads, centre of pressure, runs
-on both engines.
+"""Two arms press on top and slide the object in any direction: loads, centre of
+pressure, runs on both engines.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""A motion between two poses with contacts that are given, the arms left aside."""
+"""A motion between two poses with given contacts, without the arms."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The bound of a mode's time is never above what its choices take."""
+"""The lower bound of a mode's time never exceeds the time of its choices."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A mode of one's own that was written for version 0.4."""
+"""A user's mode written for version 0.4."""
 
 import pytest
 

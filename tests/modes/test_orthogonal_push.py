@@ -1,5 +1,5 @@
-"""Two arms on two faces (docs/mechanics.md, section 6): what they can do, how, and what
-they refuse.
+"""Two arms on two faces (docs/mechanics.md, section 6): feasible motions, their
+execution, and refusals.
 """
 
 import math

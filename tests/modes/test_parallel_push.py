@@ -1,5 +1,5 @@
-"""Two arms side by side (docs/mechanics.md, section 5): what they can do, how, and what
-they refuse.
+"""Two arms side by side (docs/mechanics.md, section 5): feasible motions, their
+execution, and refusals.
 """
 
 import math
@@ -55,8 +55,8 @@ def best(task: Task) -> Choice:
 
 
 def allocations(made: Plan, count: int = 40):
-    """Yield what the tracker wants along the path of a plan, and the forces that give
-    it.
+    """Yield the tracker's wrenches along the path of a plan, and the forces that
+    produce them.
     """
     (segment,) = made.segments
     tracker = MODE.tracker(made.task.query, segment)

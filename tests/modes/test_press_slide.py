@@ -1,4 +1,4 @@
-"""Which presses are offered, and in what order."""
+"""Presses offered, and their order."""
 
 import math
 from dataclasses import replace

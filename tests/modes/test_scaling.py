@@ -1,8 +1,8 @@
 """Quasi-static motions scale: with every length times k, every force times m and every
-speed times sqrt(k), those of the arms included, the plan is the same plan.
+speed times sqrt(k), those of the arms included, the plan is the same.
 
-The arms' reach is left aside: no arm has joints that scale. What a margin in the wrong
-unit does to a plan shows here.
+The arms' reach is left out, since no arm's joints scale. The effect of a margin in the
+wrong unit shows here.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The one search of all modes: what is made, what is evaluated, in which order."""
+"""The one search of all modes: candidates made, candidates evaluated, and their order."""
 
 import math
 from collections.abc import Sequence

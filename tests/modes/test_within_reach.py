@@ -1,4 +1,4 @@
-"""Two pushes in a search: only placements that the arms reach are looked at."""
+"""Two pushes in a search: only placements within the arms' reach are evaluated."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bodies, supports and contacts drawn at random, the same for every test."""
+"""Random bodies, supports and contacts, the same for every test."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The planar engine with a centre of mass that is not where it is believed to be."""
+"""The planar engine with a wrong belief of the centre of mass."""
 
 import math
 from dataclasses import replace

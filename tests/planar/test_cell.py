@@ -1,4 +1,4 @@
-"""The planar cell keeps what the run loop relies on."""
+"""The planar cell keeps the contract of the run loop."""
 
 from dataclasses import replace
 

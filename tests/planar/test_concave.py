@@ -1,4 +1,6 @@
-"""Concave objects on the planar engine: walls of a notch stop a tip, tasks are done."""
+"""Concave objects on the planar engine: walls of a notch stop a tip, tasks reach their
+goals.
+"""
 
 import math
 from dataclasses import replace

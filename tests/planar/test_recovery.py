@@ -1,5 +1,5 @@
-"""What goes wrong is recovered from: the arms let go, and what is left is planned anew
-from where the object is.
+"""Recovery from failures: the arms let go, and the rest is replanned from the object's
+pose.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""A cell whose clock runs on while a recovery is planned, as that of a robot: the
-tips hold, and go on from where they are by then.
+"""A cell whose clock runs on while a recovery is planned, as a robot's does: the tips
+hold, and continue from their positions at that time.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""The support's friction: the exact surface within a percent wherever the load is, its
-slope, its edge.
+"""The support's friction: within a percent of the exact surface for any load position,
+its slope, its edge.
 """
 
 import math

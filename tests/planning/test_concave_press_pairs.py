@@ -1,4 +1,4 @@
-"""Where two arms press a concave top."""
+"""Positions at which two arms press a concave top."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Dubins paths: against OMPL, against a search of our own, and their symmetries."""
+"""Dubins paths: against OMPL, against a brute-force search, and their symmetries."""
 
 import math
 

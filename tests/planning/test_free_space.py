@@ -1,4 +1,4 @@
-"""Free ways of a footprint among polygons."""
+"""Free paths of a footprint among polygons."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Places to push that turn an object about a held point."""
+"""Push positions that turn an object about a held point."""
 
 from dataclasses import replace
 

@@ -1,4 +1,6 @@
-"""Where two arms press: opposite each other about the CoM, and given to arms."""
+"""Positions at which two arms press: opposite each other about the CoM, with their
+assignment to arms.
+"""
 
 import math
 from dataclasses import replace

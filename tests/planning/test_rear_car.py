@@ -1,4 +1,4 @@
-"""The car fitted to a push on one face, and where it would tip the object."""
+"""The car fitted to a push on one face, and the limit at which it would tip the object."""
 
 import math
 from dataclasses import replace

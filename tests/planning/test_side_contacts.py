@@ -1,4 +1,4 @@
-"""Where two arms push, and which arm takes which contact."""
+"""Positions at which two arms push, with their assignment to arms."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The workspace that the object's frame stays in."""
+"""Workspace of the object's frame."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""A run on disk comes back as it was, or not at all."""
+"""A run on disk is read back unchanged, or not at all."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""The report page holds the numbers, needs nothing from elsewhere, and is made from the
+"""The report page holds the numbers, has no external resources, and is made from the
 files alone.
 """
 

@@ -1,4 +1,4 @@
-"""A plan that was written is read again as it was."""
+"""A written plan is read back unchanged."""
 
 import json
 from dataclasses import replace

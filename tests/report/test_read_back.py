@@ -1,4 +1,4 @@
-"""Whatever a run writes is read back as it was."""
+"""Everything that a run writes is read back unchanged."""
 
 from __future__ import annotations
 

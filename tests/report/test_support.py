@@ -1,6 +1,4 @@
-"""How an object lies on its support and falls into an opening, from a record made by
-hand.
-"""
+"""Object on its support and falling into an opening, from a record made by hand."""
 
 import numpy as np
 import pytest

@@ -1,5 +1,6 @@
-"""A robot's file that no arm can be made of is refused when the task is loaded, in one
-line that names the file, the link or joint, the value and what is allowed.
+"""A robot file from which no arm can be built is refused when the task is loaded.
+
+The error is one line with the file, the link or joint, the value and what is allowed.
 """
 
 from __future__ import annotations

@@ -1,6 +1,4 @@
-"""What is within reach: quick looks must not refuse what the arm can do, nor allow what
-it cannot.
-"""
+"""Reach: quick checks must not refuse what the arm can do, nor allow what it cannot."""
 
 import math
 

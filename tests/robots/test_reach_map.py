@@ -1,4 +1,4 @@
-"""The tables of reach: what they say is reached, a search reaches."""
+"""Tables of reach: a search reaches the points that they contain."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every drive remembers what tracker, allocator and report need of its model."""
+"""Every drive keeps the data of its model that tracker, allocator and report need."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Reduced models against the limit surface that they stand for (docs/mechanics.md, 2 to
+"""Reduced models against the limit surface that they represent (docs/mechanics.md, 2 to
 5).
 """
 

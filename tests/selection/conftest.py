@@ -1,4 +1,4 @@
-"""Plans of shipped tasks that several files look at: each is made once."""
+"""Plans of shipped tasks shared by several files; each is made once."""
 
 from collections.abc import Callable
 from functools import cache

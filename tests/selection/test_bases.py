@@ -1,4 +1,4 @@
-"""The object keeps off the arms' bases on its way."""
+"""The object keeps off the arms' bases along its path."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The sentence that says why a mode was taken is true of the choices it was taken from."""
+"""The sentence on why a mode was taken is true of the choices considered."""
 
 from collections.abc import Callable
 from dataclasses import replace

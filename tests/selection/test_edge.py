@@ -1,4 +1,4 @@
-"""The edge of a table: what keeps an object on it."""
+"""Edge of a table: conditions that keep an object on it."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def refusal(**changes: object) -> str:
 
 
 def least_depth(made: Plan) -> float:
-    """Return how far [m] the centre of mass stays from tipping over the edge."""
+    """Smallest distance [m] of the centre of mass from tipping over the edge."""
     part = made.task
     assert part.support.region is not None
     top = shapely.Polygon(part.support.region)

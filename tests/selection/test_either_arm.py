@@ -48,7 +48,7 @@ def arm(choice: Choice) -> int:
 
 
 def place(choice: Choice) -> tuple[Any, ...]:
-    """Return where the object is touched."""
+    """Position of the contact on the object."""
     (contact,) = choice.contacts
     return contact.point, contact.normal, contact.height
 

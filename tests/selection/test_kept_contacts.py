@@ -1,4 +1,4 @@
-"""A motion for which the arms keep their contacts adds its own time and no other."""
+"""A motion with kept contacts adds only its own time."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Obstacles that the object may push on its way."""
+"""Obstacles that the object may push along its path."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def task(can: dict[str, Any] | None = None, **changes: object) -> Task:
 
 
 def refused(part: Task, why: str) -> str:
-    """Return why the motion that pushes what may move is refused."""
+    """Reason for the refusal of the motion that pushes movable obstacles."""
     with pytest.raises(InfeasibleTaskError):
         plan(part)
     (reason,) = (

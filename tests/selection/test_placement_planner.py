@@ -1,4 +1,6 @@
-"""Joint paths of a task's placements: which choice is run, and what the others lack."""
+"""Joint paths of a task's placements: the choice that is run, and the reasons against
+the others.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which arms reach the object at both ends of a motion, and where it is handed over."""
+"""Arms that reach the object at both ends of a motion, and the point of hand-over."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""What is said where no mode can do a task."""
+"""Messages if no mode can do a task."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What the object's path keeps clear of."""
+"""Clearances of the object's path."""
 
 import re
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Sequences of motions: found where one motion does not lead to the goal."""
+"""Sequences of motions, found if one motion does not reach the goal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A goal that is another body's."""
+"""A goal of another body."""
 
 import math
 

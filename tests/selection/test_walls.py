@@ -1,4 +1,4 @@
-"""Walls in the task file: what they say, what must fit together, and that a dumped one
+"""Walls in the task file: their fields, consistency checks, and a dumped wall that
 loads to the same.
 """
 

@@ -1,4 +1,4 @@
-"""What is refused of the goals of several bodies, in one line that names the field."""
+"""Refusals of goals of several bodies, in one line that names the field."""
 
 from __future__ import annotations
 

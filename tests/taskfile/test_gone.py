@@ -1,4 +1,6 @@
-"""Fields that are of a run's execution now: read where they say what every run does."""
+"""Former task fields that now belong to a run's execution: accepted if they state the
+default of every run.
+"""
 
 from pathlib import Path
 from typing import Any

@@ -1,4 +1,4 @@
-"""What a field takes agrees with what its JSON Schema says."""
+"""The values that a field accepts agree with its JSON Schema."""
 
 from __future__ import annotations
 

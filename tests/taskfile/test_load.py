@@ -1,4 +1,4 @@
-"""Task files load to what they say, and a dumped task loads again to the same."""
+"""Task files load to their contents, and a dumped task loads again to the same."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The tree of fields is that of the data: one place for each, no field forgotten."""
+"""The tree of fields is that of the data: each field once, and none forgotten."""
 
 import math
 from dataclasses import dataclass, field, fields

@@ -1,4 +1,4 @@
-"""Shapes in the task file: concave prisms, compounds, meshes, and what is refused."""
+"""Shapes in the task file: concave prisms, compounds, meshes, and refusals."""
 
 import math
 import warnings

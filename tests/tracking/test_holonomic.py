@@ -1,6 +1,4 @@
-"""Laws of the holonomic tracker, on the motion that it asks for (docs/mechanics.md,
-section 9).
-"""
+"""Laws of the holonomic tracker, on its demanded motion (docs/mechanics.md, section 9)."""
 
 import math
 from itertools import pairwise

@@ -1,4 +1,6 @@
-"""Look-ahead alignment: decay over the run-in, and what a fixed target leaves."""
+"""Look-ahead alignment: decay over the run-in, and the remaining error of a fixed
+target.
+"""
 
 import math
 

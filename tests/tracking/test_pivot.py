@@ -23,7 +23,7 @@ def path(turn: float) -> TwistPath:
 
 
 def step(turn: float, off: Pose2, speed: float = SPEED):
-    """Return what is asked for with V at ``off`` from its place, a third on the way."""
+    """Guidance with V at ``off`` from its reference pose, after a third of the path."""
     way = path(turn)
     s = way.length / 3.0
     X_WB = way.pose(s).compose(off).compose(DRIVE.X_BV.inverse())

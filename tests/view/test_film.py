@@ -1,4 +1,4 @@
-"""An animation is written picture by picture, with a caption that tells the moment."""
+"""An animation is written picture by picture, with a caption of the current state."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""A saved Meshcat page is packed, and what is drawn on a support stays on it."""
+"""A saved Meshcat page is packed, and drawings on a support stay on it."""
 
 import base64
 import gzip

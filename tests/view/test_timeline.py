@@ -1,4 +1,4 @@
-"""The play bar tells the run's time, phases, legs, forces and way to the goal."""
+"""The play bar shows the run's time, phases, legs, forces and distance to the goal."""
 
 import numpy as np
 import pytest

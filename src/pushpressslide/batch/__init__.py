@@ -1,4 +1,4 @@
-"""The laws on arrays: any leading shape in, the same shape out. They are the kernels of
+"""The laws on arrays, with the same leading shape in and out. They are the kernels of
 loops, planners and the planar engine, compiled over rows.
 """
 

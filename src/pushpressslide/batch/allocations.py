@@ -1,4 +1,4 @@
-"""The answers of the allocators on arrays: contact forces, their margins and statuses."""
+"""Results of the allocators on arrays: contact forces, their margins and statuses."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ Statuses = NDArray[np.int8]
 
 
 class Allocations(NamedTuple):
-    """Forces that realise wanted wrenches, of k contacts; as ``core.allocation`` for one."""
+    """Forces of k contacts that realise requested wrenches, as ``core.allocation`` for
+    one wrench.
+    """
 
     forces: Array  # (..., k, 2) [N] of each contact ON the object, in B
     normals: Array  # (..., k) [N] normal magnitude of each contact, >= 0
@@ -29,7 +31,7 @@ class Allocations(NamedTuple):
 
     @property
     def ok(self) -> Flags:
-        """Where nothing had to be changed (...)."""
+        """Mask (...) of the wrenches that are realised unchanged."""
         out: Flags = self.status == OK
         return out
 
@@ -40,7 +42,7 @@ def answered(
     figures: Figures,
     contacts: int,
 ) -> Allocations:
-    """Return the allocations that the kernel of an allocator answers."""
+    """Allocations from the output of an allocator's kernel."""
     across = 2 * contacts
     margin = across + contacts
     out = answers(kernel, row, figures, columns=margin + 5)
@@ -54,7 +56,7 @@ def answered(
 
 
 def wanted(wrenches: ArrayLike) -> Array:
-    """Return ``wrenches`` (..., 3) as an array; raises ValueError for other shapes."""
+    """``wrenches`` (..., 3) as an array. Raises ValueError for other shapes."""
     out = np.asarray(wrenches, dtype=np.float64)
     check_last(out, (3,), "wrenches")
     return out

@@ -1,5 +1,7 @@
-"""What the figures of a batch must be: one check each. Each raises InputError, in one
-line, with the name and the first value that is not allowed.
+"""Checks of a batch's figures.
+
+Each raises InputError, in one line, with the name and the first value that is not
+allowed.
 """
 
 from __future__ import annotations
@@ -24,7 +26,7 @@ def check_last(array: Array, sizes: tuple[int, ...], name: str) -> None:
 def check_all(
     holds: Flags, values: Array, name: str, allowed: str, unit: str = ""
 ) -> None:
-    """Raise InputError with the first of ``values`` for which nothing ``holds``."""
+    """Raise InputError with the first of ``values`` for which ``holds`` is False."""
     if not np.all(holds):
         first = np.asarray(values)[np.logical_not(holds)].flat[0]
         raise InputError(
@@ -56,5 +58,7 @@ def check_units(normals: Array) -> None:
 
 
 def check_caps(caps: Array) -> None:
-    """Raise InputError unless all normal forces [N] are > 0; inf is none."""
+    """Raise InputError unless all normal forces [N] are > 0. An infinite one is no
+    limit.
+    """
     check_all(caps > 0.0, caps, "cap", "> 0", "N")

@@ -1,5 +1,6 @@
-"""Kernels compiled over rows by numba. This module alone imports numba, and is imported at
-the first call of a batch.
+"""Kernels compiled over rows by numba.
+
+Only this module imports numba. It is imported at the first call of a batch.
 """
 
 from __future__ import annotations
@@ -37,14 +38,14 @@ Loop = Callable[..., None]
 
 @intrinsic
 def taken(typingctx: Any, row: Any, like: Any) -> Any:
-    """Return the numbers of a row (k,) as a tuple like another, nested as that is."""
+    """Numbers of a row (k,) as a tuple, nested like another one."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         """Emit the loads."""
         cell = _cells(context, builder, signature.args[0], arguments[0])
 
         def built(kind: Any) -> Any:
-            """Return the next number, or a tuple of the next ones."""
+            """Next number, or a tuple of the next numbers."""
             if isinstance(kind, types.BaseTuple):
                 parts = [built(part) for part in kind.types]
                 return context.make_tuple(builder, kind, parts)
@@ -80,8 +81,8 @@ def stored(typingctx: Any, row: Any, values: Any) -> Any:
 
 @intrinsic
 def copied(typingctx: Any, target: Any, tables: Any, row: Any, likes: Any) -> Any:
-    """Write a row's numbers in all tables into another row, one after the other; of each
-    table as many as its part of ``likes`` has.
+    """Copy a row's numbers from all tables into another row, one after the other. Each
+    table contributes as many as its member of ``likes`` has.
     """
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -102,19 +103,19 @@ def copied(typingctx: Any, target: Any, tables: Any, row: Any, likes: Any) -> An
 
 
 def _width(kind: Any) -> int:
-    """Return how many numbers a nested tuple, or the type of one, has."""
+    """Number of values in a nested tuple, or in a value of its type."""
     parts = kind.types if isinstance(kind, types.BaseTuple) else kind
     return sum(map(_width, parts)) if isinstance(parts, tuple) else 1
 
 
 def _cells(context: Any, builder: Any, kind: Any, row: Any) -> Callable[[], Any]:
-    """Return a function that gives the address of a row's next number."""
+    """A function that gives the address of a row's next number."""
     array = context.make_array(kind)(context, builder, row)
     (stride,) = cgutils.unpack_tuple(builder, array.strides)
     place = 0
 
     def cell() -> Any:
-        """Return the address of the next number."""
+        """Address of the next number."""
         nonlocal place
         offset = builder.mul(stride, stride.type(place))
         place += 1
@@ -130,12 +131,13 @@ def loop_over(
     like: Like,
     kinds: tuple[tuple[str, int], ...] = (),
 ) -> Loop:
-    """Return the loop of a kernel over rows in tables, nested as ``heads`` are, with
-    figures of all rows, nested as ``like`` is, and arrays of such ``kinds``: NumPy's
-    letter and the number of axes.
+    """Loop of a kernel over the rows of tables.
 
-    numba keeps what it compiles beside this file, or in the user's cache, by the loop's
-    name: that holds a digest of all kernels, so that a change is compiled anew.
+    The tables are nested like ``heads``, the figures of all rows like ``like``.
+    ``kinds`` gives NumPy's letter and the number of axes of each array.
+
+    numba caches compiled code beside this file, or in the user's cache, by the loop's
+    name. The name holds a digest of all kernels, so that a change recompiles them.
     """
     for function in KERNELS:
         _register(function)
@@ -154,11 +156,11 @@ def loop_over(
 
 @contextmanager
 def _vectors(width: int) -> Iterator[None]:
-    """Let LLVM take so many rows at once in loops that are compiled inside; 0: as it
-    sees fit.
+    """Let LLVM process so many rows at once in loops compiled inside the block; 0
+    leaves the choice to LLVM.
 
-    It expects that half of what is behind branches is left out, as if they were free.
-    numba has no way to say otherwise of one loop, hence an option of LLVM as a whole.
+    LLVM assumes that half of the code behind branches is skipped at no cost. numba has
+    no such setting for one loop, hence the global option of LLVM.
     """
     set_option("", f"-force-vector-width={width}")
     try:
@@ -168,13 +170,13 @@ def _vectors(width: int) -> Iterator[None]:
 
 
 def _array(letter: str, axes: int) -> types.Array:
-    """Return the type of an array in one piece that is only read."""
+    """Type of a contiguous, read-only array."""
     return types.Array(numba.from_dtype(np.dtype(letter)), axes, "C", readonly=True)
 
 
 @cache
 def call_of(kernel: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a kernel compiled for single calls, of the arguments of its first one."""
+    """A kernel compiled for single calls with the argument types of its first call."""
     for function in KERNELS:
         _register(function)
 
@@ -192,14 +194,12 @@ def call_of(kernel: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _loop(kernel: Callable[..., Any], heads: tuple[Like, ...], like: Like) -> Loop:
-    """Return the loop of a kernel. What follows from the figures alone is worked out
-    once.
-    """
+    """Loop of a kernel. Results that depend on the figures alone are computed once."""
     head = sum(heads, ())
     width = _width(head)
 
     def loop(rows: Any, figures: Any, arrays: Any, out: Any) -> None:
-        """Write the kernel's answers for all rows."""
+        """Write the kernel's results for all rows."""
         given = taken(figures[0], like)
         x = np.zeros((width, LANES))
         y = np.zeros((len(out), LANES))
@@ -218,7 +218,7 @@ def _loop(kernel: Callable[..., Any], heads: tuple[Like, ...], like: Like) -> Lo
 
 @cache
 def _register(function: Callable[..., Any]) -> None:
-    """Tell numba how it may compile a kernel."""
+    """Register a kernel with numba for compilation."""
     options: dict[str, Any] = {"error_model": "numpy"}
     if function not in APART:
         options["forceinline"] = True
@@ -230,7 +230,7 @@ def _register(function: Callable[..., Any]) -> None:
 
 @cache
 def _digest() -> str:
-    """Return a digest of this file and of all kernels."""
+    """Digest of this file and of all kernels."""
     texts = hashlib.sha256(Path(__file__).read_bytes())
     for folder in sorted(kernels.__path__):
         for file in sorted(Path(folder).glob("*.py")):

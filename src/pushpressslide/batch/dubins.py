@@ -1,5 +1,5 @@
-"""Shortest Dubins paths on arrays, left and right curvature limits of their own: the
-answers of ``planning.dubins.shortest_path``.
+"""Shortest Dubins paths on arrays, with separate left and right curvature limits: the
+results of ``planning.dubins.shortest_path``.
 
 Bakolas and Tsiotras, "Optimal synthesis of the asymmetric sinistral/dextral
 Markov-Dubins problem", J. Optim. Theory Appl. 150, 2011.
@@ -27,7 +27,7 @@ from pushpressslide.planning.dubins import WORDS as WORDS
 
 
 class DubinsPaths(NamedTuple):
-    """Paths of three pieces; a piece may have no length."""
+    """Paths of three arcs, of which some may have zero length."""
 
     length: Array  # (...) [m]; NaN where a pose is no number
     word: NDArray[np.int8]  # (...) number in WORDS, NONE where a pose is no number
@@ -41,8 +41,8 @@ def shortest_paths(
     kappa_left: ArrayLike,
     kappa_right: ArrayLike,
 ) -> DubinsPaths:
-    """Return the shortest paths (...) from ``starts`` to ``goals`` (..., 3): x, y [m]
-    and yaw [rad], with curvatures in [-``kappa_right``, ``kappa_left``] (...) [1/m].
+    """Shortest paths (...) from ``starts`` to ``goals`` (..., 3): x, y [m] and yaw
+    [rad], with curvatures in [-``kappa_right``, ``kappa_left``] (...) [1/m].
 
     Of equally short words the first of WORDS. Raises ValueError unless all limits are
     finite and > 0.
@@ -59,7 +59,7 @@ def shortest_lengths(
     kappa_left: ArrayLike,
     kappa_right: ArrayLike,
 ) -> Array:
-    """Return the lengths (...) [m] of ``shortest_paths`` alone."""
+    """Lengths (...) [m] of ``shortest_paths`` alone."""
     row = _arguments(starts, goals, kappa_left, kappa_right)
     return answers(shortest_dubins_length, *row, columns=1)[..., 0]
 
@@ -70,7 +70,7 @@ def _arguments(
     kappa_left: ArrayLike,
     kappa_right: ArrayLike,
 ) -> tuple[tuple[Figures, Figures], Figures]:
-    """Return the poses and the limits of paths."""
+    """Poses and curvature limits of the paths, as arrays."""
     a, b, left, right = figures(starts, goals, kappa_left, kappa_right)
     check_last(a, (3,), "starts")
     check_last(b, (3,), "goals")

@@ -1,8 +1,8 @@
 """The exact limit surface on arrays: sums over the samples of one pressure.
 
 Source: docs/mechanics.md, section 1; ``mechanics.limit_surface`` and
-``mechanics.virtual_axle`` for one. Wrenches are about the centre of pressure, twists are
-of it, as there.
+``mechanics.virtual_axle`` for one object. Wrenches are about the centre of pressure,
+twists are of it, as in those modules.
 """
 
 from __future__ import annotations
@@ -25,10 +25,12 @@ from pushpressslide.mechanics.pressure import PressureSamples
 
 
 class ExactSurface:
-    """The surface of one pressure, for friction of any leading shape."""
+    """Limit surface of one pressure, for friction of any leading shape."""
 
     def __init__(self, samples: PressureSamples, friction: ArrayLike) -> None:
-        """Prepare the surface; ``friction`` (...) > 0 of the pair object/support."""
+        """Prepare the surface. ``friction`` (...) > 0 is that of the pair
+        object/support.
+        """
         (self._friction,) = figures(friction)
         check_positive(self._friction, "friction", "")
         x, y = (samples.points - np.array(samples.cop)).T
@@ -37,9 +39,9 @@ class ExactSurface:
         self._extent, self._over_rho = slide_samples(samples)
 
     def wrenches(self, twists: ArrayLike) -> Array:
-        """Return the wrenches (..., 3) that drive ``twists`` (..., 3).
+        """Wrenches (..., 3) that drive ``twists`` (..., 3).
 
-        A sample at the centre of rotation gives no force.
+        A sample at the centre of rotation contributes no force.
         """
         (rows,) = figures(twists)
         check_last(rows, (3,), "twists")
@@ -48,13 +50,13 @@ class ExactSurface:
         return unit * self._friction[..., None]
 
     def slides(self, wrenches: ArrayLike) -> tuple[Array, Array]:
-        """Return the twists (..., 3) that ``wrenches`` (..., 3) drive, with |(v, rho
-        w)| = 1, and the factors (...) by which they exceed the surface.
+        """Twists (..., 3) that ``wrenches`` (..., 3) drive, with |(v, rho w)| = 1, and
+        the factors (...) by which they exceed the surface.
 
         rho is the mean distance of the load to its centre. As
-        ``mechanics.limit_surface.exact_slide``: the twist of least friction power among
-        those with unit power of the wrench. Raises ValueError for a wrench that is zero
-        or not finite, and for a pressure without extent.
+        ``mechanics.limit_surface.exact_slide``: the twist of minimum friction power
+        among those with unit power of the wrench. Raises ValueError for a wrench that
+        is zero or not finite, and for a pressure without extent.
         """
         (rows,) = figures(wrenches)
         check_last(rows, (3,), "wrenches")
@@ -73,7 +75,7 @@ class ExactSurface:
 def exact_axle_distances(
     samples: PressureSamples, levers: ArrayLike, angles: ArrayLike
 ) -> Array:
-    """Return the distances (...) [m] from the centre of pressure to the virtual axle:
+    """Distances (...) [m] from the centre of pressure to the virtual axle:
     ``mechanics.virtual_axle.exact_axle_distance`` of ``levers`` (..., 2) [m] and force
     ``angles`` (...) [rad].
 

@@ -1,4 +1,4 @@
-"""The extra ``fast``: whether numba, which compiles kernels, is installed and wanted."""
+"""The extra ``fast``: whether numba, which compiles kernels, is installed and enabled."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _unwanted: ContextVar[bool] = ContextVar("unwanted", default=False)
 
 @contextmanager
 def without_numba() -> Iterator[None]:
-    """Run batches inside as if numba were not installed."""
+    """Run batches inside the block as if numba were not installed."""
     token = _unwanted.set(True)
     try:
         yield
@@ -27,13 +27,13 @@ def without_numba() -> Iterator[None]:
 
 
 def compiler() -> ModuleType | None:
-    """Return numba; None where it is not installed or not wanted."""
+    """The module numba. None if it is not installed or disabled."""
     return None if _unwanted.get() else installed()
 
 
 @cache
 def installed() -> ModuleType | None:
-    """Return numba; None where it is not installed."""
+    """The module numba. None if it is not installed."""
     try:
         importlib.import_module("numba.extending")
     except ImportError:
@@ -42,18 +42,18 @@ def installed() -> ModuleType | None:
 
 
 def loaded() -> bool:
-    """Return whether numba has been imported, and is wanted."""
+    """Whether numba has been imported and is enabled."""
     return "numba" in sys.modules and compiler() is not None
 
 
 def note_compiled(seconds: float) -> None:
-    """Add what a loop took to compile."""
+    """Add the compile time of a loop."""
     _compiled.append(seconds)
 
 
 def compiling() -> str:
-    """Return one line on what this process spent on compiling kernels; empty where that
-    is nothing that one would notice.
+    """One line on the time this process spent on compiling kernels. Empty if it is
+    negligible.
     """
     spent = sum(_compiled)
     if spent < SHOWN:

@@ -1,8 +1,9 @@
-"""The ellipsoid on arrays: which wrench drives a twist, and which twist a wrench drives.
+"""The ellipsoid on arrays: the wrench that drives a twist, and the twist that a wrench
+drives.
 
 Source: docs/mechanics.md, sections 1 and 1.2; ``mechanics.limit_surface`` and
-``mechanics.height_term`` for one. Wrenches are about B's origin, twists those of B's
-origin, in B.
+``mechanics.height_term`` for one object. Wrenches are about B's origin, twists those of
+B's origin, in B.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from pushpressslide.kernels.limit_surface import driven_twist, driving_wrench
 
 
 class EllipsoidSurface:
-    """An ellipsoid; figures of any leading shape."""
+    """An ellipsoidal limit surface with figures of any leading shape."""
 
     def __init__(
         self,
@@ -29,7 +30,7 @@ class EllipsoidSurface:
         """Prepare the surface.
 
         ``max_force`` (...) [N] and ``rho`` (...) [m] > 0, ``center`` (..., 2) [m] in B,
-        ``lift`` (...) [m] >= 0 of forces at a height: h mu_s. Raises ValueError
+        ``lift`` (...) [m] >= 0 is h mu_s of forces at a height h. Raises ValueError
         otherwise.
         """
         force, length, point, height = figures(max_force, rho, center, lift)
@@ -43,23 +44,23 @@ class EllipsoidSurface:
         """The leading shape of the surface."""
 
     def wrenches(self, twists: ArrayLike) -> Array:
-        """Return the wrenches (..., 3) on the surface that drive ``twists`` (..., 3)."""
+        """Wrenches (..., 3) on the surface that drive ``twists`` (..., 3)."""
         (rows,) = figures(twists)
         check_last(rows, (3,), "twists")
         return answers(driving_wrench, spread(rows), self._surface, columns=3)
 
     def twist_directions(self, wrenches: ArrayLike) -> Array:
-        """Return the twists (..., 3) that ``wrenches`` (..., 3) drive, with |(v, rho
-        w)| = 1 m/s at the moved centre of pressure; zero for no wrench.
+        """Twists (..., 3) that ``wrenches`` (..., 3) drive, with |(v, rho w)| = 1 m/s
+        at the displaced centre of pressure. A zero wrench gives zero.
         """
         return self._twists(wrenches)[..., :3]
 
     def levels(self, wrenches: ArrayLike) -> Array:
-        """Return H(W) (...): 1 on the surface, below 1 at rest."""
+        """H(W) (...): 1 on the surface, below 1 at rest."""
         return self._twists(wrenches)[..., 3]
 
     def _twists(self, wrenches: ArrayLike) -> Array:
-        """Return twists and levels (..., 4)."""
+        """Twists and levels (..., 4)."""
         (rows,) = figures(wrenches)
         check_last(rows, (3,), "wrenches")
         return answers(driven_twist, spread(rows), self._surface, columns=4)

@@ -1,4 +1,4 @@
-"""Allocation to one side contact, on arrays: the answers of ``allocation.one_contact``.
+"""Allocation to one side contact, on arrays: the results of ``allocation.one_contact``.
 
 Source: docs/mechanics.md, sections 2, 3 and 8.
 """
@@ -42,7 +42,7 @@ class OneContact:
         """The leading shape of the contact."""
 
     def allocate(self, wrenches: ArrayLike) -> Allocations:
-        """Return the allocations (...) of ``wrenches`` (..., 3) [N, N m] about B's
-        origin, in B: those of ``one_contact_allocator``.
+        """Allocations (...) of ``wrenches`` (..., 3) [N, N m] about B's origin, in B:
+        those of ``one_contact_allocator``.
         """
         return answered(one_contact, spread(wanted(wrenches)), self._figures, 1)

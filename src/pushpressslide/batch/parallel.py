@@ -1,4 +1,4 @@
-"""Allocation to two pushes on one face, on arrays: the answers of
+"""Allocation to two pushes on one face, on arrays: the results of
 ``allocation.parallel``.
 
 Source: docs/mechanics.md, section 5.
@@ -68,7 +68,7 @@ class ParallelPushes:
         """The leading shape of the contacts."""
 
     def allocate(self, wrenches: ArrayLike) -> Allocations:
-        """Return the allocations (...) of ``wrenches`` (..., 3) [N, N m] about B's
-        origin, in B: those of ``parallel_push_allocator`` with projection "nearest".
+        """Allocations (...) of ``wrenches`` (..., 3) [N, N m] about B's origin, in B:
+        those of ``parallel_push_allocator`` with projection "nearest".
         """
         return answered(parallel_pushes, spread(wanted(wrenches)), self._figures, 2)

@@ -1,5 +1,5 @@
 """One planned push from behind, run for many truths at once: ``kernels.path_run`` over
-rows, some ticks at a time.
+rows, in blocks of ticks.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ END = 23
 
 
 class PathRuns(NamedTuple):
-    """A planned push, for any bodies."""
+    """A planned push, for any number of bodies."""
 
     sections: Array  # (p, 8) of the path: ``kernels.arc_path.Piece``
     bends: Array  # (q, 3) of the path: ``kernels.arc_path.Bend``
@@ -36,9 +36,9 @@ class PathRuns(NamedTuple):
     def initial_states(
         self, poses: Array, place: float, rng: np.random.Generator
     ) -> Array:
-        """Return the states (n, 24) of bodies at ``poses`` (n, 3), X_WB, with the tip in
-        contact at ``place`` [m] along the face; what is believed of the poses has been
-        filtered.
+        """States (n, 24) of bodies at ``poses`` (n, 3), X_WB, with the tip in contact
+        at ``place`` [m] along the face. The pose estimates start with the filter's
+        steady-state noise.
         """
         lead, (face, *_), _, _ = self.laws
         (nx, ny), depth, _, _, radius, _, _ = face
@@ -58,7 +58,7 @@ class PathRuns(NamedTuple):
         return states
 
     def finish(self, states: Array, truths: Array, rng: np.random.Generator) -> Array:
-        """Return the states (n, 24) when every run has ended, or after the time limit.
+        """States (n, 24) at the end of every run, or after the time limit.
 
         ``truths`` (n, 5) are ``kernels.path_run.Truth``.
         """
@@ -84,8 +84,8 @@ class PathRuns(NamedTuple):
         return out
 
     def _noise(self, rng: np.random.Generator) -> Array:
-        """Return the noise of some ticks' poses (width, 3 ticks); of one row for all
-        where there is none.
+        """Noise of the poses in a block of ticks (width, 3 ticks). Without noise one
+        row serves all.
         """
         if not self.noise.any():
             return np.zeros((1, 3 * TOGETHER))

@@ -1,8 +1,8 @@
-"""The planar engine on arrays: bodies on their supports and one or two compliant tips at
-flat sides of each, tick by tick.
+"""The planar engine on arrays: bodies on their supports and one or two compliant tips
+at flat sides of each, tick by tick.
 
 Source: docs/mechanics.md, sections 1 to 3. Frame B of a body is at its centre of
-pressure, which stays where it is: tips push low. A tick is one kernel,
+pressure, which stays fixed, as tips push low. A tick is one kernel,
 ``kernels.tip_step``, whose parts ``planar.world`` calls for one body.
 """
 
@@ -34,7 +34,7 @@ BODY = ((0.0, 0.0), 0.0, 0.0, 0.0)
 
 
 class Faces(NamedTuple):
-    """The faces that the tips of a body push; k is 1 or 2, figures of B."""
+    """Faces of a body that its tips push, in B; k is 1 or 2."""
 
     foot: ArrayLike  # (..., k, 2) [m] a point of the face
     normal: ArrayLike  # (..., k, 2) unit inward normal
@@ -43,7 +43,7 @@ class Faces(NamedTuple):
 
 
 class Tips(NamedTuple):
-    """The tips; (..., k), or one number for all."""
+    """Parameters of the tips, (..., k) or one number for all."""
 
     radius: ArrayLike  # [m] >= 0
     friction: ArrayLike  # >= 0 of the pair tip/body
@@ -51,7 +51,7 @@ class Tips(NamedTuple):
 
 
 class WorldStates(NamedTuple):
-    """Where bodies and tips are, and what led there in the tick before."""
+    """States of bodies and tips, and their motion in the previous tick."""
 
     poses: Array  # (..., 3) X_WB: x, y [m] and yaw [rad]
     tips: Array  # (..., k, 2) [m] their centres, in the world
@@ -62,15 +62,14 @@ class WorldStates(NamedTuple):
 
 
 class PlanarWorld:
-    """Bodies, each with the same number of tips; figures of any leading shape."""
+    """Bodies with the same number of tips each; figures of any leading shape."""
 
     begin = Renamed("initial_states")
 
     def __init__(self, support: Support, faces: Faces, tips: Tips, dt: float) -> None:
         """Prepare bodies and tips, in ticks of ``dt`` [s].
 
-        Raises ValueError for other shapes, more than two tips, and figures that are not
-        allowed.
+        Raises ValueError for other shapes, more than two tips, and invalid figures.
         """
         vectors = figures(*faces)
         numbers = figures(*tips)
@@ -92,8 +91,8 @@ class PlanarWorld:
         self._figures = _figures(support, faces_of_kernel, dt)
 
     def initial_states(self, poses: ArrayLike, tips: ArrayLike) -> WorldStates:
-        """Return bodies at rest at ``poses`` (..., 3) X_WB with their tips at ``tips``
-        (..., k, 2) [m] in the world.
+        """Bodies at rest at ``poses`` (..., 3) X_WB with their tips at ``tips`` (...,
+        k, 2) [m] in the world.
         """
         X, place = figures(poses, tips)
         check_last(X, (3,), "poses")
@@ -110,11 +109,11 @@ class PlanarWorld:
     def step(
         self, states: WorldStates, velocities: ArrayLike, forces: ArrayLike = 0.0
     ) -> WorldStates:
-        """Return the states one tick on; what is not finite moves nothing.
+        """States after one tick. A non-finite command moves nothing.
 
-        A tip's force is ``forces`` (..., k, 2) [N] plus its damping times the lag of its
-        own velocity behind ``velocities`` (..., k, 2) [m/s], all in the world. A spring
-        k [N/m] is a force k (x - tip), and k dt more of damping.
+        A tip's force is ``forces`` (..., k, 2) [N] plus its damping times the lag of
+        its own velocity behind ``velocities`` (..., k, 2) [m/s], all in the world. A
+        spring k [N/m] is a force k (x - tip), and k dt more of damping.
         """
         u, f = figures(velocities, forces)
         check_last(u, (2,), "velocities")
@@ -138,7 +137,7 @@ class PlanarWorld:
 def _faces(
     vectors: tuple[Array, ...], numbers: tuple[Array, ...], shape: tuple[int, ...]
 ) -> Array:
-    """Return ``kernels.tip_step.Face`` of each tip (..., k, 8)."""
+    """``kernels.tip_step.Face`` of each tip (..., k, 8)."""
     foot, normal, ends = vectors
     nx, ny = np.moveaxis(normal, -1, 0)
     fx, fy = np.moveaxis(foot, -1, 0)
@@ -149,7 +148,7 @@ def _faces(
 
 
 def _figures(support: Support, faces: Array, dt: float) -> Figures:
-    """Return the figures of bodies with the faces of their tips (..., k, 8)."""
+    """Figures of bodies with the faces of their tips (..., k, 8)."""
     shape = np.broadcast_shapes(
         faces.shape[:-2], support.rho.shape, support.max_force.shape
     )
@@ -166,7 +165,7 @@ def _figures(support: Support, faces: Array, dt: float) -> Figures:
 
 
 def _check_faces(faces: Faces) -> None:
-    """Raise ValueError for arrays that are no faces."""
+    """Raise ValueError for arrays that do not describe faces."""
     for name, array in zip(Faces._fields, faces, strict=True):
         rows = np.asarray(array)
         check_last(rows, (2,), name)
@@ -176,7 +175,7 @@ def _check_faces(faces: Faces) -> None:
 
 
 def _check_tips(tips: Tips) -> None:
-    """Raise ValueError for figures that are not allowed."""
+    """Raise ValueError for invalid figures."""
     radius = np.asarray(tips.radius)
     holds = np.isfinite(radius) & (radius >= 0.0)
     check_all(holds, radius, "radius", "finite and >= 0", "m")

@@ -1,4 +1,4 @@
-"""Allocation to a press and a push, on arrays: the answers of
+"""Allocation to a press and a push, on arrays: the results of
 ``allocation.press_and_push``.
 
 Source: docs/mechanics.md, section 7.
@@ -27,7 +27,7 @@ from pushpressslide.kernels.press_and_push import (
 
 
 class PressAndPush:
-    """A press and a push; all figures of any leading shape."""
+    """A press and a push, with figures of any leading shape."""
 
     def __init__(
         self,
@@ -67,7 +67,7 @@ class PressAndPush:
         """The leading shape of the contacts."""
 
     def allocate(self, wrenches: ArrayLike) -> Allocations:
-        """Return the allocations (...) of ``wrenches`` (..., 3) [N, N m] about the
-        centre of pressure, in B: those of ``press_and_push_allocator``.
+        """Allocations (...) of ``wrenches`` (..., 3) [N, N m] about the centre of
+        pressure, in B: those of ``press_and_push_allocator``.
         """
         return answered(press_and_push, spread(wanted(wrenches)), self._figures, 2)

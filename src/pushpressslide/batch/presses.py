@@ -1,4 +1,4 @@
-"""Allocation to one or two presses, on arrays: the answers of ``allocation.one_press``
+"""Allocation to one or two presses, on arrays: the results of ``allocation.one_press``
 and ``allocation.presses``.
 
 Source: docs/mechanics.md, sections 4, 7 and 8.
@@ -56,8 +56,8 @@ class OnePress:
         """The leading shape of the press."""
 
     def allocate(self, wrenches: ArrayLike) -> Allocations:
-        """Return the allocations (...) of ``wrenches`` (..., 3) [N, N m] about the
-        centre of pressure, in B: those of ``one_press_allocator``.
+        """Allocations (...) of ``wrenches`` (..., 3) [N, N m] about the centre of
+        pressure, in B: those of ``one_press_allocator``.
         """
         row = spread(wanted(wrenches))
         return answered(one_press, row, self._figures, 1)
@@ -87,8 +87,8 @@ class TwoPresses:
     def allocate(
         self, wrenches: ArrayLike, normals: ArrayLike, cops: ArrayLike = (0.0, 0.0)
     ) -> Allocations:
-        """Return the allocations (...) of ``wrenches`` (..., 3) [N, N m] about ``cops``
-        (..., 2) [m], in B, pressed with ``normals`` (..., 2) [N]: those of
+        """Allocations (...) of ``wrenches`` (..., 3) [N, N m] about ``cops`` (..., 2)
+        [m], in B, pressed with ``normals`` (..., 2) [N]: those of
         ``two_press_allocator``.
         """
         rows = wanted(wrenches)

@@ -1,9 +1,10 @@
-"""The planar engine of one pusher, on arrays: quasi-static bodies on the ellipsoid, each
-pushed on a face by a point with a given velocity. It sticks, slips along the face,
-leaves the body, or passes its edge.
+"""The planar engine of one pusher, on arrays: quasi-static bodies on the ellipsoid,
+each pushed on a face by a point with a given velocity.
 
-Source: docs/mechanics.md, sections 2 to 4, as ``batch.pushing``. Within a step the twist
-is constant in the body's own frame.
+The pusher sticks, slips along the face, leaves the body, or passes its edge.
+
+Source: docs/mechanics.md, sections 2 to 4, as ``batch.pushing``. Within a step the
+twist is constant in the body's own frame.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ from pushpressslide.kernels.pushing import advance_push
 
 
 class Pushes(NamedTuple):
-    """Where bodies and their pushers are."""
+    """Poses of bodies and positions of their pushers."""
 
     poses: Array  # (..., 3) X_WB: x, y [m] and yaw [rad]; B at the centre of pressure
     places: Array  # (...) [m] of the pusher along the face, to the left of its foot
@@ -42,7 +43,7 @@ class Pushes(NamedTuple):
 
 
 class PushedBodies:
-    """Bodies and the faces that they are pushed on; figures of any leading shape."""
+    """Bodies and their pushed faces; figures of any leading shape."""
 
     begin = Renamed("initial_states")
 
@@ -75,8 +76,8 @@ class PushedBodies:
     def initial_states(
         self, poses: ArrayLike, places: ArrayLike = 0.0, gaps: ArrayLike = 0.0
     ) -> Pushes:
-        """Return bodies at ``poses`` (..., 3) X_WB with their pushers at ``places``
-        (...) [m] along the face and ``gaps`` (...) [m] before it.
+        """Bodies at ``poses`` (..., 3) X_WB with their pushers at ``places`` (...) [m]
+        along the face and ``gaps`` (...) [m] before it.
         """
         X, place, gap = figures(poses, places, gaps)
         check_last(X, (3,), "poses")
@@ -88,8 +89,8 @@ class PushedBodies:
         )
 
     def advance(self, pushes: Pushes, velocities: ArrayLike, dt: float) -> Pushes:
-        """Return bodies and pushers after ``dt`` [s] in which the pushers move at
-        ``velocities`` (..., 2) [m/s], in the world.
+        """Bodies and pushers after ``dt`` [s] with the pushers moving at ``velocities``
+        (..., 2) [m/s] in the world.
         """
         (rows,) = figures(velocities)
         check_last(rows, (2,), "velocities")

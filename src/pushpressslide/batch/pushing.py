@@ -1,8 +1,8 @@
-"""One contact on the ellipsoid, on arrays: motion cones, virtual axles, and how a pusher
-with a given velocity moves an object.
+"""One contact on the ellipsoid, on arrays: motion cones, virtual axles, and the motion
+of an object under a pusher with a given velocity.
 
 Source: docs/mechanics.md, sections 2 to 4; ``mechanics.friction`` and
-``mechanics.virtual_axle`` for one.
+``mechanics.virtual_axle`` for one object.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ SEPARATE = compliant_tip.FREE
 
 
 class PushOutcomes(NamedTuple):
-    """What pushers do to an object; as ``mechanics.friction.PushOutcome``."""
+    """Results of pushes, as ``mechanics.friction.PushOutcome``."""
 
     kind: NDArray[np.int8]  # (...) STICK, SLIP_LEFT, SLIP_RIGHT or SEPARATE
     force: Array  # (..., 2) [N] on the object; zero when separated
@@ -77,8 +77,8 @@ class SideContact:
         """The leading shape of the contact."""
 
     def motion_cones(self) -> tuple[Array, Array]:
-        """Return the right and left edges (..., 2) of the velocities at which the
-        contact sticks, as ``mechanics.friction.motion_cone``.
+        """Right and left edges (..., 2) of the velocities at which the contact sticks,
+        as ``mechanics.friction.motion_cone``.
         """
         table, like = self._contact
         contact = Figures(table[..., :-1], like[:1])
@@ -86,8 +86,8 @@ class SideContact:
         return out[..., :2], out[..., 2:]
 
     def push(self, velocities: ArrayLike) -> PushOutcomes:
-        """Return what pushers with ``velocities`` (..., 2) [m/s] do, as
-        ``mechanics.friction.push_outcome``; a velocity that is not finite separates.
+        """Results of pushers with ``velocities`` (..., 2) [m/s], as
+        ``mechanics.friction.push_outcome``. A velocity that is not finite separates.
         """
         (rows,) = figures(velocities)
         check_last(rows, (2,), "velocities")
@@ -102,13 +102,12 @@ def virtual_axles(
     rho: ArrayLike,
     shift: ArrayLike = 0.0,
 ) -> Array:
-    """Return the virtual axles (..., 2) [m] in B of contacts on the ellipsoid, the same
-    for every force: rho^2/d beyond the centre of pressure, ``shift`` [m] towards the
-    contact.
+    """Virtual axles (..., 2) [m] in B of contacts on the ellipsoid, the same for every
+    force: rho^2/d beyond the centre of pressure, ``shift`` [m] towards the contact.
 
     ``contacts`` and ``cops`` (..., 2) [m] in B, ``rho`` (...) [m]; ``shift`` (...) is
-    how far the drag of a press at a height moves the centre of pressure, 0 for a push
-    (``mechanics.virtual_axle.axle_distance``, ``rom.unicycle.Unicycle``). Raises
+    the displacement of the centre of pressure by the drag of a press at a height, 0 for
+    a push (``mechanics.virtual_axle.axle_distance``, ``rom.unicycle.Unicycle``). Raises
     ValueError for a contact at its centre of pressure.
     """
     points, centers, length, ahead = figures(contacts, cops, rho, shift)

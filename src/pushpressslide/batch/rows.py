@@ -1,5 +1,5 @@
 """Kernels over rows of any leading shape: compiled by numba, the extra ``fast``, or in
-Python where it is not installed.
+Python if numba is not installed.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Like = tuple[Any, ...]
 
 
 class Figures(NamedTuple):
-    """The figures of a law, for all rows or for each of them."""
+    """Figures of a law, for all rows or for each of them."""
 
     table: Array  # (..., k) the numbers of ``like``, in their order
     like: Like
@@ -38,17 +38,17 @@ NO_FIGURES = Figures(np.zeros(0), ())
 
 
 def figures(*values: ArrayLike) -> tuple[Array, ...]:
-    """Return numbers and sequences as arrays of floats."""
+    """Numbers and sequences as arrays of floats."""
     return tuple(np.asarray(value, dtype=np.float64) for value in values)
 
 
 def figures_of(*groups: Any) -> Figures:
-    """Return nested tuples of arrays (...) as figures of their leading shape."""
+    """Nested tuples of arrays (...) as figures of their leading shape."""
     return Figures(_table(list(leaves(groups))), map_nested(groups, lambda _: 0.0))
 
 
 def _table(columns: Sequence[ArrayLike]) -> Array:
-    """Return columns (...) as an array (..., k) that keeps each in one piece."""
+    """Columns (...) as an array (..., k) that stores each column contiguously."""
     if not any(map(np.ndim, columns)):
         return np.array(columns, dtype=np.float64)
     shape = np.broadcast_shapes(*map(np.shape, columns))
@@ -59,17 +59,17 @@ def _table(columns: Sequence[ArrayLike]) -> Array:
 
 
 def _turned(array: Array) -> Array:
-    """Return an array with its first axis as the last one."""
+    """The array with its first axis moved to the end."""
     return array.transpose(*range(1, array.ndim), 0)
 
 
 def halves(vectors: Array) -> tuple[Array, Array]:
-    """Return the two components of vectors (..., 2)."""
+    """Two components of vectors (..., 2)."""
     return vectors[..., 0], vectors[..., 1]
 
 
 def prepared(setup: Kernel, *groups: Any) -> Figures:
-    """Return what a kernel makes of nested tuples of arrays (...), as figures."""
+    """Result of a kernel on nested tuples of arrays (...), as figures."""
     given = figures_of(*groups)
     width = given.table.shape[-1]
     first = given.table.reshape(-1, width)[:1].tolist() or [[1.0] * width]
@@ -91,13 +91,13 @@ def leaves(values: Any) -> Iterator[Any]:
 
 
 def filled(like: Any, numbers: Sequence[float]) -> Any:
-    """Return numbers as tuples nested as ``like`` is."""
+    """Numbers as tuples nested like ``like``."""
     each = iter(numbers)
     return map_nested(like, lambda _: next(each))
 
 
 def map_nested(values: Any, number: Callable[[Any], float]) -> Any:
-    """Return tuples nested as ``values`` are, each member by ``number``."""
+    """Tuples nested like ``values``, each member mapped by ``number``."""
     if not isinstance(values, tuple):
         return number(values)
     parts = [map_nested(value, number) for value in values]
@@ -106,27 +106,27 @@ def map_nested(values: Any, number: Callable[[Any], float]) -> Any:
 
 
 def nested(values: Any) -> Any:
-    """Return nested lists as nested tuples."""
+    """Nested lists as nested tuples."""
     return tuple(map(nested, values)) if isinstance(values, list) else values
 
 
 def spread(array: Array) -> Figures:
-    """Return the numbers of an array (..., k) as k arguments of a kernel."""
+    """Numbers of an array (..., k) as k arguments of a kernel."""
     return Figures(array, (0.0,) * array.shape[-1])
 
 
 def grouped(array: Array) -> Figures:
-    """Return the numbers of an array (..., k) as one argument of a kernel, a tuple."""
+    """Numbers of an array (..., k) as one argument of a kernel, a tuple."""
     return Figures(array, ((0.0,) * array.shape[-1],))
 
 
 def columns_of(*columns: Array) -> tuple[Figures, ...]:
-    """Return arrays (...) as one argument of a kernel each."""
+    """Arrays (...) as separate arguments of a kernel."""
     return tuple(Figures(column[..., None], (0.0,)) for column in columns)
 
 
 def stacked_arguments(*parts: Figures) -> Figures:
-    """Return arguments of a kernel side by side; they broadcast against each other."""
+    """Arguments of a kernel side by side, broadcast against each other."""
     columns = [
         c for p in parts for c in p.table.transpose(-1, *range(p.table.ndim - 1))
     ]
@@ -141,11 +141,11 @@ def answers(
     *,
     columns: int,
 ) -> Array:
-    """Return ``kernel(*row, *figures, *arrays)`` of each row (..., ``columns``), its
-    nested tuples flattened; rows and figures broadcast against each other.
+    """Results of ``kernel(*row, *figures, *arrays)`` for each row (..., ``columns``),
+    with nested tuples flattened. Rows and figures broadcast against each other.
 
-    A ``row`` may be several figures, side by side. ``arrays`` are the same for all rows;
-    in Python a kernel is given them as nested tuples.
+    A ``row`` may be several figures, side by side. ``arrays`` are the same for all
+    rows; in Python a kernel receives them as nested tuples.
     """
     parts = (row,) if isinstance(row, Figures) else tuple(row)
     if figures.shape:  # a row has figures of its own
@@ -163,7 +163,7 @@ def answers(
 
 
 def _flat(table: Array, shape: tuple[int, ...]) -> Array:
-    """Return a table of the leading ``shape`` as (n, k)."""
+    """A table with the leading ``shape`` as (n, k)."""
     k = table.shape[-1]
     if table.shape[:-1] != shape:
         table = np.broadcast_to(table, (*shape, k))
@@ -176,7 +176,7 @@ def _compiled(
     like: Like,
     kinds: tuple[tuple[str, int], ...],
 ) -> Callable[..., None]:
-    """Return the loop of a kernel: numba's, or one in Python."""
+    """Loop of a kernel, by numba or in Python."""
     if fast.compiler() is None:
         if fast.installed() is None:
             _say_slow()
@@ -197,7 +197,7 @@ def _say_slow() -> None:
 
 
 def _interpreted(kernel: Kernel, head: Like, like: Like) -> Callable[..., None]:
-    """Return the loop of a kernel in Python, as ``compiled.loop_over``."""
+    """Loop of a kernel in Python, as ``compiled.loop_over``."""
 
     def loop(
         rows: tuple[Array, ...],
@@ -205,7 +205,7 @@ def _interpreted(kernel: Kernel, head: Like, like: Like) -> Callable[..., None]:
         arrays: tuple[AnyArray, ...],
         out: Array,
     ) -> None:
-        """Write the kernel's answers for all rows."""
+        """Write the kernel's results for all rows."""
         given = filled(like, figures[0].tolist())
         rest = tuple(nested(array.tolist()) for array in arrays)
         with np.errstate(all="ignore"):  # as compiled: no number in, no number out

@@ -1,5 +1,7 @@
-"""The motion of many bodies on their supports under compliant tips: of each the twist at
-which all forces balance. The kernel is that of ``planar.sliding``, which is that for one.
+"""Motion of many bodies on their supports under compliant tips: for each the twist at
+which all forces balance.
+
+The kernel is that of ``planar.sliding``, which handles one body.
 """
 
 from __future__ import annotations
@@ -17,14 +19,14 @@ NO_TIP = np.array([1.0, 0.0, -1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
 
 
 def slide(support: Support, tips: Sequence[Array], guesses: Array) -> Array:
-    """Return the twists (n, 3) at which supports and tips balance, to 1e-9 of mu_s N.
+    """Twists (n, 3) at which supports and tips balance, to 1e-9 of mu_s N.
 
     ``tips`` are one or two arrays (n, 10): unit inward normal n; force f_0 [N] of a tip
-    that does not move, less damping times the speed at which the gap closes, along n and
-    to its left t; damping [N s/m] along both; friction; arms over rho, p x n and p x t
-    of the contact p and c x t of the tip's centre c, which is behind p along n.
-    ``guesses`` (n, 3) are the twists of the tick before; twists are (v_x, v_y, rho w) of
-    the centre of pressure. The support's figures are single numbers or (n,).
+    at rest, minus damping times the speed at which the gap closes, along n and to its
+    left t; damping [N s/m] along both; friction; arms over rho, p x n and p x t of the
+    contact p and c x t of the tip's centre c, which is behind p along n. ``guesses``
+    (n, 3) are the twists of the previous tick; twists are (v_x, v_y, rho w) of the
+    centre of pressure. The support's figures are single numbers or (n,).
     """
     rho = np.broadcast_to(support.rho, len(guesses))
     scale = np.stack([np.ones_like(rho), np.ones_like(rho), rho], axis=1)
@@ -37,11 +39,11 @@ def slide(support: Support, tips: Sequence[Array], guesses: Array) -> Array:
 
 
 def _side(tips: Array, rho: Array) -> tuple[object, ...]:
-    """Return tips as ``kernels.compliant_tip.Side``, their gaps closed."""
+    """Tips as ``kernels.compliant_tip.Side``, with their gaps closed."""
     nx, ny, fn, ft, bn, bt, friction, across, along, centre = np.moveaxis(tips, -1, 0)
 
     def place(ahead: Array) -> tuple[Array, Array]:
-        """Return a place from its parts along n and t, over rho."""
+        """A position from its components along n and t, over rho."""
         return rho * (ahead * nx + across * ny), rho * (ahead * ny - across * nx)
 
     law = ((nx, ny), (fn, ft), (bn, bt))

@@ -1,6 +1,6 @@
 """Supports of many bodies: the exact limit surface of a pressure, or ellipsoids.
 
-Source: docs/mechanics.md, section 1; ``planar.support`` for one.
+Source: docs/mechanics.md, section 1; ``planar.support`` for one body.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from pushpressslide.mechanics.pressure import PressureSamples
 
 @dataclass(frozen=True, eq=False)
 class Support:
-    """What bodies slide on, of one kind."""
+    """Supports of one kind under the bodies."""
 
     step: Kernel  # a tick of a body with its tips
     slide: Kernel  # the twist at which a body is balanced
@@ -37,7 +37,7 @@ class Support:
 
 
 def ellipsoid_support(max_force: ArrayLike, rho: ArrayLike) -> Support:
-    """Return bodies on the ellipsoid: ``max_force`` (...) [N] mu_s N, ``rho`` (...) [m].
+    """Supports on the ellipsoid: ``max_force`` (...) [N] mu_s N, ``rho`` (...) [m].
 
     Raises ValueError unless both are finite and > 0.
     """
@@ -48,7 +48,7 @@ def ellipsoid_support(max_force: ArrayLike, rho: ArrayLike) -> Support:
 
 
 def polygon_support(face: FacePressure, max_force: ArrayLike) -> Support:
-    """Return bodies on the exact surface of one pressure: ``max_force`` (...) [N] mu_s N.
+    """Supports on the exact surface of one pressure: ``max_force`` (...) [N] mu_s N.
 
     Raises ValueError unless it is finite and > 0.
     """
@@ -59,11 +59,11 @@ def polygon_support(face: FacePressure, max_force: ArrayLike) -> Support:
 
 
 def exact_support(samples: PressureSamples, friction: ArrayLike) -> Support:
-    """Return bodies on the exact surface of one pressure, for ``friction`` (...) of the
-    pair object/support.
+    """Supports on the exact surface of one pressure, for ``friction`` (...) of the pair
+    object/support.
 
-    Raises ValueError for friction <= 0, and for a pressure with pins: about one of
-    them a body turns with no drag that could be found.
+    Raises ValueError for friction <= 0, and for a pressure with pins: a turn about one
+    of them leaves its drag undetermined.
     """
     (mu,) = figures(friction)
     check_positive(mu, "friction", "")

@@ -1,10 +1,10 @@
-"""Tracking laws on arrays: one closed-form step each, from errors to what is asked of
-the object.
+"""Tracking laws on arrays: one closed-form step each, from errors to the demanded
+motion of the object.
 
 Source: docs/mechanics.md, sections 3, 4.2 and 9; ``tracking.rear_stanley``,
 ``tracking.rear_car``, ``tracking.lookahead_alignment`` and ``tracking.holonomic`` for
-one. The nearest point of a path is no closed form and is left to the caller. Errors are
-REFERENCE MINUS ACTUAL.
+one object. The nearest point of a path has no closed form and is left to the caller.
+Errors are REFERENCE MINUS ACTUAL.
 """
 
 from __future__ import annotations
@@ -49,12 +49,12 @@ def rear_stanley(
     feed_forward: bool = True,
     steering_scale: ArrayLike = 1.0,
 ) -> tuple[Array, Flags]:
-    """Return steering angles (...) [rad], and where they had to be clipped.
+    """Steering angles (...) [rad], and a mask of the clipped ones.
 
     Errors ``left`` [m] and ``heading`` [rad], ``curvature`` [1/m] of the path there,
     effective ``wheelbase`` [m], ``steering_bounds`` (..., 2) [rad], ``gain`` and
-    ``steering_scale``, all of any shape. As ``tracking.rear_stanley``; an error that is no number
-    gives none.
+    ``steering_scale``, all of any shape. As ``tracking.rear_stanley``; an error of NaN
+    gives NaN.
     """
     bounds, ahead, length = figures(steering_bounds, float(feed_forward), wheelbase)
     check_last(bounds, (2,), "steering_bounds")
@@ -80,7 +80,7 @@ def lookahead_curvature(
     limit: ArrayLike,
     steering_scale: ArrayLike = 1.0,
 ) -> tuple[Array, Flags]:
-    """Return the curvatures (...) [1/m] to drive, and where they had to be clipped.
+    """Curvatures (...) [1/m] to drive, and a mask of the clipped ones.
 
     Errors ``left`` [m] and ``heading`` [rad], ``curvature`` [1/m] of the path there,
     ``look_ahead`` [m], ``limit`` [1/m] and ``steering_scale``, all of any shape. As
@@ -105,8 +105,8 @@ def rear_push(
     rho: ArrayLike,
     max_force: ArrayLike,
 ) -> tuple[Array, Array]:
-    """Return the wrenches (..., 3) [N, N m] about the centre of pressure and the twists
-    (..., 3) of the virtual axle, in B, of a push that steers with ``steering`` [rad].
+    """Wrenches (..., 3) [N, N m] about the centre of pressure and the twists (..., 3)
+    of the virtual axle, in B, of a push that steers with ``steering`` [rad].
 
     ``axis`` (..., 2) is the unit vector from contact to centre of pressure, ``lever``
     [m] their distance, ``rho`` [m], ``max_force`` [N], ``speed`` [m/s] of the axle; all
@@ -137,13 +137,13 @@ def holonomic(
     share: ArrayLike = 0.5,
     steering_scale: ArrayLike = 1.0,
 ) -> tuple[Array, Flags]:
-    """Return the twists (..., 3) of V's origin, in V, that lead bodies along their
-    paths, and where the pull was limited.
+    """Twists (..., 3) of V's origin, in V, that lead bodies along their paths, and a
+    mask of those with a limited pull.
 
-    ``errors`` (..., 3): x, y [m] of the wanted pose in V and yaw [rad]; ``rates``
-    (..., 3): the path's twist there per metre of its metric, in the wanted pose's axes;
-    ``speed`` [m/s], ``decay`` [m], ``radius`` [m] of the metric, ``share`` and ``steering_scale``
-    of the pull, all of any shape. As ``tracking.holonomic``.
+    ``errors`` (..., 3): x, y [m] of the target pose in V and yaw [rad]; ``rates`` (...,
+    3): the path's twist there per metre of its metric, in the target pose's axes;
+    ``speed`` [m/s], ``decay`` [m], ``radius`` [m] of the metric, ``share`` and
+    ``steering_scale`` of the pull, all of any shape. As ``tracking.holonomic``.
     """
     rows, path, v, route, length, part, hold = figures(
         errors, rates, speed, decay, radius, share, steering_scale
@@ -161,6 +161,6 @@ def holonomic(
 
 
 def _angles(angles: Array) -> Array:
-    """Return angles [rad], NaN for those that are infinite: they have no sine."""
+    """Angles [rad], with NaN in place of infinite ones, which have no sine."""
     finite = np.isfinite(angles)
     return angles if finite.all() else np.where(finite, angles, math.nan)

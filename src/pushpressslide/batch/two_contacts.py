@@ -1,4 +1,5 @@
-"""Allocation to two side contacts, on arrays: the answers of ``allocation.two_contacts``.
+"""Allocation to two side contacts, on arrays: the results of
+``allocation.two_contacts``.
 
 Source: docs/mechanics.md, sections 5 and 6.
 """
@@ -63,19 +64,19 @@ class TwoContacts:
         """The leading shape of the contacts."""
 
     def allocate(self, wrenches: ArrayLike) -> Allocations:
-        """Return the allocations (...) of ``wrenches`` (..., 3) [N, N m] about B's
-        origin, in B: those of ``two_contact_allocator`` with projection "nearest".
+        """Allocations (...) of ``wrenches`` (..., 3) [N, N m] about B's origin, in B:
+        those of ``two_contact_allocator`` with projection "nearest".
         """
         return answered(two_contacts, spread(wanted(wrenches)), self._figures, 2)
 
 
 def both(vectors: Array) -> tuple[Any, Any]:
-    """Return the components of two vectors (..., 2, 2)."""
+    """Components of two vectors (..., 2, 2)."""
     return halves(vectors[..., 0, :]), halves(vectors[..., 1, :])
 
 
 def check_pair(points: Array, normals: Array, split: Split) -> None:
-    """Raise InputError for contacts that coincide, and for "least_friction" where both
+    """Raise InputError for contacts that coincide, and for "least_friction" if both
     normals lie along their line.
     """
     dx, dy = halves(points[..., 1, :] - points[..., 0, :])

@@ -1,6 +1,6 @@
 """The command ``pps``.
 
-A command imports what is heavy when it runs, so that help answers at once.
+A command does its heavy imports when it runs, so that help answers at once.
 """
 
 from pushpressslide.cli import commands, files, learning, many_runs

@@ -1,4 +1,4 @@
-"""The application, how commands are registered, and what they share."""
+"""The application, and the registration of its commands."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def _options(
 
 
 def unpacked(function: Callable[[Options], Status]) -> Callable[..., Status]:
-    """Return a function whose parameters are the fields of a dataclass.
+    """A function whose parameters are the fields of a dataclass.
 
     The dataclass is the annotation of the one parameter of ``function``.
     """
@@ -57,7 +57,7 @@ def unpacked(function: Callable[[Options], Status]) -> Callable[..., Status]:
 
     @functools.wraps(function)
     def called(**values: Any) -> Status:
-        """Make the dataclass of the command line's values."""
+        """Call the function with the dataclass of the command line's values."""
         return function(options(**values))
 
     vars(called)["__signature__"] = inspect.signature(options, eval_str=True)
@@ -74,10 +74,10 @@ def command(function: Callable[[Options], Status]) -> Callable[[Options], Status
 
 
 def task_of(name: str, sets: list[str] | None, mode: str | None = None) -> Task:
-    """Return the checked task of the command line.
+    """Checked task of the command line.
 
-    ``name`` is that of a shipped task or a file, ``sets`` are overrides a.b=c, ``mode``
-    is the one mode that is allowed.
+    ``name`` is a shipped task or a file, ``sets`` are overrides a.b=c, ``mode`` is the
+    only mode allowed.
     """
     from pushpressslide.taskfile.load import load_task
 
@@ -98,19 +98,19 @@ def print_json(value: Any) -> None:
 
 
 class Answered(Protocol):
-    """Options that say how a command answers."""
+    """Options for a command's output."""
 
     @property
     def as_json(self) -> bool:
-        """As JSON and nothing else."""
+        """Output as JSON and nothing more."""
 
     @property
     def quiet(self) -> bool:
-        """Not at all."""
+        """No output."""
 
 
 def answer(data: Any, options: Answered, show: Callable[[], None]) -> None:
-    """Answer with plain data as JSON, or as ``show`` prints it, or not at all."""
+    """Print plain data as JSON or by ``show``, or print nothing."""
     if options.as_json:
         print_json(data)
     elif not options.quiet:

@@ -109,7 +109,7 @@ def select(
 
 
 def _legs_instead(task: Task, as_json: bool) -> int:
-    """Say which motions one after the other do a task that no single one does."""
+    """Print the sequence of motions for a task that no single motion can do."""
     from pushpressslide.cli import tables
     from pushpressslide.selection.solve import plan as make_plan
 
@@ -135,7 +135,7 @@ def plan(
 ) -> None:
     """Plan only; writes plan.json and plan.png.
 
-    Joint paths are not looked at.
+    Joint paths are not planned.
     """
     from pushpressslide.cli.goals import stage_text
     from pushpressslide.cli.tables import JOINT_PATHS
@@ -162,7 +162,7 @@ def plan(
 
 
 def _print_plan(stage: StagePlan) -> None:
-    """Say how a stage is planned to be done."""
+    """Print the plan of a stage."""
     from pushpressslide.cli.tables import print_legs
 
     made = stage.plan
@@ -229,7 +229,7 @@ def run(options: RunOptions) -> int:
     result = _run(task, options, folder)
 
     def show() -> None:
-        """Print why its mode was taken, its figures, and where its pages are."""
+        """Print why its mode was taken, its figures, and the location of its pages."""
         from pushpressslide.cli import tables
         from pushpressslide.cli.contest_table import print_contests
 
@@ -265,7 +265,7 @@ def _run(task: Task, options: RunOptions, folder: Path) -> dict[str, Any]:
 
 
 def command_line() -> str:
-    """Return how this process was called, as it can be typed again."""
+    """Command line of this process, as it can be typed again."""
     return shlex.join(["pps", *sys.argv[1:]])
 
 

@@ -1,4 +1,4 @@
-"""What the shell completes: names of tasks and modes."""
+"""Shell completion of task and mode names."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from pathlib import Path
 
 
 def mode_names() -> list[str]:
-    """Return the names of the contact modes: those of their files."""
+    """Names of the contact modes: those of their files."""
     return [name for name in _stems("modes", ".py") if name not in ("__init__", "base")]
 
 
 def tasks(incomplete: str) -> list[str]:
-    """Return the shipped tasks, and the YAML files and folders, that begin so."""
+    """Shipped tasks, YAML files and folders whose names begin with the text."""
     paths = sorted(map(Path, glob(escape(incomplete) + "*")))
     files = [str(path) for path in paths if path.suffix in (".yaml", ".yml")]
     folders = [f"{path}/" for path in paths if path.is_dir()]
@@ -22,16 +22,16 @@ def tasks(incomplete: str) -> list[str]:
 
 
 def modes(incomplete: str) -> list[str]:
-    """Return the modes that begin so."""
+    """Modes whose names begin with the text."""
     return begun(mode_names(), incomplete)
 
 
 def _stems(folder: str, suffix: str) -> list[str]:
-    """Return the names of the package's files of a kind, without importing anything."""
+    """Names of the package's files of a kind, without importing anything."""
     files = resources.files("pushpressslide").joinpath(folder).iterdir()
     return sorted(f.name.removesuffix(suffix) for f in files if f.name.endswith(suffix))
 
 
 def begun(names: Iterable[str], incomplete: str) -> list[str]:
-    """Return those of some names that begin so."""
+    """The names that begin with the text."""
     return [name for name in names if name.startswith(incomplete)]

@@ -1,4 +1,4 @@
-"""Why the mode of a run was taken, on the terminal."""
+"""Reason for the mode of a run, on the terminal."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from pushpressslide.selection.contest import Contest, contests
 
 
 def print_contests(folder: Path) -> None:
-    """Print why each mode of the run in ``folder`` was taken, beside its rivals; nothing
-    where its motions were found by a search.
+    """Print why each mode of the run in ``folder`` was taken, beside its rivals. Prints
+    nothing if its motions were found by a search.
     """
     if not (folder / PLAN).is_file():
         return

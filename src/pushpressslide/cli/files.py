@@ -1,4 +1,4 @@
-"""Commands about task files: a new one, a shipped one, and what a file may say."""
+"""Commands on task files: a new one, a shipped one, and the schema of their fields."""
 
 from __future__ import annotations
 

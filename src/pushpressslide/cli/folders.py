@@ -1,4 +1,4 @@
-"""Folders of results: each is written by one command at a time."""
+"""Folders of results. Each is written by one command at a time."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SHOWN = 8  # names of files in a message
 
 @dataclass(frozen=True)
 class _LockedFolder:
-    """A folder that this process writes."""
+    """A folder that this process holds."""
 
     path: Path  # of the lock
     file: int  # descriptor
@@ -40,7 +40,7 @@ def results_folder(
     results: tuple[str, ...] = ("result.json",),
     lock: str = LOCK,
 ) -> Path:
-    """Return the folder for results, held for this process until ``leave_folders``.
+    """Folder for results, held for this process until ``leave_folders``.
 
     Without ``out`` it is a new one below runs/. A folder that is made here is removed
     after the command if it is still empty. Raises PushPressSlideError if it cannot be
@@ -62,8 +62,8 @@ def results_folder(
 def hold(folder: Path, lock: str = LOCK) -> Path:
     """Make a folder if it is missing, hold it for this process, and return it.
 
-    What a process that was killed left half-written is removed. Raises
-    PushPressSlideError where it cannot be written, or another process holds it.
+    Partial files of a killed process are removed. Raises PushPressSlideError if it
+    cannot be written, or another process holds it.
     """
     path = folder / lock
     if any(held.path.absolute() == path.absolute() for held in _held):
@@ -83,9 +83,7 @@ def hold(folder: Path, lock: str = LOCK) -> Path:
 
 
 def leave_folders() -> None:
-    """Let other processes have the folders, and remove those that were made here and
-    are empty.
-    """
+    """Release the folders, and remove those that were made here and are empty."""
     while _held:
         held = _held.pop()
         with suppress(OSError):
@@ -97,8 +95,8 @@ def leave_folders() -> None:
 
 
 def kept_files() -> str:
-    """What is whole in the folders of this command, for the end of a message; files of
-    the folders themselves first.
+    """Complete files in the folders of this command, for the end of a message, with
+    files of the folders themselves first.
     """
     out = ""
     for folder in (held.path.parent for held in _held if held.path.name == LOCK):
@@ -112,14 +110,14 @@ def kept_files() -> str:
 
 
 def _is_result(folder: Path, path: Path) -> bool:
-    """Return whether a path below a folder is a file that is whole."""
+    """Whether a path below a folder is a complete file."""
     return (folder / path).is_file() and path.name != LOCK and PART not in path.name
 
 
 def _locked(path: Path) -> int:
-    """Return the descriptor of a file that is locked.
+    """Descriptor of a file that is locked.
 
-    Raises BlockingIOError where another process holds it.
+    Raises BlockingIOError if another process holds it.
     """
     while True:
         file = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
@@ -137,7 +135,7 @@ def _locked(path: Path) -> int:
 
 
 def _lock(file: int) -> None:
-    """Lock a file; where the file system knows no locks, leave it open."""
+    """Lock a file. If the file system has no locks, leave it open."""
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -148,7 +146,7 @@ def _lock(file: int) -> None:
 
 
 def _make(folder: Path) -> None:
-    """Make a folder and those above it, noting which."""
+    """Make a folder and its parents, and record which are new."""
     if folder.is_dir():
         return
     if folder.parent != folder:
@@ -161,7 +159,7 @@ def _make(folder: Path) -> None:
 
 
 def _new_folder(name: str) -> Path:
-    """Make a folder below runs/ that was not there, and return it."""
+    """Make a new folder below runs/, and return it."""
     runs = Path("runs")
     stamp = f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
     for n in count(1):

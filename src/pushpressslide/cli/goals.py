@@ -1,4 +1,4 @@
-"""What ``pps select`` does with a task of several goals, and how stages are told."""
+"""``pps select`` for a task of several goals, and texts on stages."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from pushpressslide.core.whole_file import write_whole
 
 
 def select_stages(task: Task, folder: Path, as_json: bool) -> None:
-    """Rank the contact modes for each stage of a task; writes select.json.
+    """Rank the contact modes for each stage of a task and write select.json.
 
-    Raises InfeasibleTaskError where nothing brings all bodies to their goals.
+    Raises InfeasibleTaskError if no plan brings all bodies to their goals.
     """
     from pushpressslide.report.json_text import to_json
     from pushpressslide.selection.stages import plan_stages
@@ -44,7 +44,7 @@ def select_stages(task: Task, folder: Path, as_json: bool) -> None:
 
 
 def stage_text(number: int, stage: Stage) -> str:
-    """Say what a stage is to do, in one line."""
+    """Purpose of a stage, in one line."""
     goal = stage.goal
     yaw = math.degrees(wrap_angle(goal.yaw))
     purpose = "aside to" if stage.aside else "to"

@@ -1,4 +1,4 @@
-"""The tables of ``pps identify``: plain text, at most 80 columns with short names."""
+"""Tables of ``pps identify``: plain text, at most 80 columns with short names."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ ERRORS = ("ellipsoid", "full", "quartic", "pressure", "no fit", "even load")
 def lines(
     identifications: Iterable[Identification], result: Mapping[str, Any]
 ) -> list[str]:
-    """Return two tables, a line for each set, and a sentence on the errors.
+    """Two tables, a line for each set, and a sentence on the errors.
 
-    The sentence says how much smaller they are than the one-parameter ellipsoid's.
+    It compares them with those of the one-parameter ellipsoid.
     """
     from pushpressslide.report.identification import cells
 
@@ -35,7 +35,7 @@ def lines(
 
 
 def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """Return a table in columns: the sets to the left, their figures to the right."""
+    """A table in columns, with the sets to the left, their figures to the right."""
     whole = [("set", *columns), *rows]
     widths = [max(map(len, column)) for column in zip(*whole, strict=True)]
     head, *body = (_line(row, widths) for row in whole)

@@ -1,7 +1,7 @@
-"""Commands that other packages bring.
+"""Commands provided by other packages.
 
 Such a package names functions with typer's annotations as entry points of the group
-``pushpressslide.commands``; the name of an entry point is that of its command.
+``pushpressslide.commands``. The name of an entry point is that of its command.
 """
 
 from __future__ import annotations
@@ -24,22 +24,22 @@ PACKAGES = {"bench": STUDIES, "gym-pusht": STUDIES, "reproduce": STUDIES}
 
 @cache
 def entries() -> EntryPoints:
-    """Return the entry points of the packages that are installed."""
+    """Entry points of the installed packages."""
     from importlib.metadata import entry_points
 
     return entry_points(group=GROUP)
 
 
 def commands() -> dict[str, Any]:
-    """Return the commands of the packages that are installed, by their names.
+    """Commands of the installed packages, by name.
 
-    Raises PushPressSlideError for one that does not fit to this version.
+    Raises PushPressSlideError for one that does not match this version.
     """
     return {item.name: _command(item) for item in entries()}
 
 
 def _command(entry_point: EntryPoint) -> Any:
-    """Return the parser's command of an entry point."""
+    """The parser's command of an entry point."""
     try:
         function = entry_point.load()
     except (ImportError, AttributeError) as error:
@@ -53,7 +53,7 @@ def _command(entry_point: EntryPoint) -> Any:
 
 
 def check_installed(name: str) -> None:
-    """Raise MissingPackageError where another package would bring this command."""
+    """Raise MissingPackageError if another package would provide this command."""
     package = PACKAGES.get(name)
     if package is not None and name not in entries().names:
         raise MissingPackageError(

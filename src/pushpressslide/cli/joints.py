@@ -1,4 +1,4 @@
-"""Choices as they are shown: by mechanics and reach, or as ``pps run`` judges them."""
+"""Choices as displayed: evaluated by mechanics and reach, or in full as in ``pps run``."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from pushpressslide.selection.select import select
 
 
 def ranked(task: Task, joints: bool) -> list[Choice]:
-    """Return all choices of a task; with ``joints`` as many evaluated in full as a run
-    looks at, by the joint paths of the arms, too.
+    """All choices of a task. With ``joints``, as many as in a run are evaluated in
+    full, including the joint paths of the arms.
     """
     if not joints:
         return select(task)

@@ -1,4 +1,4 @@
-"""The command that writes demonstrations to learn from."""
+"""Command that writes demonstrations for learning."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def demonstrate(options: DemonstrateOptions) -> None:
 
 
 def _file(options: DemonstrateOptions, name: str) -> Path:
-    """Return the file to write, before anything is played."""
+    """File to write, checked before any episode is played."""
     out = options.out
     if out is None:
         return results_folder(None, f"demonstrate-{name}", options.force) / FILE

@@ -151,7 +151,7 @@ def sweep(options: SweepOptions) -> None:
         result = sweep_job.sweep(task, job, folder, progress)
 
     def show() -> None:
-        """Print the figures, and where the results are."""
+        """Print the figures, and the location of the results."""
         from pushpressslide.cli.tables import print_figures
 
         print_figures(result)
@@ -214,7 +214,7 @@ def identify(options: IdentifyOptions) -> None:
         )
 
     def show() -> None:
-        """Print the table, and where the page is."""
+        """Print the table, and the location of the page."""
         from pushpressslide.cli.identification_table import lines
 
         for line in [*lines(identifications, result), *result["notes"]]:

@@ -1,4 +1,4 @@
-"""Arguments and options that several commands share."""
+"""Arguments and options shared by several commands."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pushpressslide.jobs.engines import EngineName
 
 
 class Variation(StrEnum):
-    """What differs from sample to sample of a sweep."""
+    """Differences between the samples of a sweep."""
 
     truth = "truth"
     tasks = "tasks"
@@ -22,7 +22,7 @@ class Variation(StrEnum):
 
 
 class Drawing(StrEnum):
-    """Which new tasks a sweep draws."""
+    """New tasks drawn by a sweep."""
 
     ahead = "ahead"
     any = "any"
@@ -30,14 +30,14 @@ class Drawing(StrEnum):
 
 
 class World(StrEnum):
-    """Whether the drawn tasks of a sweep are as the planner believes."""
+    """Whether the drawn tasks of a sweep agree with the planner's belief."""
 
     known = "known"
     uncertain = "uncertain"
 
 
 class Models(StrEnum):
-    """Whose robot models are used on Drake."""
+    """Source of the robot models used in Drake."""
 
     generated = "generated"
     drake_models = "drake_models"

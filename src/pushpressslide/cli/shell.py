@@ -1,4 +1,4 @@
-"""What every command shares: exit statuses, one-line errors, progress."""
+"""Common part of all commands: exit statuses, one-line errors, progress."""
 
 from __future__ import annotations
 
@@ -52,28 +52,28 @@ SHIPPED = Path(__file__).parents[1] / "tasks"
 
 
 class Interruption(Exception):
-    """Ctrl-C with something to say; typer swallows the message of a KeyboardInterrupt."""
+    """Ctrl-C with a message, as typer swallows that of a KeyboardInterrupt."""
 
 
 class Commands(TyperGroup):
-    """The commands, with the exit statuses and the one-line errors that they promise.
+    """The commands, with their promised exit statuses and one-line errors.
 
-    Those of other packages are looked up when one of them, or all, are asked for.
+    Those of other packages are looked up when one of them, or all, are requested.
     """
 
     def list_commands(self, ctx: Any) -> list[str]:
-        """Return the names of all commands."""
+        """Names of all commands."""
         self._add_installed()
         return super().list_commands(ctx)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return a command; None if there is none of that name."""
+        """A command, or None if the name is unknown."""
         if cmd_name not in self.commands:
             self._add_installed()
         return super().get_command(ctx, cmd_name)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return name, command and arguments.
+        """Name, command and arguments.
 
         Raises MissingPackageError for a command whose package is not installed.
         """
@@ -82,7 +82,7 @@ class Commands(TyperGroup):
         return super().resolve_command(ctx, args)
 
     def _add_installed(self) -> None:
-        """Add the commands of other packages, behind the ones that are there."""
+        """Add the commands of other packages after the existing ones."""
         for name, made in installed.commands().items():
             self.commands.setdefault(name, made)
 
@@ -120,7 +120,7 @@ class Commands(TyperGroup):
 def _status_of(
     command: Callable[[], Any], presses: list[int], as_json: bool, verbose: bool
 ) -> int:
-    """Call a command and return its exit status; a failure is told in one line."""
+    """Call a command and return its exit status. A failure is printed in one line."""
     try:
         answer = command()
     except Interruption as stopped:
@@ -143,14 +143,14 @@ def _status_of(
 
 
 def _note_interrupts(presses: list[int]) -> Callable[[], object]:
-    """Let Ctrl-C, and a request to terminate, append to ``presses`` and interrupt;
-    return the function that undoes this.
+    """Let Ctrl-C, and a request to terminate, append to ``presses`` and interrupt.
+    Return the function that undoes this.
     """
     if threading.current_thread() is not threading.main_thread():
         return lambda: None
 
     def handler(number: int, frame: FrameType | None) -> None:
-        """Note it and interrupt."""
+        """Record it and interrupt."""
         presses.append(number)
         raise KeyboardInterrupt
 
@@ -160,20 +160,20 @@ def _note_interrupts(presses: list[int]) -> Callable[[], object]:
 
 
 def _replace_what_no_console_shows() -> None:
-    """Let letters that a console does not know be replaced, not end the command."""
+    """Let letters unknown to a console be replaced instead of ending the command."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="replace")
 
 
 def complain(line: str) -> None:
-    """Write one line on stderr; shipped tasks go by the name of their file."""
+    """Write one line on stderr. Shipped tasks are named by their file."""
     short = line.replace(f"{SHIPPED}{os.sep}", "")
     print_text(f"pps: {' '.join(short.split())}", indent=4, error=True)
 
 
 def show_page(address: str) -> None:
-    """Say where a page is, and open it in a browser where there is a screen."""
+    """Print the location of a page, and open it in a browser if there is a screen."""
     complain(f"watch at {address}")
     screens = ("DISPLAY", "WAYLAND_DISPLAY")
     headless = sys.platform == "linux" and not any(map(os.environ.get, screens))
@@ -182,8 +182,8 @@ def show_page(address: str) -> None:
 
 
 def refuse(error: InfeasibleTaskError, verbose: bool) -> int:
-    """Say in one line on stderr why a task cannot be done, below a table of all that was
-    judged if that is wanted; return the exit status.
+    """Print the reason why a task is infeasible on stderr, in one line, and return the
+    exit status. A table of all evaluated choices precedes it if requested.
     """
     if not error.choices:
         complain(str(error))
@@ -203,7 +203,7 @@ def refuse(error: InfeasibleTaskError, verbose: bool) -> int:
 
 
 def explain(error: Exception, as_json: bool) -> int:
-    """Say in one line on stderr what went wrong; return the exit status."""
+    """Print the error on stderr in one line, and return the exit status."""
     usage = getattr(error, "format_message", None)
     if usage is not None:
         complain(usage().replace("Value error, ", ""))  # the parser's own words
@@ -236,7 +236,7 @@ def explain(error: Exception, as_json: bool) -> int:
 
 @contextmanager
 def progress_bar(label: str, shown: bool) -> Iterator[Callable[[float, float], None]]:
-    """Show a bar with the time left, and yield the function that moves it.
+    """Show a bar with the remaining time, and yield the function that moves it.
 
     The bar is on stderr, and only if that is a terminal.
     """

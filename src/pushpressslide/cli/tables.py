@@ -35,7 +35,7 @@ MISSING = "-"
 
 
 def simple_table(*headings: str) -> Table:
-    """Return an empty table of named columns, the first one never wrapped."""
+    """An empty table of named columns, the first one never wrapped."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for i, heading in enumerate(headings):
         table.add_column(heading, overflow="fold", no_wrap=i == 0)
@@ -53,7 +53,7 @@ def _number(value: object, scale: float = 1.0, digits: int = 2) -> str:
 
 
 def mode_rows(modes: Iterable[Mode[Any]]) -> list[dict[str, Any]]:
-    """Return what the library says of each mode, as plain data."""
+    """Properties of each mode of the library, as plain data."""
     return [
         {
             "mode": mode.name,
@@ -79,7 +79,7 @@ def print_modes(rows: Iterable[Mapping[str, Any]]) -> None:
 
 
 def choice_rows(choices: Iterable[Choice]) -> list[dict[str, Any]]:
-    """Return the ranked choices as plain data, SI units, without their paths."""
+    """Ranked choices as plain data, SI units, without their paths."""
     from pushpressslide.report.plan_files import drive_to_dict
 
     return [
@@ -101,8 +101,8 @@ def choice_rows(choices: Iterable[Choice]) -> list[dict[str, Any]]:
 
 
 def print_choices(choices: Sequence[Choice], joints: bool = False) -> None:
-    """Print the ranked choices, each with its reason below it; ``joints``: their joint
-    paths were looked at.
+    """Print the ranked choices, each with its reason below it. ``joints``: their joint
+    paths were checked.
     """
     console = Console(markup=False, highlight=False)
     console.print(*choice_lines(choices), sep="\n")
@@ -111,7 +111,7 @@ def print_choices(choices: Sequence[Choice], joints: bool = False) -> None:
 
 
 def choice_lines(choices: Sequence[Choice]) -> list[str | Padding]:
-    """Return the lines of ranked choices, each with its reason below it."""
+    """Lines of ranked choices, each with its reason below it."""
     row = "{:<22}{:<12}{:>8}{:>8}{:>11}"
     lines: list[str | Padding] = [
         row.format("mode", "verdict", "path m", "time s", "margin deg")
@@ -146,7 +146,7 @@ def write_choices(
 
 
 def print_legs(plan: Plan) -> None:
-    """Print the motions of a plan that were found one after the other, and what it may
+    """Print the motions of a plan of several motions, and the obstacles that it may
     push.
     """
     yielding = plan.query.yielding
@@ -172,7 +172,7 @@ def print_legs(plan: Plan) -> None:
 
 
 def _print_stages(stages: Sequence[Mapping[str, Any]]) -> None:
-    """Say what each of several stages did."""
+    """Print the result of each of several stages."""
     if len(stages) < 2:
         return
     for number, stage in enumerate(stages, start=1):
@@ -186,7 +186,7 @@ def _print_stages(stages: Sequence[Mapping[str, Any]]) -> None:
 
 
 def print_result(result: Mapping[str, Any], folder: Path) -> None:
-    """Print the figures of a run, and where its pages are."""
+    """Print the figures of a run, and the location of its pages."""
     table = simple_table("figure", "value", "unit")
     reason = result["reason"]
     modes = ", ".join(result["modes"])

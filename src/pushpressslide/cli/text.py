@@ -10,8 +10,8 @@ import typer
 
 
 def print_text(text: str, indent: int = 0, error: bool = False) -> None:
-    """Print a text, on stderr if it is an error: on a terminal without cutting words, its
-    further lines indented; elsewhere as one line.
+    """Print a text, on stderr if it is an error. On a terminal words are not cut and
+    further lines are indented; otherwise it is one line.
     """
     stream = sys.stderr if error else sys.stdout
     if not stream.isatty():

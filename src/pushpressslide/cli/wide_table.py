@@ -1,4 +1,4 @@
-"""A table that may be wider than the terminal: no word of it is cut."""
+"""A table that may be wider than the terminal, without cutting words."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ BOUNDLESS = 10_000
 
 
 def print_table(table: Table, console: Console) -> None:
-    """Print a table where its words fit, else each row as a list of its columns."""
+    """Print a table if its words fit, otherwise each row as a list of its columns."""
     boundless = console.options.update(width=BOUNDLESS)
     needed = console.measure(table, options=boundless)
     if needed.minimum > console.width:
@@ -23,7 +23,7 @@ def print_table(table: Table, console: Console) -> None:
 
 def _share(table: Table, spare: int) -> None:
     """Set the width of each column to its longest word, and share ``spare`` characters
-    among those that have more to show on a line.
+    among columns with longer lines.
     """
     least = [_longest(column, whole=bool(column.no_wrap)) for column in table.columns]
     most = [_longest(column, whole=True) for column in table.columns]
@@ -33,14 +33,14 @@ def _share(table: Table, spare: int) -> None:
 
 
 def _longest(column: Column, whole: bool) -> int:
-    """Return the length of a column's longest text, or word of a text."""
+    """Length of a column's longest text, or of a text's longest word."""
     texts = [str(column.header), *map(str, column.cells)]
     words = texts if whole else [word for text in texts for word in text.split()]
     return max(map(len, words), default=0)
 
 
 def _print_rows(table: Table, console: Console) -> None:
-    """Print each row as a list: its first cell, then the others by their headings."""
+    """Print each row as a list: its first cell, then the others with their headings."""
     if table.title:
         console.print(table.title)
     headings = [str(column.header) for column in table.columns]

@@ -1,1 +1,3 @@
-"""What a command does: one run from task to report, sweeps of many, identification."""
+"""Jobs behind the commands: one run from task to report, sweeps of many,
+identification.
+"""

@@ -1,4 +1,6 @@
-"""What Python asks for at the top: a task that was built there is checked as a file is."""
+"""Top-level Python functions that select and plan. They check a task built in Python as
+a task file is checked.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +14,12 @@ if TYPE_CHECKING:
 
 
 def select(task: Task, enough: int = 1) -> list[Choice]:
-    """Return all choices for ``task``, the quickest feasible one first; never empty.
+    """All choices for ``task``, the fastest feasible one first; never empty.
 
-    A choice that cannot do the task has a refusal with the number that decides; or it
-    was passed over because ``enough`` choices of its mode are feasible and at least as
-    fast. Joint paths are not looked at: ``run`` looks for them. Raises TaskError for a task that a
-    file could not say.
+    A choice that cannot do the task has a refusal with the deciding number. Or it was
+    skipped because ``enough`` choices of its mode are feasible and at least as fast.
+    Joint paths are not planned here; ``run`` plans them. Raises TaskError for a task
+    that no task file could describe.
     """
     from pushpressslide.selection import select as selection
 
@@ -25,13 +27,13 @@ def select(task: Task, enough: int = 1) -> list[Choice]:
 
 
 def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Plan:
-    """Return the plan for ``choice``, by default the best one, or the best sequence of
-    motions where none does it alone.
+    """Plan for ``choice``, by default the best one, or the best sequence of motions if
+    no single motion suffices.
 
-    Joint paths are not looked at: ``run`` looks for them. Of a task with legs, the best
-    choice does every placement but that one. ``force`` plans an infeasible choice all
-    the same, as far as it has a path. Raises TaskError for a task that a file could not
-    say, and InfeasibleTaskError with the reasons where nothing can do it.
+    Joint paths are not planned here; ``run`` plans them. In a task with legs, every
+    other placement takes its best choice. ``force`` plans an infeasible choice too, if
+    it has a path. Raises TaskError for a task that no task file could describe, and
+    InfeasibleTaskError with the reasons if the task is infeasible.
     """
     from pushpressslide.selection import solve
 
@@ -39,9 +41,10 @@ def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Pl
 
 
 def checked(task: object) -> Task:
-    """Return a task that a file could say; else raise TaskError.
+    """A task checked as a task file is. Raises TaskError for a task that no task file
+    could describe.
 
-    What is no task at all is a PushPressSlideError.
+    Raises PushPressSlideError for an object that is not a task.
     """
     from pushpressslide.taskfile.load import check_task
 

@@ -1,11 +1,11 @@
-"""Many truths of one planned push from behind at once, on arrays: the samples of a sweep
-without a run loop for each.
+"""Samples of one planned push from behind, simulated together on arrays: a sweep
+without a run loop for each sample.
 
-The plan is made once. Every sample goes along its path by the law of the mode, with the
-tip and the servo of the planar engine, on an ellipsoid. Left out are the approach, the
-touch and the release, new plans after the touch and on the way, what is identified on
-the way (drag, axle, centre of mass), retries, and another touch where the tip has left
-the face: such a sample has missed. Obstacles and tipping are not looked at.
+The plan is made once. Every sample follows its path by the mode's law, with the tip and
+the servo of the planar engine, on an ellipsoid. Omitted are the approach, the touch and
+the release, replans after the touch and on the way, quantities identified on the way
+(drag, axle, centre of mass), retries, and a new contact after the tip has left the
+face: such a sample has missed. Obstacles and tipping are not checked.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ REASONS = {
 
 
 class Truths(NamedTuple):
-    """What is true of n samples of a task."""
+    """True parameters of n samples of a task."""
 
     support_friction: Array  # (n,)
     contact_friction: Array  # (n,)
@@ -70,7 +70,7 @@ class Truths(NamedTuple):
 
 
 class Outcomes(NamedTuple):
-    """What came of n samples."""
+    """Results of n samples."""
 
     poses: Array  # (n, 3) final X_WG: x, y [m] and yaw [rad]
     position_errors: Array  # (n,) [m] from the goal
@@ -83,15 +83,13 @@ class Outcomes(NamedTuple):
 
 
 def drawn_truths(task: Task, seed: int, count: int) -> Truths:
-    """Return the first ``count`` truths that ``jobs.sampling.varied_task`` draws."""
+    """The first ``count`` truths drawn by ``jobs.sampling.varied_task``."""
     samples = [varied_task(task, index, seed) for index in range(count)]
     return truths_of(samples)
 
 
 def truths_of(samples: list[Task]) -> Truths:
-    """Return the truths of tasks that differ in nothing else; their sensors' noise is
-    that of the first.
-    """
+    """Truths of tasks that are otherwise equal. The sensor noise is that of the first."""
     starts = [sample.true_start for sample in samples]
     sensing = samples[0].sensing
     spread = sensing.position_noise
@@ -106,10 +104,10 @@ def truths_of(samples: list[Task]) -> Truths:
 
 
 def batched(plan: Plan, truths: Truths, seed: int = 0) -> Outcomes:
-    """Return what comes of ``plan`` for ``truths``, a push from behind on a flat face.
+    """Outcomes of ``plan``, a push from behind on a flat face, for ``truths``.
 
-    ``seed`` is that of the sensors' noise, of which every sample has its own, by its
-    number alone. Raises PushPressSlideError for other plans.
+    ``seed`` seeds the sensor noise, which depends on it and the sample's number alone.
+    Raises PushPressSlideError for other plans.
     """
     runs = path_runs(plan, truths.noise)
     bodies, starts, place = _bodies(plan, truths)
@@ -123,10 +121,11 @@ def batched(plan: Plan, truths: Truths, seed: int = 0) -> Outcomes:
 
 
 def path_runs(plan: Plan, noise: Array) -> PathRuns:
-    """Return the laws of a plan, with the figures that the controller has; ``noise`` (3,)
-    [m], [m], [rad] is that of a measured pose.
+    """Laws of a plan, with the controller's figures. ``noise`` (3,) [m], [m], [rad] is
+    that of a measured pose.
 
-    Raises PushPressSlideError for a plan that is not one push from behind on a flat face.
+    Raises PushPressSlideError for a plan that is not one push from behind on a flat
+    face.
     """
     drive, path = _pushed_car(plan)
     profile = plan.segments[0].profile
@@ -151,8 +150,8 @@ def path_runs(plan: Plan, noise: Array) -> PathRuns:
 
 
 def _pushed_car(plan: Plan) -> tuple[RearSteerDrive, ArcPath]:
-    """Return drive and path of a plan of one push from behind, on a flat face of an
-    object that stands on its support.
+    """Drive and path of a plan of one push from behind, on a flat face of an object
+    that stands on its support.
     """
     task = plan.task
     modes = ", ".join(segment.mode for segment in plan.segments)
@@ -227,12 +226,12 @@ def _touch(plan: Plan) -> Touch:
 
 
 def _base(plan: Plan) -> tuple[float, float, float, float]:
-    """Return how rho^2 [m^2] depends on the tangent k of a push's angle: the polynomial
-    nearest to what the exact surface has on both sides, and the largest k that was looked
-    at without the object tipping.
+    """Coefficients of rho^2 [m^2] as a polynomial in the tangent k of a push's angle,
+    and the largest k checked without tipping.
 
-    An ellipsoid about the centre of pressure with this rho has the curvature that the
-    exact surface has at each angle.
+    The polynomial is fitted to the exact surface on both sides. An ellipsoid about the
+    centre of pressure with this rho has the curvature that the exact surface has at
+    each angle.
     """
     (contact,) = plan.contacts
     scene = plan.query.scene
@@ -257,8 +256,8 @@ def _base(plan: Plan) -> tuple[float, float, float, float]:
 
 
 def _bodies(plan: Plan, truths: Truths) -> tuple[Array, Array, float]:
-    """Return ``kernels.path_run.Truth`` (n, 5), the starts (n, 3) X_WB, and where along
-    the face the tip is [m].
+    """``kernels.path_run.Truth`` (n, 5), the starts (n, 3) X_WB, and the tip's position
+    along the face [m].
     """
     task = plan.task
     (contact,) = plan.contacts
@@ -282,9 +281,7 @@ def _bodies(plan: Plan, truths: Truths) -> tuple[Array, Array, float]:
 
 
 def _displaced(poses: Array, offset: tuple[float, float]) -> Array:
-    """Return poses (n, 3) with their origins ``offset`` [m] further on, in their own
-    frames.
-    """
+    """Poses (n, 3) with their origins shifted by ``offset`` [m] in their own frames."""
     x, y, yaw = poses.T
     c = np.cos(yaw)
     s = np.sin(yaw)
@@ -324,13 +321,13 @@ def _outcomes(plan: Plan, states: Array, place: float) -> Outcomes:
 
 
 def planned(task: Task) -> Plan:
-    """Return the plan of ``task``, without arms."""
+    """Plan of ``task``, without arms."""
     preparation = engine_named(EngineName.planar).placement_planner(False)
     return solve(preparation, task, 1).plan
 
 
 class BatchedSamples(NamedTuple):
-    """The samples of a sweep, and what they took."""
+    """Samples of a sweep, and the times they took."""
 
     outcomes: Outcomes
     plan: Plan
@@ -341,8 +338,8 @@ class BatchedSamples(NamedTuple):
 def batched_samples(task: Task, seed: int, count: int) -> BatchedSamples:
     """Plan ``task`` and run ``count`` truths of it.
 
-    Raises InfeasibleTaskError where it cannot be done, and PushPressSlideError where its
-    plan is not one push from behind.
+    Raises InfeasibleTaskError if it is infeasible, and PushPressSlideError if its plan
+    is not one push from behind.
     """
     plan = planned(task)
     _pushed_car(plan)
@@ -354,7 +351,7 @@ def batched_samples(task: Task, seed: int, count: int) -> BatchedSamples:
 
 
 def batched_rows(task: Task, seed: int, outcomes: Outcomes) -> Iterator[Row]:
-    """Yield the row of each sample; ``duration`` [s] is that of the motion alone."""
+    """Yield the row of each sample; ``duration`` [s] is the time of the motion alone."""
     for index, reached in enumerate(outcomes.reached.tolist()):
         end = int(outcomes.ends[index])
         yield {

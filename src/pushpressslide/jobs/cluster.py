@@ -1,4 +1,4 @@
-"""Pieces of work on the machines of a Dask cluster; the extra ``cluster``."""
+"""Jobs on the machines of a Dask cluster; the extra ``cluster``."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LOST = 5
 
 
 class Cluster(NamedTuple):
-    """What pieces of work are handed to."""
+    """Pool that jobs are submitted to."""
 
     pool: Executor
     processes: int  # pieces that are done at a time
@@ -24,11 +24,11 @@ class Cluster(NamedTuple):
 
 @contextmanager
 def cluster(address: str) -> Iterator[Cluster]:
-    """Give the pool of the cluster whose scheduler is at ``address``, as
-    ``tcp://10.0.0.1:8786``; its workers need this package.
+    """Open the pool of the cluster whose scheduler is at ``address``, such as
+    ``tcp://10.0.0.1:8786``. Its workers need this package.
 
-    What a lost worker had begun another one does. Raises PushPressSlideError without
-    ``distributed``, where no scheduler answers, and where it has no workers.
+    The jobs of a lost worker are repeated by another one. Raises PushPressSlideError
+    without ``distributed``, if no scheduler answers, and if it has no workers.
     """
     try:
         distributed = importlib.import_module("distributed")

@@ -1,5 +1,5 @@
-"""Random tasks among obstacles: start and goal anywhere in reach, at any yaw, no mode
-named.
+"""Random tasks among obstacles, with start and goal anywhere in reach, at any yaw, and
+without a given mode.
 """
 
 from __future__ import annotations
@@ -52,12 +52,13 @@ FREE = 0.002  # [m] that a free way leaves
 
 
 def cluttered_task(base: Task, index: int, seed: int) -> Task:
-    """Return a new task for ``base``'s robots: another object, frictions, start, goal
-    and up to OBSTACLES obstacles.
+    """A new task for ``base``'s robots: another object, frictions, start, goal and up
+    to OBSTACLES obstacles.
 
-    Drawn again where start, goal and obstacles overlap each other or a base, where no
-    arm reaches the middle of the top at start or goal, and where a grid over place and
-    yaw has no free way for the footprint. Raises PushPressSlideError after TRIES draws.
+    The draw is repeated if start, goal and obstacles overlap each other or a base, if
+    no arm reaches the middle of the top at start or goal, or if a grid over position
+    and yaw has no free path for the footprint. Raises PushPressSlideError after TRIES
+    draws.
     """
     rng = np.random.default_rng([seed, index])
     arms = len(base.robots)
@@ -99,8 +100,8 @@ def cluttered_task(base: Task, index: int, seed: int) -> Task:
 
 
 def started_task(base: Task, index: int, seed: int) -> Task:
-    """Return ``base`` from another start: anywhere in reach, at any yaw, off all
-    obstacles and bases, with a free way to the goal.
+    """The task ``base`` with another start: anywhere in reach, at any yaw, off all
+    obstacles and bases, with a free path to the goal.
 
     Raises PushPressSlideError after TRIES draws.
     """
@@ -115,7 +116,7 @@ def started_task(base: Task, index: int, seed: int) -> Task:
 
 
 def _object(rng: np.random.Generator, arms: int) -> ObjectModel:
-    """Draw a shape, evenly in the logarithm of its width, and its mass."""
+    """Draw a shape, uniform in the logarithm of its width, and its mass."""
     low, high = (math.log(size) for size in WIDTH[arms])
     width = math.exp(float(rng.uniform(low, high)))
     depth = math.exp(float(rng.uniform(low, high)))
@@ -126,7 +127,7 @@ def _object(rng: np.random.Generator, arms: int) -> ObjectModel:
 
 
 def _shape(kind: str, width: float, depth: float, height: float, leg: float) -> Shape:
-    """Return a shape of a kind; ``leg`` [m] is how wide the parts of a T or an L are."""
+    """A shape of a given kind. ``leg`` [m] is the width of the bars of a T or an L."""
     if kind == "box":
         return Box((width, depth, height))
     if kind == "cylinder":
@@ -156,7 +157,7 @@ def _shape(kind: str, width: float, depth: float, height: float, leg: float) -> 
 
 
 def _tee(half: float, leg: float) -> tuple[Point, ...]:
-    """Return the corners [m] of a T as wide as it is long, with a bar on top."""
+    """Corners [m] of a T as wide as it is long, with a bar on top."""
     stem = 0.5 * leg
     return (
         (-stem, -half),
@@ -171,7 +172,7 @@ def _tee(half: float, leg: float) -> tuple[Point, ...]:
 
 
 def _pose(rng: np.random.Generator, robots: Sequence[Robot], arms: int) -> Pose2:
-    """Draw a pose in reach of one of the robots; of two, of either."""
+    """Draw a pose in reach of one of the robots, with two robots of either."""
     robot = robots[int(rng.integers(len(robots)))]
     x, y, _ = robot.base
     r = float(rng.uniform(*REACH[arms]))
@@ -181,7 +182,7 @@ def _pose(rng: np.random.Generator, robots: Sequence[Robot], arms: int) -> Pose2
 
 
 def _in_reach(robots: Sequence[Robot], shape: Shape, ends: tuple[Pose2, Pose2]) -> bool:
-    """Return whether at both ends some robot's tip comes to the middle of the top."""
+    """Whether some robot's tip reaches the middle of the top at both ends."""
     places = np.array([X.apply(shape.centroid) for X in ends])
     reachable = np.full(len(ends), False)
     for robot in robots:
@@ -200,7 +201,7 @@ def _obstacles(
     count: int,
     blocked: bool,
 ) -> tuple[Obstacle, ...]:
-    """Draw obstacles; where ``blocked`` the first stands on the straight way."""
+    """Draw obstacles. If ``blocked``, the first stands on the straight path."""
     out = []
     for i in range(count):
         sizes = [float(size) for size in rng.uniform(*OBSTACLE_SIZE, size=3)]
@@ -214,7 +215,7 @@ def _obstacles(
 
 
 def _are_separated(obstacles: Sequence[Obstacle]) -> bool:
-    """Return whether obstacles stand apart from each other."""
+    """Whether obstacles keep their distance from each other."""
     others = [obstacle.footprint for obstacle in obstacles]
     for i, obstacle in enumerate(obstacles[1:], start=1):
         if gaps(obstacle.shape, [obstacle.pose], others[:i]).min() < APART:
@@ -228,8 +229,8 @@ def _fits(
     ends: tuple[Pose2, Pose2],
     obstacles: Sequence[Obstacle],
 ) -> bool:
-    """Return whether nothing overlaps, the table carries the object at both ends, and
-    a way is free for the footprint.
+    """Whether nothing overlaps, the table carries the object at both ends, and the
+    footprint has a free path.
     """
     start, goal = ends
     far = math.dist(start.position, goal.position)

@@ -1,6 +1,6 @@
-"""The engines that a task can be run on, by name.
+"""Engines that can run a task, by name.
 
-An engine's modules are imported when they are first used.
+An engine's modules are imported at first use.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 class EngineName(StrEnum):
-    """What a task can be run on."""
+    """Name of an engine."""
 
     drake = "drake"
     planar = "planar"
@@ -42,7 +42,7 @@ DEFAULT = EngineName.drake
 
 @dataclass(frozen=True, slots=True)
 class ArmOptions:
-    """What only an engine with arms is asked; one without ignores it."""
+    """Options of engines with arms; an engine without arms ignores them."""
 
     models: str = "generated"  # of the robots
     paths: JointPaths | None = None  # of the preparation; None: they are made
@@ -55,7 +55,7 @@ class ArmOptions:
 
 
 class Engine(Protocol):
-    """What the jobs ask of an engine."""
+    """Interface of an engine to the jobs."""
 
     # a plan needs joint paths; a run can be watched live and filmed
     has_arms: bool
@@ -63,10 +63,10 @@ class Engine(Protocol):
     def placement_planner(
         self, force: bool, start: WorldState | None = None
     ) -> PlacementPlanner:
-        """Return an empty preparation; with ``force`` it takes the best there is.
+        """An empty joint-path planner. With ``force`` it takes the best available path.
 
-        The arms are as in ``start``, where that has their joints, else in their ready
-        postures.
+        The arms start as in ``start`` if that has their joints, otherwise in their
+        ready postures.
         """
 
     def run(self, plan: Plan, options: RunOptions, arms: ArmOptions) -> Record:
@@ -75,8 +75,8 @@ class Engine(Protocol):
     def write_replay(
         self, runs: Sequence[StageRun], record: Record, out: Path, arms: ArmOptions
     ) -> None:
-        """Write the replay, pictures, and an animation if asked, of a run in stages
-        into the folder ``out``; ``record`` is that of all ``runs``.
+        """Write the replay, pictures, and an animation if requested, of a run in stages
+        into the folder ``out``. ``record`` is that of all ``runs``.
         """
 
 
@@ -86,7 +86,7 @@ class _Drake:
     def placement_planner(
         self, force: bool, start: WorldState | None = None
     ) -> PlacementPlanner:
-        """Return the search for joint paths."""
+        """A joint-path planner that searches for paths."""
         import numpy as np
 
         from pushpressslide.arms.paths.placements import PlacementPaths
@@ -140,7 +140,7 @@ class _Planar:
     def placement_planner(
         self, force: bool, start: WorldState | None = None
     ) -> PlacementPlanner:
-        """Return the plans alone."""
+        """A joint-path planner that only plans, without arms."""
         from pushpressslide.selection.placement_planner import PlansAlone
 
         return PlansAlone()
@@ -179,7 +179,7 @@ ENGINES: Mapping[str, Engine] = {
 
 
 def engine_named(name: str) -> Engine:
-    """Return the engine of that name.
+    """Engine of that name.
 
     Raises PushPressSlideError for an unknown one, and MissingPackageError for one that
     is not installed.

@@ -1,6 +1,6 @@
-"""Rho, friction and pressure from recorded pushes.
+"""Identification of rho, friction and pressure from recorded pushes.
 
-The models are scored on pushes that were held out.
+The models are scored on held-out pushes.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def identify(
 ) -> tuple[dict[str, Any], list[Identification]]:
     """Identify every set of pushes in ``data``, a log or a folder with logs.
 
-    Returns what result.json holds, and the identifications. Writes result.json,
+    Returns the contents of result.json, and the identifications. Writes result.json,
     report.html and a plot of each set to ``out``. Raises PushPressSlideError for logs
     that cannot be read.
     """
@@ -65,10 +65,10 @@ def identify(
 
 
 def _overall(progress: Progress | None, done: int, sets: int) -> Progress:
-    """Return what adds the progress within a set to that over the ``sets``."""
+    """Progress callback for one set that adds to the progress over the ``sets``."""
 
     def report_progress(part: float, parts: float) -> None:
-        """Report progress within the present set."""
+        """Report progress within the current set."""
         if progress is not None:
             progress(done + part / parts, sets)
 
@@ -76,7 +76,7 @@ def _overall(progress: Progress | None, done: int, sets: int) -> Progress:
 
 
 def _figures(one: Identification) -> dict[str, Any]:
-    """What result.json holds of one set; SI units, radians."""
+    """Figures of one set in result.json; SI units, radians."""
     push_set = one.push_set
     layout, rigid = predicted_rho(one)
     return {
@@ -118,7 +118,7 @@ def _reductions(identifications: Sequence[Identification]) -> dict[str, float]:
 def _notes(
     identifications: Sequence[Identification], passed_over: Sequence[str]
 ) -> list[str]:
-    """Say what was not used, and what a set's name leaves open."""
+    """Notes on unused data, and on what a set's name leaves open."""
     notes = []
     for each in identifications:
         if each.push_set.layout_note:

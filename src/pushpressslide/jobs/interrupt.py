@@ -1,4 +1,4 @@
-"""Ctrl-C as a request that a run grants at its next tick, to keep what it recorded."""
+"""Ctrl-C as a request that a run grants at its next tick, to keep its recording."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from types import FrameType
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C, after what was finished has been kept; the message says where."""
+    """Ctrl-C, raised after the finished part has been stored. The message says where."""
 
 
 ENDINGS = (signal.SIGINT, signal.SIGTERM)
@@ -18,16 +18,16 @@ ENDINGS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Interrupt:
-    """Ctrl-C, or a request to terminate, as a question that a loop asks.
+    """Ctrl-C, or a request to terminate, as a condition that a loop polls.
 
-    Pressed a second time, it interrupts at once.
+    A second Ctrl-C interrupts at once.
     """
 
     def __init__(self) -> None:
         self._asked = False
 
     def __call__(self) -> bool:
-        """Return whether Ctrl-C was pressed while it was held."""
+        """Whether Ctrl-C was pressed while it was held back."""
         return self._asked
 
     def _note(self, number: int, frame: FrameType | None) -> None:
@@ -37,7 +37,7 @@ class Interrupt:
 
     @contextmanager
     def defer(self) -> Iterator[None]:
-        """Keep Ctrl-C back inside the block.
+        """Hold Ctrl-C back inside the block.
 
         In the main thread only, as others get no signals.
         """
@@ -54,9 +54,9 @@ class Interrupt:
 
 @contextmanager
 def blocked_for_children() -> Iterator[None]:
-    """Let processes that are started inside the block never see Ctrl-C.
+    """Hide Ctrl-C from processes that are started inside the block.
 
-    One that is pressed meanwhile comes after the block.
+    One pressed meanwhile takes effect after the block.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield
@@ -71,7 +71,7 @@ def blocked_for_children() -> Iterator[None]:
 @contextmanager
 def terminated_as_interrupt() -> Iterator[None]:
     """Let a request to terminate raise KeyboardInterrupt inside the block, as Ctrl-C
-    does, so that what is open is closed and other processes are ended.
+    does, so that open files are closed and other processes are ended.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -1,4 +1,4 @@
-"""How a run is watched and stopped from outside, and where its files go."""
+"""Monitoring and interruption of a run, and the destination of its files."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pushpressslide.jobs.interrupt import Interrupt, Interrupted
 
 @dataclass(frozen=True, slots=True)
 class Monitor:
-    """How a run is watched and stopped from outside while it goes on."""
+    """Monitoring and interruption of a run in progress."""
 
     # called with time and expected duration [s]
     progress: Callable[[float, float], None] | None = None
@@ -22,13 +22,13 @@ class Monitor:
     interrupt: Interrupt | None = None
 
     def deferred_interrupt(self) -> AbstractContextManager[None]:
-        """Return the block inside of which Ctrl-C waits for the next tick."""
+        """Block inside which Ctrl-C waits for the next tick."""
         return nullcontext() if self.interrupt is None else self.interrupt.defer()
 
 
 @dataclass(frozen=True, slots=True)
 class Output:
-    """Where the files of a run go."""
+    """Destination of a run's files."""
 
     folder: Path
     video: bool = False  # also write an animation
@@ -36,7 +36,7 @@ class Output:
 
 
 def interrupted(out: Output | None) -> Interrupted:
-    """Return the error of a run that Ctrl-C has ended, which says where its files are."""
+    """Error of a run that Ctrl-C has ended. It names the location of its files."""
     message = "interrupted"
     if out is not None:
         message += f"; record and result so far are in {out.folder}"

@@ -21,19 +21,17 @@ HEIGHT = 560  # [pixels] of a replay
 
 
 def plan_html(plan: Plan) -> str:
-    """Return the picture of a plan."""
+    """Picture of a plan."""
     return image(style.png(plan_figure(plan)), "plan", repr(plan))
 
 
 def result_html(result: Mapping[str, Any]) -> str:
-    """Return the outcome and the table of figures of a run."""
+    """Outcome and the table of figures of a run."""
     return verdict(result) + figures_table(result)
 
 
 def record_html(record: Record) -> str:
-    """Return how a run ended, its replay from above, and its figures where it was
-    measured.
-    """
+    """Ending of a run, its replay from above, and its figures if it was measured."""
     ending = f"<p>{escape(repr(record))}</p>"
     figures = ""
     if record.figures:
@@ -44,8 +42,10 @@ def record_html(record: Record) -> str:
 
 
 def _replay(record: Record) -> str:
-    """Return the replay as a page inside the page; empty where nothing was recorded, and
-    of a run in stages, whose other bodies the view from above does not move.
+    """Replay as a page inside the page.
+
+    Empty if nothing was recorded, and for a run in stages, whose other bodies the view
+    from above does not move.
     """
     if not ticks(record) or "stage" in record.arrays:
         return ""

@@ -1,4 +1,4 @@
-"""Several pieces of work in processes of their own."""
+"""Jobs in processes of their own."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Progress = Callable[[int, int], None]
 
 @contextmanager
 def worker_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
-    """Give a pool of processes, which end at once where the block raises.
+    """Open a pool of processes, which end at once if the block raises.
 
     ``processes``: 0 for one per core.
     """
@@ -43,11 +43,11 @@ def worker_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
 
 
 def _hushed(pool: ProcessPoolExecutor, ended: Event) -> None:
-    """Let a pool that has ``ended`` say nothing of work that it can no longer hand out.
+    """Silence a pool that has ``ended`` about jobs that it can no longer hand out.
 
-    The thread that hands it out may find the workers' pipe closed, and would print that
-    with its traceback. Python has no public way to tell it not to, and the thread takes
-    the function when it starts: before the first work is handed in.
+    The thread that hands them out may find the workers' pipe closed, and would print
+    that with its traceback. Python has no public way to prevent that. The thread takes
+    the function when it starts, so it is replaced before the first job is submitted.
     """
     queue = getattr(pool, "_call_queue", None)
     say = getattr(queue, "_on_queue_feeder_error", None)
@@ -55,7 +55,7 @@ def _hushed(pool: ProcessPoolExecutor, ended: Event) -> None:
         return
 
     def say_while_running(error: Exception, item: object) -> None:
-        """Say an error of a pool that goes on."""
+        """Report an error of a pool that has not ended."""
         if not ended.is_set():
             say(error, item)
 
@@ -63,7 +63,7 @@ def _hushed(pool: ProcessPoolExecutor, ended: Event) -> None:
 
 
 def end_with_parent() -> None:
-    """Let this process end as soon as the one that started it does, even by kill -9."""
+    """Let this process end as soon as its parent does, even by kill -9."""
     parent = multiprocessing.parent_process()
     if parent is None:
         return
@@ -81,12 +81,12 @@ def in_parallel(
     jobs: int,
     progress: Progress | None = None,
 ) -> dict[Key, Result]:
-    """Do every piece of ``work`` and return the results by their keys, in order.
+    """Do every job of ``work`` and return the results by their keys, in order.
 
-    At most ``jobs`` pieces are done at a time.
+    At most ``jobs`` run at a time.
 
-    ``progress`` is told how many are done, of how many. What one raises is raised; on
-    that, and on Ctrl-C, the others are ended.
+    ``progress`` receives the number done and the total. An exception of a job is raised
+    again. On that, and on Ctrl-C, the other jobs are ended.
     """
     results: dict[Key, Result] = {}
     with worker_pool(max(1, min(jobs, len(work)))) as pool:

@@ -1,7 +1,7 @@
 """The rows of a sweep: one line of JSON each, appended as the samples finish.
 
-A row counts only for the sweep that it was made by: its key is a hash of the resolved
-task, the options, the versions of libraries and the package's own source files.
+A row counts only for the sweep that made it. Its key is a hash of the resolved task,
+the options, the versions of libraries and the package's own source files.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ BLOCK = 4096  # [bytes] of a file that are looked at for the end of a line
 
 @cache
 def source_hash() -> str:
-    """Return a hash of all source files of the package."""
+    """Hash of all source files of the package."""
     digest = hashlib.sha256()
     root = Path(str(resources.files("pushpressslide")))
     for path in sorted(root.rglob("*")):
@@ -39,16 +39,16 @@ def source_hash() -> str:
 
 
 def key_of(settings: Mapping[str, Any]) -> str:
-    """Return the key of rows that were made with ``settings``, which JSON can hold."""
+    """Key of rows made with ``settings``, which must be JSON data."""
     text = json.dumps(settings, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 class Rows:
-    """The rows of one sweep in a file; only their places are held in memory."""
+    """Rows of one sweep in a file. Only their positions are held in memory."""
 
     def __init__(self, path: Path, key: str) -> None:
-        """Find the rows of ``key`` in the file ``path``; others in it do not count."""
+        """Find the rows of ``key`` in the file ``path``; others are ignored."""
         self._path = path
         self._key = key
         self._places = array("q")  # in the file, of each sample's row; ABSENT: none yet
@@ -67,11 +67,11 @@ class Rows:
         return len(self._places) - self._places.count(ABSENT)
 
     def has_forced(self, index: int, rank: int) -> bool:
-        """Return whether a forced run of a refused sample's choice is there."""
+        """Whether a forced run of a refused sample's choice is stored."""
         return (index, rank) in self._forced
 
     def status(self, index: int) -> str:
-        """Return how a sample ended."""
+        """Status of a sample at its end."""
         return self._statuses[self._codes[index]]
 
     def add(self, row: Row) -> None:
@@ -89,7 +89,7 @@ class Rows:
             place += len(line)
 
     def _append(self, lines: Sequence[bytes]) -> int:
-        """Put lines on the disk behind the others, all or none; return their place."""
+        """Append lines to the file, all or none, and sync it. Return their position."""
         self._path.parent.mkdir(parents=True, exist_ok=True)
         with self._path.open("ab+", buffering=0) as file:
             end = file.seek(0, os.SEEK_END)
@@ -140,7 +140,7 @@ class Rows:
 
 
 def _whole_lines(file: io.FileIO, end: int) -> int:
-    """Return where the last line that is not cut off ends, in a file up to ``end``."""
+    """End of the last complete line in a file up to ``end``."""
     while end > 0:
         start = max(0, end - BLOCK)
         file.seek(start)
@@ -152,7 +152,7 @@ def _whole_lines(file: io.FileIO, end: int) -> int:
 
 
 def _lines(path: Path) -> Iterator[tuple[int, Row]]:
-    """Yield each row and its place; a line that was cut off is passed over."""
+    """Yield each row and its position. A truncated line is skipped."""
     with path.open("rb") as file:
         place = 0
         for line in file:

@@ -1,4 +1,4 @@
-"""One task through the whole pipeline: select, plan, run on an engine, measure, write
+"""Whole pipeline for one task: select, plan, run on an engine, measure, and write
 everything that a user looks at.
 """
 
@@ -45,14 +45,14 @@ def simulate(
     knock: Knock | None = None,
     execution: Execution = USUAL,
 ) -> tuple[Plan, Record, list[Choice]]:
-    """Select, plan and run a task of one goal, and return the plan, the record and all
+    """Select, plan and run a task of one goal. Return the plan, the record and all
     choices.
 
-    Choices that were passed over say why. Where the engine has arms a choice must also
-    have a joint path: the first that has one is run. ``force`` runs the best choice
-    that has a path even where it was judged infeasible. ``knock``: another body pushes
-    the object aside, on an engine with arms. ``execution`` may change the laws. Raises
-    InfeasibleTaskError where nothing can do the task.
+    Skipped choices state the reason. On an engine with arms a choice also needs a joint
+    path, and the first that has one is run. ``force`` runs the best choice that has a
+    path even if it is infeasible. ``knock``: another body pushes the object aside, on
+    an engine with arms. ``execution`` may change the laws. Raises InfeasibleTaskError
+    if the task is infeasible.
     """
     monitor = monitor or Monitor()
     loop = RunOptions(execution=execution)
@@ -63,16 +63,16 @@ def simulate(
 
 
 def forced_choices(task: Task, count: int) -> list[Choice]:
-    """Return the ``count`` best-ranked choices that have a path, feasible or not."""
+    """The ``count`` best-ranked choices that have a path, feasible or not."""
     return [choice for choice in select(task, MANY) if choice.segments][:count]
 
 
 def run_choice(
     task: Task, choice: Choice, *, engine: str = DEFAULT, seed: int = 0
 ) -> tuple[Plan, Record]:
-    """Run one choice of ``task``, whatever was judged of it.
+    """Run one choice of ``task``, feasible or not.
 
-    Raises InfeasibleTaskError where an arm has no joint path at all for it.
+    Raises InfeasibleTaskError if an arm has no joint path at all for it.
     """
     chosen = engine_named(engine)
     preparation = chosen.placement_planner(True)
@@ -95,15 +95,15 @@ def run(
     tracker: Callable[[ObjectTracker], ObjectTracker] | None = None,
     estimator: Callable[[MotionQuery], Estimator] = ObjectEstimator,
 ) -> Record:
-    """Run a plan, or select, plan and run a task, and return the record of what
-    happened, measured: ``success`` and ``figures``.
+    """Run a plan, or select, plan and run a task. Return the record, with ``success``
+    and ``figures``.
 
-    ``controller`` may be a class derived from ``Controller``. ``tracker`` is given what
-    sees the object and returns what is to see it; ``estimator`` makes poses and figures
-    of the object of what is seen, for the motion as it was asked for.
+    ``controller`` may be a class derived from ``Controller``. ``tracker`` receives the
+    engine's object tracker and returns the one to use. ``estimator`` computes poses and
+    figures of the object from the measurements, for the motion as requested.
 
-    Raises TaskError for a task that a file could not say, and InfeasibleTaskError
-    before anything moves where it cannot be done.
+    Raises TaskError for a task that no task file could describe. Raises
+    InfeasibleTaskError before anything moves if the task is infeasible.
     """
     loop = RunOptions(controller=controller, tracker=tracker, estimator=estimator)
     if isinstance(what, Plan):
@@ -122,13 +122,13 @@ def run(
 
 
 def measured(record: Record, task: Task) -> Record:
-    """Return a record of a run of ``task`` with its figures."""
+    """The record of a run of ``task``, with its figures."""
     return replace(record, figures=measured_figures(record, task))
 
 
 def measured_figures(record: Record, task: Task | None = None) -> Figures:
-    """Return what result.json holds for a record: SI units and radians, None where a
-    figure does not apply; of a run of ``task``, by default that of its plan.
+    """Contents of result.json for a record of a run of ``task``, by default its plan's
+    task. SI units and radians, None if a figure does not apply.
     """
     from pushpressslide.report.metrics import result
 
@@ -149,9 +149,9 @@ def run_task(
 ) -> dict[str, Any]:
     """Run ``task`` and return its result.
 
-    With ``out`` all files of the run are written there, record and plans as soon as a
-    stage has ended. Raises InfeasibleTaskError before anything moves where nothing can
-    do the task, and Interrupted on Ctrl-C once the engine runs, after record and result
+    With ``out`` all files of the run are written there, record and plans at the end of
+    each stage. Raises InfeasibleTaskError before anything moves if the task is
+    infeasible, and Interrupted on Ctrl-C once the engine runs, after record and result
     so far are written.
     """
     interrupt = Interrupt()
@@ -181,7 +181,7 @@ PICTURES = ("plan*.png", "legs*.png", "plots/*.png", "pictures/*.webp")
 
 
 def clear(folder: Path) -> None:
-    """Make a folder, or take an older run's result, pages and pictures out of it."""
+    """Make a folder, or remove an older run's result, pages and pictures from it."""
     folder.mkdir(parents=True, exist_ok=True)
     for pattern in (*PAGES, *PICTURES):
         for path in folder.glob(pattern):
@@ -198,7 +198,7 @@ def _save(out: Output, done: Done) -> None:
 def write_pages(out: Output, done: Done, *, models: str = "generated") -> None:
     """Write the pictures, replay and report of a run whose data are in ``out``.
 
-    Each is whole or not there. Raises Interrupted on Ctrl-C.
+    Each is complete or absent. Raises Interrupted on Ctrl-C.
     """
     from pushpressslide.report.page import write_report
     from pushpressslide.report.plan_files import write_plan_pictures

@@ -1,4 +1,4 @@
-"""One sample of a sweep: draw the task, run it, and say what came of it in a row."""
+"""One sample of a sweep: draw the task, run it, and summarise the result in a row."""
 
 from __future__ import annotations
 
@@ -62,13 +62,13 @@ FORCED = 3
 
 
 class SampleTimeoutError(RuntimeError):
-    """A sample took longer than it may."""
+    """A sample took longer than its time limit."""
 
 
 def sample_task(task: Task, options: SweepOptions, index: int) -> Task:
-    """Return sample ``index`` of a sweep over ``task``.
+    """Task of sample ``index`` of a sweep over ``task``.
 
-    Raises TaskError where no tasks can be drawn for it.
+    Raises TaskError if no tasks can be drawn for it.
     """
     if options.vary == "truth":
         return varied_task(task, index, options.seed)
@@ -86,8 +86,8 @@ def sample_task(task: Task, options: SweepOptions, index: int) -> Task:
 
 
 def run_sample(task: Task, options: SweepOptions, index: int) -> Row:
-    """Run one sample and return its row: reached, missed, refused or, where something of
-    ours fails, failed.
+    """Run one sample and return its row: reached, missed, refused, or failed after an
+    internal error.
     """
     row: Row = {"index": index}
     try:
@@ -111,7 +111,7 @@ def run_sample(task: Task, options: SweepOptions, index: int) -> Row:
 
 
 def _knock(options: SweepOptions, index: int) -> Knock | None:
-    """Return how the object of a sample is knocked, if it is."""
+    """Disturbance of a sample's object, or None."""
     if options.vary != "knocks":
         return None
     rng = np.random.default_rng([options.seed, index])
@@ -119,8 +119,8 @@ def _knock(options: SweepOptions, index: int) -> Knock | None:
 
 
 def run_forced(task: Task, options: SweepOptions, index: int, rank: int) -> Row:
-    """Run the choice of that rank of a refused sample, and return its row: reached,
-    missed, or not run with the reason.
+    """Run the choice of that rank of a refused sample. Return its row: reached, missed,
+    or not run, with the reason.
     """
     row: Row = {"index": index, "rank": rank}
     try:
@@ -144,7 +144,7 @@ def run_forced(task: Task, options: SweepOptions, index: int, rank: int) -> Row:
 
 
 def _figures(sample: Task, plan: Plan, record: Record) -> dict[str, Any]:
-    """Return what a row holds of a run."""
+    """Figures of a run in a row."""
     from pushpressslide.report.metrics import result as measure
 
     measured = measure(sample, plan, record)
@@ -163,8 +163,8 @@ def _figures(sample: Task, plan: Plan, record: Record) -> dict[str, Any]:
 
 
 def _overlap(sample: Task, measured: Mapping[str, Any]) -> float | None:
-    """Return the share of the object's footprint at its goal that it covers in the end;
-    None where it was not recorded.
+    """Share of its footprint at the goal that the object covers at the end. None if it
+    was not recorded.
     """
     body = measured["bodies"].get("object")
     if body is None or body["final_pose"] is None:
@@ -177,9 +177,9 @@ def _overlap(sample: Task, measured: Mapping[str, Any]) -> float | None:
 
 @contextmanager
 def _at_most(seconds: float) -> Iterator[None]:
-    """Raise SampleTimeoutError where the block takes longer; 0: no bound.
+    """Raise SampleTimeoutError if the block takes longer; 0 means no limit.
 
-    In the main thread of a process only, where there are alarms.
+    It works only in the main thread of a process, which alone has alarms.
     """
     alarms = hasattr(signal, "SIGALRM")
     main = threading.current_thread() is threading.main_thread()
@@ -188,7 +188,7 @@ def _at_most(seconds: float) -> Iterator[None]:
         return
 
     def ring(number: int, frame: FrameType | None) -> None:
-        """End the block."""
+        """Interrupt the block."""
         raise SampleTimeoutError(f"took longer than {seconds:g} s")
 
     before = signal.signal(signal.SIGALRM, ring)

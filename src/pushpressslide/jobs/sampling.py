@@ -1,4 +1,4 @@
-"""Random tasks and random variations of one task, all from one seed."""
+"""Random tasks, and random variations of one task, all from one seed."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ PRESSED_TURN = math.radians(60.0)  # of an object that two arms press, either si
 
 @dataclass(frozen=True, slots=True)
 class ObjectRanges:
-    """Ranges from which objects are drawn, evenly."""
+    """Ranges from which objects are drawn uniformly."""
 
     mass: Range  # [kg]
     side: Range  # [m] of a box
@@ -115,7 +115,7 @@ UNCERTAIN_SENSING = Sensing(
 
 
 class Aim(NamedTuple):
-    """Where a push or a press goes, in angles either side [rad]."""
+    """Direction of a push or a press, as angles to either side [rad]."""
 
     heading: float  # of the push, of straight away from two robots
     bearing: float  # of the goal, of the direction of the push
@@ -123,23 +123,24 @@ class Aim(NamedTuple):
 
 
 def random_task(base: Task, index: int, seed: int, draw: Draw = "ahead") -> Task:
-    """Return a new task for ``base``'s robots: other object, frictions, start and goal.
+    """A new task for ``base``'s robots: other object, frictions, start and goal.
 
-    Objects are boxes, and triangular and hexagonal prisms for a third; pressed ones are
-    cylinders too. One arm: start and goal are within ``ONE_ARM_REACH`` and ``AZIMUTH``,
-    the goal up to ``BEARING`` off the object's x axis. Some pressed objects have a
-    given contact. Two arms: within ``TWO_ARM_REACH`` of both. One face, or two
-    neighbours, look back at the robots within ``HEADING``; the goal is up to
-    ``BEARING`` off the direction of the push. Pressed objects go in any direction.
+    Two thirds of the objects are boxes, a third triangular and hexagonal prisms;
+    pressed objects may also be cylinders. One arm: start and goal are within
+    ``ONE_ARM_REACH`` and ``AZIMUTH``, the goal up to ``BEARING`` off the object's x
+    axis. Some pressed objects have a given contact. Two arms: within ``TWO_ARM_REACH``
+    of both. One face, or two neighbours, face the robots within ``HEADING``; the goal
+    is up to ``BEARING`` off the direction of the push. Pressed objects go in any
+    direction.
 
-    In a cell with two arms tasks are drawn for both at once. Where ``base`` names modes
-    that need one only, they are drawn for one of them, by chance.
+    In a cell with two arms tasks are drawn for both at once. If ``base`` names only
+    one-arm modes, they are drawn for one of the arms, at random.
 
     With ``draw`` "any" goals lie in any direction, and sizes, masses and centres of
     mass are drawn from ANY_SIZE, ANY_DENSITY and OFF_CENTER.
 
-    Raises TaskError if ``base`` names one mode that no tasks are drawn for, and
-    PushPressSlideError where no start and goal are found.
+    Raises TaskError if ``base`` names a mode for which no tasks can be drawn, and
+    PushPressSlideError if no start and goal are found.
     """
     rng = np.random.default_rng([seed, index])
     arms = _arms(base)
@@ -177,7 +178,7 @@ def random_task(base: Task, index: int, seed: int, draw: Draw = "ahead") -> Task
 
 
 def varied_task(base: Task, index: int, seed: int) -> Task:
-    """Return ``base`` with a truth that differs from the belief.
+    """The task ``base`` with a truth that differs from the belief.
 
     The start is off by up to 15 mm and 8 degrees, frictions by 15 %, the mass by 20 %;
     poses are measured with a noise of 0.5 mm and 0.2 degrees.
@@ -202,10 +203,10 @@ def varied_task(base: Task, index: int, seed: int) -> Task:
 
 
 def uncertain_task(known: Task, index: int, seed: int) -> Task:
-    """Return a task whose truth differs from what is believed: ``known``.
+    """A task whose truth differs from the belief ``known``.
 
-    Both frictions and the mass are off by up to FRICTION_ERROR, the centre of mass by up
-    to CENTER_ERROR; all sensors are noisy and late.
+    Both frictions and the mass are off by up to FRICTION_ERROR, the centre of mass by
+    up to CENTER_ERROR; all sensors are noisy and late.
     """
     rng = np.random.default_rng([seed, index, 1])
     support, contact, mass = 1.0 + FRICTION_ERROR * rng.uniform(-1.0, 1.0, size=3)
@@ -234,8 +235,8 @@ def uncertain_task(known: Task, index: int, seed: int) -> Task:
 
 
 def _arms(base: Task) -> int:
-    """Return how many arms tasks are drawn for: as many as may touch the object, or as
-    the modes need that ``base`` names.
+    """Number of arms that tasks are drawn for: as many as may touch the object, or as
+    the modes named by ``base`` need.
     """
     most = len(base.scene.arms)
     return min(most, max((MODES[name].arms for name in base.modes or ()), default=most))
@@ -250,10 +251,10 @@ def _drawn_robot(base: Task, rng: np.random.Generator) -> Robot:
 
 
 def _pushed_faces(base: Task, arms: int, rng: np.random.Generator) -> int:
-    """Return how many faces are pushed, 0 if the object is pressed.
+    """Number of pushed faces, 0 if the object is pressed.
 
-    That of the mode that ``base`` names; drawn where it leaves the mode open. One arm
-    pushes one face for a mode that no tasks are drawn for.
+    It is that of the mode that ``base`` names, or is drawn if the mode is open. With
+    one arm it is 1 for a mode that no tasks are drawn for.
     """
     drawn = {
         name: mode.pushed_faces
@@ -284,11 +285,13 @@ def _aim(draw: Draw, arms: int, pressed: bool) -> Aim:
 
 
 def _any_object(rng: np.random.Generator, arms: int, pressed: bool) -> ObjectModel:
-    """Draw an object of any size, its mass by its volume, its CoM off the centroid."""
+    """Draw an object of any size, with a mass from its volume and a CoM off the
+    centroid.
+    """
     low, high = (math.log(size) for size in ANY_SIZE[arms])
 
     def size() -> float:
-        """Draw a size [m], evenly in its logarithm."""
+        """Draw a size [m], uniform in its logarithm."""
         return math.exp(float(rng.uniform(low, high)))
 
     kind = _kind(rng, pressed)
@@ -344,7 +347,7 @@ def _shape(rng: np.random.Generator, ranges: ObjectRanges, pressed: bool) -> Sha
 
 
 def _kind(rng: np.random.Generator, pressed: bool) -> str:
-    """Draw a kind of shape; pressed ones are cylinders too."""
+    """Draw a kind of shape; pressed objects may also be cylinders."""
     kinds = ["box"] * 4 + ["triangle", "hexagon"] + ["cylinder"] * pressed
     return str(rng.choice(kinds))
 
@@ -360,7 +363,8 @@ def _regular(count: int, radius: float, phase: float) -> tuple[Point, ...]:
 def _centroid(shape: Shape) -> Point:
     """Centroid [m] of the footprint in G.
 
-    Not ``shape.centroid``, which rounds otherwise: a seed keeps its task to the bit.
+    Not ``shape.centroid``, which rounds differently: a seed must keep its task to the
+    bit.
     """
     corners = shape.corners
     if not corners:
@@ -391,7 +395,7 @@ def _first_within(draw: Callable[[], Poses], within: Callable[[Pose2], bool]) ->
 
 
 def _clear_of(robot: Robot, body: ObjectModel, X_WG: Pose2) -> bool:
-    """Whether an object at a pose leaves BASE_ROOM about a robot's base."""
+    """Whether an object at a pose keeps BASE_ROOM from a robot's base."""
     return body.shape.distance(X_WG.unapply(robot.base[:2])) >= BASE_ROOM
 
 
@@ -402,7 +406,7 @@ def _one_arm_poses(
     x, y, _ = robot.base
 
     def draw() -> Poses:
-        """Draw start and goal, wherever they are."""
+        """Draw start and goal without checking the reach."""
         r = rng.uniform(*ONE_ARM_REACH)
         azimuth = rng.uniform(-AZIMUTH, AZIMUTH) + robot.base_yaw
         yaw = rng.uniform(-math.pi, math.pi)
@@ -417,7 +421,7 @@ def _one_arm_poses(
         return start, Pose2(*start.apply(ahead), float(yaw + turn))
 
     def within(pose: Pose2) -> bool:
-        """Whether the robot reaches the object there."""
+        """Whether the robot reaches the object at a pose."""
         dx = pose.x - x
         dy = pose.y - y
         azimuth = math.remainder(math.atan2(dy, dx) - robot.base_yaw, 2.0 * math.pi)
@@ -429,8 +433,8 @@ def _one_arm_poses(
 
 
 def _top_contact(rng: np.random.Generator, body: ObjectModel) -> Point | None:
-    """Draw a contact [m] in G on the object's top, near its CoM; None for a top that is
-    too small for one.
+    """Draw a contact [m] in G on the object's top, near its CoM. None if the top is too
+    small.
     """
     x, y = body.center_of_mass
     for _ in range(TOP_CONTACT_TRIES):
@@ -450,14 +454,15 @@ def _two_arm_poses(
 ) -> Poses:
     """Draw start and goal in front of two robots.
 
-    The push, if there is one, goes away from them. Its direction is free if pressed.
+    The push, if there is one, goes away from them. A pressed object moves in any
+    direction.
     """
     (lx, ly), (rx, ry) = (robot.base[:2] for robot in robots)
     # x away from the robots
     X_WM = Pose2(0.5 * (lx + rx), 0.5 * (ly + ry), math.atan2(rx - lx, ly - ry))
 
     def draw() -> Poses:
-        """Draw start and goal, wherever they are."""
+        """Draw start and goal without checking the reach."""
         push = _push(rng, body.shape, faces)
         x = rng.uniform(AHEAD, FARTHEST_AHEAD)
         y = rng.uniform(-ASIDE, ASIDE)
@@ -469,7 +474,7 @@ def _two_arm_poses(
         return start, start.compose(Pose2(*ahead, turn))
 
     def within(X_WG: Pose2) -> bool:
-        """Whether both robots reach the object there."""
+        """Whether both robots reach the object at a pose."""
         center = X_WG.apply(body.center_of_mass)
         near, far = TWO_ARM_REACH
         distances = [math.dist(center, robot.base[:2]) for robot in robots]

@@ -1,8 +1,8 @@
 """A run as the stages of its task one after the other, without a reset; one by default.
 
-A stage is run on a plant of its own, which begins with the arms and all bodies exactly
-where the last sample of the stage before has them. The planner knows of the bodies what
-is seen.
+Each stage runs on a plant of its own, which starts with the arms and all bodies exactly
+as in the last sample of the previous stage. The planner knows only the measured poses
+of the bodies.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ from pushpressslide.selection.stages import (
 
 @dataclass(frozen=True, slots=True)
 class StageOptions:
-    """How the stages of a task are planned and run."""
+    """Options for planning and running the stages of a task."""
 
     engine: str
     seed: int = 0  # of the first stage's noise; the others' are the next ones
@@ -62,7 +62,7 @@ class StageOptions:
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """What came of a run."""
+    """Result of a run."""
 
     task: Task  # as it was run, with the motions that were searched for
     stages: tuple[StagePlan, ...]  # in order, those that were not begun last
@@ -76,7 +76,7 @@ class StageRunner:
     def __init__(self, task: Task, options: StageOptions) -> None:
         """Plan all stages before anything moves.
 
-        Raises InfeasibleTaskError, with the body and why, where nothing brings all
+        Raises InfeasibleTaskError, with the body and the reason, if no plan brings all
         bodies to their goals.
         """
         self.task = task
@@ -102,7 +102,8 @@ class StageRunner:
     def run(self) -> Iterator[StageRun]:
         """Run the stages and yield each as soon as it has ended.
 
-        A stage that fails is the last one; ``lacking`` says why one was not begun.
+        A stage that fails is the last one; ``lacking`` is the reason why one was not
+        started.
         """
         for number in range(len(self.planned)):
             done = self._run(number)
@@ -116,11 +117,11 @@ class StageRunner:
 
     @property
     def is_over(self) -> bool:
-        """Whether no stage is left to be run."""
+        """Whether no stage remains."""
         return len(self.runs) == len(self.planned)
 
     def done(self) -> Done:
-        """Return what came of the run, once it has ended."""
+        """Result of the run, once it has ended."""
         runs = self.runs
         stages = [planned.stage for planned in self.planned]
         if not self.task.goals:
@@ -132,7 +133,7 @@ class StageRunner:
         return self._done(joined_record(runs, ending, self.options.seed), result)
 
     def so_far(self) -> Done:
-        """Return what came of the stages that have ended."""
+        """Result of the stages that have ended."""
         text = f"stage {len(self.runs)} of {len(self.planned)} has ended"
         ending = Ending("interrupted", text)
         return self._done(joined_record(self.runs, ending, self.options.seed), {})
@@ -168,8 +169,8 @@ class StageRunner:
         return done
 
     def _planned(self, number: int) -> PlannedStage:
-        """Return the plan of a stage; a new one where a body is seen elsewhere than
-        planned.
+        """Plan of a stage, replanned if the measured pose of a body differs from the
+        planned one.
         """
         planned = self.planned[number]
         seen = self._measured_pose()
@@ -183,8 +184,8 @@ class StageRunner:
         return is_there(pose, self._expected.poses[body], within)
 
     def _measured_pose(self) -> WorldState:
-        """Return the state with the bodies where they are seen at rest: noise averages
-        out, a bias stays.
+        """State with the measured poses of the bodies at rest. Noise averages out, a
+        bias stays.
         """
         sensing = self.task.sensing
         poses = {
@@ -193,7 +194,7 @@ class StageRunner:
         return replace(self._state, poses=poses)
 
     def _record(self, planned: PlannedStage, number: int) -> Record:
-        """Run a planned stage from where everything is."""
+        """Run a planned stage from the current state."""
         monitor = self.options.monitor
         goes_on = number > 0
         preparation: PlacementPlanner = planned.planner
@@ -220,8 +221,8 @@ class StageRunner:
         return replace(record, meta={**record.meta, **planned.solution.notes})
 
     def _as_it_is(self, planned: PlannedStage) -> Plan:
-        """Return a plan with the bodies where they are: the object at its true start,
-        and the others where they are seen.
+        """The plan with the current bodies: the object at its true start, the others at
+        their measured poses.
         """
         plan = planned.solution.plan
         if not self.task.goals:
@@ -242,7 +243,7 @@ class StageRunner:
         return replace(plan, task=task)
 
     def _progress(self, number: int) -> Callable[[float, float], None] | None:
-        """Return the report of a stage's progress as that of the whole run."""
+        """Report of a stage's progress as that of the whole run."""
         report = self.options.monitor.progress
         if report is None:
             return None
@@ -251,7 +252,7 @@ class StageRunner:
         return lambda time, whole: report(before + time, before + whole + ahead)
 
     def _go_on(self, done: StageRun) -> None:
-        """Take over what a stage leaves."""
+        """Take over the final state of a stage."""
         body = done.stage.body
         arrays = done.record.arrays
         task = done.plan.task
@@ -273,13 +274,13 @@ class StageRunner:
 
 
 def planned_part(planned: PlannedStage) -> StagePlan:
-    """Return the plan of a stage that was not begun."""
+    """Plan of a stage that was not started."""
     solution = planned.solution
     return StagePlan(planned.stage, solution.plan, tuple(solution.choices))
 
 
 def _of_arms(record: Record, name: str) -> tuple[Joints, ...]:
-    """Return the last sample of each arm; empty where there are no arms."""
+    """Last sample of each arm. Empty without arms."""
     arms = range(len(record.plan.task.robots))
     keys = (f"{name}_{arm}" for arm in arms)
     arrays = record.arrays
@@ -297,8 +298,8 @@ def _measured_pose(X: Pose2, sensing: Sensing) -> Pose2:
 
 
 def _learnt(plan: Plan) -> Belief | None:
-    """Return what is believed of a body after a stage in which its friction was
-    identified; None where nothing was planned anew.
+    """Belief on a body after a stage that identified its friction. None without a
+    replan.
     """
     if not plan.later:
         return None

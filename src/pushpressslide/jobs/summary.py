@@ -1,4 +1,4 @@
-"""What the rows of a sweep come to: counts with intervals, spreads, and a table."""
+"""Summary of a sweep's rows: counts with intervals, spreads, and a table."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ HEAD = (
 
 
 def summarise(rows: Iterable[Row], forced: Iterable[Row]) -> dict[str, Any]:
-    """Return counts, shares with their intervals, and spreads; None where there is
-    nothing to count. Rows are read once, one at a time.
+    """Counts, shares with their intervals, and spreads. None without rows. Rows are
+    read once, one at a time.
     """
     counts: Counter[str] = Counter()
     values: dict[str, array[float]] = {name: array("d") for name in SPREADS}
@@ -52,10 +52,10 @@ def summarise(rows: Iterable[Row], forced: Iterable[Row]) -> dict[str, Any]:
 
 
 def refusals(forced: Iterable[Row]) -> dict[str, Any]:
-    """Return what became of refused tasks whose best choices were run all the same.
+    """Outcomes of refused tasks whose best choices were run nevertheless.
 
-    A refusal is true if no choice that could be run reached the goal; of a task none of
-    whose choices could be run nothing is known.
+    A refusal is true if no choice that could be run reached the goal. If none could be
+    run, the refusal remains unchecked.
     """
     outcomes: defaultdict[int, set[str]] = defaultdict(set)
     for row in forced:
@@ -73,13 +73,13 @@ def refusals(forced: Iterable[Row]) -> dict[str, Any]:
 
 
 def share(part: int, whole: int) -> float | None:
-    """Return a share; None of nothing."""
+    """A share, or None if the total is zero."""
     return part / whole if whole else None
 
 
 def interval(part: int, whole: int) -> tuple[float, float] | None:
-    """Return the interval of a share at 95 % confidence by Wilson's score; None of
-    nothing.
+    """Interval of a share at 95 % confidence by Wilson's score. None if the total is
+    zero.
     """
     if not whole:
         return None
@@ -101,9 +101,10 @@ def _spread(values: array[float]) -> dict[str, float] | None:
 
 
 def write_table(path: Path, rows: Iterable[Row], forced: Iterable[Row]) -> None:
-    """Write the rows as a Markdown table, refusals that were run all the same below it.
+    """Write the rows as a Markdown table, followed by the refusals that were run
+    nevertheless.
 
-    Written row by row under another name, which is changed at the end.
+    It is written row by row to a temporary file, which is renamed at the end.
     """
     with whole(path) as temporary, temporary.open("w", encoding="utf-8") as file:
         file.write(HEAD)
@@ -117,7 +118,7 @@ def write_table(path: Path, rows: Iterable[Row], forced: Iterable[Row]) -> None:
 
 
 def table_line(row: Row) -> str:
-    """Return one row of the table."""
+    """One row of the table."""
     names = ("final_position_error", "final_yaw_error", "duration")
     position, yaw, time = (row.get(name) for name in names)
     figures = " | | "

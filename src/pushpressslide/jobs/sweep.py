@@ -38,7 +38,7 @@ HARDLY = 50  # drawn tasks for each attempted one, beyond which drawing ends
 
 @dataclass(frozen=True, slots=True)
 class SweepOptions:
-    """What a sweep draws, and how it runs the samples."""
+    """Number and kind of a sweep's samples, and how they are run."""
 
     samples: int = 0  # that are drawn, where no ``attempts`` are asked for
     attempts: int = 0  # samples that are not refused: drawn until there are so many
@@ -58,11 +58,11 @@ class SweepOptions:
 
     @property
     def engine_name(self) -> str:
-        """What runs the samples."""
+        """Name of the engine that runs the samples."""
         return "batched" if self.batched else str(self.engine)
 
     def settings(self, task: Task) -> dict[str, Any]:
-        """Return what a finished sample must agree with to stand for a new run."""
+        """Settings that must agree for a finished sample to be reused."""
         from pushpressslide.taskfile.dump import task_data
 
         return {
@@ -84,9 +84,9 @@ def sweep(
 
     Every finished sample is a row in ``out``/rows.jsonl and is not run again, unless
     ``force``; rows of other tasks, options or sources in that file do not count. Of the
-    first ``check_refusals`` refused samples the best choices are run all the same: a
-    refusal is true if they miss the goal. Raises TaskError where no new tasks can be
-    drawn for ``task``.
+    first ``check_refusals`` refused samples the best choices are run nevertheless. A
+    refusal is true if they miss the goal. Raises TaskError if no new tasks can be drawn
+    for ``task``.
     """
     if options.vary == "knocks" and not engine_named(options.engine).has_arms:
         raise PushPressSlideError(
@@ -115,7 +115,7 @@ def sweep(
 
 
 def _check_batched(options: SweepOptions) -> None:
-    """Raise PushPressSlideError for what has no batch."""
+    """Raise PushPressSlideError for options that batches do not support."""
     checks = (
         ("--vary", options.vary, "truth"),
         ("--attempts", options.attempts, 0),
@@ -133,7 +133,7 @@ def _check_batched(options: SweepOptions) -> None:
 def _batched(
     task: Task, options: SweepOptions, out: Path, rows: Rows
 ) -> dict[str, Any]:
-    """Run the samples on arrays, where rows are missing, and return the summary."""
+    """Run the samples on arrays if rows are missing, and return the summary."""
     from pushpressslide.jobs.batched import batched_rows, batched_samples
 
     samples = batched_samples(task, options.seed, options.samples)
@@ -146,7 +146,7 @@ def _batched(
 
 @contextmanager
 def _pool(options: SweepOptions) -> Iterator[tuple[Executor, int]]:
-    """Give what runs the samples, and how many at a time."""
+    """Open the pool that runs the samples, with the number run at a time."""
     if options.cluster:
         if options.sample_time:
             raise PushPressSlideError(
@@ -168,7 +168,7 @@ def _draw(
     rows: Rows,
     progress: Progress | None,
 ) -> int:
-    """Run samples until there are enough; return how many are counted."""
+    """Run samples until there are enough. Return the number that counts."""
     running: set[Future[Row]] = set()
     numbers = count()
     drawn = _CompleteSamples(options, rows)
@@ -191,7 +191,9 @@ def _draw(
 
 
 class _CompleteSamples:
-    """The samples that count: from the first on without a gap, as many as asked for."""
+    """The samples that count: from the first on without a gap, up to the requested
+    number.
+    """
 
     def __init__(self, options: SweepOptions, rows: Rows) -> None:
         self._options = options
@@ -200,8 +202,8 @@ class _CompleteSamples:
         self.attempted = 0
 
     def complete(self) -> bool:
-        """Return whether there are enough. Raises PushPressSlideError where hardly any
-        of those drawn could be attempted.
+        """Whether there are enough. Raises PushPressSlideError if hardly any of the
+        drawn tasks could be attempted.
         """
         options = self._options
         while not self._enough():
@@ -224,14 +226,14 @@ class _CompleteSamples:
 
     @property
     def done(self) -> int:
-        """Of what was asked for."""
+        """Number done of those requested."""
         return self.attempted if self._options.attempts else self.number
 
 
 def _check_refusals(
     pool: Executor, task: Task, options: SweepOptions, rows: Rows, sample_count: int
 ) -> None:
-    """Run the best choices of the first refused samples all the same."""
+    """Run the best choices of the first refused samples nevertheless."""
     refused = [i for i in range(sample_count) if rows.status(i) == "refused"]
     work = [
         partial(run_forced, task, options, index, rank)
@@ -254,7 +256,7 @@ def _in_order(pool: Executor, work: Sequence[Work]) -> Iterator[Row]:
 def _write_results(
     out: Path, task: Task, options: SweepOptions, rows: Rows, sample_count: int
 ) -> dict[str, Any]:
-    """Write table and result, and return the summary."""
+    """Write table and result files, and return the summary."""
     summary = {
         "task": task.name,
         "seed": options.seed,

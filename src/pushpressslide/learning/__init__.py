@@ -1,6 +1,7 @@
-"""Environments to learn pushing in, a mode's controller as a policy, demonstrations.
+"""Environments for learning to push, a mode's controller as a policy, and
+demonstrations.
 
-Importing this registers the environments with Gymnasium, where that is installed.
+Importing this registers the environments with Gymnasium if that is installed.
 """
 
 from pushpressslide.learning.registration import register

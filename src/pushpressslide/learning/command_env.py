@@ -1,5 +1,5 @@
-"""Any task of one placement as an environment of Gymnasium, on either engine: what a
-controller is given and what it answers, tick by tick.
+"""Any task of one placement as a Gymnasium environment, on either engine. Observations
+and actions are the controller's inputs and outputs at each tick.
 """
 
 from __future__ import annotations
@@ -55,14 +55,14 @@ DRAWS = 20
 
 
 class CommandEnv(gymnasium.Env):
-    """One task whose tips an agent commands from before the touch on, as our controller
+    """One task whose tips an agent commands from before the touch on, as the controller
     does.
 
-    Observations (7 + 9 A,) and actions (25 A,) for A arms as ``command_rows``; a row of
-    an arm that has no contact in the plan is not looked at. A step is one control
-    period. The reward [m] is minus the distance to the goal and minus rho times the
-    angle to it; ``success`` in ``info``: the object is within the task's tolerance,
-    which ends the episode, as does an engine that gives up. ``limits.time`` truncates.
+    Observations (7 + 9 A,) and actions (25 A,) for A arms as ``command_rows``; rows of
+    arms without a contact in the plan are ignored. A step is one control period. The
+    reward [m] is minus the distance to the goal and minus rho times the angle to it;
+    ``success`` in ``info``: the object is within the task's tolerance. This ends the
+    episode, as does a failure of the engine. ``limits.time`` truncates.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
@@ -70,7 +70,8 @@ class CommandEnv(gymnasium.Env):
     def __init__(
         self, task: Task | str | Path = "press-slide", engine: str = "planar"
     ) -> None:
-        """Prepare a task: itself, the name of a shipped one, or the path of a file.
+        """Prepare a task, given directly, by the name of a shipped one, or by the path
+        of a file.
 
         Raises TaskError for a task of several goals, PushPressSlideError for an unknown
         engine, and MissingPackageError for one that is not installed.
@@ -104,16 +105,16 @@ class CommandEnv(gymnasium.Env):
 
     @property
     def plan(self) -> Plan:
-        """The plan of the present episode."""
+        """Plan of the current episode."""
         return self.loop.plan
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
-        """Plan anew from a start near the task's, or from ``options["start"]``: x, y [m]
-        and yaw [rad] of X_WG; lead the tips to before their contacts.
+        """Replan from a start near the task's, or from ``options["start"]``: x, y [m]
+        and yaw [rad] of X_WG. Lead the tips to the points before their contacts.
 
-        Raises InfeasibleTaskError where nothing leads from there to the goal.
+        Raises InfeasibleTaskError if no plan leads from there to the goal.
         """
         super().reset(seed=seed)
         starts = start_asked(options, 1)
@@ -140,7 +141,7 @@ class CommandEnv(gymnasium.Env):
         return observation, reward, over, late, info
 
     def _observe(self, measurement: Measurement) -> tuple[Array, dict[str, Any]]:
-        """Return an observation, inside its bounds, and what is known of it."""
+        """The observation, clipped to its bounds, and its info."""
         space = self.observation_space
         row = observation_row(measurement, self.task.goal)
         distance, angle = errors(row[1:SEEN])
@@ -154,9 +155,9 @@ class CommandEnv(gymnasium.Env):
         return np.clip(row, space.low, space.high), info
 
     def _made(self, start: Sequence[float] | Array | None) -> tuple[Cell, Plan]:
-        """Return a cell and a plan from a start, drawn where none is given.
+        """A cell and a plan from a start, drawn if none is given.
 
-        What only arms or a ledge carry begins at the task's own start.
+        Objects that only arms or a ledge can carry begin at the task's own start.
         """
         own = self.task.start
         if start is not None:
@@ -192,7 +193,7 @@ class CommandEnv(gymnasium.Env):
 
 
 def _lone(plan: Plan) -> Plan:
-    """Return a plan of one placement; raises InfeasibleTaskError for another."""
+    """The plan, if it has one placement. Raises InfeasibleTaskError for another."""
     if len(plan.placements) > 1:
         count = len(plan.placements)
         raise InfeasibleTaskError(f"{plan.task.name}: takes {count} placements, not 1")

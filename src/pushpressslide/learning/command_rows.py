@@ -27,8 +27,8 @@ WIDTH = 25
 
 
 class CommandScale:
-    """A tip's command as numbers in [-1, 1]: each is from the least to the largest value
-    that its field may have.
+    """A tip's command as numbers in [-1, 1], each scaled from the smallest to the
+    largest allowed value of its field.
     """
 
     def __init__(self, motion: Motion, limits: Limits) -> None:
@@ -59,7 +59,7 @@ class CommandScale:
         self._half = 0.5 * (high - low)
 
     def row(self, command: TipCommand | None) -> Array:
-        """Return a command as numbers (25,); zeros for a tip without a contact."""
+        """A command as numbers (25,). A tip without a contact gives zeros."""
         if command is None:
             return np.zeros(WIDTH)
         values = [np.ravel(getattr(command, c[0])) for c in self._columns]
@@ -67,7 +67,7 @@ class CommandScale:
         return np.asarray(np.clip(scaled, -1.0, 1.0))
 
     def command(self, row: Array) -> TipCommand:
-        """Return the command of numbers (25,), each inside its bounds."""
+        """Command from numbers (25,), each clipped to its bounds."""
         numbers = (self._middle + self._half * np.clip(row, -1.0, 1.0)).tolist()
         fields = dict(self._fields(numbers))
         fields["catches_up"] = fields["catches_up"] >= 0.5
@@ -82,8 +82,8 @@ class CommandScale:
 
 
 def observation_row(measurement: Measurement, goal: Pose2) -> Array:
-    """Return time [s], pose X_WG, goal and, of each tip, position [m], velocity [m/s]
-    and force [N] on the object as numbers (7 + 9 A,).
+    """Time [s], pose X_WG, goal and, for each tip, position [m], velocity [m/s] and
+    force [N] on the object as numbers (7 + 9 A,).
     """
     X = measurement.object_pose
     row = [measurement.time, X.x, X.y, X.yaw, goal.x, goal.y, goal.yaw]
@@ -93,7 +93,7 @@ def observation_row(measurement: Measurement, goal: Pose2) -> Array:
 
 
 def row_measurement(row: Array) -> Measurement:
-    """Return what an observation (7 + 9 A,) says was measured."""
+    """Measurement in an observation (7 + 9 A,)."""
     time, x, y, yaw, *_ = row[:SEEN].tolist()
     tips = []
     for numbers in row[SEEN:].reshape(-1, TIP).tolist():

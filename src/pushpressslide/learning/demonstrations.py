@@ -1,4 +1,4 @@
-"""Episodes of a policy, and the file that they are kept in."""
+"""Episodes of a policy, and the file that stores them."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ ONE = np.zeros(1, dtype=np.intp)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Demonstrations:
-    """Frames of episodes, one after the other. A frame is what was observed, and what
-    the policy did about it.
+    """Frames of episodes, one after the other. A frame is an observation and the
+    policy's action.
     """
 
     states: Array  # (n, 8) as ``state_names``
@@ -57,7 +57,7 @@ class Demonstrations:
 
 
 class _Episode(NamedTuple):
-    """What came of one episode."""
+    """Frames and result of one episode."""
 
     states: Array  # (n + 1, 8)
     actions: Array  # (n, 2)
@@ -66,7 +66,7 @@ class _Episode(NamedTuple):
 
 
 def read_demonstrations(path: Path) -> Demonstrations:
-    """Return what ``Demonstrations.write`` has written.
+    """Demonstrations from a file of ``Demonstrations.write``.
 
     Raises PushPressSlideError for another file.
     """
@@ -92,9 +92,10 @@ def demonstrate(
     progress: Progress | None = None,
     exact: bool = False,
 ) -> Demonstrations:
-    """Return one episode of mode rear_push for each seed; the starts are those of
-    ``environment.PushEnv`` with that seed, on the exact limit surface if ``exact``.
-    Raises ValueError for no seed.
+    """Demonstrate one episode of mode rear_push for each seed.
+
+    The starts are those of ``environment.PushEnv`` with that seed, on the exact limit
+    surface if ``exact``. Raises ValueError without seeds.
     """
     if not seeds:
         raise ValueError("0 seeds give no episode; at least 1 is needed")
@@ -134,7 +135,7 @@ def _played(pushing: Pushing | ExactPushing, policy: Policy) -> _Episode:
 def _joined(
     push: PushTask, seeds: Sequence[int], episodes: Sequence[_Episode]
 ) -> Demonstrations:
-    """Return episodes one after the other."""
+    """Episodes one after the other."""
     lengths = [len(one.actions) for one in episodes]
     return Demonstrations(
         states=np.concatenate([one.states[:-1] for one in episodes]),

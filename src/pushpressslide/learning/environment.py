@@ -1,4 +1,4 @@
-"""One pushed object as an environment of Gymnasium."""
+"""One pushed object as a Gymnasium environment."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class PushEnv(gymnasium.Env):
     Observations (8,) as ``pushing.OBSERVATION``, actions (2,) velocities [m/s] of the
     tip in the world; the reward [m] is minus the distance to the goal and minus rho
     times the angle to it. ``success`` in ``info``: the object is within the task's
-    tolerance, which ends the episode, as does a tip that has passed its face.
+    tolerance. This ends the episode, as does a tip that has passed its face.
     """
 
     metadata: ClassVar[dict[str, Any]] = METADATA
@@ -43,10 +43,12 @@ class PushEnv(gymnasium.Env):
         exact: bool = False,
         render_mode: str | None = None,
     ) -> None:
-        """Prepare a task: itself, the name of a shipped one, or the path of a file.
+        """Prepare a task, given directly, by the name of a shipped one, or by the path
+        of a file.
 
-        ``exact``: the object is on its exact limit surface, by the planar engine, and
-        not on an ellipsoid. ``render_mode`` is None, or "rgb_array" for pictures as ``picture.Camera``.
+        ``exact``: the object is on its exact limit surface, by the planar engine,
+        instead of an ellipsoid. ``render_mode`` is None, or "rgb_array" for pictures by
+        ``picture.Camera``.
         """
         push = push_task(task)
         self.render_mode = checked_mode(render_mode)
@@ -59,7 +61,7 @@ class PushEnv(gymnasium.Env):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
-        """Begin an episode near the task's start, or at ``options["start"]``: x, y [m]
+        """Start an episode near the task's start, or at ``options["start"]``: x, y [m]
         and yaw [rad] of X_WG.
         """
         super().reset(seed=seed)
@@ -82,7 +84,7 @@ class PushEnv(gymnasium.Env):
         )
 
     def render(self) -> Pixels | None:
-        """Return the picture (96, 96, 3) of this moment; None without pictures."""
+        """Picture (96, 96, 3) of the current state. None without pictures."""
         if self.render_mode is None:
             return None
         return self._camera.picture(self._pushing.observations()[0])

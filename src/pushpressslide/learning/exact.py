@@ -1,5 +1,5 @@
 """One pushed object on the exact limit surface: the planar engine under a rigid tip, in
-the place of ``pushing.Pushing``.
+place of ``pushing.Pushing``.
 """
 
 from __future__ import annotations
@@ -49,8 +49,8 @@ class ExactPushing:
         self.place(np.zeros(1, dtype=np.intp), (start.x, start.y, start.yaw))
 
     def place(self, rows: Indices, start_poses: ArrayLike) -> None:
-        """Begin an episode with the object at ``start_poses`` (..., 3) X_WG and the tip at
-        the middle of its face; ``rows`` is that one object.
+        """Start an episode with the object at ``start_poses`` (..., 3) X_WG and the tip
+        at the middle of its face. ``rows`` is that one object.
         """
         x, y, yaw = np.reshape(np.asarray(start_poses, dtype=np.float64), 3).tolist()
         X_WG = Pose2(x, y, yaw)
@@ -58,7 +58,7 @@ class ExactPushing:
         self._steps = 0
 
     def observations(self) -> Array:
-        """Return what is observed (1, 8)."""
+        """Observations (1, 8)."""
         X_WG = self._now.X_WB.compose(self._X_GB.inverse())
         x, y, _ = self._now.tips[0].position
         seen = np.array([[X_WG.x, X_WG.y, X_WG.yaw, *self._goal, x, y]])
@@ -76,7 +76,7 @@ class ExactPushing:
         return outcome(self.push, self.observations(), passed, over)
 
     def _command(self, velocity: Point) -> TipCommand:
-        """Return the command of a tip that moves at a velocity, come what may."""
+        """Command of a tip that moves at a velocity whatever the resistance."""
         nx, ny = self._contact.normal
         return TipCommand(
             force=(0.0, 0.0, 0.0),
@@ -92,7 +92,7 @@ class ExactPushing:
         )
 
     def _passed(self) -> bool:
-        """Return whether the tip is behind the line of its face."""
+        """Whether the tip is behind the line of its face."""
         x, y, _ = self._now.tips[0].position
         px, py = self._now.X_WB.unapply((x, y))
         (fx, fy), (nx, ny) = self._contact.point, self._contact.normal

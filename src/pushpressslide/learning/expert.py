@@ -1,4 +1,4 @@
-"""The controller of a mode as a policy: from an observation to an action."""
+"""Controller of a mode as a policy, from an observation to an action."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from pushpressslide.modes.rear_push import MODE
 
 
 class RearPushPolicy:
-    """Mode rear_push, as it believes the task to be.
+    """Mode rear_push, with its belief of the task.
 
-    The first observation of an episode is planned from; after that the mode's law
-    follows the path.
+    It plans from the first observation of an episode. After that the mode's law follows
+    the path.
     """
 
     def __init__(self, push: PushTask) -> None:
@@ -29,12 +29,12 @@ class RearPushPolicy:
         self._progress = 0.0
 
     def reset(self) -> None:
-        """Forget the path: the next observation is the first of an episode."""
+        """Discard the path, so that the next observation is the first of an episode."""
         self._segment = None
 
     def __call__(self, observation: Array) -> Array:
-        """Return the velocity (2,) [m/s] of the tip in the world for an observation
-        (8,) as ``pushing.OBSERVATION``.
+        """Velocity (2,) [m/s] of the tip in the world for an observation (8,) as
+        ``pushing.OBSERVATION``.
         """
         x, y, yaw, _, _, _, tip_x, tip_y = np.asarray(observation).tolist()
         X_WG = Pose2(x, y, yaw)

@@ -52,7 +52,7 @@ INDEXED = {
 def write_lerobot(shown: Demonstrations, folder: Path, text: str) -> Path:
     """Write demonstrations into a new folder, and return it.
 
-    ``text`` says the task in words. Raises as ``check_folder``.
+    ``text`` describes the task in words. Raises as ``check_folder`` does.
     """
     check_folder(folder)
     arrow = _arrow()
@@ -68,15 +68,15 @@ def write_lerobot(shown: Demonstrations, folder: Path, text: str) -> Path:
 
 
 def _is_empty(folder: Path) -> bool:
-    """Whether nothing but hidden files, as the lock of who writes, is in a folder."""
+    """Whether a folder holds only hidden files, such as the lock of its writer."""
     if not folder.is_dir():
         return False
     return all(item.name.startswith(".") for item in folder.iterdir())
 
 
 def check_folder(folder: Path) -> None:
-    """Raise PushPressSlideError where pyarrow is not installed, and for a folder that
-    holds something.
+    """Raise PushPressSlideError if pyarrow is not installed, or if the folder is not
+    empty.
     """
     try:
         import pyarrow  # noqa: F401
@@ -91,11 +91,11 @@ def check_folder(folder: Path) -> None:
 
 
 def _arrow() -> Any:
-    """Return the function that makes a column of an array (n,) or (n, k)."""
+    """Function that makes a column from an array (n,) or (n, k)."""
     import pyarrow
 
     def column(values: Values) -> Any:
-        """Return rows of k numbers as lists of that length."""
+        """Rows of k numbers as lists of that length."""
         if values.ndim == 1:
             return pyarrow.array(values)
         flat = pyarrow.array(values.reshape(-1))
@@ -118,7 +118,7 @@ def _write_table(
 
 
 def _columns(shown: Demonstrations) -> dict[str, Values]:
-    """Return the columns of all frames: (n,) or (n, k)."""
+    """Columns of all frames: (n,) or (n, k)."""
     count = len(shown.actions)
     last = np.append(shown.episode[1:] != shown.episode[:-1], True)
     return {
@@ -136,7 +136,7 @@ def _columns(shown: Demonstrations) -> dict[str, Values]:
 
 
 def _info(shown: Demonstrations, columns: Mapping[str, Values]) -> dict[str, Any]:
-    """Return what the data set says of itself."""
+    """Metadata of the data set."""
     names = {
         "observation.state": list(shown.state_names),
         "action": list(shown.action_names),
@@ -169,7 +169,7 @@ def _info(shown: Demonstrations, columns: Mapping[str, Values]) -> dict[str, Any
 def _episodes(
     shown: Demonstrations, columns: Mapping[str, Values], text: str
 ) -> dict[str, list[Any]]:
-    """Return the columns of all episodes: where each is, and its statistics."""
+    """Columns of all episodes: their positions in the file, and their statistics."""
     count = len(shown.seed)
     ends = np.cumsum(np.bincount(shown.episode, minlength=count)).tolist()
     starts = [0, *ends[:-1]]
@@ -193,7 +193,7 @@ def _episodes(
 
 
 def _statistics(columns: Mapping[str, Values]) -> Statistics:
-    """Return the figures of each column, of each component of it."""
+    """Statistics of each column, for each of its components."""
     out: Statistics = {}
     for name, values in columns.items():
         rows = values.reshape(len(values), -1).astype(np.float64)

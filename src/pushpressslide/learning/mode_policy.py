@@ -1,4 +1,4 @@
-"""The controller of any mode as a policy: from an observation to an action."""
+"""Controller of any mode as a policy, from an observation to an action."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ if TYPE_CHECKING:
 
 
 class ModePolicy:
-    """The mode of an environment's plan, through touch, motion and release."""
+    """Mode of an environment's plan, through touch, motion and release."""
 
     def __init__(self, env: CommandEnv) -> None:
-        """Prepare the policy; ``reset`` it after each reset of the environment."""
+        """Prepare the policy. Call ``reset`` after each reset of the environment."""
         self._env = env
         self._controller: Controller | None = None
         self._state: ControllerState | None = None
 
     def reset(self) -> None:
-        """Take the controller of the environment's present plan."""
+        """Take the controller of the environment's current plan."""
         self._controller = None
         self._state = None
 
     def __call__(self, observation: Array) -> Array:
-        """Return the commands (25 A,) of the tips for an observation (7 + 9 A,)."""
+        """Commands (25 A,) of the tips for an observation (7 + 9 A,)."""
         measurement = row_measurement(np.asarray(observation))
         if self._controller is None or self._state is None:
             loop = self._env.loop

@@ -1,4 +1,4 @@
-"""What an environment and its reset are asked for."""
+"""Options of an environment and of its reset."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ METADATA = {"render_modes": list(MODES), "render_fps": round(1.0 / PERIOD)}
 
 
 def checked_mode(mode: str | None) -> str | None:
-    """Return a render mode; raises ValueError for one that there is not."""
+    """A valid render mode. Raises ValueError for an unknown one."""
     if mode is not None and mode not in MODES:
         allowed = ", ".join(MODES)
         raise ValueError(f"render_mode {mode!r} is not allowed; allowed: {allowed}")
@@ -22,7 +22,7 @@ def checked_mode(mode: str | None) -> str | None:
 
 
 def start_asked(options: Mapping[str, Any] | None, count: int) -> Array | None:
-    """Return the starts (count, 3) X_WG of a reset's options; None if it has none.
+    """Starts (count, 3) X_WG in a reset's options. None if there are none.
 
     Raises ValueError for another option than ``start``.
     """

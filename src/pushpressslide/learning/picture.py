@@ -1,4 +1,4 @@
-"""Pictures of a pushed object from above, in NumPy alone: for policies that see."""
+"""Pictures of a pushed object from above, in NumPy alone, for policies with vision."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ AHEAD = 0.5  # of its radius, from G's origin along x
 
 
 class Camera:
-    """Looks down on a task: x to the right, y up, start and goal inside."""
+    """Camera looking down on a task: x to the right, y up, start and goal inside."""
 
     def __init__(self, push: PushTask, side: int = SIDE) -> None:
         """Prepare square pictures of ``side`` pixels."""
@@ -40,8 +40,8 @@ class Camera:
         self._y = 0.5 * sum(ys) - across[:, None]  # (side, 1) from the top down
 
     def picture(self, observation: Array) -> Pixels:
-        """Return the picture (side, side, 3) of an observation (8,): goal, object with
-        a dot ahead, tip.
+        """Picture (side, side, 3) of an observation (8,): goal, object with a dot
+        towards its front, tip.
         """
         x, y, yaw, goal_x, goal_y, goal_yaw, tip_x, tip_y = observation.tolist()
         X_WG = Pose2(x, y, yaw)
@@ -58,13 +58,13 @@ class Camera:
         return out
 
     def _disc(self, x: float, y: float, radius: float) -> NDArray[np.bool_]:
-        """Return the pixels of a disc."""
+        """Pixels of a disc."""
         out: NDArray[np.bool_] = (self._x - x) ** 2 + (self._y - y) ** 2 <= radius**2
         return out
 
     def _covered(self, X_WG: Pose2) -> NDArray[np.bool_]:
-        """Return the pixels that the shape covers at a pose: those with an odd number
-        of edges to their right.
+        """Pixels that the shape covers at a pose: those with an odd number of edges to
+        their right.
         """
         corners = np.array([X_WG.apply((x, y)) for x, y in self._outline.tolist()])
         inside = np.zeros((self._y.shape[0], self._x.shape[1]), dtype=np.bool_)

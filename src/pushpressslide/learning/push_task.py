@@ -1,5 +1,5 @@
-"""The tasks that are learned: one object on a table, pushed by one tip on a straight
-face, and the figures of their environment.
+"""Tasks for learning: one object on a table, pushed by one tip on a straight face, and
+the figures of their environment.
 """
 
 from __future__ import annotations
@@ -30,12 +30,11 @@ LONGER = 2.0  # times the planned duration that an episode may last
 
 @dataclass(frozen=True, slots=True)
 class PushTask:
-    """A task of one push, and its environment's figures; the truth, not what is
-    believed.
+    """True parameters of a task of one push, and its environment's figures.
 
-    Its object is an ellipsoid: the one that moves as the exact limit surface does for
-    forces at which a planned path turns. Frame B is at its centre of pressure, which the
-    support's friction moves ahead of the centre of mass, axes along G's.
+    Its object is on an ellipsoid, the one that moves like the exact limit surface under
+    forces at which a planned path turns. Frame B is at its centre of pressure, which
+    the support's friction moves ahead of the centre of mass, axes along G's.
     """
 
     task: Task
@@ -55,13 +54,13 @@ class PushTask:
 
     @property
     def reach(self) -> float:
-        """Largest coordinate [m] that object and tip may come to."""
+        """Largest coordinate [m] that object and tip may reach."""
         path = PERIOD * self.steps * self.speed_limit
         return FIELD + path + 2.0 * self.task.object.radius
 
 
 def push_task(task: Task | str | Path) -> PushTask:
-    """Return the task of one push; a name or a path is that of a task file.
+    """Task of one push, given directly or by the name or path of a task file.
 
     Raises TaskError for a task of another kind.
     """
@@ -77,10 +76,10 @@ def push_task(task: Task | str | Path) -> PushTask:
 
 
 def choice(query: MotionQuery, face: int | None = None) -> Choice:
-    """Return the quickest push for a query, on ``face`` if that is given, whether the arm
-    reaches it or not.
+    """Fastest push for a query, on ``face`` if given, whether the arm reaches it or
+    not.
 
-    Raises TaskError where no face can be pushed.
+    Raises TaskError if no face can be pushed.
     """
     index = query.motion.face if face is None else face
     asked = replace(query, motion=replace(query.motion, face=index))
@@ -97,7 +96,7 @@ def choice(query: MotionQuery, face: int | None = None) -> Choice:
 
 
 def _check(task: Task) -> None:
-    """Refuse a task that is not one push of one body on a table."""
+    """Raise TaskError unless a task is one push of one body on a table."""
     source = task.source or task.name
     kind = task.support.kind
     if kind != "table":
@@ -118,9 +117,9 @@ def _refused(source: str, field: str, value: str, allowed: str) -> TaskError:
 
 
 def _face_at(query: MotionQuery, foot: Point, normal: Point) -> FittedFace:
-    """Return the pushed face of the true object.
+    """Pushed face of the true object.
 
-    Raises TaskError for one that is round, and where the push tips the object.
+    Raises TaskError for a round one, and if the push tips the object.
     """
     fitted = min(
         fitted_faces(query.scene, query.motion),
@@ -139,7 +138,7 @@ def _face_at(query: MotionQuery, foot: Point, normal: Point) -> FittedFace:
 
 
 def _figures(truth: Task, task: Task, fitted: FittedFace, steps: int) -> PushTask:
-    """Return the ellipsoid that has the axle and the wheelbase of the fitted car."""
+    """Ellipsoid with the axle and the wheelbase of the fitted car."""
     face = fitted.face
     car, shift = fitted.cars[min(fitted.cars)]
     ex, ey = car.axis

@@ -1,5 +1,6 @@
-"""Many objects that are pushed at once, step by step: what every environment is made
-of. A step is compiled where numba is installed, else it goes object by object.
+"""Many objects pushed at once, step by step; the basis of every environment.
+
+A step is compiled if numba is installed, and otherwise runs object by object.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ TURN = 2.0 * math.pi
 
 
 class Outcome(NamedTuple):
-    """What a step leads to."""
+    """Result of a step."""
 
     observations: Array  # (n, 8)
     rewards: Array  # (n,) [m]
@@ -35,7 +36,7 @@ class Outcome(NamedTuple):
 
 
 class Pushing:
-    """Objects of one task, each with its own tip; all begin at the task's start."""
+    """Objects of one task, each with its own tip. All begin at the task's start."""
 
     def __init__(self, push: PushTask, count: int) -> None:
         """Prepare ``count`` objects."""
@@ -54,8 +55,8 @@ class Pushing:
         self.place(everyone, np.array([start.x, start.y, start.yaw]))
 
     def place(self, rows: Indices, start_poses: ArrayLike) -> None:
-        """Begin episodes of ``rows`` with the objects at ``start_poses`` (..., 3) X_WG and
-        the tips at the middle of their faces.
+        """Start episodes of ``rows`` with the objects at ``start_poses`` (..., 3) X_WG
+        and the tips at the middle of their faces.
         """
         poses = np.array(self._pushes.poses)
         X_WG = np.asarray(start_poses, dtype=np.float64)
@@ -69,7 +70,7 @@ class Pushing:
         self._steps[rows] = 0
 
     def observations(self) -> Array:
-        """Return what is observed of each object (n, 8)."""
+        """Observation of each object (n, 8)."""
         out = np.empty((self.count, len(OBSERVATION)))
         out[:, :3] = displaced(self._pushes.poses, self.push.center, -1.0)
         out[:, 2] = wrapped(out[:, 2])
@@ -81,7 +82,7 @@ class Pushing:
         """Move the tips for a period at ``velocities`` (n, 2) [m/s] in the world, which
         are clipped to the speed limit.
 
-        Raises ValueError for a velocity that is no number.
+        Raises ValueError for a velocity of NaN.
         """
         v = clipped(self.push, velocities)
         self._pushes = self._bodies.advance(self._pushes, v, PERIOD)
@@ -92,8 +93,8 @@ class Pushing:
         return outcome(self.push, self.observations(), passed, over)
 
     def _touching(self, tips: Array) -> Array:
-        """Return the tips' points (n, 2) [m] in the world; ``tips`` of those that have
-        passed their object.
+        """Contact points (n, 2) [m] of the tips in the world; ``tips`` for those that
+        have passed their object.
         """
         poses, places, gaps = self._pushes
         nx, ny = self.push.normal
@@ -110,9 +111,9 @@ class Pushing:
 
 
 def clipped(push: PushTask, velocities: ArrayLike) -> Array:
-    """Return velocities [m/s] within the speed limit.
+    """Velocities [m/s] within the speed limit.
 
-    Raises ValueError for one that is no number.
+    Raises ValueError for one of NaN.
     """
     asked = np.asarray(velocities, dtype=np.float64)
     if np.isnan(asked).any():
@@ -121,8 +122,8 @@ def clipped(push: PushTask, velocities: ArrayLike) -> Array:
 
 
 def outcome(push: PushTask, observations: Array, passed: Flags, over: Flags) -> Outcome:
-    """Return what a step leads to, of tips that have ``passed`` their faces (n,) and
-    episodes whose time is ``over`` (n,).
+    """Result of a step, for tips that have ``passed`` their faces (n,) and episodes
+    whose time is ``over`` (n,).
     """
     distance, turn = errors(observations)
     tolerance = push.task.tolerance
@@ -133,22 +134,22 @@ def outcome(push: PushTask, observations: Array, passed: Flags, over: Flags) -> 
 
 
 def goal_of(push: PushTask) -> Array:
-    """Return the goal X_WG (3,)."""
+    """Goal X_WG (3,)."""
     goal = push.task.goal
     return np.array([goal.x, goal.y, float(wrapped(np.array(goal.yaw)))])
 
 
 def drawn_start(push: PushTask, rng: np.random.Generator) -> Array:
-    """Return a start X_WG (3,) near the task's."""
+    """A start X_WG (3,) near the task's."""
     start = push.task.true_start
     offset = rng.uniform(-1.0, 1.0, 3) * SPREAD
     return np.array([start.x, start.y, start.yaw]) + offset
 
 
 def checked_starts(start_poses: ArrayLike, count: int) -> Array:
-    """Return starts (count, 3) X_WG as asked for.
+    """Starts (count, 3) X_WG as requested.
 
-    Raises ValueError for another shape, and for what is not in the field.
+    Raises ValueError for another shape, and for starts outside the field.
     """
     X = np.asarray(start_poses, dtype=np.float64)
     if X.shape not in ((3,), (count, 3)):
@@ -162,7 +163,7 @@ def checked_starts(start_poses: ArrayLike, count: int) -> Array:
 
 
 def errors(observations: Array) -> tuple[Array, Array]:
-    """Return how far objects are from their goals: distance [m] and angle [rad]."""
+    """Errors of objects from their goals: distance [m] and angle [rad]."""
     dx = observations[..., 3] - observations[..., 0]
     dy = observations[..., 4] - observations[..., 1]
     turn = np.abs(wrapped(observations[..., 5] - observations[..., 2]))
@@ -170,14 +171,14 @@ def errors(observations: Array) -> tuple[Array, Array]:
 
 
 def wrapped(angles: Array) -> Array:
-    """Return angles [rad], each between -pi and pi."""
+    """Angles [rad], each between -pi and pi."""
     out: Array = angles - TURN * np.round(angles / TURN)
     return out
 
 
 def displaced(poses: Array, offset: tuple[float, float], sign: float) -> Array:
-    """Return poses (..., 3) with their origins moved by ``sign`` times ``offset`` [m],
-    in their own axes.
+    """Poses (..., 3) with their origins displaced by ``sign`` times ``offset`` [m], in
+    their own axes.
     """
     c = sign * np.cos(poses[..., 2])
     s = sign * np.sin(poses[..., 2])

@@ -1,4 +1,4 @@
-"""The environments that Gymnasium is told of."""
+"""Registration of the environments with Gymnasium."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ MISSING = "gymnasium is not installed: pip install 'pushpressslide[gym]'"
 
 
 def register() -> None:
-    """Register the environments; nothing happens where Gymnasium is not installed."""
+    """Register the environments. Does nothing if Gymnasium is not installed."""
     try:
         import gymnasium
     except ImportError:

@@ -1,4 +1,4 @@
-"""The spaces of Gymnasium that observations and actions are in."""
+"""Gymnasium spaces of observations and actions."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from pushpressslide.learning.push_task import PushTask
 
 
 def observation_space(push: PushTask) -> Any:
-    """Return the space of one observation (8,), as ``pushing.OBSERVATION``."""
+    """Space of one observation (8,), as ``pushing.OBSERVATION``."""
     r = push.reach
     high = np.array([r, r, math.pi, r, r, math.pi, r, r])
     return Box(-high, high, dtype=np.float64)
 
 
 def action_space(push: PushTask) -> Any:
-    """Return the space of one action (2,): the velocity [m/s] of the tip."""
+    """Space of one action (2,): the velocity [m/s] of the tip."""
     limit = push.speed_limit
     return Box(-limit, limit, (2,), dtype=np.float64)

@@ -1,4 +1,4 @@
-"""Many pushed objects as one vectorised environment of Gymnasium."""
+"""Many pushed objects as one vectorised Gymnasium environment."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ from pushpressslide.learning.spaces import action_space, observation_space
 class PushVectorEnv(VectorEnv):
     """Many objects of one task, each as in ``environment.PushEnv``.
 
-    An episode that has ended begins anew in the step after it, whose action is not
-    looked at. Each object has its own random numbers: with a seed s, object i is that
-    of a single environment with the seed s + i.
+    An episode that has ended restarts in the next step, whose action is ignored. Each
+    object has its own random numbers: with a seed s, object i is that of a single
+    environment with the seed s + i.
     """
 
     metadata: ClassVar[dict[str, Any]] = {
@@ -72,8 +72,8 @@ class PushVectorEnv(VectorEnv):
         seed: int | Sequence[int | None] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[Array, dict[str, Any]]:
-        """Begin all episodes; ``options["start"]`` is one start (3,) or one each (n, 3):
-        x, y [m] and yaw [rad] of X_WG.
+        """Start all episodes. ``options["start"]`` is one start (3,) or one for each
+        (n, 3): x, y [m] and yaw [rad] of X_WG.
         """
         starts = start_asked(options, self.num_envs)
         if seed is not None:
@@ -109,20 +109,20 @@ class PushVectorEnv(VectorEnv):
         )
 
     def render(self) -> tuple[Pixels, ...] | None:
-        """Return a picture of each object; None without pictures."""
+        """A picture of each object. None without pictures."""
         if self.render_mode is None:
             return None
         return tuple(map(self._camera.picture, self._pushing.observations()))
 
     def _draw(self, rows: Indices) -> None:
-        """Begin episodes near the task's start."""
+        """Start episodes near the task's start."""
         starts = [drawn_start(self.push, self._rngs[i]) for i in rows.tolist()]
         self._pushing.place(rows, starts)
 
     def _seeded(
         self, seed: int | Sequence[int | None] | None
     ) -> list[np.random.Generator]:
-        """Return the random numbers of each object."""
+        """Random generator of each object."""
         seeds: Sequence[int | None]
         if seed is None:
             seeds = [None] * self.num_envs

@@ -1,7 +1,7 @@
 """The planar world as a cell: quasi-static, on the exact limit surface.
 
 The truth is the task's own friction, mass and shape; the controller sees only what a
-robot would see.
+robot would measure.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ TIPPING_TIME = 0.1  # [s] of load off the base that ends a run
 
 def planar_cell(plan: Plan, start: WorldState | None = None) -> Cell:
     """Cell with the object of ``plan`` at its true start, and the tips before their
-    contacts or where they are as the run begins.
+    contacts or at the positions of the run's start state.
     """
     physics = PlanarPhysics(plan, start)
     tips = [PlanarTip(physics, i) for i in range(len(plan.task.robots))]
@@ -31,12 +31,14 @@ def planar_cell(plan: Plan, start: WorldState | None = None) -> Cell:
 
 
 class PlanarPhysics:
-    """An object and tips without arms: clock, tracker, placements and witness."""
+    """An object and tips without arms, as clock, tracker, placements and source of the
+    true state.
+    """
 
     simulated = True
 
     def __init__(self, plan: Plan, start: WorldState | None = None) -> None:
-        """Put object and tips where a run begins."""
+        """Put object and tips at the start of a run."""
         task = plan.task
         query = plan.query
         self.time = 0.0  # [s]
@@ -61,7 +63,7 @@ class PlanarPhysics:
         return StampedPose(self.time, self._X_WG)
 
     def advance(self) -> None:
-        """Let one control period pass."""
+        """Advance by one control period."""
         self._before = self.now
         self._X_WG_before = self._X_WG
         self.now = self._world.step(self.now, self.commands)
@@ -70,7 +72,7 @@ class PlanarPhysics:
         self._tipping = self._tipping + self._period if self.now.tipping else 0.0
 
     def observe(self) -> Truth:
-        """The truth of the tick that was passed last."""
+        """True state of the last completed tick."""
         before = self._before
         twist = self.now.twist.moved_to(self._X_BG.position)
         velocity = before.X_WB.rotate((twist.vx, twist.vy))
@@ -82,7 +84,7 @@ class PlanarPhysics:
         )
 
     def failure(self) -> str | None:
-        """That the object tips over or falls, or None."""
+        """Failure that the object tips over or falls, or None."""
         if self._tipping <= TIPPING_TIME:
             return None
         pressed = any(-tip.force[2] for tip in self.now.tips)
@@ -91,11 +93,11 @@ class PlanarPhysics:
         return "the object tips over: the centre of pressure has left what carries it"
 
     def prepare(self) -> PlacementPlanner:
-        """A preparation that takes any plan."""
+        """A joint-path planner that accepts any plan."""
         return PlansAlone()
 
     def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
-        """Take the contacts of the next placement; the tips stay where they are."""
+        """Take the contacts of the next placement. The tips keep their positions."""
         self._world = World(placement.task, placement.contacts, self._period)
 
 
@@ -108,11 +110,11 @@ class PlanarTip(TipAlone):
         self._index = index
 
     def read(self) -> ArmState:
-        """Place, velocity, and the force of the tick before."""
+        """Position, velocity, and the force of the previous tick."""
         return ArmState(self._physics.time, self._physics.now.tips[self._index])
 
     def send(self, command: ArmCommand) -> Applied:
-        """Obey a command of a tip; no other one moves it."""
+        """Execute a tip command. Only commands move the tip."""
         tip = command if isinstance(command, TipCommand) else None
         self._physics.commands[self._index] = tip
         return Applied()

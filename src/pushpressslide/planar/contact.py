@@ -1,7 +1,7 @@
-"""Contacts of massless, compliant tips with an object, and what they do under its twist.
+"""Contacts of massless, compliant tips with an object, and their response to its twist.
 
-Plain floats; frame B, places relative to the centre of pressure. The laws are those of
-``kernels.compliant_tip``.
+Plain floats; frame B, positions relative to the centre of pressure. The laws are those
+of ``kernels.compliant_tip``.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ STATUSES: tuple[ContactStatus, ...] = (
 
 
 class Response(NamedTuple):
-    """A contact's force on the object [N], and what its components lose per velocity of
-    the tip's centre [N s/m].
+    """A contact's force on the object [N], and the loss of its components per velocity
+    of the tip's centre [N s/m].
     """
 
     force: Point
@@ -52,12 +52,12 @@ class TipLaw(NamedTuple):
     damping: Point  # [N s/m] B along them, > 0
 
     def velocity(self, force: Point) -> Point:
-        """Return the velocity [m/s] of a tip that exerts ``force`` [N], both in B."""
+        """Velocity [m/s] of a tip that exerts ``force`` [N], both in B."""
         return tip_velocity(force, self)
 
 
 class SideContact(NamedTuple):
-    """A tip at a side face; its law's axis is the inward normal."""
+    """A tip at a side face. The axis of its law is the inward normal."""
 
     point: Point  # [m] of the face
     # [m] of the tip; it turns with the object, so that it does not roll along the face
@@ -68,11 +68,11 @@ class SideContact(NamedTuple):
     approach: float = 0.0
 
     def touch(self, vx: float, vy: float, w: float) -> Touch:
-        """Return what the tip does under an object's twist at the CoP."""
+        """Force, slope and status of the contact under an object's twist at the CoP."""
         return side_touch(vx, vy, w, self)
 
     def response(self, twist: tuple[float, float, float]) -> Response:
-        """Return the force under an object's ``twist`` at the CoP."""
+        """Force under an object's ``twist`` at the CoP."""
         return _named(self.touch(*twist))
 
 
@@ -84,8 +84,8 @@ def side_contact(
     friction: float,
     dt: float,
 ) -> SideContact:
-    """Return the contact of a tip whose centre is at ``tip`` [m], ``gap`` [m] before
-    the side whose inward normal is the law's axis, in a tick of ``dt`` [s].
+    """Contact of a tip whose centre is at ``tip`` [m], ``gap`` [m] before the side
+    whose inward normal is the law's axis, in a tick of ``dt`` [s].
     """
     point, center, _, _, approach = compliant_tip.side_contact(
         tip, tip_radius, gap, law, friction, dt
@@ -96,7 +96,7 @@ def side_contact(
 class WedgedContact(NamedTuple):
     """A tip between its own side and another wall of a notch.
 
-    It touches the one that alone keeps it out of both; where neither does, it sticks
+    It touches the wall that alone keeps it out of both. If neither does, it sticks
     between them.
     """
 
@@ -105,20 +105,20 @@ class WedgedContact(NamedTuple):
 
     @property
     def point(self) -> Point:
-        """Where the forces are taken to act: at the tip's centre [m]."""
+        """Point [m] at which the forces act: the tip's centre."""
         return self.own.center
 
     @property
     def center(self) -> Point:
-        """Place of the tip's centre in the plane [m]."""
+        """Position of the tip's centre in the plane [m]."""
         return self.own.center
 
     def touch(self, vx: float, vy: float, w: float) -> Touch:
-        """Return what the tip does under an object's twist at the CoP."""
+        """Force, slope and status of the contact under an object's twist at the CoP."""
         return wedged_touch(vx, vy, w, self.own, self.wall)
 
     def response(self, twist: tuple[float, float, float]) -> Response:
-        """Return the force under an object's ``twist`` at the CoP."""
+        """Force under an object's ``twist`` at the CoP."""
         return _named(self.touch(*twist))
 
 
@@ -131,37 +131,37 @@ class TopContact(NamedTuple):
 
     @property
     def center(self) -> Point:
-        """Place of the tip's centre in the plane [m]."""
+        """Position of the tip's centre in the plane [m]."""
         return self.point
 
     def touch(self, vx: float, vy: float, w: float) -> Touch:
-        """Return what the tip does under an object's twist at the CoP."""
+        """Force, slope and status of the contact under an object's twist at the CoP."""
         return press_touch(vx, vy, w, *self)
 
     def response(self, twist: tuple[float, float, float]) -> Response:
-        """Return the force under an object's ``twist`` at the CoP: what holds the tip,
+        """Force under an object's ``twist`` at the CoP: the force that holds the tip,
         or the limit against its slip.
         """
         return _named(self.touch(*twist))
 
 
 class Pull(NamedTuple):
-    """A force that is always there: a weight in the plane."""
+    """A constant force: a weight in the plane."""
 
     point: Point  # [m] where it acts
     force: Point  # [N]
 
     @property
     def center(self) -> Point:
-        """Place where it acts [m]."""
+        """Point [m] at which it acts."""
         return self.point
 
     def touch(self, vx: float, vy: float, w: float) -> Touch:
-        """Return the force, whatever the twist."""
+        """Force, slope and status, the same for every twist."""
         return self.force, (0.0, 0.0, 0.0, 0.0), PULL, self.point, self.point
 
     def response(self, twist: tuple[float, float, float]) -> Response:
-        """Return the force, whatever the twist."""
+        """The force, the same for every twist."""
         return _named(self.touch(*twist))
 
 
@@ -169,11 +169,11 @@ Contact = SideContact | WedgedContact | TopContact | Pull
 
 
 def touched(vx: float, vy: float, w: float, contact: Contact) -> Touch:
-    """Return what a contact does under an object's twist at the CoP."""
+    """Force, slope and status of a contact under an object's twist at the CoP."""
     return contact.touch(vx, vy, w)
 
 
 def _named(touch: Touch) -> Response:
-    """Return what a contact does, its status by name."""
+    """Response of a contact, with its status by name."""
     force, slope, status, _, _ = touch
     return Response(force, slope, STATUSES[status])

@@ -13,7 +13,7 @@ from pushpressslide.planar.cell import planar_cell
 def run(plan: Plan, options: RunOptions | None = None) -> Record:
     """Run ``plan`` from the task's true start and return its record.
 
-    Of a state that it goes on from the tips are taken over.
+    A run that continues from a state takes over its tips.
 
     The record is deterministic for a seed. Movable obstacles are not modelled: the
     object passes through them.

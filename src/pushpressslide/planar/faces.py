@@ -1,8 +1,8 @@
-"""Where a tip is before the face that it is to touch: the gap between them, and the
+"""Position of a tip relative to the face it is to touch: the gap between them, and the
 face's normal there.
 
-Places in the body frame B, heights above the support. A tip beside the face, or behind
-it, has an infinite gap: it touches nothing.
+Positions in the body frame B, heights above the support. A tip to the side of the face,
+or behind it, has an infinite gap: it touches nothing.
 """
 
 from __future__ import annotations
@@ -23,16 +23,18 @@ NO_WALL = (math.inf, (1.0, 0.0))  # far off
 
 
 class Face(Protocol):
-    """What a tip may touch."""
+    """A face that a tip may touch."""
 
     def gap(self, tip: Point, height: float) -> tuple[float, Point]:
-        """Return the gap [m] of a tip whose centre is at ``tip`` and ``height`` [m],
-        and the unit inward normal.
+        """Gap [m] of a tip whose centre is at ``tip`` and ``height`` [m], and the unit
+        inward normal.
         """
         ...
 
     def wall(self, tip: Point, height: float) -> tuple[float, Point]:
-        """Return the same of the nearest wall beside the face, infinite if none."""
+        """Gap and normal of the nearest wall next to the face; infinite if there is
+        none.
+        """
         ...
 
 
@@ -46,12 +48,12 @@ class SideFace:
     tip_radius: float  # [m]
 
     def gap(self, tip: Point, height: float) -> tuple[float, Point]:
-        """Return gap and normal."""
+        """Gap and normal."""
         return self._gap(self.side, tip, height)
 
     def wall(self, tip: Point, height: float) -> tuple[float, Point]:
-        """Return gap and normal of the wall that a tip comes to next, but for the face
-        itself; no wall where none is near.
+        """Gap and normal of the nearest wall that a tip may meet other than the face
+        itself. The gap is infinite if none is near.
         """
         if not self.walls:
             return NO_WALL
@@ -73,20 +75,18 @@ class Top:
     tip_radius: float  # [m]
 
     def gap(self, tip: Point, height: float) -> tuple[float, Point]:
-        """Return gap and normal, which has no part in the plane."""
+        """Gap and normal, which has no component in the plane."""
         gap = height - self.tip_radius - self.shape.height
         above = gap > -PASSED and self.shape.holds(tip, 0.0, self.origin)
         return gap if above else math.inf, (0.0, 0.0)
 
     def wall(self, tip: Point, height: float) -> tuple[float, Point]:
-        """Return no wall."""
+        """No wall."""
         return NO_WALL
 
 
 def face_of(body: ObjectModel, contact: Contact, tip_radius: float) -> Face:
-    """Return the face of ``body`` on which a ``contact`` is, for a tip of
-    ``tip_radius`` [m].
-    """
+    """Face of ``body`` that carries a ``contact``, for a tip of ``tip_radius`` [m]."""
     shape = body.shape
     if contact.kind == "top":
         return Top(shape, body.center_of_mass, tip_radius)

@@ -1,4 +1,4 @@
-"""The planar cell by its name of earlier versions."""
+"""The planar cell under its name in earlier versions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ from pushpressslide.planar.cell import planar_cell
 
 
 def PlanarPlant(plan: Plan) -> Cell:
-    """As ``planar.cell.planar_cell``, with a DeprecationWarning; it goes with 0.6."""
+    """Like ``planar.cell.planar_cell``, with a DeprecationWarning. To be removed in
+    0.5.
+    """
     warnings.warn(
         "PlanarPlant goes with version 0.6: use pushpressslide.planar.cell.planar_cell",
         DeprecationWarning,

@@ -22,12 +22,12 @@ class PolygonFriction:
     """
 
     def __init__(self, face: FacePressure) -> None:
-        """Prepare the edges; the friction's limit mu N [N] is given at each call."""
+        """Prepare the edges. The friction's limit mu N [N] is an argument of each call."""
         self.rho = face.rho  # [m] root mean square distance
         self._friction = friction_under(face)
 
     def wrench(self, twist: Vector, limit: float) -> Vector:
-        """Return (fx, fy [N], tau [N m]) that slides the object with ``twist`` (m/s,
+        """Wrench (fx, fy [N], tau [N m]) that slides the object with ``twist`` (m/s,
         rad/s), both at the CoP.
 
         ``limit`` [N] is mu N.
@@ -36,9 +36,7 @@ class PolygonFriction:
         return (limit * fx, limit * fy, limit * tau)
 
     def wrench_and_slope(self, twist: Vector, limit: float) -> tuple[Vector, Matrix]:
-        """Return the wrench and its derivative by the twist, symmetric and positive
-        definite.
-        """
+        """Wrench and its derivative by the twist, symmetric and positive definite."""
         fx, fy, tau, xx, xy, xw, yy, yw, ww = self._friction(*twist, True)
         xy = limit * xy
         xw = limit * xw
@@ -53,10 +51,11 @@ class PolygonFriction:
 def friction_under(
     face: FacePressure,
 ) -> Callable[[float, float, float, bool], Friction]:
-    """Return ``polygon_friction`` of a twist under a face, with or without its slope.
+    """Function that evaluates ``polygon_friction`` of a twist under a face, with or
+    without its slope.
 
-    Compiled where numba is loaded already, which takes longer than a run has to gain;
-    the numbers are the same to the last bit.
+    It is compiled only if numba is loaded already, as loading takes longer than a run
+    would gain. The numbers are the same to the last bit.
     """
     plane = face.plane()
     edges = face.edges()

@@ -1,8 +1,8 @@
-"""The motion of an object on its support under compliant tips: the twist at which all
+"""Motion of an object on its support under compliant tips: the twist at which all
 forces balance.
 
-One tick of quasi-statics (docs/mechanics.md, sections 1 to 3) by ``kernels.sliding``, on
-the exact limit surface. Frame B, about the centre of pressure.
+One tick of quasi-statics (docs/mechanics.md, sections 1 to 3) by ``kernels.sliding``,
+on the exact limit surface. Frame B, about the centre of pressure.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from pushpressslide.planar.support_friction import Vector
 def slide(
     friction: Friction, limit: float, contacts: Sequence[Contact], guess: Vector
 ) -> Vector:
-    """Return the twist (m/s, rad/s) of the CoP at which support and ``contacts``
-    balance, to 1e-9 of mu N.
+    """Twist (m/s, rad/s) of the CoP at which support and ``contacts`` balance, to 1e-9
+    of mu N.
 
-    ``limit`` [N] is mu N, ``guess`` the twist of the tick before; at rest the object
-    creeps, by less than ``CREEP`` times a few.
+    ``limit`` [N] is mu N, ``guess`` the twist of the previous tick. At rest the object
+    creeps, by less than a few times ``CREEP``.
     """
     support = (friction, limit, friction.rho)
     return sliding.slide(guess, contacts, support, (_resistance, touched))
@@ -33,7 +33,7 @@ def slide(
 def _resistance(
     vx: float, vy: float, w: float, friction: Friction, limit: float, sloped: bool
 ) -> Taken:
-    """Return the wrench that slides the object, and its slope, 0 if it is not asked for."""
+    """Wrench that slides the object, and its slope, 0 if not requested."""
     if not sloped:
         wrench = friction.wrench((vx, vy, w), limit)
         return (*wrench, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

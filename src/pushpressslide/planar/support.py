@@ -1,4 +1,4 @@
-"""The support under one object, under the load of the moment."""
+"""Support under one object, with the current load."""
 
 from __future__ import annotations
 
@@ -23,10 +23,11 @@ TIPPING = 0.95
 
 
 class Support:
-    """The support under one object.
+    """Support under one object.
 
-    The CoP is where the load puts it, but never off the base. The pressure (Winkler) is
-    made once for each place of the CoP on a fine grid, and moved to the true CoP.
+    The CoP follows from the load, but never leaves the base. The pressure (Winkler) is
+    computed once for each position of the CoP on a fine grid, and shifted to the true
+    CoP.
     """
 
     def __init__(self, shape: Shape, center_of_mass: Point) -> None:
@@ -41,7 +42,7 @@ class Support:
 
         @lru_cache(maxsize=KEPT)
         def friction(i: int, j: int) -> Friction:
-            """Return the friction for a CoP on the grid."""
+            """Friction for a CoP on the grid."""
             cop = (i * step, j * step)
             if shape.corners:
                 face = face_pressure(shape, center_of_mass, cop)
@@ -54,14 +55,14 @@ class Support:
         self._friction = friction
 
     def outwards(self, cop: Point) -> float:
-        """Return where ``cop`` [m] is between the middle of the base, 0, and its
-        outline, 1.
+        """Position of ``cop`` [m] between the middle of the base, 0, and its outline,
+        1.
         """
         return self._gauge(cop[0] - self._middle[0], cop[1] - self._middle[1])
 
     def under(self, cop: Point) -> tuple[Point, Friction, bool]:
-        """Return the CoP [m] in B, held on the base, the friction about it, and whether
-        the object tips.
+        """CoP [m] in B, limited to the base, the friction about it, and whether the
+        object tips.
         """
         out = self.outwards(cop)
         tipping = out > TIPPING

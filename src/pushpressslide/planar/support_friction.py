@@ -20,13 +20,15 @@ class SupportFriction:
     """Wrench that slides the object, about the centre of pressure: mu N sum of s_k
     (v_k, r_k x v_k) / |v_k|.
 
-    ``samples`` gives the shares s_k of the load and their places r_k from the CoP;
+    ``samples`` gives the shares s_k of the load and their positions r_k from the CoP;
     |v_k| is softened by ``CREEP`` (docs/mechanics.md, section 1). One sample of
     torsional radius rho is the ellipsoid.
     """
 
     def __init__(self, samples: PressureSamples) -> None:
-        """Prepare the samples; the friction's limit mu N [N] is given at each call."""
+        """Prepare the samples. The friction's limit mu N [N] is an argument of each
+        call.
+        """
         x, y = (samples.points - np.array(samples.cop)).T
         # |v_k|^2 is linear in these four: v^2 + 2 w (v_y x - v_x y) + w^2 (x^2 + y^2 +
         # radius^2)
@@ -39,7 +41,7 @@ class SupportFriction:
         self.rho = math.sqrt(float(self._shares @ self._basis[:, 3]))
 
     def wrench(self, twist: Vector, limit: float) -> Vector:
-        """Return (fx, fy [N], tau [N m]) that slides the object with ``twist`` (m/s,
+        """Wrench (fx, fy [N], tau [N m]) that slides the object with ``twist`` (m/s,
         rad/s), both at the CoP.
 
         ``limit`` [N] is mu N.
@@ -47,9 +49,7 @@ class SupportFriction:
         return self._wrench(twist, limit)[0]
 
     def wrench_and_slope(self, twist: Vector, limit: float) -> tuple[Vector, Matrix]:
-        """Return the wrench and its derivative by the twist, symmetric and positive
-        definite.
-        """
+        """Wrench and its derivative by the twist, symmetric and positive definite."""
         wrench, (k0, kx, ky, ks), per_speed, squared_speed = self._wrench(twist, limit)
         vx, vy, w = twist
         # the samples' friction, (v_x - w y, v_y + w x, r x v_k), in terms of the basis

@@ -47,7 +47,7 @@ TIP_DRAG = 50.0  # [N s/m] of a tip whose command neither holds nor damps it
 
 
 class WorldState(NamedTuple):
-    """Where everything is, and what led there in the tick before."""
+    """State of object and tips, and their motion in the previous tick."""
 
     X_WB: Pose2
     tips: tuple[TipState, ...]  # one per robot; the force is zero without contact
@@ -57,7 +57,7 @@ class WorldState(NamedTuple):
 
 
 class _Wall(NamedTuple):
-    """A side that a tip may meet beside its own face."""
+    """A side that a tip may meet next to its own face."""
 
     gap: float  # [m]
     law: TipLaw
@@ -78,7 +78,8 @@ class _Reach(NamedTuple):
     def touching(
         self, cop: Point, friction: float, dt: float
     ) -> SideContact | WedgedContact | TopContact | None:
-        """Return what the tip may do at its face in a tick.
+        """Possible contact of the tip at its face in a tick. None if it does not come
+        near the face.
 
         None if it does not come near it.
         """
@@ -100,13 +101,13 @@ class _Reach(NamedTuple):
 
 
 class World:
-    """A task's object on its support, and the tips; the truth, not what is believed.
+    """True state of a task's object on its support, and of the tips.
 
-    The object has no inertia and the tips no mass: a tip exerts what its command asks
-    for at the velocity it has, so the cap of its servo, which is for an arm's inertia,
-    has no part here. A tip touches in a point; its friction acts in the plane.
-    Obstacles are not modelled, but for a fixed one on a wall, which carries what stands
-    on it: the object passes through them. What is level with an opening rests in it.
+    The object has no inertia and the tips no mass: a tip exerts the force that its
+    command demands at its velocity. The cap of its servo, which is for an arm's
+    inertia, plays no role here. A tip touches in a point; its friction acts in the
+    plane. The object passes through obstacles, except for a fixed one on a wall, which
+    carries the object standing on it. An object level with an opening rests in it.
     """
 
     def __init__(self, task: Task, contacts: Sequence[Contact], dt: float) -> None:
@@ -136,8 +137,7 @@ class World:
         ]
 
     def start(self, X_WG: Pose2, planned: Pose2, gap: float) -> WorldState:
-        """Return the state with the object at ``X_WG`` and the tips before their
-        contacts.
+        """State with the object at ``X_WG`` and the tips before their contacts.
 
         Each tip is ``gap`` [m] before its contact on an object at ``planned``. A tip
         without a contact is at its robot's base.
@@ -158,10 +158,10 @@ class World:
     def step(
         self, state: WorldState, commands: Sequence[TipCommand | None]
     ) -> WorldState:
-        """Return the state one tick on.
+        """State after one tick.
 
-        A tip without a command stays where it is; one without a contact is where its
-        command has it, and touches nothing.
+        A tip without a command stays in place; one without a contact is at its
+        commanded position, and touches nothing.
         """
         X_WB = state.X_WB
         axis = (math.cos(X_WB.yaw), math.sin(X_WB.yaw))
@@ -215,7 +215,7 @@ class World:
         response: Response,
         motion: Motion,
     ) -> TipState:
-        """Return a tip one tick on, of an object that has moved so."""
+        """A tip after one tick, given the object's motion in it."""
         x, y, z = state.tips[reach.contact.arm].position
         before = (axis, (x, y), reach.place, reach.law)
         free = response.status == "free"
@@ -234,8 +234,8 @@ class World:
         face: Face,
         command: TipCommand,
     ) -> _Reach:
-        """Return what a tip does in a tick as far as it does not depend on the object's
-        motion; ``axis`` is that of B.
+        """The part of a tip's motion in a tick that is independent of the object's
+        motion. ``axis`` is that of B.
         """
         X_WB = state.X_WB
         dt = self.dt
@@ -271,8 +271,8 @@ class World:
     def _load(
         self, state: WorldState, axis: Point, reaches: Sequence[_Reach]
     ) -> tuple[Point, float]:
-        """Return CoP [m] in B and load [N] on the support, by the presses of this tick
-        and the horizontal forces of the one before.
+        """CoP [m] in B and load [N] on the support, from the presses of this tick and
+        the horizontal forces of the previous one.
         """
         own = self.own_load
         top = self.task.object.shape.height
@@ -304,8 +304,8 @@ class World:
         return bool(edge_depths(shape, [X_WG], place, self._region)[0] < 0.0)
 
     def _carried(self, X_WB: Pose2, twist: Twist, falling: bool) -> tuple[Vector, bool]:
-        """What becomes of an object on a wall that would move with ``twist``: it rests
-        on a fixed obstacle or in the opening, or goes on; and whether it still falls.
+        """Twist of an object on a wall that would move with ``twist``, and whether it
+        still falls. It rests on a fixed obstacle or in the opening, or moves on.
         """
         X_WG = X_WB.compose(self.task.object.X_GB.inverse())
         shape = self.task.object.shape
@@ -326,13 +326,13 @@ class World:
 
 
 def _law(axis: Point, force: Point, damping: Point) -> TipLaw:
-    """Return a tip's law along an axis, its force f_0 [N] given in B."""
+    """A tip's law along an axis, its force f_0 [N] given in B."""
     return TipLaw(*tip_law(axis, force, damping))
 
 
 def _damping(damping: float, stiffness: float, dt: float) -> float:
-    """Return what a tip's force loses with its velocity over a tick: its spring is
-    taken at the end of it.
+    """Loss of a tip's force per velocity over a tick. Its spring is evaluated at the
+    end of the tick.
     """
     total = damping + stiffness * dt
     return total if total > TIP_DRAG else TIP_DRAG
@@ -343,5 +343,5 @@ def _led(command: TipCommand) -> TipState:
 
 
 def resting(position: Vector3) -> TipState:
-    """Return a tip at rest that touches nothing."""
+    """A tip at rest that touches nothing."""
     return TipState(position, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))

@@ -1,6 +1,6 @@
-"""What became of a run: figures, files, plots and pages.
+"""Results of a run: figures, files, plots and pages.
 
-Everything follows from task, plan and record alone. ``pps.report(folder)`` is both this
+All are derived from task, plan and record alone. ``pps.report(folder)`` is both this
 package and the function that writes a page.
 """
 
@@ -13,8 +13,8 @@ from types import ModuleType
 
 
 class _Report(ModuleType):
-    """The package; once imported it hides a function of the same name above it, and is
-    that function.
+    """This package as a callable. Once imported it hides the function of the same name
+    in the parent package, and acts as that function.
     """
 
     def __call__(

@@ -1,4 +1,4 @@
-"""What a run asked of the arms: torques, joint angles."""
+"""Load on the arms in a run: torques and joint angles."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pushpressslide.robots.facts import MODELS, RobotFacts, load_facts
 
 
 def robot_facts(robot: Robot) -> RobotFacts | None:
-    """Return the facts of a task's robot; None if its description cannot be read."""
+    """Facts of a task's robot. None if its description cannot be read."""
     if robot.model in MODELS:
         return load_facts(robot.model)
     from pushpressslide.robots.description import read_description
@@ -25,8 +25,8 @@ def robot_facts(robot: Robot) -> RobotFacts | None:
 
 
 def torque_figures(robots: Sequence[Robot], record: Record) -> dict[str, float | None]:
-    """Return the share of ticks at which more than a torque limit, or than a limit of
-    its rate, was asked for, and the largest share of each that was.
+    """Share of ticks at which a demanded torque exceeded its limit or its rate limit,
+    and the largest demand as a share of each limit.
     """
     out: dict[str, float | None] = {}
     for kind, fraction, largest in (
@@ -48,7 +48,7 @@ def torque_figures(robots: Sequence[Robot], record: Record) -> dict[str, float |
 
 
 def speed_share(robots: Sequence[Robot], record: Record) -> float | None:
-    """Return the largest speed of any joint as a share of its limit; None without joints."""
+    """Largest speed of any joint as a share of its limit. None without joints."""
     shares = []
     for i, robot in enumerate(robots):
         v = record.arrays.get(f"joint_velocity_{i}")
@@ -59,7 +59,7 @@ def speed_share(robots: Sequence[Robot], record: Record) -> float | None:
 
 
 def joint_margin(robots: Sequence[Robot], record: Record) -> float | None:
-    """Return the least distance [rad] of a joint to its limits; None without joints."""
+    """Smallest distance [rad] of a joint to its limits. None without joints."""
     margins = []
     for i, robot in enumerate(robots):
         q = record.arrays.get(f"joint_position_{i}")

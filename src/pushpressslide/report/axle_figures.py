@@ -1,4 +1,4 @@
-"""The figure of the virtual axle over a run's time, and how axles are drawn."""
+"""Figure of the virtual axle over a run's time, and the drawing of axles."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ PAPER_LABEL = "paper's formula"
 
 
 def axle_over_time(plan: Plan, record: Record) -> Figure | None:
-    """Return the virtual axle and the tracking errors over the time of a run.
+    """Virtual axle and the tracking errors over the time of a run.
 
-    None where the run was not one top press, or nothing moved. See ``AxleSeries``.
+    None if the run was not one top press, or nothing moved. See ``AxleSeries``.
     """
     contacts = plan.contacts
     pressed = len(contacts) == 1 and contacts[0].kind == "top"
@@ -60,7 +60,7 @@ def _axle_panel(ax: Axes, axles: AxleSeries, time: Array) -> None:
 
 
 def _paper_panel(ax: Axes, axles: AxleSeries) -> None:
-    """Draw the paper's axle in a strip of its own, as it lies far from the others."""
+    """Draw the paper's axle in a panel of its own, as it lies far from the others."""
     ax.plot(axles.time, 1e3 * axles.paper, color=PAPER, label=PAPER_LABEL)
     ax.set_ylabel("[mm]")
     middle = 0.0
@@ -70,7 +70,7 @@ def _paper_panel(ax: Axes, axles: AxleSeries) -> None:
 
 
 def _error_panels(upper: Axes, lower: Axes, record: Record) -> None:
-    """Draw the errors to the reference, and those that the tracking law saw."""
+    """Draw the errors to the reference, and those that the tracking law used."""
     time, position, yaw = series.timed_errors(record)
     move = series.in_phase(record, "move")
     seen = np.where(move[:, None], record.arrays["tracking_error"], np.nan)

@@ -1,4 +1,4 @@
-"""The virtual axle of a pressed object over the time of a run."""
+"""Virtual axle of a pressed object over the time of a run."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ SAMPLES = 60  # of the predicted curves
 class AxleSeries:
     """Virtual axles [m] on the line from the CoM to the contact, positive towards it.
 
-    NaN where there is none. The object is measured at every tick, the predictions are
-    made at some.
+    NaN without an axle. The object is measured at every tick, the predictions are made
+    at some.
     """
 
     measured: Array  # (N,) where the object turns fast enough, at a steady rate
@@ -42,7 +42,9 @@ class AxleSeries:
 
 @dataclass(frozen=True, slots=True)
 class PressedMotion:
-    """What is averaged over ``WINDOW``, each (N,), of an object under one top press."""
+    """Motion and contact force of an object under one top press, each (N,), averaged
+    over ``WINDOW``.
+    """
 
     turn_rate: Array  # [rad/s]
     across: Array  # [m/s] of the CoM, to the left of the line to the contact
@@ -52,7 +54,7 @@ class PressedMotion:
 
 
 def axle_series(plan: Plan, record: Record) -> AxleSeries:
-    """Return the virtual axles of a run with one top press."""
+    """Virtual axles of a run with one top press."""
     contact = _contact(plan)
     ex, ey = _axis(contact)
     time = record.arrays["time"]
@@ -78,7 +80,7 @@ def axle_series(plan: Plan, record: Record) -> AxleSeries:
 
 
 def _contact(plan: Plan) -> Contact:
-    """The only contact, its point from the true CoM."""
+    """The only contact, with its point relative to the true CoM."""
     (contact,) = plan.contacts
     return contact.shifted(plan.task.center_error)
 

@@ -1,4 +1,4 @@
-"""What the contacts of a run went through: forces, friction, losses, slip."""
+"""Figures of the contacts of a run: forces, friction, losses, slip."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ outside the cone.
 
 
 def contact_figures(placements: Sequence[tuple[Plan, Record]]) -> dict[str, Any]:
-    """Return the figures of the contacts, over all placements and of each.
+    """Figures of the contacts, over all placements and for each.
 
     Shares are of the ticks in contact.
     """
@@ -102,7 +102,7 @@ def _placement_figures(plan: Plan, record: Record) -> dict[str, Any]:
 
 
 def _largest_mean(forces: Array, time: Array) -> float | None:
-    """Return the largest mean of a normal force [N] over MEAN_TIME."""
+    """Largest mean of a normal force [N] over MEAN_TIME."""
     if len(time) < 2 or not len(forces):
         return None
     period = float(np.median(np.diff(time)))
@@ -116,8 +116,8 @@ def _largest_mean(forces: Array, time: Array) -> float | None:
 def _outside_commanded(
     plan: Plan, record: Record, touching: Mask
 ) -> tuple[int, int, float]:
-    """Return at how many ticks in contact feed-forward and servo together lie outside
-    the friction cone, of how many, and by how much at most [N].
+    """Number of ticks in contact at which feed-forward plus servo lie outside the
+    friction cone, number of ticks in contact, and the largest excess [N].
     """
     if "demanded_force" not in record.arrays:
         return 0, 0, 0.0
@@ -130,7 +130,7 @@ def _outside_commanded(
 
 
 def _commanded(parts: Sequence[tuple[int, int, float]]) -> dict[str, float] | None:
-    """Return the share of the ticks outside the cone, and the largest excess [N]."""
+    """Share of the ticks outside the cone, and the largest excess [N]."""
     ticks = sum(count for _, count, _ in parts)
     if not ticks:
         return None
@@ -153,11 +153,10 @@ def _mean(values: Array) -> float | None:
 
 
 def pivots(placements: Sequence[tuple[Plan, Record]]) -> list[dict[str, Any]]:
-    """Return about which point in B [m] the object turned, for each placement that pins
-    one.
+    """Measured centre of rotation in B [m] of each placement that pins a point.
 
-    Beside it: the pinned point, the centre of pressure, and the virtual axle about
-    which the object would turn if the press did not hold it, as the plan has them.
+    Beside it, from the plan: the pinned point, the centre of pressure, and the virtual
+    axle about which the object would turn if the press did not hold it.
     """
     out = []
     for placement, record in placements:

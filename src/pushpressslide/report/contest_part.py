@@ -1,4 +1,4 @@
-"""Why the mode of a run was taken, as a sentence and a small table of its rivals."""
+"""Reason for the mode of a run, as a sentence and a small table of its rivals."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ HEAD = ("Mode", "", "Expected time")
 
 
 def contest_part(plan: Plan, choices: Sequence[Choice]) -> str:
-    """Return the part of a page that says why each mode of a plan was taken; empty
-    where its motions were found by a search.
+    """Part of a page that says why each mode of a plan was taken. Empty if its motions
+    were found by a search.
     """
     return "".join(_one(contest) for contest in contests(plan, choices))
 

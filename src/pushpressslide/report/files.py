@@ -1,6 +1,6 @@
 """A run on disk: task.yaml, plan.json, record.npz and, last of all, result.json.
 
-Each file is there whole or not at all.
+Each file is complete or absent.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Run:
-    """One finished run, as read back from its folder."""
+    """One finished run, as read from its folder."""
 
     folder: Path
     task: Task
@@ -66,23 +66,23 @@ class Run:
 
     @property
     def begun(self) -> tuple[StageRun, ...]:
-        """The stages that were begun, at least one."""
+        """The stages that were started, at least one."""
         return _begun(self.stages)
 
     @property
     def plan(self) -> Plan:
-        """What was run, with what was planned anew; of several stages one after the
+        """The executed plan with its replans; the plans of several stages one after the
         other.
         """
         return self.record.plan
 
     @property
     def choices(self) -> tuple[Choice, ...]:
-        """All that were weighed, refused ones too; empty if not kept."""
+        """All choices considered, refused ones included. Empty if not stored."""
         return tuple(choice for stage in self.stages for choice in stage.choices)
 
     def __repr__(self) -> str:
-        """Return one line."""
+        """One line."""
         return f"Run({str(self.folder)!r}: {self.record!r})"
 
 
@@ -93,10 +93,11 @@ def save_run(
     record: Record,
     result: Mapping[str, Any],
 ) -> None:
-    """Write a run to folder ``out``; with an empty result what there is of it so far.
+    """Write a run to folder ``out``; with an empty result, the part of the run
+    available so far.
 
     result.json comes last: a folder that has one is complete. An older result.json is
-    taken away first, so that a folder is never half of one run and half of another.
+    taken away first, so that a folder never mixes two runs.
     """
     from pushpressslide.taskfile.load import dump_task
 
@@ -110,7 +111,7 @@ def save_run(
 
 
 def load_run(folder: str | Path) -> Run:
-    """Return the run in ``folder``; one that the version before has written, too.
+    """Run in ``folder``, also one written by the previous version.
 
     Raises PushPressSlideError if it is missing, unfinished or damaged.
     """
@@ -145,7 +146,7 @@ def load_run(folder: str | Path) -> Run:
 def _plans(
     stored: Mapping[str, Any], task: Task, path: Path
 ) -> list[tuple[Mapping[str, Any], StagePlan]]:
-    """Return what plan.json has of each stage, and its plan."""
+    """Data of each stage in plan.json, with its plan."""
     from pushpressslide.taskfile.load import written_task
 
     if stored["schema"] == SCHEMA - 1:  # a single stage, written without a list
@@ -169,7 +170,7 @@ def _plans(
 
 
 def _later(stored: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return the plans of which each stood in the one before it, under "again"."""
+    """Superseding plans, each stored under "again" in the one before it."""
     out: list[Mapping[str, Any]] = []
     while stored["again"] is not None:
         stored = stored["again"]
@@ -188,7 +189,7 @@ def _record(plan: Plan, path: Path) -> Record:
 def _stages(
     plans: Sequence[tuple[Mapping[str, Any], StagePlan]], joined: Record
 ) -> tuple[StagePlan, ...]:
-    """Return the stages, those that were begun with their records."""
+    """All stages; those that were started have their records."""
     out: list[StagePlan] = []
     for number, (item, part) in enumerate(plans):
         if "began" in item:
@@ -206,7 +207,7 @@ def _run(
     record: Record,
     choices: tuple[Choice, ...],
 ) -> StageRun:
-    """Return a stage that was begun, of what plan.json has of it."""
+    """A started stage, from its data in plan.json."""
     state = WorldState({body: Pose2(**X) for body, X in figures["poses"].items()})
     anew = figures["planned_anew"]
     return StageRun(stage, record.plan, choices, record, figures["began"], state, anew)
@@ -215,8 +216,8 @@ def _run(
 def _older_run(
     folder: Path, task: Task, stored: Mapping[str, Any], result: dict[str, Any]
 ) -> Run:
-    """Return a run whose stages lie as runs of their own in stages/1, stages/2 and so
-    on, as the version before wrote them.
+    """A run of the previous version, whose stages lie as runs of their own in stages/1,
+    stages/2 and so on.
     """
     runs = []
     for number, item in enumerate(stored["stages"], start=1):
@@ -231,7 +232,7 @@ def _older_run(
 
 
 def read_json(path: Path) -> Any:
-    """Return the JSON data of a file.
+    """JSON data of a file.
 
     Raises PushPressSlideError if it is damaged.
     """
@@ -239,7 +240,7 @@ def read_json(path: Path) -> Any:
 
 
 def read_with(path: Path, reader: Callable[[Path], T]) -> T:
-    """Return what ``reader`` makes of a file.
+    """Result of applying ``reader`` to a file.
 
     Raises PushPressSlideError, with the file's name, if it is damaged.
     """
@@ -260,7 +261,7 @@ def read_with(path: Path, reader: Callable[[Path], T]) -> T:
 
 
 def record_to_bytes(record: Record) -> bytes:
-    """Return a record as the bytes of an .npz file.
+    """A record as the bytes of an .npz file.
 
     The file holds the arrays, and the rest as JSON text under ``META``.
     """
@@ -280,8 +281,8 @@ def record_to_bytes(record: Record) -> bytes:
 
 
 def record_from_bytes(data: bytes, plan: Plan) -> Record:
-    """Return the record of ``record_to_bytes``, of a run of ``plan``; tuples in ``meta``
-    come back as lists.
+    """Record from the bytes of ``record_to_bytes``, of a run of ``plan``. Tuples in
+    ``meta`` come back as lists.
     """
     with np.load(BytesIO(data), allow_pickle=False) as stored:
         arrays = {name: stored[name] for name in stored.files if name != META}

@@ -1,4 +1,4 @@
-"""The motions of a plan one by one, as a strip of pictures."""
+"""Motions of a plan one by one, as a strip of pictures."""
 
 from __future__ import annotations
 
@@ -22,16 +22,14 @@ BETWEEN = 3  # footprints between the ends of a motion
 
 
 def motions(plan: Plan) -> list[tuple[Segment, ...]]:
-    """Return the segments of a plan, without what was planned anew on the way, by leg."""
+    """Segments of a plan by leg, without replans."""
     return [
         tuple(part) for _, part in groupby(plan.segments, lambda segment: segment.leg)
     ]
 
 
 def filmstrip(plan: Plan) -> Figure:
-    """Return one picture for each motion of a plan: from where to where it leads the
-    object, its path, and its contacts.
-    """
+    """One picture for each motion of a plan: its start and end, path and contacts."""
     plan = replace(plan, later=())
     every = motions(plan)
     across = min(ACROSS, len(every))
@@ -56,8 +54,8 @@ def filmstrip(plan: Plan) -> Figure:
 def _what(
     plan: Plan, motion: tuple[Segment, ...], before: tuple[Segment, ...] | None
 ) -> str:
-    """Return mode and arms, and in a second line time, and whether the arms keep their
-    contacts.
+    """Caption of a motion: mode and arms, and in a second line time, and whether the
+    arms keep their contacts.
     """
     first = motion[0]
     robots = len(plan.task.robots)
@@ -85,7 +83,7 @@ def _picture(ax: Axes, plan: Plan, motion: tuple[Segment, ...], start: Pose2) ->
 
 
 def _between(plan: Plan, motion: tuple[Segment, ...]) -> list[Pose2]:
-    """Return some poses X_WG on the way of a motion."""
+    """Evenly spaced poses X_WG along a motion."""
     shares = [(k + 1) / (BETWEEN + 1) for k in range(BETWEEN)]
     return [
         plan.object_pose(segment, share * segment.path.length)
@@ -95,7 +93,7 @@ def _between(plan: Plan, motion: tuple[Segment, ...]) -> list[Pose2]:
 
 
 def _corners(plan: Plan) -> list[Point]:
-    """Return the corners of the footprints [m] on all motions."""
+    """Corners of the footprints [m] on all motions."""
     poses = [plan.task.start, *(segment.goal for segment in plan.segments)]
     for motion in motions(plan):
         poses += _between(plan, motion)

@@ -1,4 +1,4 @@
-"""The page of identified pushes.
+"""Page of identified pushes.
 
 A table, and for each set a figure of predictions, limit surface and support.
 """
@@ -61,9 +61,9 @@ CAPTION = (
 def write_identification(
     identifications: Sequence[Identification], out: Path, how: str, notes: Sequence[str]
 ) -> Path:
-    """Write ``out``/report.html and ``out``/plots/<set>.png; return the page's path.
+    """Write ``out``/report.html and ``out``/plots/<set>.png and return the page's path.
 
-    ``how`` says how the pushes were split; ``notes`` what was left out.
+    ``how`` describes the split of the pushes, ``notes`` the omitted data.
     """
     body = [
         "<h1>Support identified from pushes</h1>",
@@ -84,10 +84,10 @@ def write_identification(
 
 
 def predicted_rho(identification: Identification) -> tuple[float, float | None]:
-    """Return rho [m] predicted from the layout: of the load, and of a rigid face.
+    """Values of rho [m] predicted from the layout: of the load, and of a rigid face.
 
-    The load is that of the pins, or even on the base. On pins there is no rigid face:
-    None.
+    The load is that of the pins, or even on the base. The second is None on pins, which
+    have no rigid face.
     """
     uniform = identification.push_set.uniform_pressure()
     expected = rho_pole(identification.push_set.static_pressure())
@@ -108,9 +108,9 @@ HEAD = (
 
 
 def cells(identification: Identification) -> list[str]:
-    """Return the row of a set under ``HEAD``.
+    """Row of a set under ``HEAD``.
 
-    rho in mm, mean held-out errors in degrees; empty where there is none.
+    rho in mm, mean held-out errors in degrees; empty if missing.
     """
     row = [
         identification.push_set.name,
@@ -136,7 +136,7 @@ def _table(identifications: Sequence[Identification]) -> str:
 
 
 def set_figure(identification: Identification) -> Figure:
-    """Return the figure of one set: errors, turns, surface, support."""
+    """Figure of one set: errors, turns, surface, support."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
@@ -225,9 +225,10 @@ def _surface(axes: Axes, identification: Identification) -> None:
 
 
 def _radius(identification: Identification, angle: Array) -> Array:
-    """Norm [N] of (|F|, tau / rho) on the fitted surface, by angle atan2(tau / rho, |F|).
+    """Norm [N] of (|F|, tau / rho) on the fitted surface as a function of the angle
+    atan2(tau / rho, |F|).
 
-    One column for each of 24 directions of the force; for the loads at rest.
+    One column for each of 24 directions of the force; all for the loads at rest.
     """
     turn = np.linspace(0.0, 2.0 * math.pi, 24, endpoint=False)
     steep, around = np.meshgrid(angle, turn, indexing="ij")
@@ -269,7 +270,7 @@ def _support(axes: Axes, identification: Identification) -> None:
 
 
 def _loads(axes: Axes, identification: Identification) -> None:
-    """Draw the fitted load at rest: shares on pins, else the pressure on the base."""
+    """Draw the fitted load at rest: shares of the pins, or the pressure on the base."""
     pressure = identification.pressure
     points = 1e3 * pressure.points
     if identification.push_set.pins:

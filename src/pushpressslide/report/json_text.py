@@ -11,14 +11,14 @@ import numpy as np
 
 
 def to_json(value: Any) -> str:
-    """Return ``value`` as strict JSON text (no NaN), indented, with a final newline."""
+    """Strict JSON text (no NaN) of ``value``, indented, with a final newline."""
     return (
         json.dumps(plain(value), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
     )
 
 
 def plain(value: Any) -> Any:
-    """Return ``value`` as data that JSON knows.
+    """``value`` as data that JSON supports.
 
     NumPy scalars and arrays become numbers and lists; NaN and infinity become None.
     """

@@ -1,6 +1,6 @@
-"""The figures of one run: result.json, field by field.
+"""Figures of one run: result.json, field by field.
 
-docs/results.md says what each means.
+docs/results.md explains each field.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ def result(
     record: Record,
     versions: Mapping[str, str | None] | None = None,
 ) -> dict[str, Any]:
-    """Return the contents of result.json.
+    """Contents of result.json.
 
-    SI units and radians; null where a figure does not apply, never NaN. Computed from
+    SI units and radians; null if a figure does not apply, never NaN. Computed from
     ``task``, ``plan`` and ``record`` alone; ``versions`` defaults to those of this
     process.
     """
@@ -87,7 +87,7 @@ def result(
 
 
 def installed_versions() -> dict[str, str | None]:
-    """Return the versions that bear on a result; None for a package not installed."""
+    """Package versions that affect a result. None for a package not installed."""
     out: dict[str, str | None] = {"python": platform.python_version()}
     for name in ("pushpressslide", "drake", "numpy"):
         try:
@@ -98,7 +98,7 @@ def installed_versions() -> dict[str, str | None]:
 
 
 def _time_figures(record: Record) -> dict[str, Any]:
-    """How fast the run was, and its ticks."""
+    """Execution speed of the run, and its number of ticks."""
     return {
         "realtime_factor": _realtime_factor(record),
         "wall_time": record.wall_time,
@@ -119,7 +119,7 @@ def _realtime_factor(record: Record) -> float | None:
 def _tick_times(record: Record) -> dict[str, dict[str, float] | None] | None:
     """Median, 99th and 99.9th percentile [us] of each part of a tick over phase "move".
 
-    None for a part that this engine does not have, and where nothing ran.
+    None for a part that this engine does not have, or that never ran.
     """
     if series.ticks(record) == 0:
         return None
@@ -137,8 +137,8 @@ def _tick_times(record: Record) -> dict[str, dict[str, float] | None] | None:
 
 
 def _late_ticks(record: Record) -> int | None:
-    """Return at how many ticks of the run deciding took longer than the control period,
-    plans that were made in them included; None where that was not recorded.
+    """Number of ticks of the run whose decision took longer than the control period,
+    replans included. None if that was not recorded.
     """
     times = record.arrays.get("tick_total")
     if times is None:
@@ -147,9 +147,9 @@ def _late_ticks(record: Record) -> int | None:
 
 
 def _bodies(record: Record) -> dict[str, Any]:
-    """Final pose and displacement [m] of every body that can move.
+    """Final pose and displacement [m] of every movable body.
 
-    ``final_pose`` is None where the yaw was not recorded.
+    ``final_pose`` is None if the yaw was not recorded.
     """
     if series.ticks(record) == 0:
         return {}
@@ -170,7 +170,7 @@ def _bodies(record: Record) -> dict[str, Any]:
 
 
 def _planned(plan: Plan, record: Record) -> dict[str, Any]:
-    """What the plan foresaw, over all its segments."""
+    """Predictions of the plan over all its segments."""
     margins = [
         segment.cone_margin
         for segment in plan.segments

@@ -1,4 +1,4 @@
-"""How well the object and the tips kept to the plan: errors, path, durations."""
+"""Accuracy of the object and the tips against the plan: errors, path, durations."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ MOTION_FIELDS = (
 def motion_figures(
     placements: Sequence[tuple[Plan, Record]], record: Record
 ) -> dict[str, Any]:
-    """Return the figures ``MOTION_FIELDS`` of a run of at least one tick.
+    """Figures ``MOTION_FIELDS`` of a run of at least one tick.
 
-    ``placements`` are the plan and the record of each placement that was begun.
+    ``placements`` are the plan and the record of each started placement.
     """
     body = placements[0][0].task.scene.body
     time = record.arrays["time"]
@@ -89,9 +89,9 @@ def _contact_duration(record: Record) -> float:
 
 
 def _tip_errors(task: Task, contact: Contact, record: Record) -> Array:
-    """Distance [m] of a tip from its reference place, at every tick of the move.
+    """Distance [m] of a tip from its reference position, at every tick of the move.
 
-    The reference place is the contact on the object at its reference pose.
+    The reference position is the contact on the object at its reference pose.
     """
     arrays = record.arrays
     move = series.in_phase(record, "move")

@@ -1,4 +1,4 @@
-"""How a run ended: its success, the reason in words, the errors at the goal."""
+"""End of a run: its success, the reason in words, the errors at the goal."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ OUTCOME_FIELDS = (
 
 @dataclass(frozen=True, slots=True)
 class GoalError:
-    """How far the body that the goal names ends from the goal; NaN if unknown."""
+    """Final pose of the body with the goal, relative to the goal. NaN if unknown."""
 
     ahead: float = math.nan  # [m] along the goal's x axis
     left: float = math.nan  # [m] along the goal's y axis
@@ -43,8 +43,8 @@ class GoalError:
 def outcome_figures(
     task: Task, record: Record, figures: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return success, reason, errors at the goal and tolerance, as in result.json;
-    ``figures`` are its others.
+    """Success, reason, errors at the goal and tolerance, as in result.json. ``figures``
+    are its other figures.
     """
     error = goal_error(task, record)
     fault = _fault(task, record, figures)
@@ -59,7 +59,7 @@ def outcome_figures(
 
 
 def tolerance_figures(tolerance: Tolerance) -> dict[str, float]:
-    """Return a tolerance, as in result.json."""
+    """A tolerance, as in result.json."""
     return {
         "position": tolerance.position,
         "yaw": tolerance.yaw,
@@ -68,8 +68,8 @@ def tolerance_figures(tolerance: Tolerance) -> dict[str, float]:
 
 
 def _fault(task: Task, record: Record, figures: Mapping[str, Any]) -> Ending | None:
-    """Return what else than reaching the goal's place a success asks for and this run
-    lacks.
+    """First condition of success that a run fails, or None: pose at the goal, force
+    limit, clearance, bodies that must not move.
     """
     if not is_within(task, record):
         return Ending("goal_missed")
@@ -98,7 +98,7 @@ def _clearance_fault(figures: Mapping[str, Any]) -> Ending | None:
 
 
 def _moved_fault(task: Task, figures: Mapping[str, Any]) -> Ending | None:
-    """Return that a body was moved which the task does not ask to be moved."""
+    """Fault that a body was moved which the task does not ask to move, or None."""
     allowed = task.tolerance.bodies
     aimed = {"object", task.tool.body if task.tool is not None else "object"}
     aimed |= {obstacle.name for obstacle in task.obstacles if obstacle.may_move}
@@ -113,7 +113,7 @@ def _moved_fault(task: Task, figures: Mapping[str, Any]) -> Ending | None:
 
 
 def goal_error(task: Task, record: Record) -> GoalError:
-    """Return where the body that the goal names ends, relative to the goal."""
+    """Final pose of the body with the goal, relative to the goal."""
     poses: Array | None = record.arrays.get("object_pose")
     goal = task.goal
     if task.tool is not None:
@@ -130,7 +130,7 @@ def goal_error(task: Task, record: Record) -> GoalError:
 
 
 def is_within(task: Task, record: Record) -> bool:
-    """Whether the body ends within the tolerance; False where that is not known."""
+    """Whether the body ends within the tolerance. False if unknown."""
     error = goal_error(task, record)
     distance = max(error.position, seat_error(task, record))
     return distance <= task.tolerance.position and error.yaw <= task.tolerance.yaw
@@ -139,7 +139,7 @@ def is_within(task: Task, record: Record) -> bool:
 def _reason(
     task: Task, record: Record, error: GoalError, fault: Ending | None
 ) -> dict[str, str]:
-    """Code and text of the end of a run."""
+    """Code and text of the reason for the end of a run."""
     text = record.reason_text
     place = _final_place(task, record, error)
     code = record.reason
@@ -152,7 +152,7 @@ def _reason(
 
 
 def _final_place(task: Task, record: Record, error: GoalError) -> str:
-    """Say where the body that the goal names ended."""
+    """Text on the final position of the body with the goal."""
     if task.tool is not None and f"body_{task.tool.body}" not in record.arrays:
         return (
             f"engine {record.engine} does not move {task.tool.body!r}: where it ends "

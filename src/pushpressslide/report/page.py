@@ -1,4 +1,4 @@
-"""The report of one or more runs as one HTML file that loads nothing from elsewhere."""
+"""Report of one or more runs as one HTML file without external resources."""
 
 from __future__ import annotations
 
@@ -62,11 +62,11 @@ CAPTIONS = {
 def write_report(
     dirs: str | Path | Sequence[str | Path], out: str | Path | None = None
 ) -> Path:
-    """Write the page of the run, or of the runs, in ``dirs`` and return its path.
+    """Write the page of the run or runs in ``dirs`` and return its path.
 
     Also writes each run's plots/*.png. ``out`` is the HTML file: by default report.html
     in the run's folder, or for several runs in the folder that holds them all. Several
-    runs are compared first. Raises PushPressSlideError where a folder holds no finished
+    runs are compared first. Raises PushPressSlideError if a folder holds no finished
     run.
     """
     folders = [dirs] if isinstance(dirs, str | Path) else dirs
@@ -96,7 +96,7 @@ def write_report(
 
 
 def document(title: str, body: str) -> str:
-    """Return a whole HTML page, its style inside, around ``body``."""
+    """A whole HTML page with embedded style around ``body``."""
     css = (
         resources.files("pushpressslide.report").joinpath("page.css").read_text("utf-8")
     )
@@ -109,8 +109,8 @@ def document(title: str, body: str) -> str:
 
 
 def image(data: bytes, alt: str, caption: str = "", kind: str = "png") -> str:
-    """Return a picture as an HTML figure with the picture inside; ``kind`` is the format
-    of ``data``.
+    """A picture as an HTML figure with the picture embedded. ``kind`` is the format of
+    ``data``.
     """
     text = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""
     source = base64.b64encode(data).decode("ascii")
@@ -118,7 +118,7 @@ def image(data: bytes, alt: str, caption: str = "", kind: str = "png") -> str:
 
 
 def _labels(runs: Sequence[Run]) -> list[str]:
-    """Short names that differ: those of the tasks, else of the folders, else numbered."""
+    """Distinct short names: those of the tasks, or of the folders, or with numbers."""
     names = [run.task.name for run in runs]
     if len(set(names)) < len(runs):
         names = [run.folder.resolve().name for run in runs]
@@ -141,7 +141,7 @@ def _comparison(runs: Sequence[Run], names: Sequence[str]) -> str:
 
 
 def _run_section(run: Run, page: Path, name: str) -> str:
-    """Return the section of one run; writes its plots/*.png."""
+    """Section of one run; writes its plots/*.png."""
     text = run.task.description
     single = not run.task.goals
     stages = [_stage_parts(run, number) for number in range(len(run.begun))]
@@ -178,8 +178,8 @@ def _run_section(run: Run, page: Path, name: str) -> str:
 
 
 def _stage_parts(run: Run, number: int) -> tuple[str, str, str, str]:
-    """Return the picture of a stage's plan, why and how it was planned so, its figures
-    and its plots; writes the plots.
+    """Picture of a stage's plan, the reason for it, its figures and its plots. Writes
+    the plots.
     """
     stage = run.begun[number]
     plan = image(
@@ -206,8 +206,8 @@ def _stage_parts(run: Run, number: int) -> tuple[str, str, str, str]:
 
 
 def _figures_part(plan: Plan, result: Mapping[str, Any]) -> str:
-    """Return the tables of figures and of contacts, these in the shorter column if they
-    fit there.
+    """Tables of figures and of contacts. The contacts go into the shorter column if
+    they fit there.
     """
     first, second = figures_tables(result)
     contacts = f"<h3>Contacts</h3>{contacts_table(plan, result)}"
@@ -218,13 +218,13 @@ def _figures_part(plan: Plan, result: Mapping[str, Any]) -> str:
 
 
 def columns(*parts: str) -> str:
-    """Return parts side by side where the page is wide enough."""
+    """Parts side by side if the page is wide enough."""
     cells = "".join(f"<div>{part}</div>" for part in parts if part)
     return f'<div class="columns">{cells}</div>'
 
 
 def pictures(folder: Path) -> str:
-    """Return the pictures of the scene at start, contact and end that are there."""
+    """The existing pictures of the scene at start, contact and end."""
     made = []
     for name, words in PICTURES.items():
         path = folder / "pictures" / f"{name}.webp"
@@ -234,7 +234,7 @@ def pictures(folder: Path) -> str:
 
 
 def command_line(result: Mapping[str, Any]) -> str:
-    """Return the command that made a run, or makes it again, and the versions."""
+    """Command that made a run, or repeats it, and the versions."""
     command = result.get("command")
     words = "Made by"
     if not command:
@@ -249,7 +249,7 @@ def command_line(result: Mapping[str, Any]) -> str:
 
 
 def _filmstrip(plan: Plan) -> str:
-    """Return the motions of a plan of several one by one."""
+    """Filmstrip of a plan of several motions."""
     if len(motions(plan)) < 2:
         return ""
     caption = (
@@ -259,7 +259,7 @@ def _filmstrip(plan: Plan) -> str:
 
 
 def events(result: Mapping[str, Any]) -> str:
-    """Return what went wrong on the way, and how it went on."""
+    """Events of a run, with the recovery from each."""
     rows = []
     for event in result["events"]:
         what = f"<code>{escape(event['code'])}</code> {escape(event['text'])}"
@@ -271,7 +271,7 @@ def events(result: Mapping[str, Any]) -> str:
 
 
 def verdict(result: Mapping[str, Any]) -> str:
-    """Return whether a run reached its goal, and why it ended."""
+    """Whether a run reached its goal, and the reason for its end."""
     css = "bad"
     words = "Goal missed"
     if result["success"]:
@@ -285,7 +285,9 @@ def verdict(result: Mapping[str, Any]) -> str:
 
 
 def _warning(record: Record) -> str:
-    """Say from when on the record holds values that are not numbers, if it does."""
+    """Warning with the time from which the record holds values that are not numbers.
+    Empty if there are none.
+    """
     count = series.finite_ticks(record)
     if count == series.ticks(record):
         return ""
@@ -299,7 +301,7 @@ def _warning(record: Record) -> str:
 
 
 def links(folder: Path, page: Path) -> str:
-    """Return links to the files of a run that are there."""
+    """Links to the existing files of a run."""
     return " ".join(
         f'<a class="button" href="{escape(_link(folder / file, page))}">{label}</a>'
         for file, label in LINKS.items()
@@ -308,7 +310,7 @@ def links(folder: Path, page: Path) -> str:
 
 
 def _caption(key: str) -> str:
-    """What a figure shows; the names of those of one placement end with its number."""
+    """Caption of a figure. That of one placement ends with its number."""
     name, _, placement = key.partition("-")
     caption = CAPTIONS[name]
     if not placement:
@@ -321,7 +323,7 @@ def _link(target: Path, page: Path) -> str:
 
 
 def _choice_part(stage: StagePlan) -> str:
-    """Return the table of all choices that were weighed, with their reasons.
+    """Table of all choices considered, with their reasons.
 
     Empty if the run has none stored.
     """
@@ -358,8 +360,8 @@ def _choice_part(stage: StagePlan) -> str:
 
 
 def search_part(search: Mapping[str, Any] | None) -> str:
-    """Return what a search over several motions tried, and why it was dropped; empty
-    where one motion does it.
+    """Motions tried by a search over several motions, with the reason for dropping
+    each. Empty without a search.
     """
     if search is None:
         return ""
@@ -380,7 +382,7 @@ def search_part(search: Mapping[str, Any] | None) -> str:
 
 
 def _dropped(modes: str, what: str, why: str) -> list[str]:
-    """Return the cells of one thing that a search dropped."""
+    """Table cells of one dropped mode or sequence."""
     return [
         f"<td>{escape(modes)}</td>",
         f"<td>{escape(what)}</td>",

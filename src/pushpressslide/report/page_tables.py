@@ -1,4 +1,4 @@
-"""The figures of a run, and of several runs side by side, as HTML tables."""
+"""Figures of a run, and of several runs side by side, as HTML tables."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Row:
     decimals: int
 
     def text(self, result: Mapping[str, Any], key: str = "") -> str:
-        """Return the figure with its unit, a dash where it does not apply.
+        """Figure with its unit, or a dash if it does not apply.
 
         ``key`` names another figure of the same kind.
         """
@@ -35,7 +35,7 @@ class Row:
         return f"{self.factor * value:.{self.decimals}f}{space}{self.unit}"
 
     def cell(self, result: Mapping[str, Any]) -> str:
-        """Return the figure as a table cell, marked if a tolerance judges it."""
+        """Figure as a table cell, marked if it has a tolerance."""
         return f'<td class="n {_tolerance_class(result, self.key)}">{self.text(result)}</td>'
 
 
@@ -184,7 +184,7 @@ ASKED = {
 
 
 def lookup(result: Mapping[str, Any], key: str) -> Any:
-    """Return the value at a dotted key; None where any step is missing or null."""
+    """Value at a dotted key. None if any step is missing or null."""
     value: Any = result
     for step in key.split("."):
         value = value.get(step) if isinstance(value, Mapping) else None
@@ -197,10 +197,10 @@ def table(
     attributes: Sequence[str] = (),
     numbers: int = 0,
 ) -> str:
-    """Return an HTML table that scrolls sideways where it is too wide.
+    """An HTML table that scrolls sideways if it is too wide.
 
     ``rows`` hold finished cells, ``attributes`` those of each row's tag. The last
-    ``numbers`` columns of the head are set to the right.
+    ``numbers`` columns are right-aligned.
     """
     words = len(head) - numbers
     cells = [f'<th scope="col">{escape(text)}</th>' for text in head[:words]]
@@ -214,22 +214,22 @@ def table(
 
 
 def number_cells(texts: Iterable[str]) -> list[str]:
-    """Return table cells that are set to the right."""
+    """Table cells that are right-aligned."""
     return [f'<td class="n">{escape(text)}</td>' for text in texts]
 
 
 def group_row(text: str, columns: int) -> list[str]:
-    """Return the one cell of a row that heads a group, over ``columns`` columns."""
+    """The one cell, over ``columns`` columns, of a row that heads a group."""
     return [f'<th colspan="{columns}" scope="rowgroup">{escape(text)}</th>']
 
 
 def figures_table(result: Mapping[str, Any]) -> str:
-    """Return the figures of one run: measured, beside what was asked or planned."""
+    """Figures of one run: measured, with the requested or planned values."""
     return _figures(result, GROUPS)
 
 
 def figures_tables(result: Mapping[str, Any]) -> tuple[str, str]:
-    """Return the figures of one run as two tables, for two columns."""
+    """Figures of one run as two tables, for two columns."""
     return _figures(result, GROUPS[:SPLIT]), _figures(result, GROUPS[SPLIT:])
 
 
@@ -245,7 +245,7 @@ def _figures(result: Mapping[str, Any], groups: Groups) -> str:
 
 
 def comparison_table(names: Sequence[str], results: Sequence[Mapping[str, Any]]) -> str:
-    """Return the figures of several runs, one column each."""
+    """Figures of several runs, one column each."""
     engines = number_cells(str(result["engine"]) for result in results)
     modes = number_cells(", ".join(result["modes"]) for result in results)
     head = [
@@ -287,7 +287,7 @@ def _grouped_rows(
 
 
 def _asked(result: Mapping[str, Any], row: Row) -> str:
-    """What a figure is set beside; empty if nothing."""
+    """Requested or planned value of a figure. Empty if there is none."""
     key = ASKED.get(row.key, "")
     if lookup(result, key) is None:
         return ""
@@ -298,7 +298,7 @@ def _asked(result: Mapping[str, Any], row: Row) -> str:
 
 
 def _tolerance_class(result: Mapping[str, Any], key: str) -> str:
-    """CSS class of a figure that has a tolerance: met or not."""
+    """CSS class of a figure that has a tolerance, met or not."""
     limit = ASKED.get(key, "")
     value = lookup(result, key)
     allowed = lookup(result, limit)
@@ -308,7 +308,7 @@ def _tolerance_class(result: Mapping[str, Any], key: str) -> str:
 
 
 def contacts_table(plan: Plan, result: Mapping[str, Any]) -> str:
-    """Return place, load and measured figures of each contact, one column each."""
+    """Position, load and measured figures of each contact, one column each."""
     plans = plan.by_placement if result["contacts"] else (plan,)
     names = _contact_names(plan, plans)
     contacts = [contact for part in plans for contact in part.contacts]
@@ -349,7 +349,7 @@ def _contact_names(plan: Plan, parts: Sequence[Plan]) -> list[str]:
 
 
 def segments_table(plan: Plan) -> str:
-    """Return the segments of a plan one by one; empty for a plan of one."""
+    """Segments of a plan one by one. Empty for a plan of one segment."""
     if len(plan.segments) < 2:
         return ""
     rows = []

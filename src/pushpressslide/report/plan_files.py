@@ -1,5 +1,5 @@
-"""The plans of a run on disk: plan.json, a list of stages with every choice that was
-weighed, and plan.png.
+"""Plans of a run on disk: plan.json, a list of stages with every choice considered, and
+plan.png.
 """
 
 from __future__ import annotations
@@ -28,8 +28,10 @@ SCHEMA = 8
 
 
 def stages_to_dict(task: Task, stages: Sequence[StagePlan]) -> dict[str, Any]:
-    """Return the stages of a task as plain data, as in plan.json: of each the plan
-    and all that was weighed; of those that were begun also when and from where.
+    """Stages of a task as plain data, as in plan.json.
+
+    Each has its plan and all choices considered; a started one also its start time and
+    start state.
     """
     return {
         "schema": SCHEMA,
@@ -39,9 +41,10 @@ def stages_to_dict(task: Task, stages: Sequence[StagePlan]) -> dict[str, Any]:
 
 
 def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
-    """Return a plan without its task as plain data: the segments, what the task file
-    does not say of how they were found, what was planned anew after a recovery, and the
-    ``choices`` that were weighed.
+    """A plan without its task as plain data.
+
+    It has the segments, the details of how they were found that the task file does not
+    state, the replans after a recovery, and the ``choices`` considered.
     """
     restart = plan.restart
     out: dict[str, Any] = {
@@ -57,7 +60,7 @@ def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
 
 
 def plan_from_dict(data: Mapping[str, Any], task: Task) -> Plan:
-    """Return the plan of ``plan_to_dict``.
+    """Plan from the data of ``plan_to_dict``.
 
     Raises KeyError, TypeError or ValueError on other data.
     """
@@ -65,7 +68,7 @@ def plan_from_dict(data: Mapping[str, Any], task: Task) -> Plan:
 
 
 def _plan_from(data: Mapping[str, Any], before: Plan) -> Plan:
-    """Return the plan of ``plan_to_dict`` that goes on with the task of another one."""
+    """Plan from the data of ``plan_to_dict`` that continues the task of another plan."""
     if not data["segments"]:
         raise ValueError("a plan without segments")
     task = before.task
@@ -90,14 +93,14 @@ def _plan_from(data: Mapping[str, Any], before: Plan) -> Plan:
 
 
 def _restart_to_dict(restart: Restart) -> dict[str, Any]:
-    """Return a restart as plain data: of its state the object's pose."""
+    """A restart as plain data, with the object's pose as its state."""
     data = asdict(restart)
     del data["state"]
     return {"leg": data.pop("leg"), "pose": asdict(restart.state.object), **data}
 
 
 def _restart_from_dict(data: Mapping[str, Any]) -> Restart:
-    """Return the restart of ``_restart_to_dict``."""
+    """Restart from the data of ``_restart_to_dict``."""
     hints = get_type_hints(Restart)
     del hints["state"]
     values = {name: _of_type(kind, data[name]) for name, kind in hints.items()}
@@ -105,31 +108,31 @@ def _restart_from_dict(data: Mapping[str, Any]) -> Restart:
 
 
 def stage_from_dict(data: Mapping[str, Any], task: Task) -> StagePlan:
-    """Return a stage of ``stages_to_dict``; ``task`` is its own."""
+    """A stage from the data of ``stages_to_dict``. ``task`` is its own task."""
     return StagePlan(
         purpose_from_dict(data), plan_from_dict(data, task), choices_from_dict(data)
     )
 
 
 def purpose_from_dict(data: Mapping[str, Any]) -> Stage:
-    """Return what a stage of ``stages_to_dict`` is to do."""
+    """Purpose of a stage from the data of ``stages_to_dict``."""
     return Stage(data["body"], Pose2(**data["goal"]), data["aside"])
 
 
 def choices_from_dict(data: Mapping[str, Any]) -> tuple[Choice, ...]:
-    """Return the choices that were stored beside a plan; empty if none were."""
+    """Choices stored with a plan. Empty if none were."""
     return tuple(_choice_from_dict(item) for item in data.get("choices", ()))
 
 
 def drive_to_dict(drive: Drive) -> dict[str, Any]:
-    """Return a drive as plain data, with the name of its class under "drive"."""
+    """A drive as plain data, with its class name under "drive"."""
     assert is_dataclass(drive)
     assert not isinstance(drive, type)
     return {"drive": type(drive).__name__, **asdict(drive)}
 
 
 def write_plans(task: Task, stages: Sequence[StagePlan], out: Path) -> list[Path]:
-    """Write plan.json and the pictures of the plans to folder ``out``; return the paths
+    """Write plan.json and the pictures of the plans to folder ``out``. Return the paths
     of plan.json and of each stage's plan.png.
     """
     data = write_whole(out / "plan.json", to_json(stages_to_dict(task, stages)))
@@ -137,10 +140,10 @@ def write_plans(task: Task, stages: Sequence[StagePlan], out: Path) -> list[Path
 
 
 def write_plan_pictures(stages: Sequence[StagePlan], out: Path) -> list[Path]:
-    """Write plan.png, and legs.png of a plan of several motions, to folder ``out``;
-    return the paths of the first.
+    """Write plan.png, and legs.png for a plan of several motions, to folder ``out``.
+    Return the paths of the plan.png files.
 
-    Of several stages they are plan-1.png and so on.
+    For several stages they are plan-1.png and so on.
     """
     from pushpressslide.report.filmstrip import filmstrip, motions
     from pushpressslide.report.plane import plan_figure
@@ -159,9 +162,7 @@ def write_plan_pictures(stages: Sequence[StagePlan], out: Path) -> list[Path]:
 
 
 def _stage_to_dict(task: Task, stage_plan: StagePlan) -> dict[str, Any]:
-    """Return a stage as plain data, with its own task where it is one of a task with
-    goals.
-    """
+    """A stage as plain data. In a task with goals it has its own task."""
     from pushpressslide.taskfile.dump import task_data
 
     out: dict[str, Any] = asdict(stage_plan.stage)
@@ -238,15 +239,15 @@ def _contacts_from(data: Sequence[Mapping[str, Any]]) -> tuple[Contact, ...]:
 
 
 def _drive_from_dict(mode: str, data: Mapping[str, Any]) -> Drive:
-    """Return a drive of a mode, of the class that the data name."""
+    """A mode's drive, of the class named in the data."""
     kinds = {kind.__name__: kind for kind in MODES[mode].drives}
     drive: Drive = _of_type(kinds[data["drive"]], data)
     return drive
 
 
 def _of_type(kind: Any, data: Any) -> Any:
-    """Return plain ``data`` as ``kind``: a dataclass, a tuple, a plain value, or None
-    where it may be.
+    """Plain ``data`` converted to ``kind``: a dataclass, a tuple, a plain value, or
+    None if allowed.
     """
     if isinstance(kind, UnionType):
         others = [part for part in get_args(kind) if part is not NoneType]

@@ -1,4 +1,4 @@
-"""Plan and run in the plane of the support.
+"""Plan and run drawn in the plane of the support.
 
 A table is seen from above, a wall from the front.
 """
@@ -39,13 +39,13 @@ EDGE = "#6B7280"  # of obstacles, bases and openings
 
 
 def outline(shape: Shape, pose: Pose2) -> list[Point]:
-    """Return the object's footprint at ``pose`` X_WG, as corners in the world [m]."""
+    """The object's footprint at ``pose`` X_WG, as corners in the world [m]."""
     return [pose.apply(point) for point in shape.outline()]
 
 
 def plan_figure(plan: Plan) -> Figure:
-    """Return the plan: paths of the tracking point, footprints, contacts, obstacles;
-    without what was planned anew on the way.
+    """Plan: paths of the tracking point, footprints, contacts and obstacles, without
+    replans.
     """
     plan = replace(plan, later=())
     made, axes = style.figure(height=5.6)
@@ -86,7 +86,7 @@ def plan_figure(plan: Plan) -> Figure:
 
 
 def _plan_title(plan: Plan) -> str:
-    """Return modes, length of the paths, and time."""
+    """Modes, length of the paths, and time."""
     segments = plan.segments
     length = sum(segment.path.distance for segment in segments)
     seconds = sum(segment.profile.duration for segment in segments)
@@ -109,7 +109,7 @@ def planned_paths(ax: Axes, paths: Sequence[MotionPath]) -> None:
 
 
 def path_figure(plan: Plan, record: Record) -> Figure:
-    """Return the run: paths, footprints, goal and measured contact forces."""
+    """Run: paths, footprints, goal and measured contact forces."""
     made, axes = style.figure(height=5.6)
     ax = axes[0]
     task = plan.task
@@ -151,7 +151,7 @@ def _pose_at(record: Record, tick: int) -> Pose2:
 
 
 def _other_bodies(ax: Axes, scene: Scene, record: Record) -> list[Point]:
-    """Draw every other body where it ended, if it moved; return the corners [m].
+    """Draw every other body that moved at its final pose. Return the corners [m].
 
     On a wall or a slope no other body may move: it would fall.
     """
@@ -172,7 +172,7 @@ def _other_bodies(ax: Axes, scene: Scene, record: Record) -> list[Point]:
 
 
 def other_goals(ax: Axes, task: Task) -> list[Point]:
-    """Draw the goals of the bodies but the object; return their corners [m]."""
+    """Draw the goals of the bodies other than the object. Return their corners [m]."""
     corners: list[Point] = []
     for name, shape, X_WG in goal_places(task):
         if name == OBJECT:
@@ -207,7 +207,7 @@ def _force_key(ax: Axes, plan: Plan, largest: float) -> None:
 
 
 def _forces(ax: Axes, plan: Plan, record: Record, picks: Sequence[int]) -> float:
-    """Draw the measured forces at the picked ticks; return the largest [N]."""
+    """Draw the measured forces at the selected ticks. Return the largest [N]."""
     force = record.arrays["measured_force"][:, :, :2]
     placements = plan.by_placement
     number = record.arrays["placement"].astype(int)
@@ -234,13 +234,13 @@ def _forces(ax: Axes, plan: Plan, record: Record, picks: Sequence[int]) -> float
 
 
 def _first_pose(record: Record) -> Pose2:
-    """Where the object is when a placement begins to move it."""
+    """Pose of the object at the start of a placement's motion."""
     return _pose_at(record, int(np.argmax(series.in_phase(record, "move"))))
 
 
 def contacts(ax: Axes, placements: Sequence[tuple[Plan, Pose2]]) -> list[Point]:
-    """Draw where the tips of each placement touch the object at its X_WB; return the
-    ends of what is drawn [m].
+    """Draw the contact points of each placement's tips on the object at its X_WB.
+    Return the ends of the drawn marks [m].
 
     A press is a dot, a push a short arrow into the side.
     """
@@ -315,7 +315,9 @@ def _line(ax: Axes, start: Point, end: Point, **look: Any) -> None:
 def footprints(
     ax: Axes, shape: Shape, poses: Sequence[Pose2], color: str, label: str
 ) -> None:
-    """Draw the object at ``poses`` X_WG, thinly; the label is the first one's."""
+    """Draw thin footprints of the object at ``poses`` X_WG. The first one carries the
+    label.
+    """
     look = {"fill": False, "edgecolor": color, "lw": 0.9, "alpha": 0.75}
     for i, pose in enumerate(poses):
         _polygon(ax, outline(shape, pose), label=None if i else label, **look)

@@ -37,7 +37,7 @@ TOLERANCE: dict[str, Any] = {"color": style.ORANGE, "ls": "--", "lw": 1.1}
 
 
 def figures(plan: Plan, record: Record) -> dict[str, Figure]:
-    """Return every figure that the record has the data for, by name, in page order."""
+    """All figures for which the record has data, by name, in page order."""
     if series.ticks(record) < 2:
         return {}
     made: dict[str, Figure | None] = {
@@ -56,7 +56,7 @@ def figures(plan: Plan, record: Record) -> dict[str, Figure]:
 
 
 def errors_figure(plan: Plan, record: Record) -> Figure:
-    """Return the position and yaw error over time, with the goal's tolerance.
+    """Position and yaw error over time, with the goal's tolerance.
 
     The errors are against the reference at the same time.
     """
@@ -79,8 +79,8 @@ def errors_figure(plan: Plan, record: Record) -> Figure:
 
 
 def tracking_figure(plan: Plan, record: Record) -> Figure | None:
-    """Return the tracking law's own errors: along and left of the path, and heading,
-    those that are not zero throughout; None if all are.
+    """Errors of the tracking law: along and left of the path, and heading. Errors that
+    are always zero are left out; None if all are.
     """
     move = series.in_phase(record, "move")
     time = record.arrays["time"]
@@ -128,10 +128,10 @@ class ContactForces:
 
 
 def forces_figure(plan: Plan, record: Record) -> Figure | None:
-    """Return commanded and measured contact forces with the true friction cone.
+    """Commanded and measured contact forces with the true friction cone.
 
-    Two panels for each contact, normal and tangential. A press is set beside its
-    planned load, its shear beside the friction disc. None for a plan without contacts.
+    Two panels for each contact, normal and tangential. A press is compared with its
+    planned load, its shear with the friction disc. None for a plan without contacts.
     """
     contacts = plan.contacts
     if not contacts:
@@ -205,7 +205,7 @@ def _load(i: int, segment: Segment) -> float:
 
 
 def torques_figure(plan: Plan, record: Record) -> Figure | None:
-    """Return joint torques as shares of their limits; None without joints."""
+    """Joint torques as shares of their limits. None without joints."""
     shares = _torque_shares(plan.task.robots, record)
     if not shares:
         return None
@@ -243,7 +243,7 @@ def _torque_shares(robots: Sequence[Robot], record: Record) -> dict[int, Array]:
 
 
 def speeds_figure(plan: Plan, record: Record) -> Figure:
-    """Return the speed of the tracking point, and the object's yaw rate if it turns."""
+    """Speed of the tracking point, and the object's yaw rate if it turns."""
     time = record.arrays["time"]
     vx, vy, w = record.arrays["object_twist"].T
     tracked = series.tracked_poses(plan.task.scene.body, record)[:, :2]
@@ -267,13 +267,13 @@ def speeds_figure(plan: Plan, record: Record) -> Figure:
 
 
 def _cruise(segment: Segment) -> float:
-    """Planned speed [m/s] of the tracking point; its path may be longer than 0 m."""
+    """Planned speed [m/s] of the tracking point; 0 for a path without length."""
     path = segment.path
     return segment.profile.cruise * path.distance / (path.length or 1.0)
 
 
 def comparison_plot(runs: Sequence[tuple[str, Record]], *, title: str = "") -> Figure:
-    """Return the errors of several runs over the time since their motion began."""
+    """Errors of several runs over the time since their motion began."""
     made, (top, bottom) = style.figure(2, 4.8)
     looks = ((c, dash) for dash in ("-", "--", ":", "-.") for c in style.CYCLE)
     for (label, record), (color, dash) in zip(runs, looks, strict=False):
@@ -303,7 +303,7 @@ def _band(ax: Axes, time: Array, low: Array, high: Array, label: str) -> None:
 
 
 def _by_segment(plan: Plan, record: Record, value: Callable[[Segment], float]) -> Array:
-    """Return at every tick (N,) of the move the value of its segment.
+    """Value of its segment (N,) at every tick of the move.
 
     NaN in a second attempt, which is not in the plan.
     """

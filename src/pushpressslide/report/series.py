@@ -1,4 +1,4 @@
-"""Time series that follow from a record.
+"""Time series derived from a record.
 
 Poses, contact forces in the contact's axes, errors, travel along the surface.
 """
@@ -30,12 +30,12 @@ SLIP_PLAY = 1e-4
 
 
 def wrap_angles(angles: Array) -> Array:
-    """Return angles [rad] wrapped into [-pi, pi)."""
+    """Angles [rad] wrapped into [-pi, pi)."""
     return np.asarray((angles + np.pi) % (2.0 * np.pi) - np.pi)
 
 
 def compose(poses: Array, X_BC: Pose2 | Array) -> Array:
-    """Return X_AC (N, 3) of poses X_AB (N, 3) and X_BC, one or (N, 3).
+    """X_AC (N, 3) from poses X_AB (N, 3) and X_BC, one or (N, 3).
 
     The yaw is not wrapped.
     """
@@ -48,19 +48,21 @@ def compose(poses: Array, X_BC: Pose2 | Array) -> Array:
 
 
 def planar_poses(positions: Array) -> Array:
-    """Return x, y [m], yaw [rad] (N, 3) of quaternions (w, x, y, z) and positions (N, 7)."""
+    """Planar poses x, y [m], yaw [rad] (N, 3) of quaternions (w, x, y, z) and positions
+    (N, 7).
+    """
     w, x, y, z = (positions[:, i] for i in range(4))
     yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
     return np.stack([positions[:, 4], positions[:, 5], yaw], axis=1)
 
 
 def ticks(record: Record) -> int:
-    """Return the number of ticks that were recorded."""
+    """Number of recorded ticks."""
     return len(record.arrays.get("time", ()))
 
 
 def finite_ticks(record: Record) -> int:
-    """Return the number of ticks before the first whose state holds NaN or infinity."""
+    """Number of ticks before the first whose state holds NaN or infinity."""
     count = ticks(record)
     for name in STATE:
         values = record.arrays.get(name)
@@ -72,7 +74,7 @@ def finite_ticks(record: Record) -> int:
 
 
 def finite_part(record: Record) -> Record:
-    """Return the record up to the first tick whose state holds NaN or infinity."""
+    """Part of the record before the first tick whose state holds NaN or infinity."""
     count = finite_ticks(record)
     if count == ticks(record):
         return record
@@ -84,14 +86,13 @@ def finite_part(record: Record) -> Record:
 
 
 def in_phase(record: Record, *names: str) -> Mask:
-    """Return which ticks (N,) are in one of the named phases."""
+    """Mask (N,) of the ticks in one of the named phases."""
     wanted = [i for i, phase in enumerate(PHASES) if phase in names]
     return np.isin(record.arrays["phase"], wanted)
 
 
 def contact_phase(record: Record) -> Mask:
-    """Return which ticks (N,) lie between the first and the last of a placement's phase
-    "move".
+    """Mask (N,) of the ticks from the first to the last of a placement's phase "move".
 
     Regained contacts are included.
     """
@@ -106,7 +107,7 @@ def contact_phase(record: Record) -> Mask:
 
 
 def by_placement(plan: Plan, record: Record) -> list[tuple[Plan, Record]]:
-    """Return the plan of each placement that was begun, and what was recorded of it."""
+    """Plan and record of each started placement."""
     begun = []
     number = record.arrays["placement"]
     for i, placement in enumerate(plan.by_placement):
@@ -124,7 +125,7 @@ def by_placement(plan: Plan, record: Record) -> list[tuple[Plan, Record]]:
 
 
 def tracked_poses(body: ObjectModel, record: Record) -> Array:
-    """Return X_WV (N, 3): the tracking point of each tick's segment, and its heading."""
+    """Poses X_WV (N, 3): the tracking point of each tick's segment, and its heading."""
     return compose(
         compose(record.arrays["object_pose"], body.X_GB),
         record.arrays["vehicle_frame"],
@@ -132,14 +133,14 @@ def tracked_poses(body: ObjectModel, record: Record) -> Array:
 
 
 def segment_paths(record: Record) -> list[Array]:
-    """Return the reference path of each segment of the plan, as poses X_WV (K, 3)."""
+    """Reference path of each segment of the plan, as poses X_WV (K, 3)."""
     path = record.arrays["plan_path"]
     number = record.arrays["plan_stretch"]
     return [path[number == i] for i in range(1 + int(number.max(initial=-1)))]
 
 
 def path_errors(body: ObjectModel, record: Record) -> Array:
-    """Return the distance [m] (N,) of the tracking point to the path of its segment."""
+    """Distance [m] (N,) of the tracking point to the path of its segment."""
     tracked = tracked_poses(body, record)[:, :2]
     out = np.empty(ticks(record))
     for i, path in enumerate(segment_paths(record)):
@@ -149,7 +150,7 @@ def path_errors(body: ObjectModel, record: Record) -> Array:
 
 
 def timed_errors(record: Record) -> tuple[Array, Array, Array]:
-    """Return time [s], position error [m] and signed yaw error [rad], all (N,).
+    """Time [s], position error [m] and signed yaw error [rad], all (N,).
 
     The errors are against the first plan at the same time, whose clock starts at the
     first touch of each placement. They are NaN before it and after the motion.
@@ -166,8 +167,10 @@ def timed_errors(record: Record) -> tuple[Array, Array, Array]:
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """Series over the ticks (M,) of phase "move"; errors against the first plan over all
-    ticks (K,) from the first touch of each placement to the end of its motion.
+    """Series over the ticks (M,) of phase "move".
+
+    Errors are against the first plan, over all ticks (K,) from the first touch of each
+    placement to the end of its motion.
     """
 
     position_error: Array  # (K,) [m] to the first plan at the same time
@@ -187,7 +190,7 @@ class Motion:
 
 
 def motion(body: ObjectModel, record: Record) -> Motion:
-    """Return the series of phase "move"."""
+    """Series of phase "move"."""
     move = in_phase(record, "move")
     _, position_error, yaw_error = timed_errors(record)
     judged = contact_phase(record)
@@ -204,7 +207,7 @@ def motion(body: ObjectModel, record: Record) -> Motion:
 def contact_forces(
     plan: Plan, record: Record, name: str = "measured_force"
 ) -> tuple[Array, Array]:
-    """Return normal (N, C) and tangential (N, C, 2) components [N] of forces ON the object.
+    """Normal (N, C) and tangential (N, C, 2) components [N] of forces ON the object.
 
     For C contacts, each of its own arm. Side contact: along the face's inward normal;
     to the left of it, and up. Top contact: down; x and y in B. ``name`` is the record's
@@ -232,7 +235,7 @@ def contact_forces(
 
 
 def surface_coordinates(body: ObjectModel, record: Record, contact: Contact) -> Array:
-    """Return where on the object's surface the tip of ``contact`` touches: (N, 2) [m].
+    """Position (N, 2) [m] at which the tip of ``contact`` touches the object's surface.
 
     Side contact: along the face (round a cylinder: the arc) and up; top contact: x and
     y in B. A sphere touches a flat face at the foot of its centre, whatever the force,
@@ -254,11 +257,11 @@ def surface_coordinates(body: ObjectModel, record: Record, contact: Contact) -> 
 
 
 def travel(points: Array, play: float = 0.0) -> Array:
-    """Return the distance (N,) that ``points`` (N, k) have travelled so far.
+    """Cumulative distance (N,) travelled by ``points`` (N, k).
 
-    Jitter within ``play`` [same unit] does not count. A follower is dragged along on
-    a string of length ``play``. Motion within that length does not move it. A long
-    motion loses ``play``, a reversal twice that.
+    Jitter within ``play`` [same unit] does not count. A follower is dragged along on a
+    string of length ``play``. Motion within that length does not move it. A long motion
+    loses ``play``, a reversal twice that.
     """
     distance = np.zeros(len(points))
     if len(points) == 0:
@@ -279,12 +282,11 @@ def travel(points: Array, play: float = 0.0) -> Array:
 
 
 def slip(plan: Plan, record: Record, index: int) -> Array:
-    """Return the cumulative slip [m] (N,) of contact ``index`` along the surface.
+    """Cumulative slip [m] (N,) of contact ``index`` along the surface.
 
     Slip counts in phase "move" while the tip touches. Each period of unbroken contact
-    is taken by itself: where the tip lands after a loss is no slip. Jitter below
-    ``SLIP_PLAY`` is not summed (see ``travel``). A tip that rolls counts as one that
-    slips.
+    counts separately: the shift of the tip by a loss is no slip. Jitter below
+    ``SLIP_PLAY`` is not summed (see ``travel``). Rolling of the tip counts as slip.
     """
     normals, _ = contact_forces(plan, record)
     touching = in_phase(record, "move") & (normals[:, index] >= CONTACT_FORCE)
@@ -303,7 +305,7 @@ def slip(plan: Plan, record: Record, index: int) -> Array:
 
 
 def distance_to_polyline(points: Array, line: Array) -> Array:
-    """Return the distance [m] (N,) of ``points`` (N, 2) to a polyline (K, 2), K >= 2."""
+    """Distance [m] (N,) of ``points`` (N, 2) to a polyline (K, 2), K >= 2."""
     start = line[:-1]
     span = np.diff(line, axis=0)
     squared = np.maximum(np.einsum("kd,kd->k", span, span), 1e-24)

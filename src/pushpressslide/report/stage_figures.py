@@ -1,5 +1,5 @@
-"""result.json of a run: what each stage did, and of several where every body ended and
-the figures of all together.
+"""The result.json of a run with stages: each stage's figures, the final pose of every
+body, and figures of all stages together.
 """
 
 from __future__ import annotations
@@ -63,11 +63,12 @@ def staged_result(
     results: Sequence[Figures],
     shortfall: Ending | None,
 ) -> dict[str, Any]:
-    """Return the contents of result.json of a run of a task with goals, in ``stages``.
+    """Contents of result.json for a run of a task with goals, in ``stages``.
 
-    ``runs`` are those that were begun and ``results`` theirs; ``shortfall`` says why one
-    was not. Of several stages a figure is the sum, the worst or the mean over the time
-    in contact; what only a single motion has stands with its stage alone.
+    ``runs`` are the started stages and ``results`` their results. ``shortfall`` is the
+    reason why one was not started. A figure of several stages is the sum, the worst or
+    the mean over the time in contact. Figures of a single motion stand with its stage
+    alone.
     """
     out: dict[str, Any] = dict.fromkeys(results[0])
     for name in ("schema", "engine", "seed", "time_step", "versions"):
@@ -107,7 +108,7 @@ def _values(results: Sequence[Figures], name: str) -> list[float]:
 
 
 def _combined(results: Sequence[Figures]) -> dict[str, Any]:
-    """Return the figures that several stages have together."""
+    """Combined figures of several stages."""
     out: dict[str, Any] = {}
     paths: tuple[tuple[tuple[str, ...], Callable[[list[float]], float]], ...] = (
         (SUMS, math.fsum),
@@ -139,7 +140,7 @@ def _combined(results: Sequence[Figures]) -> dict[str, Any]:
 
 
 def _mean(results: Sequence[Figures], name: str, power: float) -> float | None:
-    """Return the mean of a figure's ``power`` over the time in contact."""
+    """Mean of a figure's ``power`` over the time in contact."""
     pairs = [
         (result[name], result["motion_duration"])
         for result in results
@@ -153,8 +154,8 @@ def _mean(results: Sequence[Figures], name: str, power: float) -> float | None:
 
 
 def _bodies(task: Task, runs: Sequence[StageRun]) -> dict[str, Any]:
-    """Return final pose and displacement of every body, and of those with a goal the
-    last one and the errors there.
+    """Final pose and displacement of every body; for those with a goal also the goal
+    and the errors there.
     """
     goals = {goal.body: goal.pose for goal in task.goals}
     first = start_state(task).with_body_at(OBJECT, task.true_start)
@@ -179,7 +180,7 @@ def _errors(X: Pose2, goal: Pose2) -> tuple[float, float]:
 
 
 def _worst(task: Task, bodies: Mapping[str, Figures]) -> tuple[float, float]:
-    """Return the largest position and yaw errors of the bodies that have a goal."""
+    """Largest position and yaw errors of the bodies that have a goal."""
     aimed = [bodies[body] for body in dict.fromkeys(g.body for g in task.goals)]
     position = max(item["position_error"] for item in aimed)
     return position, max(item["yaw_error"] for item in aimed)
@@ -192,7 +193,7 @@ def _ending(
     bodies: Mapping[str, Figures],
     shortfall: Ending | None,
 ) -> Ending:
-    """Return why the whole run ended, and whether it is a success."""
+    """Ending of the whole run: its reason, and whether it is a success."""
     if shortfall is not None:
         return shortfall
     for number, (run, result) in enumerate(zip(runs, results, strict=True)):
@@ -236,7 +237,7 @@ def _place(name: str, figures: Figures) -> str:
 
 
 def _planning_time(results: Sequence[Figures]) -> dict[str, float]:
-    """Return the planning time [s] by what it was spent on, of all stages."""
+    """Planning time [s] of all stages, by purpose."""
     out: dict[str, float] = {}
     for result in results:
         for name, time in (result["planning_time"] or {}).items():
@@ -255,7 +256,7 @@ def _events(
 
 
 def stage_figures(run: StageRun) -> dict[str, Any]:
-    """Return what a stage that was begun was to do and did, as in result.json."""
+    """Purpose and result of a started stage, as in result.json."""
     task = run.plan.task
     error = goal_error(task, run.record)
     aim = run.stage.goal if task.tool is None else task.tool.goal
@@ -273,7 +274,7 @@ def stage_figures(run: StageRun) -> dict[str, Any]:
 
 
 def stage_to_do(stage: Stage) -> dict[str, Any]:
-    """Return a stage that was not begun, as in result.json."""
+    """A stage that was not started, as in result.json."""
     return {
         "body": stage.body,
         "goal": [stage.goal.x, stage.goal.y, stage.goal.yaw],

@@ -12,7 +12,7 @@ from pushpressslide.report.page_tables import table
 
 
 def bodies_table(result: Mapping[str, Any]) -> str:
-    """Return where each body of a run ended, beside its goal."""
+    """Final pose of each body of a run, next to its goal."""
     rows = []
     for name, body in result["bodies"].items():
         rows.append(
@@ -29,7 +29,7 @@ def bodies_table(result: Mapping[str, Any]) -> str:
 
 
 def stages_table(result: Mapping[str, Any]) -> str:
-    """Return what each stage of a run was to do, and did."""
+    """Purpose and result of each stage of a run."""
     rows = []
     for number, stage in enumerate(result["stages"], start=1):
         reached = "yes" if stage["reached"] else "no"

@@ -1,5 +1,5 @@
-"""A run as the list of its stages, one by default: what was planned of each, what came
-of it, and their records as one.
+"""A run as the list of its stages, one by default: their plans, their results, and
+their records joined into one.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from pushpressslide.view.timeline import GOAL_ERROR, goal_errors
 
 @dataclass(frozen=True)
 class StagePlan:
-    """What a stage is to do, how, and all that was weighed for it."""
+    """Purpose of a stage, its plan, and all choices considered."""
 
     stage: Stage
     plan: Plan
@@ -35,7 +35,7 @@ class StagePlan:
 
 @dataclass(frozen=True)
 class StageRun(StagePlan):
-    """A stage that was begun, and what came of it."""
+    """A started stage, with its record."""
 
     record: Record
     began: float  # [s] since the first stage began
@@ -44,7 +44,7 @@ class StageRun(StagePlan):
 
     @classmethod
     def alone(cls, record: Record, choices: Sequence[Choice] = ()) -> StageRun:
-        """Return the only stage of a run of one goal."""
+        """The only stage of a run with one goal."""
         task = record.plan.task
         stage = Stage(OBJECT, task.goal)
         state = start_state(task).with_body_at(OBJECT, task.true_start)
@@ -52,8 +52,8 @@ class StageRun(StagePlan):
 
     @property
     def reached(self) -> bool:
-        """Whether the body ended where the stage was to bring it; one that is put aside
-        need only have been let go.
+        """Whether the body ended at the stage's goal. A body that is put aside need
+        only have been released.
         """
         if self.record.reason != "goal_reached":
             return False
@@ -69,8 +69,8 @@ class StageRun(StagePlan):
 
 
 def body_positions(run: StageRun) -> dict[str, Array]:
-    """Return quaternion and position (N, 7) in Drake's world of every body, by its name
-    in the task; empty for a plant that does not have them.
+    """Quaternion and position (N, 7) in Drake's world of every body, by its name in the
+    task. Empty for a plant without them.
     """
     arrays = run.record.arrays
     if "object_pose_3d" not in arrays:
@@ -82,7 +82,7 @@ def body_positions(run: StageRun) -> dict[str, Array]:
 
 
 def body_poses(run: StageRun) -> dict[str, Array]:
-    """Return X_WG (N, 3) of every body, by its name in the task."""
+    """Poses X_WG (N, 3) of every body, by its name in the task."""
     positions = body_positions(run)
     moved = run.record.arrays["object_pose"]
     out = {}
@@ -97,7 +97,7 @@ def body_poses(run: StageRun) -> dict[str, Array]:
 
 
 def final_poses(run: StageRun) -> dict[str, Pose2]:
-    """Return where every body is at the last sample, X_WG; whole turns are left out."""
+    """Pose X_WG of every body at the last sample, without whole turns."""
     return {
         body: Pose2(*map(float, poses[-1])).wrapped
         for body, poses in body_poses(run).items()
@@ -105,11 +105,12 @@ def final_poses(run: StageRun) -> dict[str, Pose2]:
 
 
 def joined_record(runs: Sequence[StageRun], ending: Ending, seed: int) -> Record:
-    """Return the records of the stages as one, time running on.
+    """Records of the stages as one, time running on.
 
-    What refers to the object refers to the body of the stage. ``pose_<body>`` (N, 3)
-    and, with Drake, ``body_<body>`` (N, 7) are those of each body by its name in the
-    task. ``ending`` is why the whole run ended. ``cut_record`` takes a stage out again.
+    Data of the object are those of the stage's body. ``pose_<body>`` (N, 3) and, with
+    Drake, ``body_<body>`` (N, 7) are those of each body by its name in the task.
+    ``ending`` is the reason for the end of the whole run. ``cut_record`` extracts a
+    stage.
     """
     first = _Counts()
     parts = []
@@ -142,8 +143,8 @@ def joined_record(runs: Sequence[StageRun], ending: Ending, seed: int) -> Record
 def cut_record(
     joined: Record, number: int, began: float, stage_plan: StagePlan
 ) -> Record:
-    """Return the record of one stage, which ``began`` [s] after the first, out of that
-    of the whole run.
+    """Record of one stage, which ``began`` [s] after the first, extracted from that of
+    the whole run.
     """
     stages = joined.meta["stages"]
     rest = stages[number]
@@ -178,13 +179,13 @@ def cut_record(
 
 @dataclass(frozen=True)
 class _Counts:
-    """How many placements and stretches came before a stage."""
+    """Number of placements and segments before a stage."""
 
     placements: int = 0
     stretches: float = 0.0
 
     def after(self, run: StageRun) -> _Counts:
-        """Return them for the next stage."""
+        """Counts before the next stage."""
         return _Counts(
             self.placements + len(run.plan.by_placement),
             self.stretches + 1.0 + float(run.record.arrays["plan_stretch"][-1]),
@@ -192,7 +193,7 @@ class _Counts:
 
 
 def _rest(record: Record, first: _Counts) -> dict[str, Any]:
-    """Return what a joined record keeps of a stage beside its arrays."""
+    """Data of a stage that a joined record keeps in addition to its arrays."""
     return {
         "reason": record.reason,
         "reason_text": record.reason_text,
@@ -205,7 +206,7 @@ def _rest(record: Record, first: _Counts) -> dict[str, Any]:
 
 
 def _renumbered(run: StageRun, number: int, first: _Counts) -> dict[str, Array]:
-    """Return the arrays of a stage as part of the whole run's."""
+    """Arrays of a stage, renumbered as part of the whole run."""
     arrays = {
         name: values
         for name, values in run.record.arrays.items()
@@ -226,15 +227,13 @@ def _renumbered(run: StageRun, number: int, first: _Counts) -> dict[str, Array]:
 
 
 def _own_name(body: str, driven_body: str) -> str:
-    """Return the array of a body's positions in the stage in which ``driven_body`` is the
-    object.
-    """
+    """Array of a body's positions in the stage in which ``driven_body`` is the object."""
     name = obstacle_name(body, driven_body)
     return "object_pose_3d" if name == OBJECT else f"body_{name}"
 
 
 def joined_plan(stages: Sequence[StagePlan]) -> Plan:
-    """Return the plan of the first stage, gone on with those of the others."""
+    """Plan of the first stage, continued by those of the others."""
     plans = [stage.plan for stage in stages]
     return reduce(Plan.followed, plans)
 
@@ -248,8 +247,8 @@ def _events(runs: Sequence[StageRun]) -> list[dict[str, Any]]:
 
 
 def replayed_record(runs: Sequence[StageRun], record: Record) -> Record:
-    """Return the record of a run as a replay of the first stage's scene takes it: the
-    object is the first stage's body throughout, whatever is tracked.
+    """Record of a run for the replay of the first stage's scene: the object is the
+    first stage's body throughout, whatever is tracked.
     """
     if "stage" not in record.arrays:
         return record
@@ -273,7 +272,7 @@ def replayed_record(runs: Sequence[StageRun], record: Record) -> Record:
 
 
 def _relative(X_WA: Array, X_WC: Array) -> Array:
-    """Return X_AC (N, 3) of poses X_WA and X_WC (N, 3)."""
+    """X_AC (N, 3) from poses X_WA and X_WC (N, 3)."""
     dx = X_WC[:, 0] - X_WA[:, 0]
     dy = X_WC[:, 1] - X_WA[:, 1]
     c = np.cos(X_WA[:, 2])

@@ -1,6 +1,6 @@
-"""One look for every figure: colours, sizes, legends, time axes, PNG.
+"""Common style of all figures: colours, sizes, legends, time axes, PNG.
 
-The colour-blind can tell the colours apart (Okabe and Ito, 2008).
+The colours can be told apart by the colour-blind (Okabe and Ito, 2008).
 """
 
 from __future__ import annotations
@@ -65,8 +65,8 @@ def figure(
     width: float = WIDTH,
     share_x: bool = True,
 ) -> tuple[Figure, list[Axes]]:
-    """Return a figure of ``rows`` by ``across`` panels and its axes, row by row;
-    touches no global state.
+    """A figure of ``rows`` by ``across`` panels and its axes, row by row. No global
+    state is changed.
 
     ``height`` and ``width`` [inch] are those of the whole figure.
     """
@@ -80,7 +80,7 @@ def figure(
 
 
 def png(made: Figure) -> bytes:
-    """Return a figure as PNG, the same bytes for the same figure."""
+    """A figure as PNG, reproducible to the byte."""
     import matplotlib as mpl
 
     buffer = BytesIO()
@@ -96,12 +96,12 @@ def png(made: Figure) -> bytes:
 
 
 def title(axes: Axes, text: str, pad: float = 6.0) -> None:
-    """Put a title over the panel's left edge."""
+    """Put a title above the panel's left edge."""
     axes.set_title(text, loc="left", fontsize=10.5, fontweight="bold", pad=pad)
 
 
 def legend(axes: Axes, **options: Any) -> None:
-    """Put the legend beside the panel, where it hides no curve."""
+    """Put the legend next to the panel, so that it hides no curve."""
     handles, _ = axes.get_legend_handles_labels()
     if handles:
         size = SETTINGS["legend.fontsize"]
@@ -115,13 +115,13 @@ def legend(axes: Axes, **options: Any) -> None:
 
 
 def thin(time: Array, values: Array) -> tuple[Array, Array]:
-    """Return every n-th sample of a curve, at most about ``MOST_POINTS``."""
+    """Every n-th sample of a curve, at most about ``MOST_POINTS``."""
     step = max(1, len(time) // MOST_POINTS)
     return time[::step], values[::step]
 
 
 def time_axis(axes: Sequence[Axes], record: Record, text: str) -> None:
-    """Give panels one above the other phases, legends, a time axis and a title."""
+    """Give stacked panels phases, legends, a time axis and a title."""
     for i, ax in enumerate(axes):
         _shade_phases(ax, record, label=i == 0)
         legend(ax)
@@ -130,7 +130,8 @@ def time_axis(axes: Sequence[Axes], record: Record, text: str) -> None:
 
 
 def _shade_phases(axes: Axes, record: Record, *, label: bool) -> None:
-    """Tint the time of each phase and mark where another segment of the plan begins.
+    """Tint the time of each phase and mark the start of each further segment of the
+    plan.
 
     ``label`` also names the phases along the top.
     """

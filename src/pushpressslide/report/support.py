@@ -1,4 +1,4 @@
-"""How the object lies on its support: tilt, gap, fall into an opening, depth in it."""
+"""Object relative to its support: tilt, gap, fall into an opening, depth in it."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ ENTERED = 0.003
 
 
 def support_figures(task: Task, record: Record) -> dict[str, float | None]:
-    """Return tilt, gap, fall and depth of the object; None where they do not apply.
+    """Tilt, gap, fall and depth of the object. None if they do not apply.
 
     The largest tilt [deg]; the largest gap [m] before the object enters the opening;
-    how far [m] and how fast [m/s] its middle falls from then on; its depth [m] in the
-    opening at the end.
+    the distance [m] and speed [m/s] of its middle's fall from then on; its depth [m] in
+    the opening at the end.
     """
     out: dict[str, float | None] = dict.fromkeys(FIELDS)
     positions = record.arrays.get("object_pose_3d")
@@ -55,7 +55,7 @@ def support_figures(task: Task, record: Record) -> dict[str, float | None]:
 
 
 def seat_error(task: Task, record: Record) -> float:
-    """Return how far [m] the object ends from the back of its goal's opening.
+    """Distance [m] of the object's final position from the back of its goal's opening.
 
     0 without an opening, or if the engine does not record the depth.
     """
@@ -67,7 +67,7 @@ def seat_error(task: Task, record: Record) -> float:
 
 
 def _gap(scene: Scene, positions: Array) -> Array:
-    """Distance (N,) [m] of the object's middle off its place on the support.
+    """Distance (N,) [m] of the object's middle from its rest position on the support.
 
     ``positions`` (N, 7) are quaternions and positions; away from the support is
     positive.
@@ -79,7 +79,7 @@ def _gap(scene: Scene, positions: Array) -> Array:
 
 
 def _tilt(support: Support, positions: Array) -> Array:
-    """Angle (N,) [rad] between the object's own z axis and where it points at rest."""
+    """Angle (N,) [rad] between the object's own z axis and its direction at rest."""
     w, x, y, z = positions[:, :4].T
     axis = np.stack(
         [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)],

@@ -14,7 +14,7 @@ from pushpressslide.report.page_tables import table
 
 
 def task_table(task: Task, result: Mapping[str, Any]) -> str:
-    """Return object, frictions, poses, robots and engine of a run."""
+    """Object, frictions, poses, robots and engine of a run."""
     rows = [
         ("Object", f"{task.object.shape.description}, {_mass(task)}"),
         ("Friction", _frictions(task)),

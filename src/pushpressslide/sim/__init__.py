@@ -1,7 +1,6 @@
 """The physics engine: the only package that imports pydrake.
 
-Importing it, or any module of it, raises MissingPackageError where Drake is not
-installed.
+Importing it, or any module of it, raises MissingPackageError if Drake is not installed.
 """
 
 from importlib.util import find_spec

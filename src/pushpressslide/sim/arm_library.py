@@ -1,4 +1,4 @@
-"""Drake as the library of the search for joint paths."""
+"""Drake as the library of the joint-path search."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from pushpressslide.sim.refine import refined_move
 
 
 class DrakeLibrary:
-    """As ``arms.paths.library.ArmLibrary``."""
+    """Drake's implementation of ``arms.paths.library.ArmLibrary``."""
 
     def model(self, robot: Robot) -> DrakeArmModel:
-        """Return the arm's dynamics."""
+        """The arm's dynamics."""
         return DrakeArmModel(robot)
 
     def clearance(
         self, plan: Plan, arm: int, others: Mapping[int, Array]
     ) -> DrakeClearance:
-        """Return the distances of an arm."""
+        """Clearance model of an arm."""
         return DrakeClearance(plan, arm, others)
 
     def capsules(self, robot: Robot, index: int) -> ArmCapsules:
-        """Return the capsules that hold an arm."""
+        """Capsules that enclose an arm."""
         return arm_capsules(robot, index)
 
     def refined(
@@ -44,7 +44,7 @@ class DrakeLibrary:
         margin: float,
         min_distance: float,
     ) -> Posture | None:
-        """Return a posture that trajectory optimisation finds near a guess, or None."""
+        """A posture that trajectory optimisation finds near a guess, or None."""
         return refined_move(kinematics, clearance, path, guess, margin, min_distance)
 
 
@@ -52,9 +52,9 @@ DRAKE = DrakeLibrary()
 
 
 def joint_paths_of(plan: Plan) -> list[tuple[ArmPath, ...]]:
-    """Return the joint paths of every placement of a plan.
+    """Joint paths of every placement of a plan.
 
-    Raises InfeasibleTaskError where an arm has none.
+    Raises InfeasibleTaskError if an arm has none.
     """
     out = PlacementPaths(DRAKE)
     for placement in plan.by_placement:

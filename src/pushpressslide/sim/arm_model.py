@@ -14,7 +14,7 @@ from pushpressslide.sim.robot_models import add_robot
 
 
 class DrakeArmModel:
-    """An arm's model by Drake, as ``arms.model.ArmModel``."""
+    """Drake's model of an arm, as ``arms.model.ArmModel``."""
 
     def __init__(self, robot: Robot, *, models: str = "generated") -> None:
         """Build the arm's own plant."""
@@ -38,7 +38,7 @@ class DrakeArmModel:
 
     @property
     def facts(self) -> RobotFacts:
-        """The maker's limits of its joints."""
+        """The manufacturer's limits of its joints."""
         return self.instance.facts
 
     def state(self, q: Array, v: Array) -> ArmDynamics:
@@ -46,7 +46,7 @@ class DrakeArmModel:
         return self.state_at(np.concatenate([q, v]))
 
     def state_at(self, x: Array) -> ArmDynamics:
-        """Return what a torque controller needs at ``x`` (2 n,), positions and
+        """State that a torque controller needs at ``x`` (2 n,), positions and
         velocities.
         """
         plant = self._plant

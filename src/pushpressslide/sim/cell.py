@@ -1,5 +1,5 @@
-"""Drake's hydroelastic simulation as a cell: arms that are driven by joint torques, and
-what only a simulator knows.
+"""Drake's hydroelastic simulation as a cell: torque-driven arms, and the quantities
+that only a simulator knows.
 """
 
 from __future__ import annotations
@@ -45,12 +45,12 @@ def drake_cell(
     spare: Callable[[], Station] | None = None,
     joint_stiffness: float = 0.0,
 ) -> Cell:
-    """Cell with the arms of ``station`` where the first of ``paths`` begins, or arms and
-    bodies as ``start`` has them.
+    """Cell with the arms of ``station`` at the start of the first of ``paths``, or with
+    arms and bodies as in ``start``.
 
     There is one set of joint paths for each placement. ``spare`` makes a station that
-    takes over where the solver of ``station`` does not converge; ``joint_stiffness``
-    [N m/rad] is as of ``control.execution.Execution``.
+    takes over if the solver of ``station`` does not converge; ``joint_stiffness`` [N
+    m/rad] is as in ``control.execution.Execution``.
     """
     query = plan.query
     physics = DrakePhysics(plan, station, spare)
@@ -74,7 +74,7 @@ def drake_cell(
 
 
 def _path_facts(paths: Sequence[tuple[ArmPath, ...]]) -> dict[str, Any]:
-    """What is to be known of the planned joint paths of all placements."""
+    """Facts of the planned joint paths of all placements."""
     every = [path for placement in paths for path, _ in placement]
     first = max(float(path.approach_time[-1]) for path, _ in paths[0])
     return {
@@ -86,7 +86,7 @@ def _path_facts(paths: Sequence[tuple[ArmPath, ...]]) -> dict[str, Any]:
 
 
 class DrakePhysics:
-    """A station: clock, tracker and witness of what happens in it."""
+    """A station as clock, tracker and source of the true state."""
 
     simulated = True
 
@@ -96,7 +96,7 @@ class DrakePhysics:
         station: Station,
         spare: Callable[[], Station] | None = None,
     ) -> None:
-        """Take a station, and what makes another one for ``drake_cell``."""
+        """Take a station, and ``spare``, which makes another one as in ``drake_cell``."""
         task = plan.task
         query = plan.query
         plant = station.plant
@@ -122,8 +122,8 @@ class DrakePhysics:
         self._failure: str | None = None
 
     def put(self, arms: Sequence[TorqueArm], start: WorldState | None) -> None:
-        """Put ``arms`` where their joint paths begin, or arms and bodies as ``start``
-        has them; and begin to simulate.
+        """Put ``arms`` at the start of their joint paths, or arms and bodies as in
+        ``start``, and start the simulation.
         """
         station = self.station
         plant = station.plant
@@ -141,7 +141,7 @@ class DrakePhysics:
         self._before = self.now
 
     def _look(self) -> None:
-        """Take the plant's state."""
+        """Read the plant's state."""
         self.state = self.station.state_vector()  # (nq + nv,)
         x = self.state.tolist()
         pose = planar_pose_from_positions(x[self._body : self._body + 7], self.frame)
@@ -173,8 +173,8 @@ class DrakePhysics:
         self._look()
 
     def _complaint(self) -> str | None:
-        """Simulate to the end of the control period; return what the simulator complains
-        of.
+        """Simulate to the end of the control period. Return the simulator's complaint,
+        or None.
         """
         try:
             self.station.simulator.AdvanceTo(self._ticks * self._period)
@@ -185,10 +185,10 @@ class DrakePhysics:
         return None
 
     def failure(self) -> str | None:
-        """Why the simulation cannot go on, or None.
+        """Reason that the simulation cannot continue, or None.
 
-        The object was far away or had fallen as the last tick began, or the simulator
-        complained.
+        The object was far away or had fallen at the start of the last tick, or the
+        simulator complained.
         """
         x, pose = self._before
         off = min(math.dist(pose.position, end.position) for end in self._ends)
@@ -201,7 +201,7 @@ class DrakePhysics:
         return self._failure
 
     def observe(self) -> Truth:
-        """The truth of the tick that was passed last."""
+        """True state of the last completed tick."""
         x, pose = self._before
         start = self._body_velocity
         twist = planar_twist(x[start : start + 6], self.frame)
@@ -209,12 +209,12 @@ class DrakePhysics:
         return Truth(pose, tips, twist, extras=partial(self._body_poses, x))
 
     def _body_poses(self, x: Sequence[float]) -> dict[str, Any]:
-        """Rows of the arrays that this simulation alone has, from a state ``x``."""
+        """Rows of the arrays that only this simulation records, from a state ``x``."""
         return {name: x[start : start + 7] for name, start in self._body_rows.items()}
 
 
 class _Instant(NamedTuple):
-    """What is where at a time."""
+    """True poses and velocities at one time."""
 
     x: list[float]  # state of the plant
     X_WG: Pose2
@@ -249,9 +249,7 @@ class DrakeDrives:
 
 
 def _joints_of(plant: MultibodyPlant, instance: ModelInstanceIndex) -> NDArray[np.intp]:
-    """Where the positions, then the velocities, of an arm's joints are in the plant's
-    state.
-    """
+    """Indices of an arm's joint positions, then velocities, in the plant's state."""
     joints = [plant.get_joint(j) for j in plant.GetJointIndices(instance)]
     moving = [joint for joint in joints if joint.num_positions() == 1]
     positions = [joint.position_start() for joint in moving]
@@ -260,7 +258,8 @@ def _joints_of(plant: MultibodyPlant, instance: ModelInstanceIndex) -> NDArray[n
 
 
 def _raised_in_python(error: BaseException) -> bool:
-    """Return whether Python code below the handler raised ``error``, not the simulator.
+    """Whether ``error`` was raised by Python code below the handler, not by the
+    simulator.
 
     The simulator calls systems that are written in Python.
     """

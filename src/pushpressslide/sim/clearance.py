@@ -1,5 +1,5 @@
-"""Least distance of an arm to support, object and obstacles: signed distances in a plant
-made for planning only.
+"""Smallest distance of an arm to support, object and obstacles: signed distances in a
+plant made for planning only.
 """
 
 from __future__ import annotations
@@ -55,8 +55,8 @@ SLAB_DEPTH = 1.0  # [m]
 
 
 class DrakeClearance:
-    """Distances between one arm in capsules, the object, the support, the obstacles,
-    and arms that stand still.
+    """Distances between one arm made of capsules, the object, the support, the
+    obstacles, and resting arms.
     """
 
     def __init__(
@@ -64,7 +64,7 @@ class DrakeClearance:
     ) -> None:
         """Build the planning plant.
 
-        ``others`` are postures (n,) of arms that stand still.
+        ``others`` are postures (n,) of resting arms.
         """
         task = plan.task
         robots = task.robots
@@ -121,7 +121,7 @@ class DrakeClearance:
         ]
 
     def _filter(self, graph: SceneGraph, base: Sequence[RigidBody]) -> None:
-        """Leave out pairs that may touch: the base and the table, the object and the
+        """Exclude pairs that may touch: the base and the table, the object and the
         table, and the links of the arm.
         """
         plant = self._plant
@@ -138,11 +138,11 @@ class DrakeClearance:
         )
 
     def _allowed_at_contact(self, radius: float) -> dict[GeometryId, float]:
-        """Return how near [m] shapes that hold the tip may come to what its sphere of a
-        ``radius`` [m] touches, where the sphere leaves them less than the clearance.
+        """Distance [m] that the shapes holding the tip may have to what its sphere of a
+        ``radius`` [m] touches, if the sphere leaves them less than the clearance.
 
-        The sphere touches with the half that faces away from them; what it leaves is
-        their least distance to that half.
+        The sphere touches with the half that faces away from them. The distance it
+        leaves is their smallest distance to that half.
         """
         tip = self._robot.tip_body
         holding = set(_shapes(self._plant, self._plant.GetBodiesWeldedTo(tip)))
@@ -167,12 +167,12 @@ class DrakeClearance:
         touching: bool,
         bodies: Mapping[str, Sequence[Pose2]] | None = None,
     ) -> Gap:
-        """Return the gap with the least to spare, looked for up to 0.08 m, over postures
-        (k, n) and object poses X_WG (k).
+        """Gap with the smallest margin over postures (k, n) and object poses X_WG (k),
+        searched up to 0.08 m.
 
-        ``touching``: the tip's sphere touches the object on purpose; this pair is left
-        out. ``bodies``: poses (k each) of movable obstacles by name, by default where
-        the task has them.
+        ``touching``: the tip's sphere touches the object on purpose, so this pair is
+        excluded. ``bodies``: poses (k each) of movable obstacles by name, by default
+        those of the task.
         """
         transforms = [
             rigid_transform(pose, self._height, self._frame) for pose in object_poses
@@ -195,11 +195,11 @@ class DrakeClearance:
         touching: Collection[GeometryId],
         bodies: Mapping[str, Sequence[RigidTransform]] | None = None,
     ) -> tuple[float, str]:
-        """Return the least distance [m], at most 0.08, over postures (k, n) and spatial
-        poses of the object (k), and the names of its pair; other arms are left out.
+        """Smallest distance [m], at most 0.08, over postures (k, n) and spatial poses
+        of the object (k), and the names of its pair. Other arms are excluded.
 
         ``touching`` shapes of the arm may touch the object. ``bodies``: poses (k each)
-        of movable obstacles by name, by default where the task has them.
+        of movable obstacles by name, by default those of the task.
         """
         nearest = self._nearest(
             postures, object_poses, touching, bodies or {}, lambda gap: -gap.distance
@@ -214,7 +214,9 @@ class DrakeClearance:
         bodies: Mapping[str, Sequence[RigidTransform]],
         order: Callable[[Gap], float],
     ) -> Gap:
-        """Return the last in ``order`` of all gaps, as of ``least_in_space``."""
+        """The last of all gaps in ``order``, over the postures and poses of
+        ``least_in_space``.
+        """
         out = NOTHING
         before = {name: self._pose(name) for name in bodies}
         for i, (q, X) in enumerate(zip(postures, object_poses, strict=True)):
@@ -232,7 +234,7 @@ class DrakeClearance:
     def _allowance(
         self, near: SignedDistancePair, touching: Collection[GeometryId]
     ) -> float:
-        """Return how near [m] two shapes may come, where ``touching`` ones touch the
+        """Smallest allowed distance [m] of two shapes, if ``touching`` shapes touch the
         object.
         """
         between = {near.id_A, near.id_B}
@@ -241,26 +243,26 @@ class DrakeClearance:
         return min(self._allowed.get(shape, CLEARANCE) for shape in between)
 
     def _name(self, shape: GeometryId) -> str:
-        """Return the name of what a shape is a part of."""
+        """Name of the body that a shape belongs to."""
         if shape in self._object_shapes:
             return "object"
         name = str(self._inspector.GetName(shape)).split("::")[-1]
         return name.split(PIECE)[0]
 
     def _pose(self, name: str) -> RigidTransform:
-        """Return where a movable obstacle is."""
+        """Current pose of a movable obstacle."""
         return self._plant.GetFreeBodyPose(self._plant_context, self._bodies[name])
 
     def _put(self, name: str, pose: RigidTransform) -> None:
-        """Put a movable obstacle somewhere else."""
+        """Set the pose of a movable obstacle."""
         self._plant.SetFreeBodyPose(self._plant_context, self._bodies[name], pose)
 
     def smooth_least(
         self, q: Array, object_pose: Pose2, *, touching: bool
     ) -> tuple[float, Array]:
-        """Return a smooth lower bound of the least distance [m] of the moving links, and
-        its gradient (n,); a pair that may be nearer than CLEARANCE counts as so much
-        farther.
+        """A smooth lower bound of the smallest distance [m] of the moving links, and
+        its gradient (n,). The distance of a pair that may be nearer than CLEARANCE is
+        increased by the difference.
         """
         X_WO = rigid_transform(object_pose, self._height, self._frame)
         shapes = self.sphere if touching else set()
@@ -283,7 +285,7 @@ class DrakeClearance:
         return least - SMOOTHING * math.log(total), gradient
 
     def _gradient(self, pair: SignedDistancePair) -> Array:
-        """Return the gradient (n,) of one pair's distance."""
+        """Gradient (n,) of one pair's distance."""
         plant = self._plant
         out = np.zeros(len(self._columns))
         for shape, point, sign in (
@@ -308,7 +310,7 @@ class DrakeClearance:
     def _pairs(
         self, q: Array, X_WO: RigidTransform, touching: Collection[GeometryId]
     ) -> Iterator[SignedDistancePair]:
-        """Yield the pairs nearer than LOOK in one posture, the object at ``X_WO``."""
+        """Yield the pairs nearer than LOOK in one posture, with the object at ``X_WO``."""
         self._plant.SetPositions(self._plant_context, self._robot.model_instance, q)
         self._plant.SetFreeBodyPose(self._plant_context, self._object, X_WO)
         query = self._query.Eval(self._plant_context)
@@ -325,8 +327,8 @@ def _lack(gap: Gap) -> float:
 
 
 def _half_of_sphere() -> Iterator[Array]:
-    """Yield unit vectors (3,) in T all round the half of a tip's sphere that faces away
-    from what holds it: z of T points there.
+    """Yield unit vectors (3,) in T over the half of a tip's sphere that faces away from
+    what holds it, the half around z of T.
     """
     for turn in np.linspace(0.0, 2.0 * math.pi, TOUCHING, endpoint=False):
         for up in (0.0, 0.5, 1.0):
@@ -335,8 +337,8 @@ def _half_of_sphere() -> Iterator[Array]:
 
 
 def _add_surroundings(plant: MultibodyPlant, task: Task) -> None:
-    """Add the floor or table at world height zero, the support where it is another
-    plane, and the fixed obstacles.
+    """Add the floor or table at world height zero, the support if it is another plane,
+    and the fixed obstacles.
     """
     frame = task.support.frame
     below = SURFACE_LEVEL - 0.5 * SLAB_DEPTH
@@ -357,7 +359,7 @@ def _add_surroundings(plant: MultibodyPlant, task: Task) -> None:
 
 
 def _add_movable(plant: MultibodyPlant, task: Task) -> dict[str, RigidBody]:
-    """Add the movable obstacles as free bodies where the task has them, by name."""
+    """Add the movable obstacles, by name, as free bodies at the task's poses."""
     # any mass: the plant is not simulated
     inertia = SpatialInertia.SolidBoxWithMass(1.0, 0.1, 0.1, 0.1)
     bodies = {}
@@ -381,12 +383,12 @@ def _add_shapes(
     body: RigidBody,
     shapes: Sequence[tuple[str, DrakeShape, RigidTransform]],
 ) -> None:
-    """Add shapes by their names, which several may have, at poses in ``body``."""
+    """Add shapes at poses in ``body`` by their names, which need not be unique."""
     for i, (name, shape, X) in enumerate(shapes):
         own = f"{name}{PIECE}{i}"
         plant.RegisterCollisionGeometry(body, X, shape, own, ProximityProperties())
 
 
 def _shapes(plant: MultibodyPlant, bodies: Iterable[RigidBody]) -> list[GeometryId]:
-    """Return the collision shapes of bodies."""
+    """Collision shapes of bodies."""
     return [g for body in bodies for g in plant.GetCollisionGeometriesForBody(body)]

@@ -1,4 +1,4 @@
-"""Conversion between planar data and Drake's spatial data, done here only.
+"""Conversion between planar data and Drake's spatial data, all in this module.
 
 Drake's world is the world. Planar data refer to the support's frame
 (core/support_frame.py), which is the world on a table.
@@ -22,7 +22,7 @@ from pushpressslide.core.support_frame import TABLE, SupportFrame
 def rigid_transform(
     pose: Pose2, z: float, frame: SupportFrame = TABLE
 ) -> RigidTransform:
-    """Return the spatial pose, in the world, of a planar pose at height ``z`` [m].
+    """Spatial pose, in the world, of a planar pose at height ``z`` [m].
 
     Its x and y axes are those of the planar pose; its z axis points up on a table and
     into a wall.
@@ -36,9 +36,7 @@ def rigid_transform(
 
 
 def planar_pose(X: RigidTransform, frame: SupportFrame = TABLE) -> Pose2:
-    """Return the planar pose of a spatial pose: x and y of its origin, and the yaw of
-    its x axis.
-    """
+    """Planar pose of a spatial pose: x and y of its origin, and the yaw of its x axis."""
     px, py, pz = X.translation().tolist()
     ax, ay, az = X.rotation().col(0).tolist()
     return _planar((px, py, pz), (ax, ay, az), frame)
@@ -47,8 +45,8 @@ def planar_pose(X: RigidTransform, frame: SupportFrame = TABLE) -> Pose2:
 def planar_pose_from_positions(
     q: Sequence[float], frame: SupportFrame = TABLE
 ) -> Pose2:
-    """Return the planar pose of a floating body's seven positions: quaternion (w, x, y,
-    z), then x, y, z [m].
+    """Planar pose of a floating body's seven positions: quaternion (w, x, y, z), then
+    x, y, z [m].
     """
     w, x, y, z, px, py, pz = q
     axis = (1.0 - 2.0 * (y * y + z * z), 2.0 * (w * z + x * y), 2.0 * (x * z - w * y))
@@ -62,8 +60,8 @@ def _planar(position: Vector3, x_axis: Vector3, frame: SupportFrame) -> Pose2:
 
 
 def planar_twist(V: Sequence[float], frame: SupportFrame = TABLE) -> Vector3:
-    """Return the velocity along x and y [m/s] and the yaw rate [rad/s] of a body's
-    spatial velocity: angular, then linear.
+    """Velocity along x and y [m/s] and the yaw rate [rad/s] of a body's spatial
+    velocity: angular, then linear.
     """
     wx, wy, wz, x, y, z = V
     vx, vy, _ = frame.components((x, y, z))
@@ -72,8 +70,8 @@ def planar_twist(V: Sequence[float], frame: SupportFrame = TABLE) -> Vector3:
 
 
 def transform_from_positions(q: NDArray[np.float64]) -> RigidTransform:
-    """Return the spatial pose of a floating body's seven positions: quaternion (w, x,
-    y, z), then x, y, z [m].
+    """Spatial pose of a floating body's seven positions: quaternion (w, x, y, z), then
+    x, y, z [m].
     """
     return RigidTransform(
         RotationMatrix(Quaternion(q[:4] / np.linalg.norm(q[:4]))), q[4:7]

@@ -1,4 +1,4 @@
-"""The clearance of the arms as they really moved, from the record of a run."""
+"""Clearance of the arms along their actual motion, from the record of a run."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ PERIOD = 0.02  # [s] at most, between two postures that are looked at
 
 
 def clearance_driven(record: Record) -> tuple[float, str]:
-    """Return the least distance [m], at most 0.08, of any arm to object, obstacles,
-    support, table and other arms in a run, and the names of the pair; negative where
-    they intersect.
+    """Smallest distance [m], at most 0.08, of any arm to object, obstacles, support,
+    table and other arms in a run, and the names of the pair. Negative if they
+    intersect.
 
-    The sphere of a tip with a contact is left out against the object, which it touches
+    The sphere of a tip with a contact is excluded against the object, which it touches
     on purpose.
     """
     plan = record.plan
@@ -71,7 +71,7 @@ def clearance_driven(record: Record) -> tuple[float, str]:
 
 
 def _touching(plan: Plan) -> list[frozenset[int]]:
-    """Return the arms that touch the object in each placement."""
+    """Arms that touch the object in each placement."""
     return [
         frozenset(contact.arm for contact in placement.contacts)
         for placement in plan.by_placement
@@ -85,7 +85,7 @@ def _poses_at(
 
 
 def _stride(times: Array) -> int:
-    """Return how many ticks there are between two postures that are looked at."""
+    """Number of ticks between two checked postures."""
     if len(times) < 2:
         return 1
     period = float(np.median(np.diff(times)))

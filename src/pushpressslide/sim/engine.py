@@ -1,4 +1,4 @@
-"""Runs a plan in Drake."""
+"""Execution of a plan in Drake."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ def run(
     """Run ``plan`` in the hydroelastic simulation and return its record.
 
     The record is deterministic for a seed on one kind of machine. ``paths`` are the
-    joint paths of each placement, if made before; else this raises InfeasibleTaskError
-    before anything moves where an arm has none. ``models`` names the robot models,
-    ``time_step`` [s] is that of the physics (default: the task's). ``view`` shows the
-    run in real time. ``knock``: another body pushes the object aside; ``knocked`` in the
-    record's meta says how far.
+    joint paths of each placement, if planned before. Otherwise they are planned, and
+    InfeasibleTaskError is raised before anything moves if an arm has none. ``models``
+    names the robot models, ``time_step`` [s] is the physics step (default: the task's).
+    ``view`` shows the run in real time. ``knock``: another body pushes the object
+    aside; ``knocked`` in the record's meta holds the displacement.
     """
     if paths is None:
         paths = joint_paths_of(plan)

@@ -1,4 +1,4 @@
-"""The force sensor in the mount of a tip."""
+"""Force sensor in the mount of a tip."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pushpressslide.sim.robot_models import RobotInstance
 
 
 class ForceSensor:
-    """Measures the force of a tip on what it touches by the reaction in its mount."""
+    """Measures the force of a tip on what it touches from the reaction in its mount."""
 
     def __init__(self, plant: MultibodyPlant, robot: RobotInstance) -> None:
         """Find mount and tip in the finalized ``plant``."""
@@ -24,10 +24,11 @@ class ForceSensor:
     def force(
         self, reaction: SpatialForce, R_WT: Array, acceleration: Array
     ) -> Vector3:
-        """Return the force [N] of the tip ON what it touches, world axes: the
-        ``reaction`` in the mount, in T's axes, less what bears the tip's own mass and
-        gives it its ``acceleration`` (3,) [m/s^2]; that mass is taken to be at T's
-        origin. ``R_WT`` (3, 3).
+        """Force [N] of the tip ON what it touches, world axes.
+
+        It is the ``reaction`` in the mount, in T's axes, minus the force that carries
+        and accelerates the tip's own mass. That mass is taken to be at T's origin;
+        ``acceleration`` (3,) [m/s^2], ``R_WT`` (3, 3).
         """
         own = self._mass * (self._gravity - acceleration)
         fx, fy, fz = (R_WT @ reaction.translational() + own).tolist()

@@ -1,8 +1,8 @@
-"""A ball that knocks the object in mid-contact, driven by a force.
+"""A force-driven ball that disturbs the object during contact.
 
-It touches nothing but the object, and waits out of sight. Once the object has come as
-far as the knock says, it flies beside it, pushes it aside at low height, and leaves.
-The object moves by its contact force alone.
+It touches nothing but the object, and waits out of sight. When the object has covered
+the share of its path set by the disturbance, the ball flies to its side, pushes it
+aside at low height, and leaves. The object moves by its contact force alone.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ NAME = "knocker"
 
 @dataclass(frozen=True)
 class Knocked:
-    """What came of a knock."""
+    """Result of a disturbance: time of the touch, displacement and rotation."""
 
     time: float  # [s] when the ball touched
     moved: float  # [m] of the object along the push, besides its own motion
@@ -61,7 +61,7 @@ class Knocked:
 
 
 class Knocker:
-    """The ball in a plant, and what it does."""
+    """The ball in a plant, and its motion."""
 
     def __init__(self, plant: MultibodyPlant, knock: Knock, plan: Plan) -> None:
         """Add the ball to a plant that is not finalized."""
@@ -96,7 +96,7 @@ class Knocker:
         )
 
     def connect(self, builder: DiagramBuilder, plant: MultibodyPlant) -> None:
-        """Export the port of the force."""
+        """Export the input port of the force."""
         builder.ExportInput(plant.get_applied_spatial_force_input_port(), NAME)
         self._start = self._body.floating_positions_start()
         self._speed = (
@@ -129,7 +129,7 @@ class Knocker:
         port.FixValue(context, Value[list[ExternallyAppliedSpatialForce]]([applied]))
 
     def _decide(self, place: Array, pose: Pose2, t: float) -> None:
-        """Go on to the next phase where it is time."""
+        """Enter the next phase when it is due."""
         if self._phase == "waiting" and self._share(pose) >= self.knock.share:
             self._enter_phase("coming", t)
         elif self._phase == "coming":
@@ -139,7 +139,7 @@ class Knocker:
             self._push(place, pose, t)
 
     def _push(self, place: Array, pose: Pose2, t: float) -> None:
-        """Note the touch, and leave where the object has moved far enough."""
+        """Record the touch, and leave once the object has moved far enough."""
         if self._before is None:
             shape = self.plan.task.object.shape
             gap = shape.placed(pose).distance(shapely.Point(place[:2])) - RADIUS
@@ -163,7 +163,7 @@ class Knocker:
             self._enter_phase("leaving", t)
 
     def _motion(self, pose: Pose2, t: float) -> tuple[Point, float]:
-        """Return how the object moves without the ball, [m/s] and [rad/s]."""
+        """Velocity [m/s] and yaw rate [rad/s] of the object without the ball."""
         if self._last is None:
             return (0.0, 0.0), 0.0
         before, last = self._last
@@ -176,15 +176,15 @@ class Knocker:
         self._since = t
 
     def _share(self, pose: Pose2) -> float:
-        """Return how much of the direct way the object has come."""
+        """Fraction of the direct path that the object has covered."""
         task = self.plan.task
         shape = task.object.shape
         whole = displacement(shape, task.true_start, task.goal)
         return displacement(shape, task.true_start, pose) / whole
 
     def _aim(self) -> tuple[Point, Point]:
-        """Return a spot in G [m] on the long side that is farthest from all contacts,
-        beside the centre of mass, and the side's inward normal.
+        """A spot in G [m] next to the centre of mass on the long side that is farthest
+        from all contacts, and the side's inward normal.
         """
         task = self.plan.task
         X_BG = task.X_GB.inverse()
@@ -211,7 +211,7 @@ class Knocker:
         return (float(spot[0]), float(spot[1])), (float(inward[0]), float(inward[1]))
 
     def _errand(self, pose: Pose2) -> Array:
-        """Return where the ball is to be [m], seen from the object at X_WG."""
+        """Target position of the ball [m] for the object at X_WG."""
         height = min(LOW, 0.5 * self.plan.task.object.shape.height)
         height = max(height, RADIUS + 0.002)
         ahead = self._depth
@@ -224,7 +224,7 @@ class Knocker:
 
 
 def _hold(plan: Plan) -> float:
-    """Return the friction [N] of the support and of the tips on top, as planned."""
+    """Friction [N] of the support and of the tips on top, as planned."""
     press = max(sum(c.load for c in segment.contacts) for segment in plan.segments)
     scene = plan.task.scene
     return scene.max_friction(press) + scene.contact_friction * press
@@ -243,6 +243,6 @@ def _add_ball(plant: MultibodyPlant) -> RigidBody:
 
 
 def _distance_to_contacts(middle: Array, contacts: list[Point], X_BG: Pose2) -> float:
-    """Return how far a side's middle [m] in G is from the nearest contact in B."""
+    """Distance of a side's middle [m] in G from the nearest contact in B."""
     here = X_BG.apply((float(middle[0]), float(middle[1])))
     return min((math.dist(here, contact) for contact in contacts), default=0.0)

@@ -1,4 +1,4 @@
-"""The volume mesh of an upright body on a concave footprint, for hydroelastic contact.
+"""Volume mesh of an upright body on a concave footprint, for hydroelastic contact.
 
 Drake gives each vertex of a volume mesh a pressure in proportion to its distance from
 the surface, and interpolates. The mesh has a second, inner surface at one depth under
@@ -35,9 +35,9 @@ class LayeredMesh:
 
 
 def layered_mesh(corners: tuple[Point, ...], height: float) -> LayeredMesh:
-    """Return the mesh of a prism on a simple polygon, counter-clockwise [m].
+    """Mesh of a prism on a simple polygon, counter-clockwise [m].
 
-    Raises ValueError for an outline that is too thin to have an inner one.
+    Raises ValueError if the outline is too thin for an inner one.
     """
     n = len(corners)
     depth, inner = _inner(corners, DEEPEST * height)
@@ -69,7 +69,7 @@ def layered_mesh(corners: tuple[Point, ...], height: float) -> LayeredMesh:
 def _inner(
     corners: tuple[Point, ...], deepest: float
 ) -> tuple[float, tuple[Point, ...]]:
-    """Return a depth [m] and the outline at that distance inside, corner by corner."""
+    """A depth [m] and the outline inset by that depth, corner by corner."""
     depth = deepest
     for _ in range(TRIES):
         if _is_sound(corners, depth):
@@ -82,7 +82,7 @@ def _inner(
 
 
 def _inset(corners: tuple[Point, ...], depth: float) -> tuple[Point, ...]:
-    """Return the corners moved so that each edge is ``depth`` [m] further inside."""
+    """Corners of the outline with each edge moved inwards by ``depth`` [m]."""
     out = []
     for before, at, after in zip(
         corners[-1:] + corners[:-1], corners, corners[1:] + corners[:1], strict=True
@@ -95,14 +95,14 @@ def _inset(corners: tuple[Point, ...], depth: float) -> tuple[Point, ...]:
 
 
 def _normal(a: Point, b: Point) -> Point:
-    """Return the unit normal to the left of the way from a to b."""
+    """Unit normal to the left of the direction from a to b."""
     length = math.dist(a, b)
     return (-(b[1] - a[1]) / length, (b[0] - a[0]) / length)
 
 
 def _is_sound(corners: tuple[Point, ...], depth: float) -> bool:
-    """Return whether the outline at a depth has all its edges and does not come nearer
-    to the outer one elsewhere.
+    """Whether the outline at a depth keeps all its edges and comes no nearer to the
+    outer one elsewhere.
     """
     from shapely import Polygon
 
@@ -122,9 +122,9 @@ def _is_sound(corners: tuple[Point, ...], depth: float) -> bool:
 
 
 def _cut(prism: Prism) -> list[Tetrahedron]:
-    """Return three tetrahedra of a triangular prism (Dompierre and others, 1999).
+    """Three tetrahedra of a triangular prism (Dompierre and others, 1999).
 
-    Each rectangle is cut at its vertex of the lowest number, so that neighbours agree.
+    Each rectangle is cut at its lowest-numbered vertex, so that neighbours agree.
     """
     lowest = prism.index(min(prism))
     a, b, c, d, e, f = (prism[k] for k in _ORDERS[lowest])
@@ -145,8 +145,8 @@ _ORDERS = (
 
 
 def _turned(vertices: tuple[Vector3, ...], cell: Tetrahedron) -> Tetrahedron:
-    """Return a tetrahedron whose fourth vertex is on the side to which the first three
-    turn left.
+    """The tetrahedron, reordered so that its fourth vertex is on the side to which the
+    first three turn left.
     """
     a, b, c, d = (vertices[i] for i in cell)
     u, v, w = ((p[0] - a[0], p[1] - a[1], p[2] - a[2]) for p in (b, c, d))

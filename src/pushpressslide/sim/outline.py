@@ -1,4 +1,4 @@
-"""The capsules of an arm, from its planning model in Drake.
+"""Capsules of an arm, from its planning model in Drake.
 
 Drake's general distance query may not terminate for capsules deep inside each other.
 """
@@ -19,7 +19,7 @@ from pushpressslide.sim.robot_models import add_robot
 
 
 def arm_capsules(robot: Robot, index: int) -> ArmCapsules:
-    """Return the capsules of an arm's planning model.
+    """Capsules of an arm's planning model.
 
     Any other shape is replaced by the sphere about its bounding box.
     """
@@ -45,7 +45,7 @@ def arm_capsules(robot: Robot, index: int) -> ArmCapsules:
 
 
 def _capsule(inspector: SceneGraphInspector, shape_id: GeometryId) -> tuple[Any, float]:
-    """Return the ends of a capsule's axis in its body's frame [m], and its radius [m]."""
+    """Ends of a capsule's axis in its body's frame [m], and its radius [m]."""
     shape = inspector.GetShape(shape_id)
     center = np.zeros(3)
     half = np.zeros(3)

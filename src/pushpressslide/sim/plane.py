@@ -1,15 +1,16 @@
-"""An even support as a rigid half-space, and the bases that stand on it.
+"""A flat support as a rigid half-space, and the bases that stand on it.
 
 Friction acts at the centroids of contact polygons. A half-space cuts each tetrahedron
 of a compliant base in one polygon, nearly fixed to the body: the friction wrench does
-not depend on where the body is, and there are no more polygons than it needs. Centroids
-are nearer to the middle than what they stand for; a base is as much larger, about one
-part in a hundred, as gives friction its moment back.
+not depend on the body's position, and the number of polygons is minimal. Centroids are
+nearer to the middle than the areas they represent. A base is therefore enlarged, by
+about one part in a hundred, to restore the moment of friction.
 
-It is the half-space that is rigid, since polygons lie on what is rigid. On a base that
-leans by a hundredth of a degree their normals lean too, and in a step of 4 ms it slides
-on by a twentieth of its indentation along them, which a solver that takes the friction
-from the load at the beginning of the step answers with as much more friction.
+The half-space is the rigid body, since contact polygons lie on the rigid surface. On a
+rigid base tilted by a hundredth of a degree the polygon normals would tilt too. In a
+step of 4 ms the base then slides along them by a twentieth of its indentation. A solver
+that takes the friction from the load at the start of the step would answer with as much
+more friction.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ FINEST = 1e-6  # [m] of the corners of cells; lines that are nearer together are
 
 @dataclass
 class Plane:
-    """The half-space of an even support in a plant, and the bases that stand on it."""
+    """The half-space of a flat support in a plant, and the bases that stand on it."""
 
     support: GeometryId
     frame: SupportFrame
@@ -74,8 +75,8 @@ class Plane:
         friction: float,
         cells: float = CELLS,
     ) -> None:
-        """Give a body of a ``shape`` what it stands on, in ``cells`` where its base is
-        narrow, and what it lies on once it has fallen over.
+        """Give a body of a ``shape`` its base, in ``cells`` if the base is narrow, and
+        the faces it lies on after falling over.
         """
         properties = compliant_properties(friction, 1.0)
         self.bases[body.index()] = [
@@ -86,7 +87,7 @@ class Plane:
         ]
 
     def let_bases_stand(self, plant: MultibodyPlant, scene_graph: SceneGraph) -> None:
-        """Let each base touch the support alone, and nothing else of its body do so."""
+        """Let the bases touch the support, and no other part of their bodies."""
         bases = set(chain.from_iterable(self.bases.values()))
         standing = GeometrySet(list(bases))
         others = GeometrySet()
@@ -126,9 +127,8 @@ logging.getLogger("drake").addFilter(
 def base_meshes(
     shape: Shape, cells: float = CELLS, up: float = 1.0
 ) -> list[VolumeMesh]:
-    """Return the convex parts of a ``shape`` in tetrahedra, with ``cells`` across the
-    base where it is narrow. ``up`` is -1 where the shape's z axis points into the
-    support, as on a wall.
+    """Convex parts of a ``shape`` in tetrahedra, with ``cells`` across a narrow base.
+    ``up`` is -1 if the shape's z axis points into the support, as on a wall.
     """
     counts = _cell_counts(shape, cells)
     x_min, x_max, y_min, y_max = shape.bounds(Pose2())
@@ -144,10 +144,10 @@ def base_meshes(
 
 
 def _widened(parts: Sequence[Flat]) -> list[Flat]:
-    """Return the parts of a base, larger about its centroid: so that the centroids of
-    its triangles are as far from there, in the mean, as the base is.
+    """Parts of a base, enlarged about its centroid so that the mean distance of its
+    triangles' centroids from there is that of the base.
 
-    That is the moment of its friction when it turns on the spot.
+    This restores the moment of friction in a turn on the spot.
     """
     corners = np.concatenate(
         [np.array(part.points)[np.array(part.triangles)] for part in parts]
@@ -164,9 +164,7 @@ def _widened(parts: Sequence[Flat]) -> list[Flat]:
 
 
 def _outline(shape: Shape) -> tuple[Point, ...]:
-    """Return the corners [m] of a base, counter-clockwise: those of a polygon as large
-    as the footprint.
-    """
+    """Corners [m] of a base, counter-clockwise, as a polygon of the footprint's area."""
     from shapely import Polygon, affinity
 
     polygon = Polygon(without_details(shape.outline()))
@@ -176,15 +174,13 @@ def _outline(shape: Shape) -> tuple[Point, ...]:
 
 
 def _turning(corners: tuple[Point, ...]) -> tuple[Point, ...]:
-    """Return the corners at which the border turns."""
+    """Corners at which the border changes direction."""
     by = zip(corners, turns(corners), strict=True)
     return tuple(corner for corner, turn in by if turn > STRAIGHT)
 
 
 def _cell_counts(shape: Shape, cells: float) -> tuple[int, int]:
-    """Return the numbers of cells along x and y: more of them along a long side, but
-    longer ones.
-    """
+    """Numbers of cells along x and y: more along a long side, but longer ones."""
     x_min, x_max, y_min, y_max = shape.bounds(Pose2())
     nx, ny = (
         min(MOST_CELLS, round(cells * math.sqrt(width / shape.breadth)))
@@ -195,16 +191,14 @@ def _cell_counts(shape: Shape, cells: float) -> tuple[int, int]:
 
 @dataclass(frozen=True)
 class Flat:
-    """Triangles, counter-clockwise, that make up a convex polygon and meet at whole
-    edges.
-    """
+    """Triangles, counter-clockwise, that tile a convex polygon and meet at whole edges."""
 
     points: tuple[Point, ...]  # [m]
     triangles: tuple[Triangle, ...]
     corners: tuple[int, ...]  # of the polygon, counter-clockwise
 
     def scaled(self, center: Point, factor: float) -> Flat:
-        """Return it ``factor`` times as large about a ``center`` [m]."""
+        """The polygon scaled by ``factor`` about a ``center`` [m]."""
         x, y = center
         points = tuple(
             (x + factor * (px - x), y + factor * (py - y)) for px, py in self.points
@@ -228,8 +222,8 @@ class Flat:
 def base_triangles(
     corners: tuple[Point, ...], xs: Sequence[float], ys: Sequence[float]
 ) -> Flat:
-    """Return a convex polygon cut along the lines at ``xs`` and ``ys`` [m], and each
-    cell into triangles.
+    """A convex polygon cut along the lines at ``xs`` and ``ys`` [m], and each cell into
+    triangles.
     """
     import shapely
 
@@ -259,7 +253,7 @@ def base_triangles(
 def _cut(
     corners: tuple[Point, ...], xs: Sequence[float], ys: Sequence[float]
 ) -> Sequence[Triangle]:
-    """Return triangles that make up a cell, by the numbers of its corners."""
+    """Triangles of a cell, by the numbers of its corners."""
     if len(corners) != 4 or min(turns(corners)) < STRAIGHT:
         return triangles(corners)
     # the diagonal alternates, so that the base has no handedness
@@ -271,12 +265,11 @@ def _cut(
 
 
 def _prism(base: Flat, half: float, middle: float, up: float) -> VolumeMesh:
-    """Return an upright prism of a height of twice ``half`` [m] on ``base``, all its
-    triangles joined to a vertex at the height ``middle`` [m], where the pressure is
-    greatest.
+    """An upright prism of height 2 ``half`` [m] on ``base``. All its triangles are
+    joined to a vertex at the height ``middle`` [m], where the pressure is greatest.
 
-    Few tetrahedra meet the base but its own: the support cuts slivers from the others,
-    which do not count, since the sides lean inwards by ``LEAN``.
+    Few tetrahedra except those of the base meet the support. It cuts only slivers from
+    the others, which do not matter, since the sides lean inwards by ``LEAN``.
     """
     sides = base.sides
     n = len(base.points)

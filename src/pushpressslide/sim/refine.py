@@ -1,11 +1,11 @@
 """Refinement of near misses by Drake's KinematicTrajectoryOptimization.
 
-Continuation over a grid of tool yaws and tilts (postures.py) looks one sample ahead.
-Where it just fails, a spline over the whole path may still exist: yaw and tilt become
+Continuation over a grid of tool yaws and tilts (postures.py) looks one sample ahead. If
+it just fails, a spline over the whole path may still exist: yaw and tilt become
 unknowns, and the elbow is placed where the path needs it later. The optimiser needs a
 guess that is nearly a solution, and proves nothing when it fails. It is therefore given
-near misses only, and its result is judged by the same figures as any other. Iterations
-are limited instead of time, so that the result does not depend on the machine's load.
+near misses only, and its result is evaluated like any other. Iterations are limited,
+not time, so that the result does not depend on the machine's load.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def refined_move(
     margin: float,
     clearance: float,
 ) -> Posture | None:
-    """Return a posture near ``guess`` that follows ``path``, or None.
+    """A posture near ``guess`` that follows ``path``, or None.
 
     It keeps ``margin`` [rad] to the joint limits at every sample and ``clearance`` [m]
     at the control points; the tip is right to 1e-6 m and rad at every sample.
@@ -94,7 +94,7 @@ def refined_move(
 
 
 def _picked(path: TipPath) -> Array:
-    """Return the indices of the samples that are control points."""
+    """Indices of the samples that are control points."""
     k = len(path.yaws)
     steps = np.linalg.norm(np.diff(path.positions, axis=0), axis=1)
     length = float(steps.sum())
@@ -105,7 +105,7 @@ def _picked(path: TipPath) -> Array:
 def _guessed_spline(
     kin: ArmKinematics, guess: Posture, picked: Array, margin: float
 ) -> _Spline:
-    """Return a spline through joints, tool yaw offset and tilt of a guess.
+    """A spline through joints, tool yaw offset and tilt of a guess.
 
     Joints keep to their bounds and the largest step; offset and tilt are constant.
     """
@@ -122,12 +122,12 @@ def _guessed_spline(
 def _tip_error(
     kin: ArmKinematics, attitude: ToolAttitude, position: Array, yaw: float
 ) -> Function:
-    """Return the tip's error (6,) [rad; m] by joints, tool yaw offset and tilt."""
+    """The tip's error (6,) [rad; m] as a function of joints, tool yaw offset and tilt."""
     n = kin.facts.size
     step = DIFFERENCE
 
     def error(x: Array) -> tuple[Array, Array]:
-        """Return the error and its Jacobian (6, n + 2)."""
+        """Error and its Jacobian (6, n + 2)."""
         offset = x[n]
         tilt = min(max(x[n + 1], 0.0), MOST_TILT)
         tool = replace(attitude, tilt=tilt)
@@ -144,10 +144,10 @@ def _tip_error(
 
 
 def _distance(model: DrakeClearance, pose: Pose2, joints: int) -> Function:
-    """Return the arm's least distance [m] to everything, with the object at ``pose``."""
+    """Smallest distance [m] of the arm to everything else, with the object at ``pose``."""
 
     def distance(x: Array) -> tuple[Array, Array]:
-        """Return the distance (1,) and its Jacobian (1, n + 2)."""
+        """Distance (1,) and its Jacobian (1, n + 2)."""
         least, gradient = model.smooth_least(x[:joints], pose, touching=True)
         padded = np.append(gradient, np.zeros(len(x) - joints))
         return np.array([least]), padded[None]
@@ -190,9 +190,7 @@ class _Spline:
         )
 
     def solution(self, samples: int) -> Array:
-        """Return the optimiser's result at equal steps (samples, size), converged or
-        not.
-        """
+        """The optimiser's result at equal steps (samples, size), converged or not."""
         options = SolverOptions()
         for name, value in (
             ("Major iterations limit", MAJOR_LIMIT),
@@ -212,10 +210,10 @@ class _Spline:
 def _constraint(
     function: Function, lower: Array, upper: Array, size: int
 ) -> Constraint:
-    """Return Drake's constraint for a function with its Jacobian."""
+    """Drake's constraint for a function with its Jacobian."""
 
     def evaluated(x: Any) -> Any:
-        """Return the value for plain numbers, with derivatives for AutoDiff."""
+        """Value for plain numbers; with derivatives for AutoDiff."""
         if x.dtype == np.float64:
             return function(x)[0]
         value, jacobian = function(ExtractValue(x)[:, 0])

@@ -77,13 +77,13 @@ class RobotInstance:
 
     @property
     def base_links(self) -> tuple[str, ...]:
-        """Names of the base link and of the link that turns on it, which are near the
+        """Names of the base link and of the first moving link, which are near the
         support in every posture.
         """
         return (self.facts.base, self.facts.moving[0].child)
 
     def joints(self, plant: MultibodyPlant) -> list[Joint]:
-        """Return the moving joints, from the base to the tip."""
+        """Moving joints, from the base to the tip."""
         return [
             plant.GetJointByName(fact.name, self.model_instance)
             for fact in self.facts.moving
@@ -92,14 +92,14 @@ class RobotInstance:
 
 @dataclass(frozen=True)
 class _ModelField:
-    """The field of a task that names a robot's model, for errors."""
+    """The task field that names a robot's model, for errors."""
 
     source: str
     index: int
     model: str
 
     def error(self, advice: str) -> TaskError:
-        """Return the error that this model cannot be used."""
+        """The error that this model cannot be used."""
         field = f"robots[{self.index}].model"
         return TaskError(self.source, field, path_value(self.model), advice)
 
@@ -114,8 +114,8 @@ def add_robot(
     models: str = "generated",
     source: str = "task",
 ) -> RobotInstance:
-    """Add a task's robot number ``index`` to a plant that is not finalized, with its
-    base welded at its place.
+    """Add the task's robot number ``index`` to a plant that is not finalized, with its
+    base welded in place.
 
     tip_properties: contact properties of the tip's sphere; None: it does not touch.
     collision: also registers capsules around the links (generated models), without
@@ -151,7 +151,7 @@ def add_robot(
 def _weld_base(
     plant: MultibodyPlant, robot: Robot, facts: RobotFacts, instance: ModelInstanceIndex
 ) -> Frame:
-    """Weld the base at its place in the world, and return its frame."""
+    """Weld the base to its pose in the world, and return its frame."""
     base = plant.GetFrameByName(facts.base, instance)
     X_WBase = RigidTransform(RollPitchYaw(0.0, 0.0, robot.base_yaw), robot.base)
     plant.WeldFrames(plant.world_frame(), base, X_WBase)
@@ -159,7 +159,7 @@ def _weld_base(
 
 
 def _facts(robot: Robot, field: _ModelField) -> RobotFacts:
-    """Return the facts of a generated model, or those that its file states."""
+    """Facts of a generated model, or those stated in its file."""
     try:
         if robot.model in MODELS:
             return load_facts(robot.model)
@@ -212,7 +212,7 @@ def _add_drake_model(parser: Parser, field: _ModelField) -> ModelInstanceIndex:
 
 
 def _file_error(field: _ModelField, reason: str) -> RobotFileError:
-    """Return the error that a model's file cannot be used."""
+    """Error that a model's file cannot be used."""
     return RobotFileError(field.model, "", field.model, reason)
 
 
@@ -250,9 +250,7 @@ def _check_joints(
     facts: RobotFacts,
     field: _ModelField,
 ) -> None:
-    """Raise TaskError for a joint beside the chain to the tip, or one that holds the
-    base.
-    """
+    """Raise TaskError for a joint off the chain to the tip, or one that holds the base."""
     wanted = {joint.name for joint in facts.moving}
     for joint_index in plant.GetJointIndices(instance):
         joint = plant.get_joint(joint_index)
@@ -271,8 +269,8 @@ def _check_joints(
 def _flange(
     plant: MultibodyPlant, instance: ModelInstanceIndex, facts: RobotFacts
 ) -> tuple[Frame, RigidTransform]:
-    """Return the flange's frame, or its parent link's frame where the model has none,
-    and the flange's pose in it.
+    """Frame of the flange and the flange's pose in it. A model without a flange frame
+    gives that of its parent link.
     """
     if plant.HasFrameNamed(facts.flange, instance):
         return plant.GetFrameByName(facts.flange, instance), RigidTransform()
@@ -297,8 +295,8 @@ def _add_tip(
 
 
 def _tip_inertia(length: float, radius: float) -> SpatialInertia:
-    """Return the inertia about the sphere's centre in tip axes; the rod has two thirds
-    of the mass.
+    """Inertia about the sphere's centre in tip axes; the rod has two thirds of the
+    mass.
     """
     rod = TIP_MASS * 2.0 / 3.0
     ball = TIP_MASS / 3.0
@@ -310,7 +308,7 @@ def _tip_inertia(length: float, radius: float) -> SpatialInertia:
 
 
 def rod_radius(tip_radius: float) -> float:
-    """Return the radius [m] of the rod that holds a tip."""
+    """Radius [m] of the rod that holds a tip."""
     return min(ROD_RADIUS, ROD_SHARE * tip_radius)
 
 

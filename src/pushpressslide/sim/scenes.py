@@ -90,12 +90,12 @@ class DrakeScene:
 
 
 def rest_height(body: model.ObjectModel) -> float:
-    """Return the height of the shape's centre above the support at the start [m]."""
+    """Height of the shape's centre above the support at the start [m]."""
     return 0.5 * body.shape.height - SINK
 
 
 def solid_inertia(body: model.ObjectModel) -> SpatialInertia:
-    """Return the inertia of a solid of uniform density about its frame.
+    """Inertia of a solid of uniform density about its frame.
 
     The frame is G in the plane and at half height. The solid is shifted to the body's
     CoM.
@@ -113,8 +113,8 @@ def solid_inertia(body: model.ObjectModel) -> SpatialInertia:
 
 
 def _prism_inertia(corners: Array, height: float) -> UnitInertia:
-    """Return a prism's unit inertia about its centroid, by the triangles between its
-    edges and its mean corner; ``corners`` (m, 2) [m], ``height`` [m].
+    """A prism's unit inertia about its centroid, by the triangles between its edges and
+    its mean corner; ``corners`` (m, 2) [m], ``height`` [m].
     """
     a = corners - np.mean(corners, axis=0)
     b = np.roll(a, -1, axis=0)
@@ -138,8 +138,8 @@ def _prism_inertia(corners: Array, height: float) -> UnitInertia:
 
 
 def grid_bounds(plan: Plan, tile: float) -> Bounds:
-    """Return bounds of the places that the object is planned to reach, with room for
-    errors, and by whole tiles of the edge ``tile`` [m] for plans made anew.
+    """Bounds of the planned positions of the object, with margin for errors, in whole
+    tiles of edge ``tile`` [m] for replans.
     """
     x_min, x_max, y_min, y_max = reached_bounds(plan, GRID_ROOM)
     reach = plan.task.object.shape.farthest((0.0, 0.0)) + GRID_ROOM
@@ -156,14 +156,14 @@ def grid_bounds(plan: Plan, tile: float) -> Bounds:
 
 
 def tile_size(shape: model.Shape) -> float:
-    """Return the edge of a support tile [m]."""
+    """Edge length of a support tile [m]."""
     return shape.breadth / TILES_PER_WIDTH
 
 
 def mesh_size(shape: model.Shape) -> float:
-    """Return the edge of an object's mesh [m].
+    """Edge length of an object's mesh [m].
 
-    A cylinder becomes a prism with 26 corners, whose base is 1 % smaller.
+    A cylinder becomes a prism with 26 corners, with a base area 1 % smaller.
     """
     if isinstance(shape, model.Cylinder):
         return 0.25 * shape.radius
@@ -178,8 +178,8 @@ def build_scene(
     knock: Knock | None = None,
     convex: bool = False,
 ) -> DrakeScene:
-    """Return the scene of a plan's task, with what knocks its object; ``convex``: with
-    the solver that always converges.
+    """Scene of a plan's task, with the body that disturbs its object. ``convex``
+    selects the solver that always converges.
 
     The plant is finalized; the builder is not built yet, so that systems can be added.
     """
@@ -231,7 +231,7 @@ def _add_plane(
     driven_body: RigidBody,
     bodies: Mapping[str, RigidBody],
 ) -> Plane:
-    """Add a support without edges, and the bases of all bodies that move."""
+    """Add a support without edges, and the bases of all moving bodies."""
     shape = task.object.shape
     plane = add_plane(plant, task.support.frame, frictions.support)
     plane.stand(plant, driven_body, shape, frictions.object)
@@ -254,7 +254,7 @@ def _add_grid(plant: MultibodyPlant, plan: Plan, frictions: SurfaceFrictions) ->
 
 
 def object_modulus(task: model.Task) -> float:
-    """Return the modulus [Pa] of a task's object, stiff enough for its tips."""
+    """Modulus [Pa] of a task's object, stiff enough for its tips."""
     smallest = min((robot.tip_radius for robot in task.robots), default=math.inf)
     return tip_modulus(task.object.shape, smallest, task.limits.normal_force)
 
@@ -277,7 +277,7 @@ def add_object(
 
 
 def add_support(plant: MultibodyPlant, grid: Mesh, friction: float) -> None:
-    """Add the support's surface as a rigid mesh in the world."""
+    """Add the support's surface to the world as a rigid mesh."""
     plant.RegisterCollisionGeometry(
         plant.world_body(),
         RigidTransform(),
@@ -290,7 +290,7 @@ def add_support(plant: MultibodyPlant, grid: Mesh, friction: float) -> None:
 def tip_properties(
     robot: model.Robot, frictions: SurfaceFrictions
 ) -> ProximityProperties:
-    """Return the contact properties of a robot's tip."""
+    """Contact properties of a robot's tip."""
     return rigid_properties(frictions.tip, 0.3 * robot.tip_radius)
 
 
@@ -313,7 +313,7 @@ def _add_obstacle(
     frame: SupportFrame,
     friction: float,
 ) -> RigidBody:
-    """Add an obstacle, rigid in the world or compliant as a body of its own; return the
+    """Add an obstacle, rigid in the world or compliant as a body of its own. Return the
     body it belongs to.
     """
     shape = obstacle.shape
@@ -341,8 +341,8 @@ def _add_obstacle(
 
 
 def _draw_support(plant: MultibodyPlant, support: model.Support) -> None:
-    """Draw the table or floor, and any other plane from the floor up, around its
-    opening.
+    """Draw the table or floor, and any other support plane from the floor up, around
+    its opening.
     """
     table = RigidTransform([0.45, 0.0, -0.0101])
     top: DrakeShape = DrakeBox(1.7, 1.8, 0.02)
@@ -370,9 +370,8 @@ def _let_only_tips_touch(
 ) -> None:
     """Exclude the links of robots from contact.
 
-    The generated models have no shapes there, but a model given by path may. Joint
-    paths keep the links clear; shapes without hydroelastic properties would end the
-    run.
+    The generated models have no shapes there, but a model from a file may. Joint paths
+    keep the links clear; shapes without hydroelastic properties would end the run.
     """
     links = GeometrySet()
     everything = GeometrySet()

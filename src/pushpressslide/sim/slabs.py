@@ -1,4 +1,4 @@
-"""The solid behind a support that is not the table: slabs around its opening, and the
+"""Solid behind a support that is not the table: slabs around its opening, and the
 opening's back.
 """
 
@@ -39,10 +39,9 @@ class Slab(NamedTuple):
 def slabs(
     support: Support, reach: float, low: float, thickness: float, level: float
 ) -> list[Slab]:
-    """Return the slabs of a support about its frame's origin, those of no volume left
-    out.
+    """Slabs of a support about its frame's origin, without those of zero volume.
 
-    They go ``reach`` [m] to the sides and up, down to ``low`` [m] along y, from
+    They extend ``reach`` [m] to the sides and up, down to ``low`` [m] along y, from
     ``level`` [m] in height to ``thickness`` [m] behind the opening's back.
     """
     opening = support.opening

@@ -1,7 +1,8 @@
-"""The station: a scene as one Diagram with what a robot's controller reads and writes.
+"""The station: a scene as one Diagram with the inputs and outputs of a robot's
+controller.
 
 Joint torques are its input ports ``joint_torque_<i>``, (n,) [N m]. The state of the
-plant and the force sensors of the tips are read where they are.
+plant and the force sensors of the tips are read directly.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from pushpressslide.sim.scenes import DrakeScene, build_scene, rest_height
 
 
 class LiveView(Protocol):
-    """What shows a scene while it is simulated, and does not change the simulation."""
+    """A live view of a scene during simulation, without effect on it."""
 
     def connect(self, builder: DiagramBuilder, scene: DrakeScene) -> None:
         """Show the bodies of ``scene``, whose builder is not built yet."""
@@ -99,8 +100,8 @@ class Station:
             builder.ExportInput(torque, f"joint_torque_{i}")
 
     def disturb(self, x: Sequence[float], pose: Pose2, time: float) -> None:
-        """Let what knocks the object do so for a control period; ``x`` is the plant's
-        state, ``pose`` the object's X_WG.
+        """Apply the disturbance for one control period. ``x`` is the plant's state,
+        ``pose`` the object's X_WG.
         """
         knocker = self.scene.knocker
         if knocker is not None:
@@ -108,7 +109,7 @@ class Station:
             knocker.step(port, self.context, x, pose, time)
 
     def put(self, bodies: Mapping[str, tuple[float, ...]]) -> None:
-        """Put bodies, "object" or movable obstacles by name, where they are: quaternion
+        """Set the poses of bodies, "object" or movable obstacles by name: quaternion
         (w, x, y, z) and position [m] (7,) each.
         """
         every = {"object": self.scene.object, **self.scene.bodies}
@@ -120,9 +121,7 @@ class Station:
             self.plant.SetPositions(context, q)
 
     def take_over(self, other: Station) -> None:
-        """Go on from where another station with the same scene is, with the torques
-        that it has.
-        """
+        """Continue from the state and torques of another station with the same scene."""
         self.context.SetTime(other.context.get_time())
         self.plant.SetPositionsAndVelocities(self.plant_context, other.state_vector())
         for i, torque in enumerate(other._torques):
@@ -130,13 +129,13 @@ class Station:
         self.simulator.Initialize()
 
     def state_vector(self) -> Array:
-        """Return a copy of the plant's state: all positions, then all velocities."""
+        """A copy of the plant's state: all positions, then all velocities."""
         x: Array = self.plant.GetPositionsAndVelocities(self.plant_context)
         return x
 
     def contact_force(self, i: int, arm: ArmDynamics) -> Vector3:
-        """Return the measured force [N] of the tip of arm ``i`` ON what it touches,
-        world axes; ``arm`` is its state now.
+        """Measured force [N] of the tip of arm ``i`` ON what it touches, world axes.
+        ``arm`` is the arm's current state.
         """
         reactions = self._reactions.Eval(self.plant_context)
         vdot = self._accelerations.Eval(self.plant_context)

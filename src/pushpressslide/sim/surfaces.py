@@ -50,10 +50,10 @@ Bounds = tuple[float, float, float, float]
 
 
 def partner_friction(pair: float, own: float = OBJECT_FRICTION) -> float:
-    """Return the surface friction b that gives the pair mu = 2 a b / (a + b) against a
-    surface of friction a = ``own``.
+    """Surface friction b that gives the pair mu = 2 a b / (a + b) against a surface of
+    friction a = ``own``.
 
-    Raises ValueError where no such surface exists (pair >= 2 own).
+    Raises ValueError if no surface can (pair >= 2 own).
     """
     if not 0.0 < pair < 2.0 * own:
         raise ValueError(f"pair friction {pair} is not in (0, {2.0 * own})")
@@ -62,7 +62,7 @@ def partner_friction(pair: float, own: float = OBJECT_FRICTION) -> float:
 
 @dataclass(frozen=True)
 class SurfaceFrictions:
-    """Friction of each surface, from which Drake makes those of the pairs."""
+    """Surface frictions, from which Drake computes those of the pairs."""
 
     object: float
     support: float
@@ -70,16 +70,15 @@ class SurfaceFrictions:
 
     @classmethod
     def of_task(cls, task: model.Task) -> SurfaceFrictions:
-        """Return the surface frictions that give a task's pairs."""
+        """Surface frictions that reproduce a task's pairs."""
         own = object_friction(task)
         support = partner_friction(task.support.friction, own)
         return cls(own, support, partner_friction(task.contact_friction, own))
 
     def obstacle(self, pair: float) -> float:
-        """Return the surface friction of an obstacle with friction ``pair`` against the
-        support.
+        """Surface friction of an obstacle with friction ``pair`` against the support.
 
-        If no obstacle is rough enough, because the pairs of tip, object, support and
+        If no value is high enough, because the pairs of tip, object, support and
         obstacle exclude each other, the result is a very rough surface.
         """
         if pair < ROUGHEST * self.support:
@@ -88,13 +87,12 @@ class SurfaceFrictions:
 
 
 def object_friction(task: model.Task) -> float:
-    """Return the friction of the object's own surface, from which those of its partners
-    follow.
+    """Friction of the object's own surface, from which those of its partners follow.
 
-    It is OBJECT_FRICTION, unless a movable obstacle has more friction on the support
-    than the support's surface could then give. In that case it lies between the least
-    value that allows the tips' pair with the object and the largest one that leaves the
-    support rough enough.
+    It is OBJECT_FRICTION, unless a movable obstacle needs more friction on the support
+    than the support's surface could then give. In that case it lies between the
+    smallest value that allows the tips' pair with the object and the largest one that
+    leaves the support rough enough.
     """
     pairs = [o.friction for o in task.obstacles if o.movable]
     support = task.support.friction
@@ -108,8 +106,8 @@ def object_friction(task: model.Task) -> float:
 def rigid_properties(
     friction: float, resolution: float | None = None
 ) -> ProximityProperties:
-    """Return the properties of a rigid hydroelastic surface with surface (not pair)
-    friction ``friction``.
+    """Properties of a rigid hydroelastic surface with surface (not pair) friction
+    ``friction``.
     """
     properties = ProximityProperties()
     if resolution is None:
@@ -127,8 +125,8 @@ def rigid_properties(
 def compliant_properties(
     friction: float, resolution: float, modulus: float = HYDROELASTIC_MODULUS
 ) -> ProximityProperties:
-    """Return the properties of a compliant hydroelastic surface with surface (not pair)
-    friction ``friction``, and a ``modulus`` [Pa].
+    """Properties of a compliant hydroelastic surface with surface (not pair) friction
+    ``friction``, and a ``modulus`` [Pa].
     """
     properties = ProximityProperties()
     AddCompliantHydroelasticProperties(resolution, modulus, properties)
@@ -141,7 +139,7 @@ def compliant_properties(
 
 
 def _normal(a: Vector3, b: Vector3, c: Vector3) -> Vector3:
-    """Return the unit normal of a triangle."""
+    """Unit normal of a triangle."""
     normal = np.cross(np.subtract(b, a), np.subtract(c, a))
     x, y, z = (normal / np.linalg.norm(normal)).tolist()
     return (x, y, z)
@@ -154,8 +152,8 @@ def obj_mesh(
     *,
     visual: bool = False,
 ) -> InMemoryMesh:
-    """Return a surface of ``faces``, counter-clockwise seen from outside, by the numbers
-    of ``vertices`` [m]; with normals if it is to be ``visual``.
+    """A surface of ``faces``, counter-clockwise seen from outside, by the numbers of
+    ``vertices`` [m]. It has normals if it is to be ``visual``.
     """
     lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices]
     for k, face in enumerate(faces):
@@ -171,12 +169,13 @@ def obj_mesh(
 def support_grid(
     bounds: Bounds, tile: float, support: model.Support | None = None
 ) -> Mesh:
-    """Return the support's surface as a triangle mesh in the world, facing outwards.
+    """The support's surface as a triangle mesh in the world, facing outwards.
 
     It covers ``bounds``, which are x_min, x_max, y_min, y_max [m] in the support's
-    frame, up to the edge of a region, and the sides and the back of an opening. Friction acts at the centroids of
-    the contact polygons, so that the edge ``tile`` [m] of a grid cell decides how well
-    torsion is resolved: a third of the object's width gives about 1 %.
+    frame, up to the edge of a region, and the sides and the back of an opening.
+    Friction acts at the centroids of the contact polygons, so that the edge ``tile``
+    [m] of a grid cell decides how well torsion is resolved: a third of the object's
+    width gives about 1 %.
     """
     support = support or model.Support()
     frame = support.frame
@@ -214,8 +213,8 @@ class _TiledSurface:
         place: Callable[[float, float], Vector3],
         parity: int = 0,
     ) -> None:
-        """Add the tiles between the lines ``us`` and ``vs``; seen from outside, v is to
-        the left of u. ``parity`` says which way the first tile's diagonal goes.
+        """Add the tiles between the lines ``us`` and ``vs``. Seen from outside, v is to
+        the left of u. ``parity`` sets the direction of the first tile's diagonal.
         """
         first = len(self.vertices)
         n = len(us)
@@ -233,7 +232,7 @@ class _TiledSurface:
                     self.faces += [(a, b, d), (b, c, d)]
 
     def add_flat(self, corners: tuple[Point, ...], tile: float) -> None:
-        """Add a polygon of the plane at height zero, a part of a ``tile`` [m]."""
+        """Add a polygon of the plane at height zero, part of a ``tile`` [m]."""
         first = len(self.vertices)
         self.vertices.extend((x, y, 0.0) for x, y in corners)
         for face in triangles(corners):
@@ -248,7 +247,7 @@ def _tile_region(
     tile: float,
     region: tuple[Point, ...],
 ) -> None:
-    """Add the tiles of a plane that are in a region, those on its edge cut off there."""
+    """Add the tiles of a plane that lie in a region, clipped at its edge."""
     import shapely
 
     polygon = shapely.Polygon(region)
@@ -267,7 +266,7 @@ def _tile_region(
 
 
 def _plane_lines(bounds: Bounds, tile: float) -> tuple[list[float], list[float]]:
-    """Return the lines along x and along y between the whole tiles of a plane."""
+    """Lines along x and along y between the whole tiles of a plane."""
     x_min, x_max, y_min, y_max = bounds
     nx = max(1, math.ceil((x_max - x_min) / tile))
     ny = max(1, math.ceil((y_max - y_min) / tile))
@@ -309,13 +308,13 @@ def _tile_opening(
 
 
 def _lines(first: float, last: float, tile: float) -> list[float]:
-    """Return places from ``first`` to ``last``, at most ``tile`` apart."""
+    """Positions from ``first`` to ``last``, at most ``tile`` apart."""
     count = max(1, math.ceil((last - first) / tile - 1e-9))
     return [first + (last - first) * i / count for i in range(count + 1)]
 
 
 def drawn_shape(shape: model.Shape) -> DrakeShape:
-    """Return Drake's shape of an object to look at.
+    """Drake's visual shape of an object.
 
     Its frame is at G's origin in the plane, and at half height.
     """
@@ -330,7 +329,7 @@ def drawn_shape(shape: model.Shape) -> DrakeShape:
 
 
 def convex_shapes(shape: model.Shape) -> list[DrakeShape]:
-    """Return Drake's shapes whose union an object is; frame as of ``drawn_shape``."""
+    """Drake's shapes whose union is an object, in the frame of ``drawn_shape``."""
     if shape.convex:
         return [drawn_shape(shape)]
     return [
@@ -339,16 +338,16 @@ def convex_shapes(shape: model.Shape) -> list[DrakeShape]:
 
 
 def softness(shape: model.Shape) -> float:
-    """Return the thickness [m] of the layer of an object that gives way."""
+    """Thickness [m] of an object's compliant layer."""
     return 0.5 * min(shape.height, shape.breadth)
 
 
 def tip_modulus(shape: model.Shape, radius: float, force: float) -> float:
-    """Return the modulus [Pa] of an object that tips of a ``radius`` [m] touch with up to
+    """Modulus [Pa] of an object touched by tips of a ``radius`` [m] with up to
     ``force`` [N].
 
-    A sphere sinks d deep into a layer of a modulus E and a thickness H under pi E radius
-    d^2 / H: the usual modulus is too soft for small tips.
+    A sphere sinks by d into a layer of modulus E and thickness H under pi E radius d^2
+    / H: the usual modulus is too soft for small tips.
     """
     depth = DEEPEST * radius
     needed = force * softness(shape) / (math.pi * radius * depth * depth)
@@ -361,11 +360,11 @@ def touched_shape(
     resolution: float,
     modulus: float = HYDROELASTIC_MODULUS,
 ) -> tuple[DrakeShape, ProximityProperties]:
-    """Return Drake's shape of an object to touch, and its properties, as of
-    ``compliant_properties``; frame as of ``drawn_shape``.
+    """Drake's contact shape of an object, and its properties from
+    ``compliant_properties``, in the frame of ``drawn_shape``.
 
-    A concave object has a volume mesh. Its modulus is chosen so that it gives way as
-    much as a convex object as thick as it is.
+    A concave object has a volume mesh. Its modulus is chosen so that it yields as much
+    as a convex object of the same thickness.
     """
     if shape.convex:
         return drawn_shape(shape), compliant_properties(friction, resolution, modulus)
@@ -377,7 +376,7 @@ def touched_shape(
 
 
 def without_details(corners: tuple[Point, ...]) -> tuple[Point, ...]:
-    """Return an outline without corners that stand out by less than ``DETAIL``."""
+    """The outline without corners that stand out by less than ``DETAIL``."""
     from shapely import Polygon
 
     simple = Polygon(corners).simplify(DETAIL)
@@ -386,7 +385,7 @@ def without_details(corners: tuple[Point, ...]) -> tuple[Point, ...]:
 
 
 def _convex_prism(corners: tuple[Point, ...], height: float) -> Convex:
-    """Return a prism on a convex polygon."""
+    """A prism on a convex polygon."""
     cap = tuple(range(len(corners)))
     return Convex(_prism_mesh(corners, height, [cap]), 1.0)
 
@@ -398,7 +397,7 @@ def _prism_mesh(
     *,
     visual: bool = False,
 ) -> InMemoryMesh:
-    """Return the surface of a prism; ``caps`` make up its top by numbers of corners."""
+    """Surface of a prism. ``caps`` are the polygons of its top, by numbers of corners."""
     n = len(corners)
     half = 0.5 * height
     vertices = [(x, y, -half) for x, y in corners] + [(x, y, half) for x, y in corners]

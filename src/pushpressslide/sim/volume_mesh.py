@@ -14,15 +14,15 @@ Tetrahedron = tuple[int, int, int, int]
 
 @dataclass(frozen=True, slots=True)
 class VolumeMesh:
-    """Vertices [m] and tetrahedra, the fourth vertex of each on the side to which the
-    first three turn left; z is zero at half height.
+    """Vertices [m] and tetrahedra, with z zero at half height. The fourth vertex of
+    each is on the side to which the first three turn left.
     """
 
     vertices: tuple[Vector3, ...]
     tetrahedra: tuple[Tetrahedron, ...]
 
     def vtk(self) -> str:
-        """Return the text of a VTK file."""
+        """The mesh as the text of a VTK file."""
         points = [f"{x:.12g} {y:.12g} {z:.12g}" for x, y, z in self.vertices]
         cells = ["4 " + " ".join(map(str, cell)) for cell in self.tetrahedra]
         lines = [
@@ -40,6 +40,6 @@ class VolumeMesh:
         return "\n".join(lines) + "\n"
 
     def drake(self) -> Mesh:
-        """Return Drake's mesh."""
+        """The mesh as Drake's."""
         file = MemoryFile(self.vtk(), ".vtk", "object.vtk")
         return Mesh(InMemoryMesh(mesh_file=file), 1.0)

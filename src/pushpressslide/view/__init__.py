@@ -1,1 +1,3 @@
-"""What a run looks like: its course, its play bar, and pictures of each engine."""
+"""Pictures and replays of a run: its course, its play bar, and the views of each
+engine.
+"""

@@ -1,4 +1,4 @@
-"""The play bar of a replay page: its parts as text, to be put into a page."""
+"""Play bar of a replay page, as parts of text to be put into a page."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import Any
 
 
 def package_text(name: str, package: str = "pushpressslide.view") -> str:
-    """Return a text file of a room of the package."""
+    """Content of a text file in one of the package's folders."""
     return resources.files(package).joinpath(name).read_text("utf-8")
 
 
 def filled(template: str, values: dict[str, str]) -> str:
-    """Return a template with its places ``@NAME@`` filled, and those of the play bar:
-    ``@BAR_STYLE@``, ``@BAR@`` and ``@BAR_SCRIPT@``.
+    """The template with its placeholders ``@NAME@`` filled, including those of the play
+    bar: ``@BAR_STYLE@``, ``@BAR@`` and ``@BAR_SCRIPT@``.
     """
     bar = {
         "BAR_STYLE": package_text("bar.css"),
@@ -27,8 +27,6 @@ def filled(template: str, values: dict[str, str]) -> str:
 
 
 def json_in_page(data: Any) -> str:
-    """Return data as JSON that may stand in a script of a page; raises ValueError for
-    NaN.
-    """
+    """Data as JSON that is safe inside a page's script. Raises ValueError for NaN."""
     text = json.dumps(data, separators=(",", ":"), allow_nan=False)
     return text.replace("</", "<\\/")

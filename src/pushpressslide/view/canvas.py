@@ -1,4 +1,4 @@
-"""A picture that is drawn on, with smooth edges, by Pillow."""
+"""Drawing on a picture with smooth edges, by Pillow."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ Color = tuple[int, int, int] | tuple[int, int, int, int]
 
 
 def rgba(code: str, opacity: float = 1.0) -> Color:
-    """Return the colour of ``#rrggbb`` at an opacity up to 1."""
+    """Colour of ``#rrggbb`` at an opacity up to 1."""
     r, g, b = bytes.fromhex(code.removeprefix("#"))
     return r, g, b, round(255 * opacity)
 
 
 class Canvas:
-    """A drawing over a picture; coordinates and widths are in its pixels."""
+    """A drawing over a picture. Coordinates and widths are in pixels of the picture."""
 
     def __init__(self, picture: NDArray[np.uint8]) -> None:
-        """Begin a drawing over ``picture`` (height, width, 3)."""
+        """Start a drawing over ``picture`` (height, width, 3)."""
         from PIL import Image, ImageDraw
 
         height, width = picture.shape[:2]
@@ -42,7 +42,7 @@ class Canvas:
         self._draw: Any = ImageDraw.Draw(self._drawing, "RGBA")
 
     def image(self) -> Any:
-        """Return the picture with the drawing as an image of Pillow."""
+        """Picture with the drawing, as a Pillow image."""
         from PIL import Image
 
         return self._drawing.resize(self.size, Image.Resampling.BOX)
@@ -65,7 +65,7 @@ class Canvas:
     def polygon(
         self, points: Sequence[Pixel], fill: Color | None, edge: Color, width: float
     ) -> None:
-        """Draw an area with its edge."""
+        """Draw a filled polygon with its edge."""
         if fill is not None:
             self._draw.polygon(_fine(points), fill=fill)
         self.line([*points, points[0]], edge, width)
@@ -95,18 +95,18 @@ class Canvas:
     def text(
         self, place: Pixel, text: str, size: float = 15.0, color: Color = INK
     ) -> None:
-        """Write ``text``; ``place`` is the upper left of its first line."""
+        """Write ``text`` with the upper left of its first line at ``place``."""
         x, y = place
         self._draw.text(
             (FINER * x, FINER * y), text, fill=color, font=_font(FINER * size)
         )
 
     def width_of(self, text: str, size: float = 15.0) -> float:
-        """Return the width of a text [pixels]."""
+        """Width of a text [pixels]."""
         return float(self._draw.textlength(text, font=_font(FINER * size))) / FINER
 
     def panel(self, corner: Pixel, end: Pixel) -> None:
-        """Draw a light field to write on, between two corners."""
+        """Draw a light background for text between two corners."""
         box = [FINER * v for v in (*corner, *end)]
         self._draw.rectangle(box, fill=(255, 255, 255, 225))
 

@@ -1,4 +1,4 @@
-"""An animation of a run: its size, its times, its caption, and its file."""
+"""Animation of a run: its size, its times, its caption, and its file."""
 
 from __future__ import annotations
 
@@ -30,23 +30,23 @@ ROOM = 12.0  # [pixels] about words
 
 @dataclass(frozen=True, slots=True)
 class LegendEntry:
-    """A colour and what it stands for."""
+    """A colour and its meaning."""
 
     color: str  # #rrggbb
     text: str
 
 
 def film_ticks(time: Array, rate: float) -> list[int]:
-    """Return the tick of each picture, ``rate`` [1/s] of them; ``time`` (N,) [s]."""
+    """Tick of each picture, at ``rate`` [1/s]. ``time`` (N,) [s]."""
     grid = np.arange(float(time[0]), float(time[-1]) + 0.5 / rate, 1.0 / rate)
     ticks = np.clip(np.searchsorted(time, grid), 0, len(time) - 1)
     return [int(tick) for tick in ticks]
 
 
 def film_path(out: Path) -> Path:
-    """Return the file of an animation; a folder gets run.webp.
+    """File of an animation; run.webp if a folder is given.
 
-    Raises SimulationError for a format that is not written.
+    Raises SimulationError for an unsupported format.
     """
     out = out / NAME if out.is_dir() else out
     if out.suffix not in FORMATS:
@@ -57,8 +57,8 @@ def film_path(out: Path) -> Path:
 
 
 class _Reel(Image.Image):
-    """Pictures one after the other as Pillow reads them of a file of several, so that
-    no more than one is kept.
+    """Sequence of pictures that Pillow reads like a multi-picture file, so that only
+    one is in memory.
     """
 
     def __init__(self, count: int, draw: Callable[[int], Image.Image]) -> None:
@@ -76,22 +76,22 @@ class _Reel(Image.Image):
         self._at = frame
 
     def seek(self, frame: int) -> None:
-        """Go to a picture; raises EOFError where there is none."""
+        """Go to a picture. Raises EOFError if there is none."""
         if frame >= self.n_frames:
             raise EOFError(f"there are {self.n_frames} pictures")
         if frame != self._at:
             self._show(frame)
 
     def tell(self) -> int:
-        """Return the number of the picture."""
+        """Number of the picture."""
         return self._at
 
 
 def write_film(
     count: int, draw: Callable[[int], Image.Image], out: Path, rate: float
 ) -> Path:
-    """Write ``count`` images of ``draw`` as an animation, ``rate`` [1/s] of them, whole
-    or not at all; return its path.
+    """Write ``count`` images of ``draw`` as an animation at ``rate`` [1/s], completely
+    or not at all. Return its path.
     """
     reel = _Reel(count, draw)
     with whole(out) as temporary:
@@ -109,9 +109,9 @@ def write_film(
 def write_stills(
     phase: Array, draw: Callable[[int], Image.Image], out: Path
 ) -> list[Path]:
-    """Write the picture that ``draw`` makes of a tick for start, contact and end of a
-    run into the folder pictures of ``out``; return their paths. ``phase`` (N,) is that
-    of each tick.
+    """Write pictures of start, contact and end of a run, drawn by ``draw`` for a tick,
+    into the folder pictures of ``out``. Return their paths. ``phase`` (N,) is that of
+    each tick.
     """
     paths = []
     for name, tick in still_ticks(phase).items():
@@ -123,7 +123,7 @@ def write_stills(
 
 
 def caption(canvas: Canvas, title: str, timeline: RunTimeline, frame: int) -> None:
-    """Write title, time, phase, force and way to the goal along the lower edge."""
+    """Write title, time, phase, force and distance to the goal along the lower edge."""
     width, height = canvas.size
     top = height - 34.0
     canvas.panel((0.0, top), (float(width), float(height)))
@@ -133,7 +133,7 @@ def caption(canvas: Canvas, title: str, timeline: RunTimeline, frame: int) -> No
 
 
 def moment(timeline: RunTimeline, frame: int) -> str:
-    """Return what the course says of a frame, in a line."""
+    """One line with the course's values at a frame."""
     time = timeline.time[frame]
     phase = next(
         (span.name for span in reversed(timeline.phases) if span.start <= time), ""
@@ -155,7 +155,7 @@ def moment(timeline: RunTimeline, frame: int) -> str:
 
 
 def legend(canvas: Canvas, entries: Iterable[LegendEntry]) -> None:
-    """Write what the colours mean into the upper left corner."""
+    """Write the meanings of the colours into the upper left corner."""
     rows = list(entries)
     width = max(canvas.width_of(item.text, 13.0) for item in rows) + 40.0
     canvas.panel((0.0, 0.0), (width, LINE * len(rows) + ROOM))

@@ -1,4 +1,4 @@
-"""The course of a run as its replay tells it: phases, legs, forces, way to the goal."""
+"""Course of a run for its replay: phases, legs, forces, errors to the goal."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ PARTS = ("stage", "leg", "placement")
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """A phase that lasts from ``start`` to ``end`` [s] of the replay."""
+    """A phase from ``start`` to ``end`` [s] of the replay."""
 
     name: str
     start: float
@@ -36,7 +36,7 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """A part of the run that begins at ``time`` [s] of the replay."""
+    """Start of a part of the run at ``time`` [s] of the replay."""
 
     name: str
     time: float
@@ -44,7 +44,7 @@ class Mark:
 
 @dataclass(frozen=True, slots=True)
 class RunTimeline:
-    """What a replay shows beside its pictures, in F frames."""
+    """Data that a replay shows beside its pictures, in F frames."""
 
     time: tuple[float, ...]  # (F,) [s] since the first tick
     phases: tuple[Span, ...]
@@ -56,13 +56,13 @@ class RunTimeline:
     ending: str  # why the run ended
 
     def plain(self) -> dict[str, Any]:
-        """Return it as JSON takes it."""
+        """The course as data for JSON."""
         return asdict(self)
 
 
 def frames(time: Array, rate: float = FRAMES_PER_SECOND) -> NDArray[np.intp]:
-    """Return the ticks (F,) nearest to an even grid of ``rate`` [1/s], at most
-    ``MOST_FRAMES``, first and last included; ``time`` (N,) [s].
+    """Ticks (F,) nearest to a uniform grid of ``rate`` [1/s], at most ``MOST_FRAMES``,
+    first and last included. ``time`` (N,) [s].
     """
     if len(time) < 2:
         return np.arange(len(time))
@@ -73,8 +73,8 @@ def frames(time: Array, rate: float = FRAMES_PER_SECOND) -> NDArray[np.intp]:
 
 
 def still_ticks(phase: Array) -> dict[str, int]:
-    """Return the ticks at which a run is pictured, by name: start, contact, end;
-    ``phase`` (N,) by tick.
+    """Ticks of a run's still pictures, by name: start, contact, end. ``phase`` (N,) is
+    per tick.
     """
     if not len(phase):
         return {}
@@ -86,7 +86,7 @@ def still_ticks(phase: Array) -> dict[str, int]:
 
 
 def run_timeline(plan: Plan, record: Record, ticks: NDArray[np.intp]) -> RunTimeline:
-    """Return the course of a run at ``ticks`` (F,) of its record."""
+    """Course of a run at ``ticks`` (F,) of its record."""
     arrays = record.arrays
     time = arrays["time"] - arrays["time"][:1].sum()
     errors = _goal_errors(plan, record)[ticks]
@@ -110,7 +110,7 @@ def _row(values: Array, decimals: int) -> tuple[float, ...]:
 
 
 def _goal_errors(plan: Plan, record: Record) -> Array:
-    """Return distance [m] and turn [rad] (N, 2) of the object to its goal."""
+    """Distance [m] and rotation [rad] (N, 2) of the object from its goal."""
     known = record.arrays.get(GOAL_ERROR)
     if known is not None:
         return known
@@ -119,7 +119,7 @@ def _goal_errors(plan: Plan, record: Record) -> Array:
 
 
 def goal_errors(poses: Array, goal: tuple[float, float, float]) -> Array:
-    """Return distance [m] and turn [rad] (N, 2) of ``poses`` (N, 3) to ``goal``."""
+    """Distance [m] and rotation [rad] (N, 2) of ``poses`` (N, 3) from ``goal``."""
     x, y, yaw = goal
     away = np.hypot(poses[:, 0] - x, poses[:, 1] - y)
     turns = [wrap_angle(float(angle) - yaw) for angle in poses[:, 2]]
@@ -127,7 +127,7 @@ def goal_errors(poses: Array, goal: tuple[float, float, float]) -> Array:
 
 
 def _phases(time: Array, phase: Array) -> tuple[Span, ...]:
-    """Return the phases in order; ``time`` and ``phase`` (N,) per tick."""
+    """Phases in order; ``time`` and ``phase`` (N,) per tick."""
     if not len(time):
         return ()
     edges = [0, *(np.flatnonzero(np.diff(phase)) + 1).tolist(), len(time) - 1]
@@ -143,7 +143,9 @@ def _phases(time: Array, phase: Array) -> tuple[Span, ...]:
 
 
 def _marks(record: Record, time: Array) -> tuple[Mark, ...]:
-    """Return where a stage, a leg or a placement begins, by the largest of them."""
+    """Starts of stages, legs and placements. A common start is named after the largest
+    of them.
+    """
     marks: dict[int, str] = {}
     for part in PARTS:
         number = record.arrays.get(part)

@@ -1,6 +1,4 @@
-"""The allocators against solvers that know nothing of them: DAQP, Clarabel, SciPy's
-NNLS.
-"""
+"""The allocators against independent solvers: DAQP, Clarabel, SciPy's NNLS."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Batches beside a copy of their bytes and beside what does the same row by row."""
+"""Batches compared with a copy of their bytes and with row-by-row alternatives."""
 
 import numpy as np
 import pytest

@@ -1,5 +1,5 @@
-"""The benchmarks compare like with like, say what is missing, and print what they
-found.
+"""The benchmarks compare like with like, report missing solvers, and print their
+results.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""One push in several engines: they agree, as far as they model the same."""
+"""One push in several engines, which agree in everything that they all model."""
 
 import importlib.util
 

@@ -1,4 +1,4 @@
-"""Runs with other allocators of memory."""
+"""Runs with other memory allocators."""
 
 from pathlib import Path
 

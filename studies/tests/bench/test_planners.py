@@ -1,4 +1,4 @@
-"""Planning past a post: problems that need it, and plans that keep off it."""
+"""Planning past a post: problems that need it, and plans that avoid it."""
 
 import importlib.util
 from itertools import islice

@@ -1,4 +1,4 @@
-"""Selection ranks first what is quickest, because it knows how long each mode takes."""
+"""Selection ranks the fastest mode first, because it knows the time of each mode."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Programs whose start is timed are there, and a failing one is no figure."""
+"""Programs with a timed start exist, and a failing one yields no figure."""
 
 import subprocess
 

@@ -1,4 +1,4 @@
-"""``pps`` has the commands of the studies where they are installed."""
+"""``pps`` has the commands of the studies if they are installed."""
 
 import fcntl
 import os
@@ -20,7 +20,7 @@ from pushpressslide_studies.paper.experiments import AXLE, EXPERIMENTS
 
 
 def pps(*args: str, folder: Path, **env: str) -> str:
-    """Return what the command prints, in a folder."""
+    """Output of the command, run in a folder."""
     command = (sys.executable, "-m", "pushpressslide", *args)
     return subprocess.run(
         command,

@@ -1,4 +1,4 @@
-"""Without Drake the studies say what needs it, and do the rest."""
+"""Without Drake the studies name the commands that need it, and run the others."""
 
 import os
 import subprocess

@@ -1,4 +1,4 @@
-"""rho identified on the way in Drake, on an exciting motion, against the exact model."""
+"""rho identified during a run in Drake, on an exciting motion, against the exact model."""
 
 from pathlib import Path
 

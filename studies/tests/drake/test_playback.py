@@ -1,4 +1,4 @@
-"""What is played back is the same run."""
+"""A playback is the same run."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The documents show what the studies found, and the paper map is right."""
+"""The documents show the results of the studies, and the paper map is right."""
 
 import importlib
 import json

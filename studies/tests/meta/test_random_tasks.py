@@ -1,4 +1,4 @@
-"""The pages on random tasks say what the published rows say, and who made those."""
+"""The pages on random tasks agree with the published rows, and name their sources."""
 
 import importlib.util
 import json

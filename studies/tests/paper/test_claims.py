@@ -1,4 +1,4 @@
-"""Claims are judged by the figures, each way."""
+"""Claims are evaluated by the figures, with either verdict."""
 
 from pathlib import Path
 

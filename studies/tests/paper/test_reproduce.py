@@ -1,6 +1,4 @@
-"""The paper's experiments are lists of tasks, and whatever comes out of them is on one
-page.
-"""
+"""The paper's experiments are lists of tasks, and all their results are on one page."""
 
 import json
 import re

@@ -1,5 +1,5 @@
-"""The paper's figures of the virtual axle, recomputed; what is not run, and why; the
-pages.
+"""The paper's figures of the virtual axle, recomputed; skipped probes, with reasons;
+the pages.
 """
 
 import math

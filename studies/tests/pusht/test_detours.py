@@ -1,4 +1,4 @@
-"""Ways of the free pusher round the T."""
+"""Paths of the free pusher round the T."""
 
 import math
 from itertools import pairwise

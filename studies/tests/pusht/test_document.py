@@ -1,4 +1,4 @@
-"""The page on push-T shows what the command has written."""
+"""The page on push-T shows the output of the command."""
 
 import json
 from pathlib import Path

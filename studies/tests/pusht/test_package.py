@@ -1,4 +1,4 @@
-"""What the package gym-pusht does, against our parameters and models."""
+"""Behaviour of the package gym-pusht, against the parameters and models used here."""
 
 import math
 from collections.abc import Iterator
@@ -42,7 +42,7 @@ def sent(game: Game, action: tuple[float, float]) -> Observation:
 
 
 def started(game: Game, pusher: tuple[float, float], X_WB: Pose2) -> Observation:
-    """Return what is seen after a reset with T and pusher about where they are wanted.
+    """Observation after a reset with T and pusher near the requested poses.
 
     The package sets the place first and then turns the T about its centre of mass.
     """

@@ -1,4 +1,4 @@
-"""The law: pushes corrected so that they still end at the goal."""
+"""Steering law: pushes corrected so that they still end at the goal."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The T as an object of ours."""
+"""The T as an object of the package."""
 
 import math
 

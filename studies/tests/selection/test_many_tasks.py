@@ -1,4 +1,4 @@
-"""Selection judges few choices in full and ranks as if it had judged them all."""
+"""Selection evaluates few choices in full and ranks as if it had evaluated them all."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""In which order presses are tried: firm ones before those that a creep turns."""
+"""Order in which presses are tried: firm ones before those that a creep turns."""
 
 from __future__ import annotations
 

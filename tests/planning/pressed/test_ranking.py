@@ -1,4 +1,4 @@
-"""The order in which presses are planned for."""
+"""Order in which presses are planned."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""A manoeuvre that goes on from where object and contact really are."""
+"""A manoeuvre that is resumed from the true poses of object and contact."""
 
 import math
 from collections.abc import Sequence

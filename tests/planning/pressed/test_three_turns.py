@@ -1,5 +1,5 @@
-"""Three turns about points of the body: every word leads to the goal, none the wrong
-way round.
+"""Three turns about points of the body: every word leads to the goal, none in the wrong
+direction.
 """
 
 import cmath

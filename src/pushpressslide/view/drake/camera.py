@@ -1,4 +1,6 @@
-"""The camera of a run: from where the contact is seen, and what the picture holds."""
+"""Camera of a run: the direction that shows the contacts, and the points to be in the
+picture.
+"""
 
 from __future__ import annotations
 
@@ -44,7 +46,7 @@ class View:
 
 
 class Directions:
-    """Directions of a camera that are compared, and what is hidden from each."""
+    """Candidate directions of a camera, with the share hidden from each."""
 
     def __init__(
         self,
@@ -53,7 +55,7 @@ class Directions:
         pushes: Array,
         points: Array,
     ) -> None:
-        """Judge all directions in front of a support.
+        """Evaluate all directions in front of a support.
 
         ``pushes`` (K, 2) are directions of pushes along the support, ``points`` (N, 3)
         [m], in the world, are to be in the picture.
@@ -69,8 +71,9 @@ class Directions:
             self._costs += ALONG_COST * np.array(along)
 
     def best(self, slope: float = BEST_SLOPE) -> Array:
-        """Return the unit vector (3,), in the world, towards the camera that sees the
-        contacts best, preferably at ``slope`` [rad] between line of sight and support.
+        """Unit vector (3,), in the world, towards the camera that sees the contacts
+        best, preferably with the angle ``slope`` [rad] between line of sight and
+        support.
         """
         costs = self._costs + SLOPE_COST * np.abs(self._slopes - slope)
         costs[self._slopes < min(LEAST_SLOPE, slope) - 1e-9] = math.inf
@@ -78,9 +81,8 @@ class Directions:
 
 
 def _hidden(moments: Sequence[Moment], direction: Array) -> float:
-    """Return the share of contacts that a camera about ``direction`` (3,) does not see,
-    and those of the forces and of the object's corners, weighed; all in the support's
-    frame.
+    """Weighted mean share of contacts, forces and object corners hidden from a camera
+    near ``direction`` (3,), in the support's frame.
     """
     x, y, z = direction
     costs = []
@@ -97,8 +99,8 @@ def _hidden(moments: Sequence[Moment], direction: Array) -> float:
 
 
 def candidates(frame: SupportFrame, min_elevation: float) -> list[Array]:
-    """Return unit vectors (3,) of the world in front of a support and not below the
-    horizon, at a slope of ``min_elevation`` [rad] or more to the support.
+    """Unit vectors (3,) of the world in front of a support and not below the horizon,
+    inclined by ``min_elevation`` [rad] or more to the support.
     """
     normal = np.array(frame.normal)
     out = []
@@ -115,8 +117,8 @@ def candidates(frame: SupportFrame, min_elevation: float) -> list[Array]:
 
 
 def top_direction(frame: SupportFrame) -> Array:
-    """Return the unit vector (3,), in the world, out of the support; on a table a
-    little towards -y, so that x is to the right in the picture.
+    """Unit vector (3,), in the world, out of the support. On a table it leans a little
+    towards -y, so that x is to the right in the picture.
     """
     normal = np.array(frame.normal)
     if abs(normal[2]) > 0.99:
@@ -125,8 +127,8 @@ def top_direction(frame: SupportFrame) -> Array:
 
 
 def axes(direction: Array) -> tuple[Array, Array, Array]:
-    """Return right, down and ahead (3,) of an upright camera towards which
-    ``direction`` (3,) points.
+    """Right, down and forward axes (3,) of an upright camera, with ``direction`` (3,)
+    pointing towards it.
     """
     z = -direction / np.linalg.norm(direction)
     x = np.cross(z, [0.0, 0.0, 1.0])
@@ -135,7 +137,7 @@ def axes(direction: Array) -> tuple[Array, Array, Array]:
 
 
 def _spread(points: Array, direction: Array) -> float:
-    """Return the size [m] of a picture of ``points`` (N, 3) from far away."""
+    """Size [m] of a picture of ``points`` (N, 3) from far away."""
     x, y, _ = axes(direction)
     return max(float(np.ptp(points @ x)), float(np.ptp(points @ y)))
 
@@ -143,7 +145,7 @@ def _spread(points: Array, direction: Array) -> float:
 def fit_view(
     points: Array, direction: Array, field: float = FIELD, aspect: float = 16.0 / 9.0
 ) -> View:
-    """Return the nearest view from ``direction`` (3,) that holds ``points`` (N, 3).
+    """Nearest view from ``direction`` (3,) that contains ``points`` (N, 3).
 
     ``field`` [rad] is the vertical field of view; the picture is upright, its width
     ``aspect`` times its height.

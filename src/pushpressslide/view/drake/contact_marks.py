@@ -1,4 +1,4 @@
-"""What is drawn of the contacts: forces, friction cones and discs, and where."""
+"""Marks of the contacts and their positions: forces, friction cones and discs."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ CONE_SINK = 0.005  # [m] of a friction cone under its arrow
 
 @dataclass(frozen=True, eq=False)
 class Arrow:
-    """A force and where it is drawn from, along x, y and height of the support."""
+    """A force and its start point, along x, y and height of the support."""
 
     tail: Array  # (3,) [m]
     force: Array  # (3,) [N]
@@ -41,7 +41,7 @@ class Arrow:
 
     @property
     def head(self) -> Array:
-        """Where it ends (3,) [m]."""
+        """End of the arrow (3,) [m]."""
         return self.tail + self.scale * self.force
 
 
@@ -56,10 +56,10 @@ class Disc:
 
 
 class ContactMarks:
-    """The marks of all contacts of a run, in the support's frame."""
+    """Marks of all contacts of a run, in the support's frame."""
 
     def __init__(self, playback: Playback, nearer: Array) -> None:
-        """Choose the scales; ``nearer`` (3,) points to the camera, in the world."""
+        """Choose the scales. ``nearer`` (3,) points to the camera, in the world."""
         self.playback = playback
         self.friction = playback.task.contact_friction
         self.height = playback.task.object.shape.height
@@ -79,12 +79,12 @@ class ContactMarks:
         self._nearer = flat / max(float(np.linalg.norm(flat)), 1e-9)
 
     def contact(self, arm: int, tick: int) -> Contact | None:
-        """Return the contact of an arm at a tick."""
+        """Contact of an arm at a tick."""
         touched = contacts_at(self.playback, tick)
         return next((c for c in touched if c.arm == arm), None)
 
     def push(self, arm: int, tick: int) -> Arrow:
-        """Return the force in the plane, over the object; a push begins at its contact,
+        """Force in the plane, over the object. That of a push begins at its contact,
         the shear of a press at the tip's edge.
         """
         flat = np.array([*self._force(arm, tick)[:2], 0.0])
@@ -96,8 +96,8 @@ class ContactMarks:
         return Arrow(tail, flat, self.scale)
 
     def cone(self, arm: int, tick: int) -> tuple[Pose2, float] | None:
-        """Return apex and axis of a push's friction cone, and its height [m]; None for
-        no push.
+        """Apex and axis of a push's friction cone, and its height [m]. None without a
+        push.
         """
         contact = self.contact(arm, tick)
         arrow = self.push(arm, tick)
@@ -108,8 +108,8 @@ class ContactMarks:
         return apex, float(arrow.tail[2]) - CONE_SINK
 
     def press(self, arm: int, tick: int) -> Arrow:
-        """Return the force of a press, which ends on the object beside its tip; 0 N for
-        no press.
+        """Force of a press, which ends on the object next to its tip; 0 N without a
+        press.
         """
         down = np.zeros(3)
         contact = self.contact(arm, tick)
@@ -121,8 +121,8 @@ class ContactMarks:
         return Arrow(head - self.press_scale * down, down, self.press_scale)
 
     def disc(self, arm: int, tick: int) -> Disc | None:
-        """Return the friction disc of a press, in which the force in the plane ends;
-        None for no press.
+        """Friction disc of a press, which contains the end of its force in the plane.
+        None without a press.
         """
         load = self.press(arm, tick).size
         if load <= LEAST_FORCE:
@@ -132,7 +132,7 @@ class ContactMarks:
         return Disc(float(x), float(y), float(z) - CONE_SINK, radius)
 
     def entries(self) -> list[LegendEntry]:
-        """Return what the colours of a replay mean."""
+        """Legend of the colours of a replay."""
         goal = "goal" if len(self.playback.goals) == 1 else "goals"
         force = f"contact force in the plane, {1e3 * self.scale:.0f} mm a newton"
         out = [
@@ -153,8 +153,8 @@ class ContactMarks:
         return out
 
     def _force(self, arm: int, tick: int) -> Any:
-        """Return the measured force (3,) [N] of an arm; before and after the contact,
-        where the sensor feels the arm's own motion, 0 N.
+        """Measured force (3,) [N] of an arm; 0 N before and after the contact, when the
+        sensor feels the arm's own motion.
         """
         phase = PHASES[int(self.playback.record.arrays["phase"][tick])]
         if phase not in TOUCHING:
@@ -162,7 +162,7 @@ class ContactMarks:
         return np.nan_to_num(self.playback.record.arrays["measured_force"][tick, arm])
 
     def _above(self, arm: int, tick: int) -> Any:
-        """Return the place (3,) [m] over a tip and over the object."""
+        """Position (3,) [m] above a tip and above the object."""
         x, y, _ = self.playback.record.arrays["tip_position"][tick, arm]
         return np.array([x, y, self.height + CLEARANCE])
 
@@ -171,7 +171,5 @@ class ContactMarks:
 
 
 def _scale(forces: Array, longest: float) -> float:
-    """Return the length of an arrow per force [m/N], so that none exceeds ``longest``
-    [m].
-    """
+    """Length of an arrow per force [m/N], so that none exceeds ``longest`` [m]."""
     return min(FORCE_SCALE, longest / max(float(forces.max(initial=0.0)), 1e-9))

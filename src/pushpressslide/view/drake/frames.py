@@ -64,9 +64,9 @@ class FrameRenderer:
         goals: Sequence[Placed] = (),
     ) -> None:
         """Set up the scene and a camera of ``size`` (width, height) [pixels]; ``goals``
-        as of ``Playback``.
+        as in ``Playback``.
 
-        Raises SimulationError where this machine cannot render.
+        Raises SimulationError if this machine cannot render.
         """
         problem = egl_problem()
         if problem:
@@ -92,12 +92,12 @@ class FrameRenderer:
         self._X_WC = look_at(self.view)
 
     def image(self, time: float) -> NDArray[np.uint8]:
-        """Return the picture (height, width, 3) at ``time`` [s] of the run."""
+        """Picture (height, width, 3) at ``time`` [s] of the run."""
         (tick,) = self.playback.ticks_at(np.array([time]))
         return self.image_at(tick)
 
     def image_at(self, tick: int) -> NDArray[np.uint8]:
-        """Return the picture (height, width, 3) at a recorded tick."""
+        """Picture (height, width, 3) at a recorded tick."""
         self.playback.set(self._context, tick)
         context = self._graph.GetMyContextFromRoot(self._context)
         query = self._graph.get_query_output_port().Eval(context)
@@ -121,7 +121,7 @@ def render_frames(
     """Write a PNG of ``size`` (width, height) [pixels] for each of ``times`` [s].
 
     They are frame_000.png and so on in ``out_dir``. Returns their paths. Raises
-    SimulationError, in one line, where this machine cannot render.
+    SimulationError, in one line, if this machine cannot render.
     """
     renderer = FrameRenderer(plan, record, size, models)
     paths = []
@@ -140,8 +140,8 @@ def write_pictures(
     models: str = "generated",
     goals: Sequence[Placed] = (),
 ) -> list[Path]:
-    """Write pictures of start, contact and end of a run into ``out``; return their
-    paths. Raises SimulationError where this machine cannot render.
+    """Write pictures of start, contact and end of a run into ``out`` and return their
+    paths. Raises SimulationError if this machine cannot render.
     """
     renderer = FrameRenderer(plan, record, STILL_SIZE, models, goals)
     overlay = Overlay(renderer.playback, renderer.view, STILL_SIZE)
@@ -164,11 +164,11 @@ def write_video(
     goals: Sequence[Placed] = (),
 ) -> Path:
     """Write the run as an animated picture in real time, with its forces, paths and a
-    caption; return its path.
+    caption. Return its path.
 
     The format, .webp or .gif, follows from the name of ``out``; a folder gets run.webp.
-    ``size`` is (width, height) [pixels], ``goals`` are as of ``Playback``. Raises
-    SimulationError where this machine cannot render, or for another format.
+    ``size`` is (width, height) [pixels], ``goals`` are as in ``Playback``. Raises
+    SimulationError if this machine cannot render, or for another format.
     """
     out = film_path(out)
     renderer = FrameRenderer(plan, record, size, models, goals)
@@ -188,7 +188,7 @@ def write_video(
 
 
 def _render_parameters(support: Support) -> RenderEngineVtkParams:
-    """Return background and lights: one on the support, a weaker one at the camera."""
+    """Background and lights: one on the support, a weaker one at the camera."""
     above = LightParameter(
         type="directional", frame="world", direction=_light(support), intensity=0.75
     )
@@ -199,25 +199,23 @@ def _render_parameters(support: Support) -> RenderEngineVtkParams:
 
 
 def _light(support: Support) -> list[float]:
-    """Return the direction of the light in the world, onto the support's face from
-    above.
-    """
+    """Direction of the light in the world, onto the support's face from above."""
     frame = support.frame
     along = LIGHT if frame.faces_up else STEEP_LIGHT
     return list(frame.direction(along))
 
 
 def look_at(view: View) -> RigidTransform:
-    """Return X_WC of a camera (z ahead, x right, y down) with an upright picture."""
+    """X_WC of a camera (z forward, x right, y down) with an upright picture."""
     x, y, z = axes(view.position - view.target)
     return RigidTransform(RotationMatrix(np.column_stack([x, y, z])), view.position)
 
 
 def egl_problem() -> str | None:
-    """Return why EGL has no device to render on, or None.
+    """Reason why EGL has no device to render on, or None.
 
-    It is None on a system without EGL too. This is checked beforehand because the
-    renderer ends the process without a device.
+    None also on a system without EGL. This is checked beforehand because without a
+    device the renderer ends the process.
     """
     if sys.platform != "linux":
         return None
@@ -246,7 +244,7 @@ def _cannot_render(problem: str) -> SimulationError:
 
 
 def _pillow() -> Any:
-    """Return Pillow's image module, which comes with matplotlib."""
+    """Pillow's image module, which comes with matplotlib."""
     from PIL import Image
 
     return Image

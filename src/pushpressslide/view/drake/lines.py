@@ -1,4 +1,4 @@
-"""Lines that are drawn flat on a support: paths and a grid."""
+"""Lines drawn flat on a support: paths and a grid."""
 
 from __future__ import annotations
 
@@ -26,14 +26,12 @@ TABLE = (-0.4, -0.9, 1.3, 0.9)  # [m] low and high corner of a table without edg
 
 
 def leads_somewhere(points: Array) -> bool:
-    """Return whether a path (K, 2) [m] is more than a turn on the spot, and can be
-    drawn as a line.
-    """
+    """Whether a path (K, 2) [m] has length, so that it can be drawn as a line."""
     return bool(np.ptp(points, axis=0).max() > LEAST_PATH)
 
 
 def ribbon(points: Array, width: float) -> Mesh:
-    """Return a flat strip of ``width`` [m] along ``points`` (K, 2), K >= 2.
+    """A flat strip of ``width`` [m] along ``points`` (K, 2), K >= 2.
 
     It lies in the plane z = 0 and faces up.
     """
@@ -41,8 +39,8 @@ def ribbon(points: Array, width: float) -> Mesh:
 
 
 def ribbons(lines: Sequence[Array], width: float) -> Mesh:
-    """Return flat strips of ``width`` [m] along ``lines`` (K, 2), K >= 2 each, as one
-    mesh in the plane z = 0 that faces up.
+    """Flat strips of ``width`` [m] along ``lines`` (K, 2), K >= 2 each, as one
+    upward-facing mesh in the plane z = 0.
     """
     rows = ["vn 0 0 1"]
     faces: list[str] = []
@@ -63,7 +61,7 @@ def ribbons(lines: Sequence[Array], width: float) -> Mesh:
 
 
 def _sides(points: Array, width: float) -> tuple[Array, Array]:
-    """Return the left and the right edge (K, 2) of a strip along ``points``."""
+    """Left and right edges (K, 2) of a strip along ``points``."""
     along = np.gradient(points, axis=0)
     size = np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
     left = 0.5 * width * np.column_stack([-along[:, 1], along[:, 0]]) / size
@@ -71,8 +69,8 @@ def _sides(points: Array, width: float) -> tuple[Array, Array]:
 
 
 def grid_lines(support: Support, reached: Bounds) -> list[Array]:
-    """Return lines (2, 2) [m] every 0.1 m about what the object covers, ``reached``,
-    where the support is.
+    """Lines (2, 2) [m] every 0.1 m on the support around the area ``reached`` by the
+    object.
     """
     x_min, x_max, y_min, y_max = reached
     low = np.array([x_min, y_min]) - GRID_ROOM
@@ -91,7 +89,7 @@ def grid_lines(support: Support, reached: Bounds) -> list[Array]:
 
 
 def _surface(support: Support) -> Any:
-    """Return the outline of a support in its plane, without its opening."""
+    """Outline of a support in its plane, without its opening."""
     surface: Any = shapely.box(-FAR, -FAR, FAR, FAR)
     if support.region is not None:
         surface = shapely.Polygon(support.region)
@@ -104,7 +102,7 @@ def _surface(support: Support) -> Any:
 
 
 def _within(surface: Any, start: Array, end: Array) -> list[Array]:
-    """Return the pieces of a line that lie on a surface."""
+    """Parts of a line that lie on a surface."""
     line = shapely.LineString([start, end]).intersection(surface)
     pieces = shapely.get_parts(line)
     return [np.array(p.coords) for p in pieces if p.length > 0.0]

@@ -37,10 +37,10 @@ SAMPLES = 100  # of the planned path of each segment
 
 
 class LiveView:
-    """A page on this machine that shows a scene; it does not change the simulation."""
+    """A page on this machine that shows a scene, without effect on the simulation."""
 
     def __init__(self, plan: Plan, tell: Callable[[str], None]) -> None:
-        """Start the page's server and ``tell`` its address."""
+        """Start the page's server and report its address by ``tell``."""
         self._meshcat: Meshcat = quiet_meshcat()
         look(self._meshcat)
         task = plan.task

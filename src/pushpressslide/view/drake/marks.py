@@ -1,4 +1,4 @@
-"""Marks over the scene of a replay: trace, virtual axle, forces and friction cones."""
+"""Marks in the scene of a replay: trace, virtual axle, forces and friction cones."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ Ticks = NDArray[np.intp]
 
 
 class Marks:
-    """Marks over the scene, in the support's frame: trace, axle, forces and cones."""
+    """Marks in the scene, in the support's frame: trace, axle, forces and cones."""
 
     def __init__(self, meshcat: Meshcat, contacts: ContactMarks, ticks: Ticks) -> None:
         """Add all marks; ``ticks`` (F,) are the frames."""
@@ -95,11 +95,11 @@ class Marks:
         self._meshcat.SetObject(f"{name}/disc", disc, CONE_COLOR)
 
     def _draw_trace(self, points: Array, segments: Array) -> list[tuple[int, str]]:
-        """Draw the whole trace in pieces; return the frame at which each piece appears,
+        """Draw the whole trace in parts. Return the frame at which each part appears,
         and its name.
 
-        ``points`` (F, 2) [m] and ``segments`` (F,) of the plan, per frame. The
-        tracking point may change between segments, and no line joins the two.
+        ``points`` (F, 2) [m] and ``segments`` (F,) of the plan, per frame. The tracking
+        point may change between segments, and no line joins the two.
         """
         steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
         moved = np.concatenate([[0.0], np.cumsum(steps)])
@@ -117,7 +117,7 @@ class Marks:
         return pieces
 
     def _draw_piece(self, name: str, points: Array) -> bool:
-        """Draw a line through points (F, 2) [m]; return whether two of them differ."""
+        """Draw a line through points (F, 2) [m]. Return whether two of them differ."""
         steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
         apart = np.concatenate([[True], steps > 1e-7])
         if apart.sum() < 2:
@@ -145,7 +145,7 @@ class Marks:
             self._show_disc(f"marks/disc_{arm}", self._contacts.disc(arm, tick), t)
 
     def _show_cone(self, name: str, cone: tuple[Pose2, float] | None, t: float) -> None:
-        """Record a friction cone, or that there is none."""
+        """Record a friction cone, or its absence."""
         meshcat = self._meshcat
         meshcat.SetProperty(name, "visible", cone is not None, time_in_recording=t)
         if cone is not None:
@@ -153,7 +153,7 @@ class Marks:
             meshcat.SetTransform(name, X, time_in_recording=t)
 
     def _show_disc(self, name: str, disc: Disc | None, t: float) -> None:
-        """Record a friction disc, or that there is none."""
+        """Record a friction disc, or its absence."""
         meshcat = self._meshcat
         meshcat.SetProperty(name, "visible", disc is not None, time_in_recording=t)
         if disc is not None:
@@ -163,7 +163,7 @@ class Marks:
             meshcat.SetProperty(f"{name}/disc", "scale", scale, time_in_recording=t)
 
     def _show_arrow(self, name: str, arrow: Arrow, t: float) -> None:
-        """Record an arrow; it is hidden if its force is small."""
+        """Record an arrow. It is hidden if its force is small."""
         meshcat = self._meshcat
         visible = arrow.size > LEAST_FORCE
         meshcat.SetProperty(name, "visible", visible, time_in_recording=t)

@@ -1,4 +1,4 @@
-"""Marks that are drawn over rendered pictures of a run: trace, axle, forces, cones."""
+"""Marks drawn over rendered pictures of a run: trace, axle, forces, cones."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ TRACE_STEP = 20  # ticks between points of the trace
 
 
 class Overlay:
-    """Draws the marks of a run over its pictures, where nothing hides them."""
+    """Draws the marks of a run over its pictures, unoccluded."""
 
     def __init__(self, playback: Playback, view: View, size: tuple[int, int]) -> None:
         """Prepare the marks for pictures of ``size`` [pixels] from ``view``."""
@@ -48,7 +48,7 @@ class Overlay:
         self._stretch = playback.record.arrays["stretch"][::TRACE_STEP]
 
     def pixel(self, point: Vector3) -> Pixel:
-        """Return where a point (x, y, height) [m] of the support's frame is seen."""
+        """Pixel of a point (x, y, height) [m] of the support's frame."""
         offset = np.array(self._frame.point(point)) - self._position
         right, down, ahead = (float(offset @ axis) for axis in self._axes)
         width, height = self._size
@@ -81,13 +81,13 @@ class Overlay:
         return self.pixel((x, y, z))
 
     def _on_support(self, tick: int) -> Vector3:
-        """Return the tracking point's place on the support [m]."""
+        """Position of the tracking point on the support [m]."""
         X_WV = self._playback.vehicle_pose(tick)
         return X_WV.x, X_WV.y, 0.0
 
     def _draw_trace(self, canvas: Canvas, tick: int) -> None:
-        """Draw the way of the tracking point so far where the object does not hide it,
-        each segment by itself.
+        """Draw the visible part of the tracking point's trace so far, not hidden by the
+        object, each segment by itself.
         """
         count = tick // TRACE_STEP + 1
         moment = Moment((), blocks_at(self._playback, tick)[:1], ())

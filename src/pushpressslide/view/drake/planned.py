@@ -1,4 +1,4 @@
-"""The camera of a run that is watched live: from the plan alone, before it begins."""
+"""Camera of a live run, from the plan alone, before the run starts."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ POSES = 12  # of each segment
 
 
 def planned_view(plan: Plan, field: float = FIELD, aspect: float = 16 / 9) -> View:
-    """Return the view that sees where the contacts begin, and holds object, goal and
-    arms; ``field`` [rad] is the vertical field of view.
+    """View that shows the starts of the contacts, and contains object, goal and arms.
+    ``field`` [rad] is the vertical field of view.
     """
     task = plan.task
     frame = task.support.frame
@@ -46,12 +46,12 @@ def planned_view(plan: Plan, field: float = FIELD, aspect: float = 16 / 9) -> Vi
 
 
 def _start(placement: Plan) -> Pose2:
-    """Return X_WB where a placement begins."""
+    """X_WB at the start of a placement."""
     return placement.segments[0].body_pose(0.0)
 
 
 def _moment(placement: Plan) -> Moment:
-    """Return the contacts at the beginning of a placement, and what is around them."""
+    """Contacts at the start of a placement, and the bodies around them."""
     task = placement.task
     X_WB = _start(placement)
     X_WG = X_WB.compose(task.X_GB.inverse())
@@ -72,7 +72,7 @@ def _moment(placement: Plan) -> Moment:
 
 
 def _limbs(placement: Plan, robot: Robot, tip: Vector3) -> list[Limb]:
-    """Return roughly where an arm is as its tip is in contact."""
+    """Approximate position of an arm with its tip in contact."""
     frame = placement.task.support.frame
     x, y, z = robot.base
     shoulder = frame.coordinates((x, y, z + SHOULDER))

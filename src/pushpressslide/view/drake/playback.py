@@ -63,8 +63,8 @@ class Playback:
     ) -> None:
         """Build the scene.
 
-        ``goals`` are drawn in place of the task's own, if there are any. Raises
-        SimulationError for a record without joint positions.
+        ``goals`` replace the task's own if given. Raises SimulationError for a record
+        without joint positions.
         """
         for i in range(len(plan.task.robots)):
             if f"joint_position_{i}" not in record.arrays:
@@ -112,8 +112,8 @@ class Playback:
                 _anchor(graph, source, drawn, PATH_COLOR)
 
     def reached(self) -> Bounds:
-        """Return x_min, x_max, y_min, y_max [m] of what the object covers in the run and
-        at its goal.
+        """Bounds x_min, x_max, y_min, y_max [m] of the area that the object covers in
+        the run and at its goal.
         """
         poses = self.record.arrays["object_pose"]
         goal = self.task.goal
@@ -128,14 +128,14 @@ class Playback:
         )
 
     def set(self, context: Context, tick: int) -> None:
-        """Put everything where it was at ``tick``; ``context`` belongs to the diagram
+        """Set all bodies to their state at ``tick``. ``context`` belongs to the diagram
         of this scene.
         """
         plant = self.scene.plant
         self.set_plant(plant.GetMyMutableContextFromRoot(context), tick)
 
     def set_plant(self, inner: Context, tick: int) -> None:
-        """Put everything where it was at ``tick``; ``inner`` belongs to the plant."""
+        """Set all bodies to their state at ``tick``. ``inner`` belongs to the plant."""
         arrays = self.record.arrays
         plant = self.scene.plant
         for i, robot in enumerate(self.scene.robots):
@@ -149,7 +149,7 @@ class Playback:
                 plant.SetFreeBodyPose(inner, body, X)
 
     def object_pose(self, tick: int) -> RigidTransform:
-        """Return the spatial pose of the object's frame G (at half height) at ``tick``."""
+        """Spatial pose of the object's frame G (at half height) at ``tick``."""
         positions = self.record.arrays.get("object_pose_3d")
         if positions is not None:
             return transform_from_positions(positions[tick])
@@ -159,13 +159,13 @@ class Playback:
         )
 
     def vehicle_pose(self, tick: int) -> Pose2:
-        """Return X_WV at ``tick``: tracking point and heading of the current segment."""
+        """X_WV at ``tick``: tracking point and heading of the current segment."""
         X_BV = Pose2(*(float(v) for v in self.record.arrays["vehicle_frame"][tick]))
         X_WG = planar_pose(self.object_pose(tick), self.task.support.frame)
         return X_WG.compose(self.task.X_GB).compose(X_BV)
 
     def ticks_at(self, times: Array) -> list[int]:
-        """Return the first recorded tick not before each of ``times`` [s]."""
+        """First recorded tick not before each of ``times`` [s]."""
         recorded = self.record.arrays["time"]
         ticks = np.clip(np.searchsorted(recorded, times), 0, len(recorded) - 1)
         return [int(i) for i in ticks]
@@ -174,7 +174,7 @@ class Playback:
 def _anchor(
     graph: SceneGraph, source: SourceId, instance: GeometryInstance, color: Rgba
 ) -> None:
-    """Show an instance in the world, in Meshcat and in rendered pictures."""
+    """Fix an instance to the world, in Meshcat and in rendered pictures."""
     drawn = IllustrationProperties()
     seen = PerceptionProperties()
     for properties in (drawn, seen):

@@ -1,4 +1,4 @@
-"""The replay of a run as one Meshcat page that opens offline."""
+"""Replay of a run as one Meshcat page that opens offline."""
 
 from __future__ import annotations
 
@@ -51,9 +51,9 @@ def write_replay(
     """Write the page to the file ``out`` and return its path.
 
     In a folder ``out`` it is replay.html. It plays the recorded joint positions and
-    poses, at most 30 a second, and is written whole or not at all. Raises
-    SimulationError for a record without joint positions. ``models``: as in ``run``;
-    ``goals`` as of ``Playback``.
+    poses, at most 30 a second, and is written completely or not at all. Raises
+    SimulationError for a record without joint positions. ``models`` is as in ``run``,
+    ``goals`` as in ``Playback``.
     """
     if len(record.arrays.get("time", ())) < 2:
         raise SimulationError(
@@ -76,7 +76,7 @@ def write_replay(
 def _body(
     contacts: ContactMarks, timeline: RunTimeline, views: Sequence[PageView]
 ) -> str:
-    """Return what the page has around Meshcat's scene."""
+    """Parts of the page around Meshcat's scene."""
     playback = contacts.playback
     modes = ", ".join(playback.record.modes)
     title = f"{playback.task.name}: {modes}, {timeline.ending}"
@@ -99,7 +99,7 @@ def _item(item: LegendEntry) -> str:
 
 
 def _look(playback: Playback, points: NDArray[np.float64]) -> dict[str, Any]:
-    """Return field of view [deg], light and where shadows fall, for the page."""
+    """Field of view [deg], light, and extent of the shadows, for the page."""
     frame = playback.task.support.frame
     light = LIGHT if frame.faces_up else STEEP_LIGHT
     center = 0.5 * (points.min(axis=0) + points.max(axis=0))
@@ -115,7 +115,7 @@ def _look(playback: Playback, points: NDArray[np.float64]) -> dict[str, Any]:
 
 
 def _arm_paths(playback: Playback) -> list[list[str]]:
-    """Return the paths of the arms in Meshcat's tree."""
+    """Paths of the arms in Meshcat's tree."""
     plant = playback.scene.plant
     robots = playback.scene.robots
     names = [plant.GetModelInstanceName(robot.model_instance) for robot in robots]
@@ -150,7 +150,7 @@ def _animate(meshcat: Meshcat, contacts: ContactMarks, ticks: NDArray[np.intp]) 
 
 
 def quiet_meshcat() -> Meshcat:
-    """Return a Meshcat whose server listens on this machine only and prints nothing."""
+    """A Meshcat whose server listens on this machine only and prints nothing."""
     log = logging.getLogger("drake")
     level = log.level
     log.setLevel(logging.WARNING)

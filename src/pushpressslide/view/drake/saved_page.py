@@ -1,4 +1,4 @@
-"""Meshcat's saved page made smaller, with parts of ours around its scene."""
+"""Reduction of Meshcat's saved page, and insertion of our parts around its scene."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ MESSAGE = re.compile(
 
 
 def small_page(page: str, head: str, body: str) -> str:
-    """Return a saved page with ``head`` at the beginning of its head and ``body`` at the end
-    of its body.
+    """A saved page with ``head`` at the start of its head and ``body`` at the end of
+    its body.
 
-    Its messages are packed into one, which the script of ``head`` unpacks. A page of
-    another Drake whose messages are not recognised keeps them as they are.
+    Its messages are packed into one, which the script in ``head`` unpacks. If messages
+    of another Drake version are not recognised, the page keeps them unchanged.
     """
     messages = [base64.b64decode(text) for text in MESSAGE.findall(page)]
     if messages:
@@ -34,8 +34,8 @@ def small_page(page: str, head: str, body: str) -> str:
 
 
 def pack(messages: list[bytes]) -> str:
-    """Return messages as one text: each after its length in four bytes, the lowest
-    first, all of it compressed.
+    """Messages as one compressed text, each preceded by its length in four
+    little-endian bytes.
     """
     parts = [len(message).to_bytes(4, "little") + message for message in messages]
     return base64.b64encode(gzip.compress(b"".join(parts), mtime=0)).decode("ascii")

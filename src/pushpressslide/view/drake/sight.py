@@ -1,4 +1,4 @@
-"""Whether a contact is seen from a direction: what stands between it and the camera.
+"""Visibility of a contact from a direction, with the bodies between it and the camera.
 
 All points and directions are along x, y and height of the support's frame.
 """
@@ -33,7 +33,7 @@ class Block:
 
 @dataclass(frozen=True, slots=True)
 class Limb:
-    """A piece of an arm: all within ``radius`` of a line between two points [m]."""
+    """Part of an arm within ``radius`` of a line between two points [m]."""
 
     start: Vector3
     end: Vector3
@@ -42,7 +42,7 @@ class Limb:
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """What there is to see, and what may hide it, at one time of a run."""
+    """Points to be seen, and bodies that may hide them, at one time of a run."""
 
     contacts: tuple[Vector3, ...]  # [m] points that are to be seen
     blocks: tuple[Block, ...]
@@ -61,26 +61,26 @@ class Moment:
 
     @cached_property
     def links(self) -> tuple[Array, Array, Array]:
-        """Begin and end (L, 3) and radius (L,) of the limbs [m]."""
+        """Start and end (L, 3) and radius (L,) of the limbs [m]."""
         begins = np.array([limb.start for limb in self.limbs]).reshape(-1, 3)
         ends = np.array([limb.end for limb in self.limbs]).reshape(-1, 3)
         return begins, ends, np.array([limb.radius for limb in self.limbs])
 
 
 def seen_share(moment: Moment, direction: Array) -> float:
-    """Return the share of the contacts that a far camera in ``direction`` (3,) sees;
-    ``direction`` is a unit vector towards it.
+    """Share of the contacts seen by a far camera. ``direction`` (3,) is the unit vector
+    towards it.
     """
     return _share(moment, moment.contacts, direction)
 
 
 def force_share(moment: Moment, direction: Array) -> float:
-    """Return the share of the points of the drawn forces that the camera sees."""
+    """Share of the points of the drawn forces that the camera sees."""
     return _share(moment, moment.forces, direction)
 
 
 def shown_share(moment: Moment, direction: Array) -> float:
-    """Return the share of the object's corners that the camera sees."""
+    """Share of the object's corners that the camera sees."""
     return _share(moment, moment.corners, direction)
 
 
@@ -91,12 +91,12 @@ def _share(moment: Moment, points: tuple[Vector3, ...], direction: Array) -> flo
 
 
 def is_seen(moment: Moment, point: Vector3, direction: Array) -> bool:
-    """Return whether nothing is between ``point`` and the camera."""
+    """Whether nothing is between ``point`` and the camera."""
     return bool(are_seen(moment, np.array([point]), direction)[0])
 
 
 def are_seen(moment: Moment, points: Array, direction: Array) -> NDArray[np.bool_]:
-    """Return whether nothing is between each of ``points`` (P, 3) and the camera."""
+    """Whether nothing is between each of ``points`` (P, 3) and the camera."""
     hidden = np.zeros(len(points), dtype=bool)
     for polygon, height in moment.polygons:
         hidden |= _behind_block(polygon, height, points, direction)
@@ -112,7 +112,7 @@ def are_seen(moment: Moment, points: Array, direction: Array) -> NDArray[np.bool
 def _behind_block(
     polygon: Any, height: float, points: Array, direction: Array
 ) -> NDArray[np.bool_]:
-    """Return which of ``points`` (P, 3) a block of a ``height`` [m] hides."""
+    """Mask of the ``points`` (P, 3) that a block of a ``height`` [m] hides."""
     under = height - points[:, 2]
     lengths = np.full(len(points), REACH)
     rise = float(direction[2])
@@ -124,8 +124,8 @@ def _behind_block(
 
 
 def segment_distance(a: Array, b: Array, c: Array, d: Array) -> Array:
-    """Return the least distance [m] between the lines from ``a`` to ``b`` and from ``c``
-    to ``d``, (..., 3) each.
+    """Smallest distance [m] between the lines from ``a`` to ``b`` and from ``c`` to
+    ``d``, (..., 3) each.
     """
     u = b - a
     v = d - c

@@ -1,4 +1,6 @@
-"""What a camera is to see of a run: contacts, what may hide them, and points to hold."""
+"""Subject of a run's camera: contacts, bodies that may hide them, and points to be in
+the picture.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,9 @@ WRIST = 0.22  # [m] above a tip, up to which its tool is to be seen
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """What is to be seen in a run; points and the moments' frame differ."""
+    """Subject of a run's camera. The moments are in the support's frame, the points in
+    the world.
+    """
 
     moments: tuple[Moment, ...]  # along x, y and height of the support
     yaws: tuple[float, ...]  # [rad] of the object at these
@@ -39,7 +43,7 @@ class Subject:
 
 
 def subject(playback: Playback) -> Subject:
-    """Return what is to be seen in a recorded run."""
+    """Subject of a recorded run."""
     plant = playback.scene.plant
     context = plant.CreateDefaultContext()
     moments = []
@@ -79,7 +83,7 @@ def subject(playback: Playback) -> Subject:
 
 
 def sighted_ticks(phase: Array) -> NDArray[np.intp]:
-    """Return ticks at which a contact is looked at; ``phase`` (N,) by tick."""
+    """Ticks at which a contact is checked for visibility. ``phase`` (N,) is per tick."""
     (ticks,) = np.nonzero(np.isin(phase, [PHASES.index("touch"), PHASES.index("move")]))
     if not len(ticks):
         ticks = np.arange(len(phase))
@@ -87,18 +91,18 @@ def sighted_ticks(phase: Array) -> NDArray[np.intp]:
 
 
 def contacts_at(playback: Playback, tick: int) -> tuple[Contact, ...]:
-    """Return the contacts of the placement at ``tick``."""
+    """Contacts of the placement at ``tick``."""
     return placement_at(playback, tick).contacts
 
 
 def placement_at(playback: Playback, tick: int) -> Plan:
-    """Return the placement at ``tick``, as a plan of its own."""
+    """Placement at ``tick``, as a plan of its own."""
     number = int(playback.record.arrays["placement"][tick])
     return playback.placements[number]
 
 
 def body_pose(playback: Playback, tick: int) -> Pose2:
-    """Return X_WB of the object that the placement at ``tick`` moves."""
+    """X_WB of the object that is moved by the placement at ``tick``."""
     return playback.vehicle_pose(tick).compose(
         Pose2(*map(float, playback.record.arrays["vehicle_frame"][tick])).inverse()
     )
@@ -107,7 +111,7 @@ def body_pose(playback: Playback, tick: int) -> Pose2:
 def tips_at(
     playback: Playback, tick: int, contacts: tuple[Contact, ...]
 ) -> list[Vector3]:
-    """Return the tips in contact [m]."""
+    """Tips in contact [m]."""
     tips = playback.record.arrays["tip_position"][tick]
     places = (map(float, tips[contact.arm]) for contact in contacts)
     return [(x, y, z) for x, y, z in places]
@@ -116,7 +120,7 @@ def tips_at(
 def _force_points(
     playback: Playback, tick: int, contacts: tuple[Contact, ...]
 ) -> list[Vector3]:
-    """Return points of where the forces are drawn [m]."""
+    """Start and end points of the drawn forces [m]."""
     drawn = playback.task.object.shape.height + CLEARANCE
     X_WB = body_pose(playback, tick)
     tips = tips_at(playback, tick, contacts)
@@ -129,7 +133,7 @@ def _force_points(
 
 
 def blocks_at(playback: Playback, tick: int) -> tuple[Block, ...]:
-    """Return the bodies on the support at ``tick``."""
+    """Bodies on the support at ``tick``."""
     task = playback.task
     frame = task.support.frame
     X_WG = planar_pose(playback.object_pose(tick), frame)
@@ -148,7 +152,7 @@ def _block(shape: Shape, pose: Pose2) -> Block:
 
 
 def arm_limbs(playback: Playback, context: Context) -> tuple[Limb, ...]:
-    """Return the links of all arms as the plant's ``context`` has them."""
+    """Links of all arms in the plant's ``context``."""
     plant = playback.scene.plant
     frame = playback.task.support.frame
     out = []
@@ -165,7 +169,7 @@ def arm_limbs(playback: Playback, context: Context) -> tuple[Limb, ...]:
 
 
 def corners(shape: Shape, pose: Pose2) -> list[Vector3]:
-    """Return the corners of a shape on the support, and those of its top [m]."""
+    """Corners of a shape on the support, and those of its top [m]."""
     return [
         (*pose.apply(corner), height)
         for corner in shape.outline()[:: max(1, len(shape.outline()) // 12)]
@@ -174,18 +178,18 @@ def corners(shape: Shape, pose: Pose2) -> list[Vector3]:
 
 
 def goal_points(playback: Playback) -> list[Vector3]:
-    """Return the corners of all goals [m]."""
+    """Corners of all goals [m]."""
     return [point for shape, X in playback.goals for point in corners(shape, X)]
 
 
 def object_points(playback: Playback, tick: int) -> list[Vector3]:
-    """Return the corners of the object at ``tick`` [m]."""
+    """Corners of the object at ``tick`` [m]."""
     pose = planar_pose(playback.object_pose(tick), playback.task.support.frame)
     return corners(playback.task.object.shape, pose)
 
 
 def top_corners(playback: Playback, tick: int) -> tuple[Vector3, ...]:
-    """Return corners of the object's top at ``tick``, and a little over it [m]."""
+    """Corners of the object's top at ``tick``, and points a little above it [m]."""
     height = playback.task.object.shape.height
     points = object_points(playback, tick)
     return tuple((x, y, z + OVER) for x, y, z in points if z == height)
@@ -194,13 +198,13 @@ def top_corners(playback: Playback, tick: int) -> tuple[Vector3, ...]:
 def _tip_points(
     playback: Playback, tick: int, contacts: tuple[Contact, ...]
 ) -> list[Vector3]:
-    """Return the ends of the tools in contact [m]."""
+    """Ends of the tools in contact [m]."""
     tips = tips_at(playback, tick, contacts)
     return [end for x, y, z in tips for end in ((x, y, z), (x, y, z + WRIST))]
 
 
 def other_points(playback: Playback) -> list[Vector3]:
-    """Return the corners of all other bodies, first and last [m]."""
+    """Corners of all other bodies, at the first and last tick [m]."""
     last = len(playback.record.arrays["time"]) - 1
     blocks = blocks_at(playback, 0)[1:] + blocks_at(playback, last)[1:]
     return [

@@ -1,4 +1,4 @@
-"""The views of a replay: directions, what each picture holds, and what it follows."""
+"""Views of a replay: directions, contents of each picture, and the body it follows."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ Row = tuple[float, ...]
 
 @dataclass(frozen=True, slots=True)
 class PageView:
-    """A view of the page; the camera fits its points to the window."""
+    """A view of the page. The camera fits its points to the window."""
 
     name: str
     direction: Row  # (3,) towards the camera, in the world
@@ -45,27 +45,27 @@ class PageView:
     through: bool = False  # whether the arms are seen through
 
     def plain(self) -> dict[str, Any]:
-        """Return it as JSON takes it."""
+        """The view as data for JSON."""
         return asdict(self)
 
 
 def directions(playback: Playback, subject: Subject) -> Directions:
-    """Return the directions from which a run can be seen, judged."""
+    """Evaluated directions from which a run can be seen."""
     frame = playback.task.support.frame
     return Directions(frame, subject.moments, subject.pushes, subject.near)
 
 
 def contact_view(playback: Playback, field: float, aspect: float) -> View:
-    """Return the camera from which the contacts are seen best; ``field`` [rad] is the
-    vertical field of view, ``aspect`` the width of the picture over its height.
+    """Camera that sees the contacts best. ``field`` [rad] is the vertical field of
+    view, ``aspect`` the width of the picture over its height.
     """
     seen = subject(playback)
     return fit_view(seen.near, directions(playback, seen).best(), field, aspect)
 
 
 def page_views(playback: Playback, ticks: NDArray[np.intp]) -> tuple[PageView, ...]:
-    """Return the views of a replay page with frames at ``ticks`` (F,), the one that sees
-    the contacts first.
+    """Views of a replay page with frames at ``ticks`` (F,), the one that sees the
+    contacts first.
     """
     seen = subject(playback)
     frame = playback.task.support.frame
@@ -87,8 +87,8 @@ def page_views(playback: Playback, ticks: NDArray[np.intp]) -> tuple[PageView, .
 def _tip_views(
     playback: Playback, ticks: NDArray[np.intp], subject: Subject, direction: Row
 ) -> tuple[PageView, ...]:
-    """Return a view that follows the tip of each arm with a contact; behind a tip that
-    pushes on a table it turns with the object.
+    """A view that follows the tip of each arm with a contact. Behind a tip that pushes
+    on a table it turns with the object.
     """
     frame = playback.task.support.frame
     touched = {c.arm: c for part in playback.placements for c in part.contacts}
@@ -112,8 +112,8 @@ def _tip_views(
 
 
 def _behind(subject: Subject, normal: Point) -> Array:
-    """Return the direction (3,) in the object's axes from which a push along ``normal``
-    is seen best, to either side behind its tip.
+    """Best direction (3,) to see a push along ``normal``, in the object's axes, to
+    either side behind its tip.
     """
     heading = math.atan2(normal[1], normal[0])
     costs = []
@@ -137,7 +137,7 @@ def _sloped(azimuth: float) -> Array:
 def _object_view(
     playback: Playback, ticks: NDArray[np.intp], direction: Row
 ) -> PageView:
-    """Return a view that follows the object."""
+    """A view that follows the object."""
     frame = playback.task.support.frame
     shape = playback.task.object.shape
     poses = [planar_pose(playback.object_pose(int(tick)), frame) for tick in ticks]
@@ -148,7 +148,7 @@ def _object_view(
 
 
 def _cube(half: float) -> tuple[Row, ...]:
-    """Return the corners of a cube about the origin [m]."""
+    """Corners of a cube about the origin [m]."""
     ends = (-half, half)
     return tuple((x, y, z) for x in ends for y in ends for z in ends)
 

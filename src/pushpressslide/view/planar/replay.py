@@ -1,4 +1,4 @@
-"""The planar engine's replay: one HTML page that plays a run seen from above, offline,
+"""Replay of the planar engine: one HTML page that plays a run seen from above, offline,
 without Drake.
 """
 
@@ -51,11 +51,11 @@ def write_replay(
     goals: Sequence[Placed] = (),
     parts: Sequence[Record] = (),
 ) -> Path:
-    """Write the page to the file ``out``, whole or not at all, and return its path.
+    """Write the page to the file ``out``, completely or not at all, and return its
+    path.
 
-    In a folder ``out`` it is replay.html. ``goals`` are drawn in place of the task's
-    own, if there are any. ``parts`` are the records of the stages, where there are
-    several.
+    In a folder ``out`` it is replay.html. ``goals`` replace the task's own if given.
+    ``parts`` are the records of the stages if there are several.
     """
     page = filled(
         package_text("replay_page.html", ROOM),
@@ -74,12 +74,12 @@ def write_replay(
 
 
 def task_goals(task: Task) -> list[Placed]:
-    """Return every goal of a task."""
+    """Every goal of a task."""
     return [(shape, X_WG) for _, shape, X_WG in goal_places(task)]
 
 
 def legend(plan: Plan) -> list[tuple[str, str, bool]]:
-    """Return colour, meaning and whether it is dashed of all that is drawn."""
+    """Colour, meaning and dash style of everything drawn."""
     kinds = {
         c.kind for package_text in plan.by_placement for c in package_text.contacts
     }
@@ -109,7 +109,7 @@ def replay_data(
     goals: Sequence[Placed] = (),
     parts: Sequence[Record] = (),
 ) -> dict[str, Any]:
-    """Return what the page plays: metres, degrees and newtons, rounded to 0.1 mm, 0.01
+    """Data that the page plays: metres, degrees and newtons, rounded to 0.1 mm, 0.01
     degree and 0.01 N.
     """
     task = plan.task
@@ -145,9 +145,7 @@ def replay_data(
 def scene_ticks(
     record: Record, ticks: NDArray[np.intp]
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return of each tick of a run the number of its stage, and which tick of the stage
-    it is.
-    """
+    """Stage number of each tick of a run, and the tick's index in that stage."""
     number = record.arrays.get("stage")
     if number is None:
         return np.zeros_like(ticks), ticks
@@ -157,7 +155,7 @@ def scene_ticks(
 
 
 def _axles(record: Record, ticks: NDArray[np.intp]) -> list[list[float]]:
-    """Return X_GV of the tracking point at ticks of a stage, yaw in degrees."""
+    """X_GV of the tracking point at ticks of a stage, with the yaw in degrees."""
     X_GB = record.plan.task.X_GB
     rows = record.arrays["vehicle_frame"][ticks]
     found = [X_GB.compose(Pose2(*map(float, row))) for row in rows]
@@ -169,8 +167,8 @@ def _axles(record: Record, ticks: NDArray[np.intp]) -> list[list[float]]:
 def _contacts(
     record: Record, ticks: NDArray[np.intp]
 ) -> list[list[float | str | None]]:
-    """Return for each arm and frame the direction of its push in the object's frame
-    [deg], "top" for a press, None without a contact.
+    """Direction of its push in the object's frame [deg] for each arm and frame; "top"
+    for a press, None without a contact.
     """
     plan = record.plan
     parts = plan.by_placement
@@ -192,7 +190,7 @@ def _contacts(
 
 
 def _support_data(task: Task, goals: Sequence[Placed]) -> dict[str, Any]:
-    """Return what is the same in all stages: goals, tips, bases and the support."""
+    """Data common to all stages: goals, tips, bases and the support."""
     aims = [[list(X.apply(c)) for c in shape.outline()] for shape, X in goals]
     bases = [robot.base for robot in task.robots if robot.model != "hand"]
     wall = not task.support.frame.faces_up
@@ -207,7 +205,7 @@ def _support_data(task: Task, goals: Sequence[Placed]) -> dict[str, Any]:
 
 
 def _scene_data(record: Record) -> dict[str, Any]:
-    """Return what does not move in a stage, the outline of what does, and its path."""
+    """Data of one stage: the fixed bodies, the outline of the moving one, and its path."""
     task = record.plan.task
     outline = [[round(x, 5), round(y, 5)] for x, y in task.object.shape.outline()]
     obstacles = []

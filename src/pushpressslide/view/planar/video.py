@@ -1,5 +1,5 @@
-"""The planar engine's animation: the run seen from above, with paths, forces and caption,
-without Drake.
+"""Animation of the planar engine: the run seen from above, with paths, forces and
+caption, without Drake.
 """
 
 from __future__ import annotations
@@ -56,10 +56,10 @@ def write_video(
     frames_per_second: float = film.FRAMES_PER_SECOND,
     size: tuple[int, int] = film.SIZE,
 ) -> Path:
-    """Write the run as an animated picture in real time; return its path.
+    """Write the run as an animated picture in real time and return its path.
 
     The format, .webp or .gif, follows from the name of ``out``; a folder gets run.webp.
-    ``size`` is (width, height) [pixels]; ``goals`` and ``parts`` as of
+    ``size`` is (width, height) [pixels]; ``goals`` and ``parts`` as in
     ``write_replay``. Raises SimulationError for another format.
     """
     out = film.film_path(out)
@@ -90,7 +90,7 @@ def write_pictures(
     goals: Sequence[Placed] = (),
     parts: Sequence[Record] = (),
 ) -> list[Path]:
-    """Write pictures of start, contact and end of a run into ``out``; return their
+    """Write pictures of start, contact and end of a run into ``out`` and return their
     paths.
     """
     width, height = film.STILL_SIZE
@@ -105,7 +105,7 @@ def write_pictures(
 
 
 class _Film:
-    """A run in the plane, at any tick: its stages drawn to one scale."""
+    """A run in the plane at any tick, with its stages drawn to one scale."""
 
     def __init__(
         self,
@@ -151,7 +151,7 @@ class _Drawing:
         return X_WV.position
 
     def shown(self) -> Array:
-        """Return all points (N, 2) [m] that are to be in the picture."""
+        """All points (N, 2) [m] to be in the picture."""
         poses = self._record.arrays["object_pose"]
         shape = self._task.object.shape
         placed = [(shape, _pose(row)) for row in poses[::20]]
@@ -170,7 +170,7 @@ class _Drawing:
         self._middle = 0.5 * (low + high)
 
     def pixel_of(self, point: Point) -> Pixel:
-        """Return where a point [m] is in the picture."""
+        """Pixel of a point [m]."""
         width, height = self._size
         right = self._mirror * self._zoom * (point[0] - self._middle[0])
         up = self._zoom * (point[1] - self._middle[1])
@@ -264,7 +264,7 @@ def _circle(center: Point, radius: float) -> list[Point]:
 
 
 def _cone(apex: Point, normal: Point, friction: float) -> list[Point]:
-    """Return the corners of a friction cone's section [m]."""
+    """Corners of a friction cone's section [m]."""
     (x, y), (nx, ny) = apex, normal
     ends = [
         (

@@ -1,1 +1,1 @@
-"""The benchmarks: closed forms beside their alternatives."""
+"""Benchmarks of the closed forms against their alternatives."""

@@ -1,4 +1,6 @@
-"""The closed forms beside independent solvers, on random cases (docs/mechanics.md)."""
+"""Comparison of the closed forms with independent solvers, on random cases
+(docs/mechanics.md).
+"""
 
 from __future__ import annotations
 
@@ -45,7 +47,7 @@ class Tally:
 
     @classmethod
     def zeros(cls, *names: str) -> Tally:
-        """Return a tally of zeros."""
+        """A tally of zeros."""
         return cls(dict.fromkeys(names, 0.0))
 
     def count(self, name: str, happened: bool) -> None:
@@ -57,7 +59,7 @@ class Tally:
         self.figures[name] = max(self.figures[name], value)
 
     def over(self, cases: int) -> Figures:
-        """Return all figures beside the number of cases; counts are integers."""
+        """All figures, with the number of cases. Counts are integers."""
         out: Figures = {"cases": cases}
         for name, value in self.figures.items():
             out[name] = int(value) if name in COUNTS else float(value)
@@ -65,11 +67,11 @@ class Tally:
 
 
 def pushes(cases: int, seed: int, split: Split = "least_friction") -> Figures:
-    """Return how ``two_contact_allocator`` differs from DAQP and SciPy's NNLS.
+    """Differences of ``two_contact_allocator`` from DAQP and SciPy's NNLS.
 
-    Counts, and the largest differences: wrench, cone and forces as parts of the largest
-    force; NNLS where a wrench is moved. Contacts at any places and normals, any
-    friction; every second wrench is a sum of forces inside the cones.
+    Counts, and the largest differences: wrench, cone and forces as fractions of the
+    largest force. NNLS serves for a projected wrench. Contacts have any positions,
+    normals and friction; every second wrench is a sum of forces inside the cones.
     """
     rng = np.random.default_rng(seed)
     tally = Tally.zeros(
@@ -129,11 +131,11 @@ def _compare_push(
 
 
 def presses(cases: int, seed: int) -> Figures:
-    """Return how ``two_press_allocator`` and the least presses differ from Clarabel's.
+    """Differences of ``two_press_allocator`` and the minimum presses from Clarabel's.
 
-    Counts, and the largest differences: wrench and discs as parts of the largest press,
-    ``shear`` the antagonistic part of the forces beyond Clarabel's least, the rest
-    relative.
+    Counts, and the largest differences: wrench and discs as fractions of the largest
+    press, ``shear`` as the antagonistic part of the forces above Clarabel's minimum,
+    the others relative.
     """
     rng = np.random.default_rng(seed)
     tally = Tally.zeros(
@@ -185,7 +187,7 @@ def _compare_presses(rng: np.random.Generator, tally: Tally) -> None:
 
 @dataclass(frozen=True, slots=True)
 class PressCase:
-    """Two presses and a wrench that is asked of them."""
+    """Two presses and a requested wrench."""
 
     points: tuple[Point, Point]  # [m]
     friction: float
@@ -214,7 +216,7 @@ def _pressed_case(rng: np.random.Generator) -> PressCase:
 def _compare_least_presses(
     tally: Tally, case: PressCase, line: ContactLine, problem: PressProblem
 ) -> tuple[float, float | None]:
-    """Compare the least presses and the largest scale of the wrench.
+    """Compare the minimum presses and the largest scale of the wrench.
 
     Returns that scale: ours, and the solver's or None.
     """
@@ -249,22 +251,22 @@ class PressProblem:
         self._wrench = wrench
 
     def largest_scale(self, limits: Sequence[float]) -> float | None:
-        """Return the largest factor of the wrench for discs of radius ``limits`` [N]."""
+        """Largest factor of the wrench for discs of radius ``limits`` [N]."""
         column = -self._wrench[:, None]
         return self._solve(
             [-1.0], np.zeros((2, 1)), limits, wrench_of=column, fixed=0.0
         )
 
     def least_press(self, radii: Sequence[float]) -> float | None:
-        """Return the least sum [N] of normals; the discs are ``radii`` times that sum."""
+        """Minimum sum [N] of normals if the discs are ``radii`` times that sum."""
         return self._solve([1.0], np.array(radii)[:, None], (0.0, 0.0))
 
     def least_presses(self, friction: float) -> float | None:
-        """Return the least sum [N] of two normals."""
+        """Minimum sum [N] of two normals."""
         return self._solve([1.0, 1.0], friction * np.eye(2), (0.0, 0.0))
 
     def least_antagonism(self, limits: Sequence[float]) -> float | None:
-        """Return the least |f_1.e| + |f_2.e| [N] for discs of radius ``limits`` [N]."""
+        """Minimum of |f_1.e| + |f_2.e| [N] for discs of radius ``limits`` [N]."""
         along = np.zeros((4, 6))
         for i in range(2):
             for j, sign in enumerate((1.0, -1.0)):
@@ -282,10 +284,10 @@ class PressProblem:
         fixed: float = 1.0,
         bounded: Array | None = None,
     ) -> float | None:
-        """Return the sum of the y that make ``linear`` y least; None if unsolved.
+        """Sum of the y that minimise ``linear`` y. None if unsolved.
 
-        f are the forces: |f_i| <= radius_i + (radii y)_i, bounded (f, y) <= 0, and
-        G f + wrench_of y = fixed w.
+        f are the forces: |f_i| <= radius_i + (radii y)_i, bounded (f, y) <= 0, and G f
+        + wrench_of y = fixed w.
         """
         extra = len(linear)
         if wrench_of is None:
@@ -309,7 +311,7 @@ class PressProblem:
 def _side_contacts(
     rng: np.random.Generator,
 ) -> tuple[tuple[Point, Point], tuple[Point, Point], float]:
-    """Return points [m], normals and friction of two contacts that do not face."""
+    """Points [m], normals and friction of two contacts that do not face each other."""
     points = _two_points(rng)
     line = ContactLine(*points)
     while True:

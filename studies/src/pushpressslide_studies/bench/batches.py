@@ -1,5 +1,5 @@
-"""The laws on arrays: compiled by numba and in Python, beside a copy of the same bytes,
-and beside what does the same row by row.
+"""The laws on arrays, by numba and in Python, compared with a copy of the same bytes
+and with row-by-row alternatives.
 """
 
 from __future__ import annotations
@@ -72,9 +72,8 @@ SURFACE = EllipsoidLimitSurface(2.0, RHO)
 
 
 def batches(seed: int) -> list[Row]:
-    """Return a row for each law and size: the time of a row of data by numba, or in
-    Python where that is missing, over that of a copy; and what else takes how many times
-    as long.
+    """A row for each law and size: the time per row of data by numba, or in Python
+    without numba, and its ratio to a copy and to the alternatives.
     """
     rows = []
     for size in SIZES:
@@ -84,7 +83,7 @@ def batches(seed: int) -> list[Row]:
 
 
 def _row(law: Law, short: Law, size: int) -> Row:
-    """Return the row of one law; ``short`` is the same on ``ALONE`` rows."""
+    """Row of one law. ``short`` is the same law on ``ALONE`` rows."""
     block = np.zeros(law.numbers * size)
     contestants: dict[str, Call | str] = {
         COPY: block.copy,  # into new memory, as an answer is
@@ -119,8 +118,8 @@ def _row(law: Law, short: Law, size: int) -> Row:
 
 
 def dubins(seed: int) -> list[Row]:
-    """Return a row for each way to the lengths of the same Dubins paths; ratios to
-    the batch.
+    """A row for each method to compute the lengths of the same Dubins paths. Ratios are
+    to the batch.
     """
     size = SIZES[-1]
     poses = np.random.default_rng(seed).uniform(-1.0, 1.0, (2, size, 3))
@@ -155,9 +154,10 @@ def _compared(
     counts: dict[str, int],
     repeats: Mapping[str, int] = MappingProxyType({}),
 ) -> list[Row]:
-    """Return how long [us] each contestant takes for one of the rows of data that a call
-    does, and the ratio to the first one; of as many calls a round as ``repeats`` says,
-    or one.
+    """Time [us] of each contestant per row of data in a call, and its ratio to the
+    first one.
+
+    A round has as many calls as ``repeats`` says, or one.
     """
     calls: Contestants = {}
     for name, run in contestants.items():
@@ -170,7 +170,7 @@ def _compared(
 
 
 def _in_python(run: Call) -> Call:
-    """Return a call without numba."""
+    """A call without numba."""
 
     def run_interpreted() -> object:
         with without_numba():
@@ -180,7 +180,7 @@ def _in_python(run: Call) -> Call:
 
 
 def _ompl(start_poses: Array, goals: Array) -> Call | str:
-    """Return a call of OMPL's Dubins space for each row, from states made before."""
+    """A call of OMPL's Dubins space for each row, from prepared states."""
     try:
         from ompl import base
     except ModuleNotFoundError:
@@ -199,7 +199,7 @@ def _ompl(start_poses: Array, goals: Array) -> Call | str:
 
 @dataclass(frozen=True)
 class Law:
-    """One law, its contestants, and the numbers that it reads and writes for a row."""
+    """One law, its contestants, and the count of numbers read and written per row."""
 
     name: str
     numbers: int
@@ -253,7 +253,7 @@ def allocators(rng: np.random.Generator, rows: int) -> Iterator[Law]:
 def allocator(
     name: str, contacts: int, wrenches: Array, batch: object, one: object
 ) -> Law:
-    """Return the law of one allocator: a status counts as an eighth of a number."""
+    """Law of one allocator. A status counts as an eighth of a number."""
     rows = wrenches.tolist()
     return Law(
         name,
@@ -264,7 +264,7 @@ def allocator(
 
 
 def presses(name: str, wrenches: Array) -> Law:
-    """Return the law of two presses with loads of their own in each row."""
+    """Law of two presses with separate loads in each row."""
     loads = np.random.default_rng(1).uniform(2.0, 4.0, (len(wrenches), 2))
     pair = TwoPresses(BEHIND, 0.5)
     one = two_press_allocator(BEHIND, 0.5)
@@ -311,7 +311,7 @@ def surfaces(rng: np.random.Generator, rows: int) -> Iterator[Law]:
 
 
 def motions(rng: np.random.Generator, rows: int) -> Iterator[Law]:
-    """Yield pushes with a velocity, tracking laws and Dubins paths."""
+    """Yield velocity pushes, tracking laws and Dubins paths."""
     velocities = rng.normal(size=(rows, 2))
     contact = SideContact((-0.1, 0.02), FORWARD, 0.4, RHO, 2.0)
     yield Law(

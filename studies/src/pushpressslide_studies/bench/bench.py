@@ -1,4 +1,4 @@
-"""The benchmarks: the closed forms beside solvers, libraries and other controllers.
+"""Benchmarks of the closed forms against solvers, libraries and other controllers.
 
 Speeds are ratios of medians in the same run.
 """
@@ -38,8 +38,8 @@ def bench(
 ) -> dict[str, Any]:
     """Run the benchmarks ``names`` (None: all) and return their rows by name.
 
-    Writes ``out``/result.json and, of what is compared, ``out``/ratios.png. Raises
-    TaskError for an unknown name. Where a solver is not installed its row says so.
+    Writes ``out``/result.json and, for compared times, ``out``/ratios.png. Raises
+    TaskError for an unknown name. The row of a missing solver says so.
     """
     for name in names or ():
         if name not in BENCHMARKS:
@@ -76,7 +76,7 @@ def _write_ratios(out: Path, rows: dict[str, list[Row]]) -> None:
 
 
 def solver_versions() -> dict[str, str]:
-    """Return the versions of the solvers that are installed."""
+    """Versions of the installed solvers."""
     versions = {}
     for name in ("daqp", "clarabel", "scipy", "numba", "ompl", "casadi", "mujoco"):
         try:
@@ -109,7 +109,7 @@ def tick(seed: int, out: Path) -> list[Row]:
 
 
 def track_and_allocate(name: str) -> Callable[[], object]:
-    """Return one tick of a shipped task's tracking law and allocator.
+    """One tick of a shipped task's tracking law and allocator.
 
     The object is off its path by 2 mm and 0.02 rad.
     """
@@ -140,7 +140,7 @@ def track_and_allocate(name: str) -> Callable[[], object]:
 
 
 def agreement(seed: int, out: Path) -> list[Row]:
-    """Compare the answers of the closed forms with those of DAQP and Clarabel."""
+    """Compare the results of the closed forms with those of DAQP and Clarabel."""
     from pushpressslide_studies.bench import agreement as cases
 
     try:
@@ -159,7 +159,8 @@ def agreement(seed: int, out: Path) -> list[Row]:
 
 
 def coverage(seed: int, out: Path) -> list[Row]:
-    """Sample what two orthogonal pushes can give, beside the paper's formulas.
+    """Sample the wrenches of two orthogonal pushes, and compare with the paper's
+    formulas.
 
     Also writes ``out``/orthogonal-pushes.png.
     """
@@ -171,70 +172,78 @@ def coverage(seed: int, out: Path) -> list[Row]:
 
 
 def turning(seed: int, out: Path) -> list[Row]:
-    """Sample the ICRs of two orthogonal pushes, beside the paper's distances."""
+    """Sample the ICRs of two orthogonal pushes, and compare with the paper's distances."""
     from pushpressslide_studies.bench import coverage as sampled
 
     return [sampled.turning_centers(mu, SAMPLES, seed) for mu in sampled.FRICTIONS]
 
 
 def select(seed: int, out: Path) -> list[Row]:
-    """Run every feasible mode on the planar engine, beside selection's ranking."""
+    """Run every feasible mode on the planar engine, and compare with selection's
+    ranking.
+    """
     from pushpressslide_studies.bench.selection import study
 
     return study()
 
 
 def sticking(seed: int, out: Path) -> list[Row]:
-    """Push random boxes with a flat finger, on the planar engine and as predicted."""
+    """Push random boxes with a flat finger on the planar engine, and compare with the
+    prediction.
+    """
     from pushpressslide_studies.bench.sticking import scores
 
     return scores(PUSHES, seed)
 
 
 def batches(seed: int, out: Path) -> list[Row]:
-    """Run the laws on arrays, compiled and in Python, beside a copy of the same bytes."""
+    """Run the laws on arrays, compiled and in Python, and compare with a copy of the
+    same bytes.
+    """
     from pushpressslide_studies.bench.batches import batches as rows
 
     return rows(seed)
 
 
 def dubins(seed: int, out: Path) -> list[Row]:
-    """Find the lengths of Dubins paths, in batch and singly, beside OMPL."""
+    """Compute the lengths of Dubins paths, in batch and singly, and compare with OMPL."""
     from pushpressslide_studies.bench.batches import dubins as rows
 
     return rows(seed)
 
 
 def planners(seed: int, out: Path) -> list[Row]:
-    """Plan pushes past a post, beside OMPL's planners."""
+    """Plan pushes past a post, and compare with OMPL's planners."""
     from pushpressslide_studies.bench.planners import planners as rows
 
     return rows(seed)
 
 
 def engines(seed: int, out: Path) -> list[Row]:
-    """Push a box in several engines, one push or many."""
+    """Push a box in several engines, in one push or many."""
     from pushpressslide_studies.bench.engines import engines as rows
 
     return rows()
 
 
 def mpc(seed: int, out: Path) -> list[Row]:
-    """Push on a path by the closed forms, and by model-predictive control."""
+    """Push along a path by the closed forms, and by model-predictive control."""
     from pushpressslide_studies.bench.mpc import mpc as rows
 
     return rows()
 
 
 def runs(seed: int, out: Path) -> list[Row]:
-    """Run shipped tasks in Drake, beside the same simulation with torques played back."""
+    """Run shipped tasks in Drake, and compare with the same simulation with torques
+    played back.
+    """
     from pushpressslide_studies.bench.whole_run import runs as rows
 
     return rows()
 
 
 def memory(seed: int, out: Path) -> list[Row]:
-    """Run a shipped task in Drake with other allocators of memory."""
+    """Run a shipped task in Drake with other memory allocators."""
     from pushpressslide_studies.bench.memory import memory as rows
 
     return rows()
@@ -248,14 +257,14 @@ def truths(seed: int, out: Path) -> list[Row]:
 
 
 def start(seed: int, out: Path) -> list[Row]:
-    """Start programs, beside ``import numpy``."""
+    """Start programs, and compare with ``import numpy``."""
     from pushpressslide_studies.bench.start import start as rows
 
     return rows()
 
 
 def scaling(seed: int, out: Path) -> list[Row]:
-    """Measure how costs grow with sizes.
+    """Measure the growth of costs with sizes.
 
     Also writes ``out``/scaling.png.
     """

@@ -1,4 +1,4 @@
-"""Contestants side by side: medians of times, and ratios in the same rounds."""
+"""Comparison of contestants: medians of times, and ratios in the same rounds."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ROUNDS = 9
 
 
 def times(calls: Sequence[Call]) -> list[float]:
-    """Return the times [s] of single calls, each timed by itself."""
+    """Times [s] of single calls, each timed separately."""
     out = []
     for function, arguments in calls:
         started = perf_counter()
@@ -31,12 +31,13 @@ def times(calls: Sequence[Call]) -> list[float]:
 def compared(
     contestants: Contestants, counts: Mapping[str, int] | None = None
 ) -> list[Row]:
-    """Return the median time of each contestant, the 99th percentile, and the ratio of
-    its median to the first one's; for one of the ``counts`` things that a call does.
+    """Median time of each contestant, the 99th percentile, and the ratio of its median
+    to the first one's.
 
-    All in turn, in several rounds; the figures are medians over the rounds, so that
-    what else the machine does falls on all alike. A text in place of calls says why
-    there are none: ratios are then those to the first that has any.
+    Times are for one of the ``counts`` items that a call handles. The contestants take
+    turns in several rounds. The figures are medians over the rounds, so that other load
+    of the machine affects all equally. A text in place of calls is the reason why there
+    are none; ratios are then to the first that has calls.
     """
     counts = counts or {}
     medians: dict[str, list[float]] = {name: [] for name in contestants}
@@ -66,20 +67,20 @@ def compared(
 
 
 def measured(what: str, median: float, first: float, **figures: float) -> Row:
-    """Return the row of a contestant: its median time [s], over that of the first, and
-    what else was found.
+    """Row of a contestant: its median time [s], its ratio to the first, and other
+    results.
     """
     times = {"median_us": 1e6 * median, "ratio": median / first}
     return {"what": what, **times, **figures, "note": ""}
 
 
 def not_installed(extra: str) -> str:
-    """Return the note on a contestant that an extra brings, as ``pushpressslide[drake]``."""
+    """Note on a contestant that an extra provides, as ``pushpressslide[drake]``."""
     return f"not installed: pip install '{extra}'"
 
 
 def missing(what: str, note: str) -> Row:
-    """Return the row of a contestant that is not there, and why."""
+    """Row of a missing contestant, with the reason."""
     return {"what": what, "median_us": None, "ratio": None, "note": note}
 
 
@@ -89,12 +90,12 @@ def rows_of_runs(
     seconds: Callable[[Outcome], float],
     figures: Callable[[Outcome, float], Mapping[str, float]],
 ) -> list[Row]:
-    """Return the row of each contestant that is run whole, so many times: its median
-    time over that of the first.
+    """Row of each contestant with whole runs in several rounds: its median time over
+    that of the first.
 
-    ``seconds`` is the time [s] of an outcome, ``figures`` are what else its row holds,
-    from the first outcome and the median [s]. A text in place of an outcome says why
-    there is none.
+    ``seconds`` is the time [s] of an outcome, ``figures`` are the other entries of its
+    row, from the first outcome and the median [s]. A text in place of an outcome is the
+    reason why there is none.
     """
     rows: list[Row] = []
     first: float | None = None

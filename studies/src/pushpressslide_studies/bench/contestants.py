@@ -1,7 +1,8 @@
-"""The contestants of the allocators' speed benchmarks: ours, and solvers beside them.
+"""Contestants of the allocators' speed benchmarks: the closed forms, and solvers for
+comparison.
 
-Every solver once with its problem built in the call, as it has to be where contacts or
-presses change, and once with all of it kept but the numbers that change.
+Every solver runs once with its problem built in the call, as needed if contacts or
+presses change. It runs again with everything kept except the numbers that change.
 """
 
 from __future__ import annotations
@@ -42,10 +43,11 @@ NO_DRAKE = not_installed("pushpressslide[drake]")
 
 
 def push_contestants(seed: int) -> Contestants:
-    """Return us, DAQP and Drake's solvers, on possible wrenches of two side contacts.
+    """The closed form, DAQP and Drake's solvers, on possible wrenches of two side
+    contacts.
 
-    Ours also by what it has to do: nothing but the split that is wanted, or go to the
-    edge of a cone, or move a wrench that is not possible.
+    The closed form is also timed by case: the requested split alone, a move to the edge
+    of a cone, or the projection of an impossible wrench.
     """
     rng = np.random.default_rng(seed)
     cases: list[Case] = []
@@ -77,7 +79,7 @@ def _drakes(
     problem: Callable[..., Callable[..., object]],
     cases: Sequence[Case],
 ) -> Contestants:
-    """Return Drake's solvers, each with its program built anew and kept."""
+    """Drake's solvers, each with its program rebuilt and kept."""
     try:
         names, solver = find()
     except MissingPackageError:
@@ -91,7 +93,7 @@ def _drakes(
 
 
 def _calls(make: Make, cases: Sequence[Case]) -> list[Call]:
-    """Return a call for every input of every case; each problem is made once."""
+    """A call for every input of every case. Each problem is built once."""
     return [
         (solve, inputs)
         for problem, several in cases
@@ -108,7 +110,7 @@ def _calls_if_installed(make: Make, cases: Sequence[Case]) -> list[Call] | str:
 
 
 def _rebuilt(make: Make, *problem: Any) -> Callable[..., object]:
-    """Return a solver that builds its program in each call."""
+    """A solver that builds its program in each call."""
     return lambda *inputs: make(*problem)(*inputs)
 
 
@@ -123,7 +125,9 @@ def _drake_press(drake: Make, points: Pair) -> Callable[..., object]:
 
 
 def _closed_form_pushes(cases: Sequence[Case]) -> Contestants:
-    """Return our calls: all, and by whether a cone's edge or a move is needed."""
+    """Calls of the closed form: all, and by whether a cone's edge or a projection is
+    needed.
+    """
     ours = []
     moved = []
     for (points, normals), wrenches in cases:
@@ -140,7 +144,9 @@ def _closed_form_pushes(cases: Sequence[Case]) -> Contestants:
 
 
 def press_contestants(seed: int) -> Contestants:
-    """Return us, Clarabel and Drake's solvers, on possible wrenches of two presses."""
+    """The closed form, Clarabel and Drake's solvers, on possible wrenches of two
+    presses.
+    """
     rng = np.random.default_rng(seed)
     ours: list[Call] = []
     cases: list[Case] = []
@@ -162,7 +168,9 @@ def press_contestants(seed: int) -> Contestants:
 def _possible_presses(
     rng: np.random.Generator, allocate: Callable[..., Allocation]
 ) -> list[tuple[Array, Array]]:
-    """Draw ``WRENCHES`` wrenches (3,) with normal forces (2,) [N] that can give them."""
+    """Draw ``WRENCHES`` wrenches (3,) with normal forces (2,) [N] that can produce
+    them.
+    """
     possible: list[tuple[Array, Array]] = []
     while len(possible) < WRENCHES:
         wrench = rng.normal(size=3) * (1.0, 1.0, RHO)

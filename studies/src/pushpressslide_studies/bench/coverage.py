@@ -1,4 +1,4 @@
-"""What two orthogonal pushes can give, by sampling, beside the paper's formulas.
+"""Wrenches of two orthogonal pushes, by sampling, compared with the paper's formulas.
 
 docs/mechanics.md. Lengths are in multiples of the contacts' distance d to the CoM, or
 of K = rho^2/d.
@@ -26,13 +26,13 @@ FRICTIONS = (0.2, 0.3, 0.5, 0.8)
 
 
 def coverage(friction: float, samples: int, seed: int) -> Row:
-    """Return the share of directions of (fx, fy, tau/d) that two orthogonal pushes give.
+    """Share of directions of (fx, fy, tau/d) that two orthogonal pushes can produce.
 
-    ``symmetric``: the part of these that the paper's even split of friction gives
-    without a bias. For the rest, ``bias``: the median size of the wrench that its least
-    bias adds, the wanted one being 1, and ``turned``: the median angle [rad] between
-    the two. ``drift``: for directions that are not possible, the median of the least
-    drift of any split over the paper's least bias.
+    ``symmetric``: the part of these that the paper's even split of friction produces
+    without a bias. For the rest, ``bias``: the median size of the wrench that its
+    smallest bias adds, for a requested wrench of size 1, and ``turned``: the median
+    angle [rad] between the two. ``drift``: for directions that are not possible, the
+    median of the smallest drift of any split over the paper's smallest bias.
     """
     wrenches = np.random.default_rng(seed).normal(size=(samples, 3))
     wrenches /= np.linalg.norm(wrenches, axis=1)[:, None]
@@ -63,10 +63,7 @@ def coverage(friction: float, samples: int, seed: int) -> Row:
 
 
 def possible_wrenches(friction: float, samples: int, seed: int) -> Array:
-    """Return wrenches (fx, fy, tau/d) (samples, 3): sums of forces inside both cones.
-
-    The forces are random.
-    """
+    """Wrenches (fx, fy, tau/d) (samples, 3): sums of random forces inside both cones."""
     edges = [
         (x, y, px * y - py * x)
         for (px, py), normal in (((-1.0, 0.0), (1.0, 0.0)), ((0.0, 1.0), (0.0, -1.0)))
@@ -78,7 +75,7 @@ def possible_wrenches(friction: float, samples: int, seed: int) -> Array:
 
 
 def turning_centers(friction: float, samples: int, seed: int) -> Row:
-    """Return the ICRs of random possible wrenches, beside section 6 and the paper.
+    """ICRs of random possible wrenches, compared with section 6 and the paper.
 
     ``outside``: centres not in the region of their direction of turning; ``closest`` to
     the CoM; ``radius``, ``near`` and ``far`` by section 6; ``d_min`` and ``d_max`` by
@@ -106,7 +103,9 @@ def turning_centers(friction: float, samples: int, seed: int) -> Row:
 
 
 def figure(friction: float, seed: int) -> Figure:
-    """Return the wrenches possible for a force of 1 N in any direction, and the ICRs."""
+    """Figure of the wrenches possible for a force of 1 N in any direction, and of the
+    ICRs.
+    """
     import matplotlib as mpl
     from matplotlib.figure import Figure
 

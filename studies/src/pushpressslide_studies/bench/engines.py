@@ -1,7 +1,7 @@
-"""One push of a box by a ball, in several engines: the time for a second of it.
+"""One push of a box by a ball, in several engines: the wall time per simulated second.
 
-The ball goes straight at a given velocity, beside the centre of the face. The batches
-do many such pushes at once; their time is that of one of them.
+The ball goes straight at a given velocity, off the centre of the face. The batches run
+many of these pushes at once; their time is that of one of them.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ State = TypeVar("State")  # of many bodies
 
 
 class Pushed(NamedTuple):
-    """What came of one push."""
+    """Result of one push."""
 
     wall_time: float  # [s]
     x: float  # [m]
@@ -58,8 +58,8 @@ class Pushed(NamedTuple):
 
 
 def engines() -> list[Row]:
-    """Return a row for each engine: wall time for a second of the push, over that of
-    the compiled batch, and where the box comes to.
+    """A row for each engine: wall time per simulated second of the push, its ratio to
+    the compiled batch, and the final pose of the box.
     """
     makers: dict[str, Callable[[], Pushed | str]] = {
         "batch, compiled": lambda: _batch() if installed() else NO_NUMBA,
@@ -82,13 +82,13 @@ def engines() -> list[Row]:
 
 
 def _rho() -> float:
-    """Return the radius of the ellipsoid [m] of the box on its base."""
+    """Radius of the ellipsoid [m] of the box on its base."""
     length, width, _ = SIZE
     return rho_fit(rectangle_pressure(length, width, MASS * GRAVITY, (0.0, 0.0), 4))
 
 
 def _stepped(step: Callable[[State], State], state: State) -> tuple[float, State]:
-    """Return how long all steps from a state take [s], and the state after them."""
+    """Time [s] of all steps from a state, and the state after them."""
     step(state)  # compiled at the first use
     began = perf_counter()
     for _ in range(STEPS):
@@ -130,7 +130,7 @@ def _alone() -> Pushed:
 
 
 def _exact() -> Pushed:
-    """Return the push by a compliant tip on the exact surface, on arrays."""
+    """Push by a compliant tip on the exact surface, on arrays."""
     half, width, _ = (0.5 * edge for edge in SIZE)
     face = face_pressure(Box(SIZE), (0.0, 0.0), (0.0, 0.0))
     assert face is not None
@@ -147,8 +147,8 @@ def _exact() -> Pushed:
 
 
 def _planar() -> Pushed:
-    """Return the same push on the planar engine; at no height, so that the centre of
-    pressure stays.
+    """The same push on the planar engine, at height zero so that the centre of pressure
+    stays fixed.
     """
     from pushpressslide.core.control import TipCommand
     from pushpressslide.core.plan import Contact

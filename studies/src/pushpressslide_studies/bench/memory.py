@@ -1,6 +1,7 @@
-"""A run in Drake with other allocators of memory: a quarter of its physics is theirs.
+"""A run in Drake with other memory allocators, which take a quarter of its physics
+time.
 
-Each is put before the C library's own by the dynamic linker, in a process of its own.
+The dynamic linker loads each before the C library's own, in a separate process.
 """
 
 from __future__ import annotations
@@ -23,8 +24,8 @@ ALLOCATORS = ("jemalloc", "mimalloc")
 
 
 def memory() -> list[Row]:
-    """Return a row for each allocator: the wall time of a shipped task's run, and over
-    that with the C library's own in the same round.
+    """A row for each allocator: the wall time of a shipped task's run, and its ratio to
+    the C library's in the same round.
     """
     own: list[Record] = []
     others: dict[str, list[Record]] = {name: [] for name in ALLOCATORS}
@@ -45,7 +46,7 @@ def memory() -> list[Row]:
 
 
 def _row(name: str, records: Sequence[Record], own: Sequence[Record]) -> Row:
-    """Return the row of an allocator; the object comes to the same place with all."""
+    """Row of an allocator. The object's final pose is the same with all."""
     x, y, _ = records[0].arrays["object_pose"][-1]
     pairs = zip(records, own, strict=True)
     return {
@@ -59,7 +60,7 @@ def _row(name: str, records: Sequence[Record], own: Sequence[Record]) -> Row:
 
 
 def _run_with(allocator: str) -> Record | str:
-    """Return what comes of the run with an allocator, or why there is none."""
+    """Result of the run with an allocator, or the reason why there is none."""
     library = find_library(allocator)
     if not sys.platform.startswith("linux") or library is None:
         return f"not found: lib{allocator}"
@@ -67,7 +68,7 @@ def _run_with(allocator: str) -> Record | str:
 
 
 def _run(library: str) -> Record:
-    """Return what comes of the run with a ``library`` before all others."""
+    """Result of the run with a ``library`` loaded before all others."""
     from pushpressslide.report.files import load_run
 
     with tempfile.TemporaryDirectory() as folder:

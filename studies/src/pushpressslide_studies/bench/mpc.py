@@ -1,13 +1,13 @@
-"""The rear push's control tick beside model-predictive control of the same push.
+"""The rear push's control tick compared with model-predictive control of the same push.
 
-The plant is one for all: a quasi-static object on an ellipsoidal limit surface, pushed
-by a point with a given velocity, which sticks, slips or leaves it. Each controller is
-told the object's pose, and gives the pusher's velocity. The predictive ones solve for
-the contact forces over a horizon: by IPOPT until it converges, warm from the solution
-before, or by one step of Gauss-Newton with HPIPM in the same time (Diehl, Bock and
-Schloeder, "A real-time iteration scheme for nonlinear optimization in optimal feedback
-control", SIAM J. Control Optim. 43, 2005). Model of contact forces: Hogan and Rodriguez,
-"Feedback control of the pusher-slider system", WAFR 2016.
+All share one plant: a quasi-static object on an ellipsoidal limit surface, pushed by a
+point with a given velocity, which sticks, slips or leaves it. Each controller receives
+the object's pose, and returns the pusher's velocity. The predictive ones solve for the
+contact forces over a horizon: by IPOPT until it converges, warm-started from the
+previous solution, or by one step of Gauss-Newton with HPIPM in the same time (Diehl,
+Bock and Schloeder, "A real-time iteration scheme for nonlinear optimization in optimal
+feedback control", SIAM J. Control Optim. 43, 2005). Model of contact forces: Hogan and
+Rodriguez, "Feedback control of the pusher-slider system", WAFR 2016.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ Kind = Literal["ipopt", "real_time"]
 
 
 class World(NamedTuple):
-    """What is true of a push."""
+    """True parameters of a push."""
 
     rho: float  # [m]
     friction: float
@@ -62,14 +62,14 @@ class World(NamedTuple):
 
 @dataclass(frozen=True)
 class Push:
-    """One push: the path, and where the pusher touches."""
+    """One push: its path and its contact."""
 
     task: Task
     segment: Segment
 
     @property
     def believed_world(self) -> World:
-        """What the controllers assume."""
+        """Parameters that the controllers assume."""
         rho = self.segment.drive.rho
         assert rho is not None  # of a push
         return World(rho, self.task.scene.contact_friction)
@@ -85,7 +85,7 @@ class Push:
         return self.segment.contacts[0].normal
 
     def body_pose(self, s: float) -> Pose2:
-        """Return X_WB at ``s`` [m] of the path; beyond its end straight on."""
+        """X_WB at ``s`` [m] of the path, extended straight beyond its end."""
         path: MotionPath = self.segment.path
         end = min(s, path.length)
         pose = path.pose(end).compose(Pose2(s - end, 0.0, 0.0))
@@ -93,7 +93,7 @@ class Push:
 
 
 class Closed(NamedTuple):
-    """What came of a push under one controller."""
+    """Result of a push under one controller."""
 
     times: list[float]  # [s] of each tick
     worst: float  # [m] farthest off the path, after the first tenth of it
@@ -102,8 +102,8 @@ class Closed(NamedTuple):
 
 
 def mpc() -> list[Row]:
-    """Return a row for each task, truth and controller: the time of a tick, over that
-    of the closed forms, and how far the object went off its path.
+    """A row for each task, truth and controller: the time of a tick, its ratio to the
+    closed forms, and the object's deviation from its path.
     """
     rows: list[Row] = []
     for name in TASKS:
@@ -120,7 +120,7 @@ def mpc() -> list[Row]:
 
 
 def _compared(what: str, push: Push, world: World) -> list[Row]:
-    """Return the rows of one push under each controller."""
+    """Rows of one push under each controller."""
     makers: dict[str, Callable[[], Controller]] = {
         "closed form": lambda: closed_form(push),
         "MPC, IPOPT warm": lambda: predictive(push, "ipopt"),
@@ -147,8 +147,10 @@ def _compared(what: str, push: Push, world: World) -> list[Row]:
 
 
 def _push(name: str) -> Push:
-    """Return the push of a shipped task along the support: the plant is planar, so that
-    nothing moves the virtual axle by the contact's height, as the task's own plan says.
+    """Push of a shipped task along the support.
+
+    The plant is planar, so the contact's height does not displace the virtual axle,
+    unlike in the task's own plan.
     """
     from pushpressslide.selection.solve import plan
     from pushpressslide.taskfile.load import load_task
@@ -161,7 +163,7 @@ def _push(name: str) -> Push:
 
 
 def controlled(push: Push, world: World, control: Controller) -> Closed:
-    """Return what comes of a push in ``world`` under a controller."""
+    """Result of a push in ``world`` under a controller."""
     path: MotionPath = push.segment.path
     surface = EllipsoidLimitSurface(1.0, world.rho)
     nx, ny = push.normal
@@ -194,7 +196,7 @@ def controlled(push: Push, world: World, control: Controller) -> Closed:
 
 
 def closed_form(push: Push) -> Controller:
-    """Return tracking law and allocator as they run in a controller."""
+    """Tracking law and allocator as they run in a controller."""
     from pushpressslide.modes import MODES
 
     segment = push.segment
@@ -217,7 +219,7 @@ def closed_form(push: Push) -> Controller:
 
 
 def predictive(push: Push, kind: Kind) -> Controller:
-    """Return a model-predictive controller. Raises ModuleNotFoundError without CasADi."""
+    """A model-predictive controller. Raises ModuleNotFoundError without CasADi."""
     problem = _Horizon(push, kind)
 
     def control(X: Pose2, done: float) -> Point | None:
@@ -269,13 +271,13 @@ class _Horizon:
         self._multipliers: Any = 0.0
 
     def _after(self, ca: Any, state: Any, force: Any) -> Any:
-        """Return the state a step later, by the midpoint rule."""
+        """State after a step, by the midpoint rule."""
         half = state + 0.5 * STEP * self._rate(ca, state, force)
         return state + STEP * self._rate(ca, half, force)
 
     def _rate(self, ca: Any, state: Any, force: Any) -> Any:
-        """Return how a state changes under a contact force, whose size is the velocity
-        that it gives.
+        """Rate of a state under a contact force, scaled so that a force's size is the
+        velocity it causes.
         """
         nx, ny = self.push.normal
         cx, cy = self.push.contact
@@ -287,7 +289,7 @@ class _Horizon:
         return ca.vertcat(c * fx - s * fy, s * fx + c * fy, w)
 
     def velocity(self, X: Pose2, done: float) -> Point:
-        """Return the pusher's velocity [m/s] in B from the first force of the horizon."""
+        """The pusher's velocity [m/s] in B from the first force of the horizon."""
         ahead = [self.push.body_pose(done + SPEED * STEP * k) for k in range(STEPS + 1)]
         wanted = [(p.x, p.y, X.yaw + wrap_angle(p.yaw - X.yaw)) for p in ahead]
         if self._guess is None:
@@ -310,7 +312,7 @@ class _Horizon:
         return self._of_force(float(normal), float(across))
 
     def _of_force(self, normal: float, across: float) -> Point:
-        """Return the contact's velocity [m/s] in B under a force."""
+        """The contact's velocity [m/s] in B under a force."""
         nx, ny = self.push.normal
         cx, cy = self.push.contact
         fx = normal * nx - across * ny
@@ -320,7 +322,7 @@ class _Horizon:
 
 
 def _solver(ca: Any, program: dict[str, Any], kind: Kind) -> Any:
-    """Return CasADi's solver of a program."""
+    """CasADi's solver of a program."""
     quiet = {"print_time": False}
     if kind == "ipopt":
         options = {

@@ -1,4 +1,4 @@
-"""The plot of what the benchmarks compare."""
+"""Plot of the compared benchmarks."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ HEAD = 0.75  # [inch] for a panel's title and axis
 
 
 def ratios(benchmarks: Mapping[str, Sequence[Row]]) -> Figure | None:
-    """Return a panel of bars for each benchmark with ratios: times over those of its
-    first contestant. None where no benchmark has any.
+    """A panel of bars for each benchmark with ratios of times to its first contestant.
+    None if no benchmark has any.
     """
     shown = {
         name: [row for row in rows if row.get("ratio") is not None]
@@ -62,12 +62,12 @@ def _bars(axes: Axes, name: str, rows: Sequence[Row]) -> None:
 
 
 def _rows(row: Row) -> str:
-    """Return of how many rows of data a figure is, where that is said."""
+    """Text on the number of data rows of a figure, if stated."""
     return f", {row['rows']:,}" if "rows" in row else ""
 
 
 def _time(microseconds: float) -> str:
-    """Return a time with its unit."""
+    """A time with its unit."""
     for unit, size in (("s", 1e6), ("ms", 1e3), ("us", 1.0)):
         if microseconds >= size:
             return f"{microseconds / size:.3g} {unit}"

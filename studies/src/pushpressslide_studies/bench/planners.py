@@ -1,9 +1,9 @@
-"""Planning a push past a post: the search over pushes beside OMPL's planners.
+"""Planning a push past a post: the search over pushes compared with OMPL's planners.
 
-A box is to go to the other side of a post by pushes from behind. OMPL's planners look
-for one push of one face, in its space of Dubins curves, whose turning radius is that of
-the face's car; the search here may also let go and push another face. Both keep the
-same footprint off the same post. Neither looks for joint paths.
+A box must go to the other side of a post by pushes from behind. OMPL's planners search
+for one push of one face, in its space of Dubins curves, with the turning radius of the
+face's car. The search here may also let go and push another face. Both keep the same
+footprint off the same post. Neither plans joint paths.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ NO_OMPL = not_installed("pushpressslide-studies[bench]")
 
 
 class PlannerResult(NamedTuple):
-    """What came of one problem."""
+    """Result of one problem."""
 
     wall_time: float  # [s]
     length: float | None  # [m] of the virtual axle's way; None: no plan
@@ -57,9 +57,8 @@ class PlannerResult(NamedTuple):
 
 
 def planners(seed: int) -> list[Row]:
-    """Return a row for each planner: problems with a plan, the time [s] that planning
-    takes, the medians of the plans' ways [m], times [s] and pushes, and the checks of
-    poses.
+    """A row for each planner: solved problems, the planning time [s], the medians of
+    the plans' path lengths [m], times [s] and pushes, and the checked poses.
     """
     tasks = list(problems(seed))
     rows = [_row(OURS, [ours(task) for task in tasks])]
@@ -75,7 +74,7 @@ def planners(seed: int) -> list[Row]:
 
 
 def problems(seed: int) -> Iterator[Task]:
-    """Yield tasks in which a post stands on the straight way of a box."""
+    """Yield tasks with a post on the straight path of a box."""
     base = load_task("rear-push-rear")
     rng = np.random.default_rng(seed)
     made = 0
@@ -89,7 +88,7 @@ def problems(seed: int) -> Iterator[Task]:
 
 
 def _problem(base: Task, rng: np.random.Generator) -> Task:
-    """Return one problem, which may have no room for start or goal."""
+    """One problem, which may leave no space for start or goal."""
     ahead = -0.5 * math.pi
     ends = []
     for side in (1.0, -1.0):
@@ -109,7 +108,7 @@ def _problem(base: Task, rng: np.random.Generator) -> Task:
 
 
 def ours(task: Task) -> PlannerResult:
-    """Return how long the search takes for a task, and what it finds."""
+    """Time of the search for a task, and its result."""
     began = perf_counter()
     try:
         plan = solve(PlansAlone(), task, 1).plan
@@ -123,8 +122,8 @@ def ours(task: Task) -> PlannerResult:
 
 
 def _with_ompl(name: str, task: Task) -> PlannerResult:
-    """Return how long a planner of OMPL takes for the face with the shortest way of a
-    push without the post, and what it finds.
+    """Time of an OMPL planner, and its result, for the face with the shortest push path
+    without the post.
     """
     from ompl import base as ob
     from ompl import geometric as og
@@ -152,14 +151,14 @@ def _with_ompl(name: str, task: Task) -> PlannerResult:
 
 
 def _unhindered(task: Task) -> Segment:
-    """Return the quickest push of a task without its post."""
+    """Fastest push of a task without its post."""
     alone = replace(task, obstacles=()).query
     (segment,) = MODES[MODE].choices(alone, 1)[0].segments
     return segment
 
 
 def _bounds(ob: Any, ends: Sequence[Pose2]) -> Any:
-    """Return the region of the axle in which OMPL looks."""
+    """Region of the axle searched by OMPL."""
     bounds = ob.RealVectorBounds(2)
     for axis, values in enumerate(zip(*(X.position for X in ends), strict=True)):
         bounds.setLow(axis, min(values) - ROOM)
@@ -168,7 +167,7 @@ def _bounds(ob: Any, ends: Sequence[Pose2]) -> Any:
 
 
 def _state(space: Any, X: Pose2) -> Any:
-    """Return a pose as a state of OMPL."""
+    """A pose as an OMPL state."""
     state = space.allocState()
     state.setXY(X.x, X.y)
     state.setYaw(X.yaw)
@@ -176,7 +175,9 @@ def _state(space: Any, X: Pose2) -> Any:
 
 
 class _Free:
-    """Whether the footprint is free where the axle is; counts how often it is asked."""
+    """Whether the footprint is free for a position of the axle, with a count of the
+    checks.
+    """
 
     def __init__(self, space: FreeSpace, task: Task, drive: RearSteerDrive) -> None:
         self.checks = 0
@@ -184,14 +185,14 @@ class _Free:
         self._X_VG = drive.X_BV.inverse().compose(task.X_GB.inverse())
 
     def __call__(self, state: Any) -> bool:
-        """Return whether a state of OMPL is free."""
+        """Whether an OMPL state is free."""
         self.checks += 1
         X_WV = Pose2(state.getX(), state.getY(), state.getYaw())
         return bool(self._space.free([X_WV.compose(self._X_VG)])[0])
 
 
 def _row(what: str, results: Sequence[PlannerResult]) -> Row:
-    """Return the row of one planner."""
+    """Row of one planner."""
     times = [one.wall_time for one in results]
     done = [one for one in results if one.length is not None]
     return {
@@ -209,5 +210,5 @@ def _row(what: str, results: Sequence[PlannerResult]) -> Row:
 
 
 def _middle(values: Sequence[float]) -> float | None:
-    """Return the median; None where there is no value."""
+    """Median. None without values."""
     return float(np.median(values)) if values else None

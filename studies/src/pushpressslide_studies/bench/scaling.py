@@ -1,5 +1,5 @@
-"""How the cost of a law, a tick and a plan grows with what it is of: measured, and
-stated as the exponent of a power law.
+"""Growth of the cost of a law, a tick and a plan with problem size, measured and stated
+as the exponent of a power law.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ Sized = Callable[[int | float], Callable[[], object]]
 
 
 def scaling(seed: int) -> list[Row]:
-    """Return a row for each size of each thing: the median time, and the exponent of
-    all sizes of that thing.
+    """A row for each size of each problem: the median time, and the exponent over all
+    sizes of that problem.
     """
     rng = np.random.default_rng(seed)
     studies: dict[str, tuple[Sequence[int | float], Sized, int]] = {
@@ -58,14 +58,14 @@ def scaling(seed: int) -> list[Row]:
 
 
 def exponent(spent: Mapping[int | float, float]) -> float:
-    """Return p of the power law c n^p nearest to times [s] by size n."""
+    """Exponent p of the power law c n^p fitted to times [s] by size n."""
     sizes = np.log(np.array(list(spent)))
     slope, _ = np.polyfit(sizes, np.log(np.array(list(spent.values()))), 1)
     return float(slope)
 
 
 def _median(run: Callable[[], object], repeats: int) -> float:
-    """Return the median time [s] of a call, after a first one that does not count."""
+    """Median time [s] of a call, after an uncounted first one."""
     run()
     return statistics.median(times([(run, ())] * max(ROUNDS, repeats)))
 
@@ -88,7 +88,7 @@ def _push() -> tuple[Task, Segment]:
 
 
 def _tick(length: int | float) -> Callable[[], object]:
-    """Return tracking and allocation on a path of four arcs, near its middle."""
+    """Tracking and allocation on a path of four arcs, near its middle."""
     from pushpressslide.modes import MODES
 
     task, segment = _push()
@@ -116,7 +116,7 @@ def _task() -> Task:
 
 
 def _selection(corners: int | float) -> Callable[[], object]:
-    """Return the selection for an object with so many faces."""
+    """Selection for an object with this number of faces."""
     from pushpressslide.selection.select import select
 
     turns = [2.0 * math.pi * i / corners for i in range(int(corners))]
@@ -128,7 +128,7 @@ def _selection(corners: int | float) -> Callable[[], object]:
 
 
 def _free_space_search(posts: int | float) -> Callable[[], object]:
-    """Return the search for the free ways of an object among posts."""
+    """Search for the free paths of an object among posts."""
     from pushpressslide.selection.waypoints import free_space
 
     task = _task()
@@ -144,7 +144,7 @@ def _free_space_search(posts: int | float) -> Callable[[], object]:
 
 
 def _legs(count: int | float) -> Callable[[], object]:
-    """Return the planning of so many legs, each a press slide, without joint paths."""
+    """Planning of this number of legs, each a press slide, without joint paths."""
     from pushpressslide.selection.solve import plan
     from pushpressslide.taskfile.load import load_task
 
@@ -156,7 +156,7 @@ def _legs(count: int | float) -> Callable[[], object]:
 
 
 def figure(rows: Sequence[Row]) -> Figure:
-    """Return the times over the sizes, one panel for each thing."""
+    """Figure of the times over the sizes, one panel for each problem."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
@@ -183,7 +183,7 @@ def figure(rows: Sequence[Row]) -> Figure:
 
 
 def _decades(values: Sequence[float]) -> tuple[float, float]:
-    """Return the powers of ten about some values."""
+    """Powers of ten about some values."""
     low = math.floor(math.log10(min(values)))
     high = math.ceil(math.log10(max(values)))
     return 10.0**low, 10.0 ** max(high, low + 1)

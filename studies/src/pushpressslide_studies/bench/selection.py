@@ -1,4 +1,4 @@
-"""Whether the mode that selection ranks first is the quickest one.
+"""Whether the mode that selection ranks first is the fastest one.
 
 On twenty tasks of different kinds every feasible mode is run on the planar engine.
 """
@@ -53,7 +53,7 @@ class Case(NamedTuple):
 
     @property
     def task(self) -> Task:
-        """The task, every mode that the robots allow left to choose from."""
+        """The task, with every mode that the robots allow."""
         x, y, yaw = self.start
         gx, gy, gyaw = self.goal
         return Task(
@@ -269,11 +269,11 @@ CASES = (
 
 
 def study(cases: Sequence[Case] = CASES) -> list[Row]:
-    """Return a row for each case: how selection ranks the modes, and how they do.
+    """A row for each case with selection's ranking of the modes, and their results.
 
     Processor time [ms] of selection, the mode that it ranks first, the one that reached
-    the goal soonest, and of every feasible mode's best choice the estimated and the
-    true time [s].
+    the goal first, and for every feasible mode's best choice the estimated and the true
+    time [s].
     """
     # what is read once is not counted
     for robots in {case.robots: None for case in cases}:
@@ -313,7 +313,7 @@ def _row(case: Case) -> Row:
 
 
 def _run(task: Task, choice: Choice) -> tuple[float, bool]:
-    """Return the duration [s] of a choice's planar run, and whether it succeeds."""
+    """Duration [s] of a choice's planar run, and whether it succeeds."""
     from pushpressslide.planar.engine import run
     from pushpressslide.report.metrics import result
 

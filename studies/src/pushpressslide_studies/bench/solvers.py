@@ -1,4 +1,4 @@
-"""The allocation problems as solvers take them, to check and compare the closed forms.
+"""Allocation problems in the form of solvers, to check and compare the closed forms.
 
 Needs the extra ``bench``: DAQP for the friction cones of side contacts, Clarabel for
 the discs of presses. Never in a control loop.
@@ -25,7 +25,7 @@ PressSolver = Callable[[Array, Array], Array | None]
 
 
 def grasp_matrix(points: Sequence[Point], about: Point = (0.0, 0.0)) -> Array:
-    """Return G (3, 4): G f is the wrench of forces f at two points [m].
+    """G (3, 4): G f is the wrench of forces f at two points [m].
 
     The moment is about ``about`` [m].
     """
@@ -34,7 +34,7 @@ def grasp_matrix(points: Sequence[Point], about: Point = (0.0, 0.0)) -> Array:
 
 
 def cone_matrix(normals: Sequence[Point], friction: float) -> Array:
-    """Return C (4, 4): C f >= 0 says that both forces are inside their friction cones."""
+    """C (4, 4): C f >= 0 holds if both forces are inside their friction cones."""
     rows = np.zeros((4, 4))
     for i, normal in enumerate(normals):
         right, left = cone_edges(normal, friction)
@@ -44,7 +44,7 @@ def cone_matrix(normals: Sequence[Point], friction: float) -> Array:
 
 
 def edge_matrix(normals: Sequence[Point], friction: float) -> Array:
-    """Return E (4, 4): the forces E k, k >= 0, are those inside both cones.
+    """E (4, 4): the forces E k, k >= 0, are those inside both cones.
 
     k [N] are normal forces.
     """
@@ -59,10 +59,10 @@ def edge_matrix(normals: Sequence[Point], friction: float) -> Array:
 def push_cost(
     points: Sequence[Point], normals: Sequence[Point], split: Split = "least_friction"
 ) -> Array:
-    """Return H (4, 4): f^T H f is what ``split`` makes least.
+    """H (4, 4): f^T H f is the cost that ``split`` minimises.
 
     It includes a constant for a given wrench. The constant's G^T G makes H positive
-    definite and moves no minimum.
+    definite and shifts no minimum.
     """
     if split == "least_force":
         return np.eye(4)
@@ -82,9 +82,9 @@ def daqp_pushes(
     reuse: bool = False,
     **settings: float,
 ) -> PushSolver:
-    """Return DAQP on the problem of ``two_contact_allocator``.
+    """DAQP on the problem of ``two_contact_allocator``.
 
-    ``reuse``: one workspace, of which a call changes the bounds alone. ``settings`` are
+    ``reuse``: one workspace, in which a call changes only the bounds. ``settings`` are
     DAQP's own.
     """
     import daqp
@@ -102,7 +102,7 @@ def daqp_pushes(
     model.settings = settings
 
     def solve(wrench: Array) -> Array | None:
-        """Return the forces (4,) [N]; None if there are none."""
+        """Forces (4,) [N]. None if there are none."""
         upper[:3] = lower[:3] = wrench
         if reuse:
             model.update(bupper=upper, blower=lower)
@@ -115,7 +115,7 @@ def daqp_pushes(
 
 
 def _quiet(**settings: float) -> Any:
-    """Return Clarabel's options with some changed, and nothing printed."""
+    """Clarabel's options with some changed, without printing."""
     import clarabel
 
     options = clarabel.DefaultSettings()
@@ -134,7 +134,7 @@ def clarabel_conic(
     cones: int,
     **settings: float,
 ) -> Array | None:
-    """Return the x that makes ``linear`` x least, by Clarabel; None if there is none.
+    """The x that minimises ``linear`` x, by Clarabel. None if there is none.
 
     offsets - rows x lie in the cones. The rows are, in this order, ``equal`` zeros,
     ``at_least`` numbers >= 0 and ``cones`` second-order cones of size 3.
@@ -157,12 +157,12 @@ def clarabel_conic(
 def clarabel_presses(
     points: Sequence[Point], friction: float, *, reuse: bool = False
 ) -> PressSolver:
-    """Return Clarabel on the problem of ``two_press_allocator``.
+    """Clarabel on the problem of ``two_press_allocator``.
 
-    It makes the sum of squared forces inside the discs least; moments are about B's
+    It minimises the sum of squared forces inside the discs; moments are about B's
     origin.
 
-    ``reuse``: one solver, of which a call changes the right-hand side alone.
+    ``reuse``: one solver, in which a call changes only the right-hand side.
     """
     import clarabel
     from scipy.sparse import csc_matrix
@@ -179,7 +179,7 @@ def clarabel_presses(
     reused = clarabel.DefaultSolver(cost, linear, rows, offsets, cones, options)
 
     def solve(wrench: Array, normals: Array) -> Array | None:
-        """Return the forces (4,) [N]; None if there are none."""
+        """Forces (4,) [N]. None if there are none."""
         offsets[:3] = wrench
         offsets[3], offsets[6] = friction * normals
         solver = reused

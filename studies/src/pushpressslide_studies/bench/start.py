@@ -1,4 +1,4 @@
-"""How long it takes until something is there: whole processes, beside ``import numpy``."""
+"""Start-up time of whole processes, compared with ``import numpy``."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PROGRAMS = {
 
 
 def start() -> list[Row]:
-    """Return a row for each program: its wall time, and over that of ``import numpy``."""
+    """A row for each program: its wall time, and the ratio to ``import numpy``."""
 
     def program(*words: str) -> None:
         command = [sys.executable, *words]

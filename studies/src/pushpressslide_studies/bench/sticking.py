@@ -1,9 +1,9 @@
-"""Does a flat finger stick: the prediction beside pushes on the planar engine
+"""Sticking of a flat finger: the prediction compared with pushes on the planar engine
 (studies/docs/stable-push.md).
 
 The finger's ends are two compliant tips that follow its motion. Each tick the engine
-finds the object's twist on the exact limit surface; the springs stretch by what the
-object stays behind. Where it comes to move with the finger, the finger sticks.
+finds the object's twist on the exact limit surface. The springs extend by the object's
+lag. If the object's motion converges to the finger's, the finger sticks.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ ORIGIN = (0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A finger on the rear face of a box, and how both are to move."""
+    """A finger on the rear face of a box, and the planned motion of both."""
 
     body: ObjectModel
     support_friction: float
@@ -42,13 +42,13 @@ class Case:
     height: float  # [m]
 
     def pressure(self, cop: Point) -> PressureSamples:
-        """Return the pressure, unit load, whose centre is ``cop`` [m] in B."""
+        """Pressure of unit load with its centre at ``cop`` [m] in B."""
         body = self.body
         return support_pressure(body.shape, 1.0, body.center_of_mass, cop, RESOLUTION)
 
     def relative(self, moving: Twist) -> float:
-        """Return the motion of the object on the finger, over the finger's speed; a
-        turn as it is seen at the object's rim.
+        """Motion of the object relative to the finger, over the finger's speed. A
+        rotation counts as motion of the object's rim.
         """
         wanted = self.twist.moved_to(moving.point)
         drift = math.hypot(moving.vx - wanted.vx, moving.vy - wanted.vy)
@@ -56,20 +56,20 @@ class Case:
         return max(drift, turn) / SPEED
 
     def predicted(self) -> LinePush:
-        """Return the prediction on the exact limit surface."""
+        """Prediction on the exact limit surface."""
         return line_push(
             self.pressure, self.support_friction, self.finger, self.twist, self.height
         )
 
     def by_ellipsoid(self) -> LinePush:
-        """Return the prediction on the ellipsoid nearest to it, without the height."""
+        """Prediction on the ellipsoid nearest to it, without the height effect."""
         rho = rho_fit(self.pressure(ORIGIN))
         surface = EllipsoidLimitSurface(self.support_friction, rho)
         return self.finger.hold(surface.wrench(self.twist))
 
 
 def random_case(rng: random.Random) -> Case:
-    """Return a random case that a finger pushes rather than pulls."""
+    """A random case in which the finger pushes rather than pulls."""
     length = rng.uniform(0.05, 0.3)
     width = rng.uniform(0.05, 0.3)
     height = rng.uniform(0.03, 0.15)
@@ -88,7 +88,7 @@ def random_case(rng: random.Random) -> Case:
 
 
 class _Tip:
-    """One end of the finger: a spring that follows it, its friction on the face."""
+    """One end of the finger: a spring that follows it, with friction on the face."""
 
     def __init__(self, case: Case, point: Point, stiffness: float) -> None:
         moved = case.twist.moved_to(point)
@@ -104,9 +104,7 @@ class _Tip:
         return (nx * v[0] + ny * v[1], nx * v[1] - ny * v[0])
 
     def contact(self, cop: Point, side: float) -> SideContact:
-        """Return the contact of a tick; ``side`` [N] is its friction of the tick
-        before.
-        """
+        """Contact of a tick. ``side`` [N] is its friction in the previous tick."""
         k = self._stiffness
         force = (self._normal_spring + k * self._ahead[0], side + k * self._ahead[1])
         place = (self._point[0] - cop[0], self._point[1] - cop[1])
@@ -114,18 +112,18 @@ class _Tip:
         return SideContact(place, place, law, self._friction)
 
     def take(self, twist: Twist) -> None:
-        """Extend the spring by what an object with ``twist`` stays behind."""
+        """Extend the spring by the lag of an object with ``twist``."""
         at = twist.moved_to(self._point)
         behind = self._in_axes((at.vx, at.vy))
         self._normal_spring += self._stiffness * (self._ahead[0] - behind[0])
 
     def friction_of(self, force: Point) -> float:
-        """Return the part of a force [N] along the face."""
+        """Component of a force [N] along the face."""
         return self._in_axes(force)[1]
 
 
 def sticks_on_the_engine(case: Case) -> bool:
-    """Return whether the object comes to move with the finger."""
+    """Whether the object's motion converges to the finger's."""
     mu = case.support_friction
     tips = [
         _Tip(case, p, 4.0 * mu / SPEED) for p in (case.finger.start, case.finger.end)
@@ -154,10 +152,10 @@ def sticks_on_the_engine(case: Case) -> bool:
 
 
 def scores(cases: int, seed: int) -> list[dict[str, object]]:
-    """Return, for the exact surface and the ellipsoid, how often the prediction is right.
+    """Share of correct predictions, for the exact surface and the ellipsoid.
 
     ``near`` is the largest distance of a wrong one to its limit, of friction
-    utilisation or of the resultant's place.
+    utilisation or of the resultant's position.
     """
     rng = random.Random(seed)
     rows: dict[str, list[tuple[bool, LinePush]]] = {"exact": [], "ellipsoid": []}
@@ -174,7 +172,7 @@ def scores(cases: int, seed: int) -> list[dict[str, object]]:
 
 
 def _score(model: str, pushes: list[tuple[bool, LinePush]]) -> dict[str, object]:
-    """Return the row of one model."""
+    """Row of one model."""
     wrong = [(truth, push) for truth, push in pushes if truth != push.sticks]
     return {
         "model": model,
@@ -188,5 +186,5 @@ def _score(model: str, pushes: list[tuple[bool, LinePush]]) -> dict[str, object]
 
 
 def distance(push: LinePush) -> float:
-    """Return how far a push is from its nearer limit."""
+    """Distance of a push from its nearer limit."""
     return min(abs(push.friction_utilisation - 1.0), abs(abs(push.center) - 1.0))

@@ -1,5 +1,5 @@
-"""Samples of one planned push from behind: on arrays, and each by the whole run loop on
-the planar engine.
+"""Samples of one planned push from behind: on arrays, and each by the run loop on the
+planar engine.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ ROUNDS = 3
 
 
 def truths(seed: int) -> list[Row]:
-    """Return a row for each way: the time of a sample, over that of the compiled batch,
-    and the seconds that ``SAMPLES`` of them take.
+    """A row for each method: the time of a sample, its ratio to the compiled batch, and
+    the seconds for ``SAMPLES`` of them.
 
-    Drawing the samples counts; making the one plan does not.
+    Drawing the samples counts; the one planning does not.
     """
     from pushpressslide.jobs.batched import planned
     from pushpressslide.taskfile.load import load_task
@@ -48,7 +48,7 @@ def truths(seed: int) -> list[Row]:
 
 
 def _batch(plan: Plan, task: Task, seed: int, count: int | None = None) -> float:
-    """Return the time of a sample [s]."""
+    """Time of a sample [s]."""
     from pushpressslide.jobs.batched import batched, drawn_truths
 
     count = count or SAMPLES

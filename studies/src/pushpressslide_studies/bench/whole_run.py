@@ -1,5 +1,5 @@
-"""A whole run in Drake beside the same simulation with its torques played back, and the
-times of its ticks.
+"""A whole run in Drake compared with the same simulation with its torques played back,
+and the times of its ticks.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ ROUNDS = 5
 
 
 def runs() -> list[Row]:
-    """Return a row for each shipped task: its ticks inside a run, its plan, and the
-    run's wall time over that of its torques played back. Best of five rounds of both.
+    """A row for each shipped task: its ticks inside a run, its plan, and the ratio of
+    the run's wall time to a playback of its torques. Best of five rounds of both.
     """
     return [_row(name) for name in TASKS]
 

@@ -1,1 +1,1 @@
-"""The commands of the studies: ``pps`` finds them by their entry points."""
+"""Commands of the studies. ``pps`` finds them by their entry points."""

@@ -1,4 +1,4 @@
-"""The command on the benchmarks: bench."""
+"""Command for the benchmarks: bench."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The tables of ``pps bench``: one for each benchmark."""
+"""Tables of ``pps bench``, one for each benchmark."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def print_benchmarks(benchmarks: Mapping[str, Sequence[Mapping[str, Any]]]) -> N
 
 
 def _shows(value: object) -> bool:
-    """Whether a figure has a place in a table: there is one, and it is no table itself."""
+    """Whether a table shows a figure: it exists and is no table itself."""
     return value not in (None, "") and not isinstance(value, Mapping)
 
 

@@ -1,4 +1,4 @@
-"""What the shell completes: names of benchmarks and experiments."""
+"""Shell completion of benchmark and experiment names."""
 
 from __future__ import annotations
 
@@ -41,10 +41,10 @@ EXPERIMENTS = (
 
 
 def benchmarks(incomplete: str) -> list[str]:
-    """Return the benchmarks that begin so."""
+    """Benchmarks whose names begin with the text."""
     return begun(BENCHMARKS, incomplete)
 
 
 def experiments(incomplete: str) -> list[str]:
-    """Return the experiments of the paper that begin so."""
+    """Experiments of the paper whose names begin with the text."""
     return begun(EXPERIMENTS, incomplete)

@@ -1,4 +1,4 @@
-"""The command on the benchmark push-T: gym-pusht."""
+"""Command for the benchmark push-T: gym-pusht."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def gym_pusht(options: PushTOptions) -> None:
         film(seeds[:FILMED], options.video)
 
     def show() -> None:
-        """Print the table, and where the rows are."""
+        """Print the table, and the location of the rows."""
         from pushpressslide_studies.cli.pusht_table import print_figures
 
         print_figures(figures)

@@ -1,4 +1,4 @@
-"""The command on the paper's experiments: reproduce."""
+"""Command for the paper's experiments: reproduce."""
 
 from __future__ import annotations
 

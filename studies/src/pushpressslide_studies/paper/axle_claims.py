@@ -1,4 +1,4 @@
-"""What the paper says of the virtual axle, judged by the axles measured."""
+"""Claims of the paper on the virtual axle, evaluated by the measured axles."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SEEN_C = 0.43
 
 
 def axle_claims(result: Result) -> list[Claim]:
-    """Judge the claims by the rows of the paper's press at its height."""
+    """Evaluate the claims by the rows of the paper's press at its height."""
     rows = [row for row in result["rows"] if row["measured"] is not None]
     high = max((row["height"] for row in rows), default=0.0)
     ours = [row for row in rows if row["height"] == high]
@@ -26,7 +26,7 @@ def axle_claims(result: Result) -> list[Claim]:
 
 
 def _places(result: Result, rows: Sequence[Result], height: float) -> list[Claim]:
-    """Judge where the axle is, by the force that pulls most and that pushes most."""
+    """Evaluate the axle's position, at the forces that pull most and push most."""
     pulled = min(rows, key=lambda row: row["angle"])
     pushed = max(rows, key=lambda row: row["angle"])
     axles = (pulled["measured"], pushed["measured"])
@@ -69,16 +69,18 @@ def _places(result: Result, rows: Sequence[Result], height: float) -> list[Claim
 
 
 def _c_of(axle: float, shift: float) -> float:
-    """Return c = rho / r0 of the bar that turns about ``axle`` [m] from the CoM.
+    """Constant c = rho / r0 of the bar that turns about ``axle`` [m] from the CoM.
 
-    ``shift`` [m] is how far the drag moves the centre of pressure.
+    ``shift`` [m] is the displacement of the centre of pressure by the drag.
     """
     square = (BAR.cop[0] + shift - axle) * BAR.lever
     return math.sqrt(max(square, 0.0)) / BAR.half_diagonal
 
 
 def _steadiness(rows: Sequence[Result]) -> list[Claim]:
-    """Judge whether the axle moves over time, with the force, and off its prediction."""
+    """Evaluate whether the axle moves over time, with the force, and off its
+    prediction.
+    """
     bands = [row["measured_axle_band"] for row in rows]
     band = max(high - low for low, high in bands)
     axles = [row["measured"] for row in rows]

@@ -1,4 +1,4 @@
-"""The figure of the virtual axle over the force's direction."""
+"""Figure of the virtual axle over the force's direction."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def directions_figure(result: Mapping[str, Any]) -> Figure:
-    """Return the axle over the force's angle.
+    """Axle over the force's angle.
 
     One panel for each height (row) and press (column). ``result`` is that of the
     virtual-axle study.

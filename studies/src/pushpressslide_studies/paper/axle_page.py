@@ -1,4 +1,4 @@
-"""The page of the virtual-axle experiment: measured, predicted, the paper's."""
+"""Page of the virtual-axle experiment: measured, predicted, and the paper's."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ CHECK_COLUMNS = ("changed", "measured", "predicted", "error")
 
 
 def write_virtual_axle(result: Mapping[str, Any], out: Path) -> Path:
-    """Write ``out``/report.html, table.md and axles.png; return the page's path."""
+    """Write ``out``/report.html, table.md and axles.png and return the page's path."""
     png = style.png(directions_figure(result))
     write_whole(out / "axles.png", png)
     write_whole(out / "table.md", markdown(result))
@@ -55,14 +55,14 @@ def write_virtual_axle(result: Mapping[str, Any], out: Path) -> Path:
 
 
 def page_body(result: Mapping[str, Any], png: bytes, heading: str) -> str:
-    """Return verdict, figure ``png`` and tables as HTML.
+    """Verdict, figure ``png`` and tables as HTML.
 
     ``heading`` is the tag of their headings.
     """
     tolerance = 1e3 * result["tolerance"]
 
     def error_class(row: Sequence[str]) -> str:
-        """CSS class of a probe's error of the prediction [mm]; empty if not run."""
+        """CSS class of a probe's prediction error [mm]. Empty if not run."""
         if not row[4]:
             return ""
         return "ok" if abs(float(row[4])) <= tolerance else "no"
@@ -99,7 +99,7 @@ def page_body(result: Mapping[str, Any], png: bytes, heading: str) -> str:
 
 
 def markdown(result: Mapping[str, Any]) -> str:
-    """Return verdict, recomputed figures, probes and checks as Markdown."""
+    """Verdict, recomputed figures, probes and checks as Markdown."""
     parts = [
         verdict(result),
         "## The paper's figures, recomputed",
@@ -117,7 +117,9 @@ def markdown(result: Mapping[str, Any]) -> str:
 
 
 def verdict(result: Mapping[str, Any]) -> str:
-    """Say how many probes agree with the prediction, and the errors of each formula."""
+    """Sentence on the number of probes that agree with the prediction, and on the
+    errors of each formula.
+    """
     s = result["summary"]
     skipped = s["probes"] - s["measured"]
     text = (
@@ -193,14 +195,14 @@ def _figure_rows(result: Mapping[str, Any]) -> list[list[str]]:
 
 
 def _with_unit(value: float | None, form: str, unit: str) -> str:
-    """A figure in the given format; empty for None."""
+    """A figure in the given format. Empty for None."""
     if value is None:
         return ""
     return f"{value:{form}} {unit}".rstrip()
 
 
 def _check_rows(result: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
-    """The probes that were done again, each below the one of the table that it varies."""
+    """The repeated probes, each below the table's probe that it varies."""
     probes = {
         (row["angle"], row["load"], row["height"], row["variant"]): row
         for row in (*result["rows"], *result["checks"])
@@ -247,9 +249,9 @@ def _html(
     numbers: int,
     css_class: Callable[[Sequence[str]], str] | None = None,
 ) -> str:
-    """Return rows of (title of the group, cells) as an HTML table.
+    """Rows of (title of the group, cells) as an HTML table.
 
-    The last ``numbers`` columns are set to the right.
+    The last ``numbers`` columns are right-aligned.
 
     ``css_class`` gives the class of a row's fifth cell.
     """

@@ -1,6 +1,6 @@
-"""When a figure or a statement of the paper counts as reproduced.
+"""Rules by which a figure or a statement of the paper counts as reproduced.
 
-The rules were written from the paper's text. None depends on what a run gave.
+The rules were written from the paper's text. None depends on the result of a run.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ PERIOD = 4e-3  # [s] of the control loop
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """How one kind of claim is judged."""
+    """Rule for one kind of claim."""
 
     kind: str
     asked: str  # what has to hold
@@ -65,15 +65,15 @@ RULES: tuple[Rule, ...] = (
 
 
 def near(measured: float, printed: float) -> bool:
-    """Return whether a measured value is within the band of a printed one."""
+    """Whether a measured value is within the band of a printed one."""
     return abs(measured - printed) <= SHARE * abs(printed)
 
 
 def reproduced(figure: PaperFigure, key: str, result: Result) -> bool:
-    """Return whether a run gave a figure of the paper.
+    """Whether a run reproduced a figure of the paper.
 
-    A run that missed its goal gives none, but for a lower bound on the time where the
-    time limit ended it.
+    A run that missed its goal reproduces none. The exception is a lower bound on the
+    time, if the time limit ended the run.
     """
     measured = result[key]
     if measured is None:

@@ -1,4 +1,4 @@
-"""One claim of the paper, judged."""
+"""One claim of the paper, with its verdict."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pushpressslide_studies.paper.experiment import Verdict
 
 @dataclass(frozen=True, slots=True)
 class Claim:
-    """A claim, and what was measured of it."""
+    """A claim, and its measured figures."""
 
     source: str
     words: str
@@ -21,5 +21,5 @@ class Claim:
 
 
 def verdict(good: bool) -> Verdict:
-    """Return the verdict on a claim that was measured."""
+    """Verdict on a measured claim."""
     return Verdict.reproduced if good else Verdict.not_reproduced

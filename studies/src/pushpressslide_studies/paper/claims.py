@@ -1,7 +1,7 @@
-"""What the paper claims of its experiments, and whether the runs reproduced it.
+"""Claims of the paper on its experiments, and whether the runs reproduced them.
 
-Every error and time that the paper gives, and every statement of its experiments,
-judged by the rules of ``bands``. What it derives is judged in ``corrections``.
+Every error and time that the paper gives, and every statement of its experiments, is
+evaluated by the rules of ``bands``. Its derivations are evaluated in ``corrections``.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ TIGHTER = 0.095 / 0.085  # gains of the paper's run with the term
 
 @dataclass(frozen=True, slots=True)
 class Runs:
-    """The runs that bear on one claim, each motion once."""
+    """Runs that bear on one claim, each motion once."""
 
     variants: tuple[Variant, ...]
     results: tuple[Result, ...]
@@ -53,7 +53,7 @@ class Runs:
 
     @property
     def count(self) -> str:
-        """How many runs there are, in words."""
+        """Number of runs, in words."""
         words = f"{len(self.results)} runs"
         if self.repeated:
             words += f" ({self.repeated} more like them)"
@@ -61,7 +61,7 @@ class Runs:
 
 
 def claims(experiments: Sequence[Experiment], evidence: Evidence) -> list[Claim]:
-    """Return the claims on the given experiments and the virtual axle, judged."""
+    """Claims on the given experiments and the virtual axle, evaluated."""
     out: list[Claim] = []
     for experiment in experiments:
         if experiment.ours:
@@ -79,7 +79,7 @@ def claims(experiments: Sequence[Experiment], evidence: Evidence) -> list[Claim]
 def runs_of(
     experiment: Experiment, variants: Sequence[Variant], evidence: Evidence
 ) -> Runs:
-    """Return the runs of some variants of an experiment."""
+    """Runs of some variants of an experiment."""
     results: list[Result] = []
     distinct: list[Variant] = []
     failures = []
@@ -101,7 +101,7 @@ def runs_of(
 
 
 def _is_repeated(outcome: Outcome, digests: set[str]) -> bool:
-    """Return whether another run had the same motion; note this one's."""
+    """Whether another run had the same motion. Records this one's motion."""
     if outcome.digest in digests:
         return True
     if outcome.digest:
@@ -110,9 +110,9 @@ def _is_repeated(outcome: Outcome, digests: set[str]) -> bool:
 
 
 def _figures(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
-    """Judge the figures of an experiment, each kind as one claim.
+    """Evaluate the figures of an experiment, each kind as one claim.
 
-    Variants with the same figures are one claim, and each of them has to give it.
+    Variants with the same figures are one claim, and each of them must reproduce it.
     """
     for what, keys in KINDS:
         alike: dict[tuple[PaperFigure, ...], list[Variant]] = {}
@@ -131,7 +131,7 @@ def _figure(
     keys: Sequence[str],
     evidence: Evidence,
 ) -> Claim:
-    """Judge one kind of figure, that all of the variants have to give."""
+    """Evaluate one kind of figure, which all of the variants must reproduce."""
     paper = variants[0].paper
     given = [key for key in keys if key in paper]
     runs = runs_of(experiment, variants, evidence)
@@ -156,7 +156,7 @@ def _claim(
     good: Callable[[Result], bool],
     shown: Callable[[Sequence[Result]], str],
 ) -> Claim:
-    """Judge a claim that each of some runs has to show.
+    """Evaluate a claim that each of some runs must show.
 
     A run that could not be made does not show it.
     """
@@ -179,7 +179,7 @@ def _claim(
 
 
 def _ending(variant: Variant, result: Result) -> str:
-    """Say why a run did not show what it should, if anything is known."""
+    """Reason why a run did not show the expected result, if known."""
     if result["success"]:
         return variant.why or f"{variant.title}: it reaches its goal"
     return f"{variant.title}: {result['reason']['text']}"
@@ -190,7 +190,7 @@ def _worst(
     keys: Sequence[str],
     paper: Mapping[str, PaperFigure],
 ) -> str:
-    """Return the figures that are farthest from being reproduced."""
+    """Figures that are farthest from being reproduced."""
     parts = []
     for key in keys:
         about = paper[key].about if key in paper else ""
@@ -199,7 +199,7 @@ def _worst(
 
 
 def _worst_by(results: Sequence[Result], key: str, about: str) -> Result:
-    """Return the result with the largest figure, or the least of a lower bound."""
+    """Result with the largest figure, or with the smallest for a lower bound."""
     known = [result for result in results if result[key] is not None]
     known.sort(key=lambda result: float(result[key]))
     if not known:
@@ -208,7 +208,7 @@ def _worst_by(results: Sequence[Result], key: str, about: str) -> Result:
 
 
 def _goals(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
-    """Judge an experiment without figures by whether its runs reach their goals."""
+    """Evaluate an experiment without figures by whether its runs reach their goals."""
     variants = [variant for variant in experiment.variants if not variant.paper]
     if not variants:
         return
@@ -223,13 +223,13 @@ def _goals(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
 
 
 def _settled(experiment: Experiment) -> Iterator[Claim]:
-    """Return the statements that no run of ours decides."""
+    """Statements that none of the runs decides."""
     for known in experiment.settled:
         yield Claim(experiment.title, known.words, "", "", known.verdict, known.why)
 
 
 def _joint_term(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
-    """Judge whether the joint term makes a push by force faster and tighter."""
+    """Evaluate whether the joint term makes a push by force faster and tighter."""
     for key, words, gain in (
         ("motion_duration", "is faster", FASTER),
         ("rms_position_error", "keeps the box closer to its reference", TIGHTER),
@@ -254,7 +254,7 @@ def _joint_term(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
 def _pair(
     experiment: Experiment, evidence: Evidence, names: tuple[str, str]
 ) -> tuple[Result, Result] | None:
-    """Return the runs without and with the joint term, or None if one is missing."""
+    """Runs without and with the joint term, or None if one is missing."""
     alone = evidence.result(experiment.name, names[0])
     joined = evidence.result(experiment.name, names[1])
     if alone is None or joined is None:
@@ -263,7 +263,7 @@ def _pair(
 
 
 def _by_other_forces(experiment: Experiment, evidence: Evidence, key: str) -> str:
-    """Say what the joint term does at forces that are not judged."""
+    """Text on the effect of the joint term at forces that are not evaluated."""
     parts = ["At a force equal to friction"]
     for share, *names in OTHER_FORCES:
         pair = _pair(experiment, evidence, (names[0], names[1]))
@@ -273,7 +273,7 @@ def _by_other_forces(experiment: Experiment, evidence: Evidence, key: str) -> st
 
 
 def _gain(pair: tuple[Result, Result], key: str) -> float:
-    """Return how many times less a figure is with the joint term; 0 if unknown."""
+    """Ratio of a figure without the joint term to that with it; 0 if unknown."""
     alone, joined = pair
     if not alone[key] or not joined[key]:
         return 0.0
@@ -281,7 +281,7 @@ def _gain(pair: tuple[Result, Result], key: str) -> float:
 
 
 def _change(pair: tuple[Result, Result], key: str) -> str:
-    """Return a figure without and with the joint term, and how the runs ended."""
+    """A figure without and with the joint term, and how the runs ended."""
     alone, joined = pair
     return f"{_figure_and_end(alone, key)} to {_figure_and_end(joined, key)}"
 
@@ -295,7 +295,9 @@ def _figure_and_end(result: Result, key: str) -> str:
 
 
 def _fixed_target(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
-    """Judge the literal reading of the paper's virtual target by the paper's figures."""
+    """Evaluate the literal reading of the paper's virtual target by the paper's
+    figures.
+    """
     paper = experiment.variants[0].paper
     variants = [v for v in experiment.variants if v.name == "fixed-target"]
     given = tuple(paper)
@@ -316,7 +318,7 @@ STATEMENTS: dict[str, Callable[[Experiment, Evidence], Iterator[Claim]]] = {
 
 
 def _real_time(results: Sequence[Result]) -> Iterator[Claim]:
-    """Judge whether the closed forms keep up with the control period."""
+    """Evaluate whether the closed forms keep up with the control period."""
     ticks = [r["tick_us"] for r in results if r.get("tick_us")]
     totals = [t["total"] for t in ticks if t["total"]]
     if not totals:

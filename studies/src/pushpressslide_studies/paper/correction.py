@@ -1,4 +1,4 @@
-"""A statement of the paper beside what holds."""
+"""A statement of the paper, with its correction."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ nearest ellipsoid (``rho_fit``); or no ellipsoid, but the exact surface.
 
 @dataclass(frozen=True, slots=True)
 class Compared:
-    """One quantity: as the paper's text or formula has it, and as it is."""
+    """One quantity, by the paper's text or formula and corrected."""
 
     what: str
     paper: float
@@ -24,7 +24,7 @@ class Compared:
     rho: Rho = "none"  # of what holds
 
     def shown(self, value: float) -> str:
-        """Return ``value``, one of the two, with its unit."""
+        """One of the two values, with its unit."""
         text = f"{value:.{self.decimals}f}"
         if self.unit in ("", "°"):
             return text + self.unit
@@ -33,7 +33,7 @@ class Compared:
 
 @dataclass(frozen=True, slots=True)
 class Correction:
-    """A statement of the paper, what is wrong with it, and the figures that show it."""
+    """A statement of the paper, its error, and the figures that show it."""
 
     claim: str
     section: str  # of docs/mechanics.md

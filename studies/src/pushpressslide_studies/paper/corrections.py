@@ -1,7 +1,7 @@
-"""Where the paper's text needs correction: its figures beside what holds.
+"""Corrections to the paper's text: its figures and the correct ones.
 
-Both are computed when asked for. One row for each of docs/mechanics.md, section 12.
-Renew the page by ``python -m pushpressslide_studies.paper.corrections
+Both are computed on request, one row for each correction of docs/mechanics.md, section
+12. Renew the page by ``python -m pushpressslide_studies.paper.corrections
 studies/docs/corrections.md``.
 """
 
@@ -39,12 +39,12 @@ ROWS: tuple[Callable[[], Correction], ...] = (
 
 
 def corrections() -> tuple[Correction, ...]:
-    """Return all corrections, computed now."""
+    """All corrections, computed now."""
     return tuple(row() for row in ROWS)
 
 
 def html(rows: Sequence[Correction]) -> str:
-    """Return the corrections as an HTML table: a group of figures for each."""
+    """Corrections as an HTML table, with a group of figures for each."""
     lines = []
     marks = []
     for row in rows:
@@ -62,12 +62,12 @@ def html(rows: Sequence[Correction]) -> str:
 
 
 def _rho(figure: Compared) -> str:
-    """Return which rho a figure rests on, "-" where none enters."""
+    """The rho that a figure depends on, or "-"."""
     return "-" if figure.rho == "none" else figure.rho
 
 
 def markdown(rows: Sequence[Correction]) -> str:
-    """Return the corrections as Markdown: a heading, a line and a table for each."""
+    """Corrections as Markdown: a heading, a line and a table for each."""
     parts = []
     for row in rows:
         lines = ["| figure | rho | paper | holds |", "|---|---|---:|---:|"]
@@ -81,7 +81,7 @@ def markdown(rows: Sequence[Correction]) -> str:
 
 
 def with_corrections(page: str) -> str:
-    """Return a page with its corrections renewed.
+    """A page with its corrections renewed.
 
     Raises ValueError for a page without the two marks.
     """

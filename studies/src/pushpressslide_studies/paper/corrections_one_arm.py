@@ -1,4 +1,4 @@
-"""Corrections to what the paper says of support and one arm.
+"""Corrections to the paper's text on support and one arm.
 
 docs/mechanics.md, sections 1 to 4.
 """
@@ -79,7 +79,9 @@ def pressure_constant() -> Correction:
 def _constants(
     what: str, paper: float, pressure: PressureSamples
 ) -> tuple[Compared, Compared]:
-    """Return c of a pressure on the bar, on the spot and straight along it."""
+    """Constant c of a pressure on the bar, for a turn on the spot and straight motion
+    along it.
+    """
     pole = rho_pole(pressure) / BAR.half_diagonal
     straight = rho_straight(pressure) / BAR.half_diagonal
     along = f"{what}, straight along the length"
@@ -230,7 +232,7 @@ def stanley_signs() -> Correction:
 
 
 def _steered(gain: float, offset: float, sign: float = 1.0) -> list[float]:
-    """Return the offsets [m] of a car's axle over 1 m.
+    """Offsets [m] of a car's axle over 1 m.
 
     ``gain`` is in units of the largest without overshoot.
     """
@@ -318,7 +320,7 @@ def virtual_target() -> Correction:
 
 
 def _aligned(law: LookAheadAlignment) -> Point:
-    """Return offset [m] and heading [rad] at the goal, the origin.
+    """Offset [m] and heading [rad] at the goal, the origin.
 
     The motion begins 1 m before the goal, 0.1 m aside.
     """

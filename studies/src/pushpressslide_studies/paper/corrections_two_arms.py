@@ -1,4 +1,4 @@
-"""Corrections to what the paper says of two arms (docs/mechanics.md, sections 5 to 7)."""
+"""Corrections to the paper's text on two arms (docs/mechanics.md, sections 5 to 7)."""
 
 from __future__ import annotations
 
@@ -160,7 +160,7 @@ def symmetric_split() -> Correction:
 
 
 def _covered(mu: float) -> float:
-    """Return the share of possible wrenches that the even split covers.
+    """Share of possible wrenches that the even split covers.
 
     The wrenches have random directions.
     """

@@ -1,9 +1,9 @@
-"""Puts what ``pps reproduce`` found into the documents.
+"""Insertion of the results of ``pps reproduce`` into the documents.
 
-    python -m pushpressslide_studies.paper.documents TABLE RESULTS README
+python -m pushpressslide_studies.paper.documents TABLE RESULTS README
 
-TABLE is the table.md of a run, RESULTS and README are the pages that are renewed
-between their marks.
+TABLE is the table.md of a run, RESULTS and README are the pages to be renewed between
+their marks.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ CLAIMS = "## Claims\n\n"
 
 
 def renewed(page: str, name: str, text: str) -> str:
-    """Return a page with ``text`` between the marks of that name.
+    """A page with ``text`` between the marks of that name.
 
     Raises ValueError for a page without the two marks.
     """
@@ -31,7 +31,7 @@ def renewed(page: str, name: str, text: str) -> str:
 
 
 def summary_of(table: str) -> str:
-    """Return the line of a table.md that counts what was reproduced.
+    """Line of a table.md with the number of reproduced claims.
 
     Raises ValueError for a table without claims.
     """

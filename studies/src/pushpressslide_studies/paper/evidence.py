@@ -1,4 +1,4 @@
-"""What came of the paper's experiments."""
+"""Results of the paper's experiments."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Result = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What came of one variant."""
+    """Result of one variant."""
 
     folder: Path
     result: Result | None  # contents of its result.json; None where it could not be run
@@ -31,6 +31,6 @@ class Evidence:
     axle: Result | None = None  # as of virtual_axle.result_of
 
     def result(self, experiment: str, variant: str) -> Result | None:
-        """Return the result of a variant; None where it was not, or could not be, run."""
+        """Result of a variant. None if it was not run, or could not be."""
         outcome = self.outcomes.get((experiment, variant))
         return None if outcome is None else outcome.result

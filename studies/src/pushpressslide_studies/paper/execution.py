@@ -1,4 +1,4 @@
-"""The paper's own ways to execute a plan."""
+"""The paper's own methods to execute a plan."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from pushpressslide.tracking.unicycle import UnicycleTracker
 
 @dataclass(frozen=True, slots=True)
 class FixedTarget(Execution):
-    """Pressed objects are aligned with a target fixed beyond the goal, the paper's
-    literal reading, in place of one that moves along the path.
+    """Alignment of pressed objects with a target fixed beyond the goal, the paper's
+    literal reading, instead of one that moves along the path.
     """
 
     def tracker(self, query: MotionQuery, segment: Segment) -> Tracker:

@@ -1,4 +1,4 @@
-"""What an experiment of the paper consists of."""
+"""Parts of an experiment of the paper."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pushpressslide.control.execution import USUAL, Execution
 
 
 class Verdict(StrEnum):
-    """What became of a claim."""
+    """Verdict on a claim."""
 
     reproduced = "reproduced"
     not_reproduced = "not reproduced"
@@ -20,7 +20,7 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class PaperFigure:
-    """A figure that the paper gives."""
+    """A figure stated in the paper."""
 
     value: float  # SI units, radians
     about: str = ""  # how the paper qualifies it: "over", "about", "within"
@@ -28,7 +28,7 @@ class PaperFigure:
 
 @dataclass(frozen=True, slots=True)
 class Variant:
-    """One run: a shipped task, and the fields of it that are set otherwise."""
+    """One run: a shipped task with some fields changed."""
 
     name: str  # of its folder
     title: str
@@ -41,7 +41,7 @@ class Variant:
 
     @property
     def settings(self) -> tuple[str, ...]:
-        """All fields that are set otherwise: what is measured is one attempt."""
+        """All changed fields. A measurement is one attempt."""
         return (*self.overrides, "motion.recoveries=0", "limits.legs=1")
 
 

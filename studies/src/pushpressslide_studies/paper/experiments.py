@@ -1,4 +1,4 @@
-"""The paper's experiments, all of them, by name."""
+"""All of the paper's experiments, by name."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ EXPERIMENTS: dict[str, Experiment] = {
 
 
 def chosen(names: list[str] | None) -> tuple[tuple[Experiment, ...], bool]:
-    """Return the named experiments, and whether the virtual axle's is among them.
+    """Named experiments, and whether the virtual axle's is among them.
 
     Each once, in the order given; all of them for None. Raises PushPressSlideError,
-    naming the experiments that there are, for an unknown name.
+    which lists the known experiments, for an unknown name.
     """
     known = [*EXPERIMENTS, AXLE]
     for name in names or ():

@@ -1,4 +1,4 @@
-"""The figures by which runs are compared with the paper."""
+"""Figures by which runs are compared with the paper."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SIGNS = {"over": "> ", "about": "≈ ", "within": "≤ ", "": ""}
 
 
 def paper_figure(figures: Mapping[str, PaperFigure], key: str) -> str:
-    """Return the paper's figure with its unit, a dash where it gives none."""
+    """The paper's figure with its unit, or a dash if it states none."""
     if key not in figures:
         return figure_of({}, key)
     figure = figures[key]
@@ -31,5 +31,5 @@ def paper_figure(figures: Mapping[str, PaperFigure], key: str) -> str:
 
 
 def figure_of(result: Mapping[str, Any], key: str) -> str:
-    """Return a run's figure with its unit, a dash where there is none."""
+    """A run's figure with its unit, or a dash if there is none."""
     return ROWS[key].text(result)

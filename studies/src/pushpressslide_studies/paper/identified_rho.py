@@ -1,4 +1,4 @@
-"""Rho as identified on the way, beside what the exact model gives for that motion."""
+"""Rho identified during a run, compared with the exact model for that motion."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ WINDOW = 0.2  # [s] over which force and turn rate are averaged
 
 @dataclass(frozen=True, slots=True)
 class IdentifiedRho:
-    """The longest part of a run with steep steering and fast turning, and rho there."""
+    """Longest part of a run with steep steering and fast turning, and rho there."""
 
     time: float  # [s] that it lasted
     force_angle: float  # [rad] mean
@@ -46,12 +46,12 @@ class IdentifiedRho:
 def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
     """Run the identifier over the longest exciting part of a pressed object's run.
 
-    There the force angle is within 10 degrees of 60 and the turn rate above 0.05 rad/s,
-    for 3 s; None where there is no such part, or nothing contradicted the plan.
+    In that part the force angle is within 10 degrees of 60 and the turn rate above 0.05
+    rad/s, for 3 s. None if there is no such part, or nothing contradicted the plan.
 
     As in ``Controller``, from measured poses and contact force alone, starting at the
-    part. The exact model is given the true mass and friction, the mean load and the
-    mean force angle.
+    part. The exact model has the true mass and friction, the mean load and the mean
+    force angle.
     """
     segment = plan.segments[0]
     mode = MODES[segment.mode]
@@ -88,7 +88,7 @@ def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
 def _identified(
     identifier: AxleIdentifier, task: Task, record: Record, forces: Array, ticks: range
 ) -> Identified | None:
-    """Return the estimates after some ticks; ``forces`` (N, 2) [N] as in _steering."""
+    """Estimates after a number of ticks. ``forces`` (N, 2) [N] are as in ``_steering``."""
     state = AxleState()
     for k in ticks:
         X_WG = Pose2(*map(float, record.arrays["object_pose"][k]))
@@ -100,7 +100,7 @@ def _identified(
 
 
 def _steering(contact: Contact, record: Record, forces: Array) -> tuple[Array, Array]:
-    """Return force angle [rad], >= 0, and turn rate [rad/s] at every tick, averaged.
+    """Force angle [rad], >= 0, and turn rate [rad/s] at every tick, averaged.
 
     ``forces`` (N, 2) [N] are in the plane, in B.
     """
@@ -119,9 +119,9 @@ def _steering(contact: Contact, record: Record, forces: Array) -> tuple[Array, A
 
 
 def _longest(mask: NDArray[np.bool_]) -> tuple[int, int]:
-    """Return the first index of the longest run of True, and the one after its last.
+    """First index of the longest run of True, and the index after its last.
 
-    (0, 0) for none.
+    (0, 0) without any.
     """
     edges = np.flatnonzero(
         np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8))

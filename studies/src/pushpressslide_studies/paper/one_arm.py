@@ -1,6 +1,6 @@
 """The paper's experiments with one arm.
 
-Shipped tasks, what is changed in them, and the paper's figures.
+Shipped tasks, their changed fields, and the paper's figures.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ JOINT_STIFFNESS = 10.0  # [N m/rad]
 
 
 def _force(share: float, joint_stiffness: float = 0.0) -> Execution:
-    """The pushing force alone, ``share`` of what slides the object, or with the joint
-    term.
+    """The pushing force alone, as a ``share`` of the force that slides the object, or
+    with the joint term.
     """
     return Execution(False, share, joint_stiffness)
 

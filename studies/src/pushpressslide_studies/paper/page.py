@@ -1,4 +1,4 @@
-"""The page of the paper's experiments: claims, figures, plots, corrections."""
+"""Page of the paper's experiments: claims, figures, plots, corrections."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def write_page(
 ) -> Path:
     """Write ``out``/report.html and return its path.
 
-    Where the virtual axle was analysed, its own page is written too.
+    If the virtual axle was analysed, its own page is written too.
     """
     page = out / "report.html"
     sections = [("claims", "Claims", _claims(claims))]
@@ -105,7 +105,7 @@ def write_page(
 
 
 def _claims(claims: Sequence[Claim]) -> str:
-    """Return the claims as a table, a group for each experiment."""
+    """Claims as a table, a group for each experiment."""
     rows = []
     marks = []
     source = ""
@@ -134,7 +134,7 @@ def _claims(claims: Sequence[Claim]) -> str:
 
 
 def _rules() -> str:
-    """Return the rules by which claims are judged, as a table."""
+    """Rules for the evaluation of claims, as a table."""
     rows = [
         [
             f'<th scope="row">{escape(rule.kind)}</th>',
@@ -147,12 +147,12 @@ def _rules() -> str:
 
 
 def _unbroken(text: str) -> str:
-    """Return ``text`` with every number kept on one line with its unit."""
+    """``text`` with every number kept on one line with its unit."""
     return re.sub(r"(?<=[\d≤≈>]) (?=[^ \d]{1,2}\b|\d|%)", "\u00a0", text)
 
 
 def _experiment(experiment: Experiment, evidence: Evidence, page: Path) -> str:
-    """Return claim, pictures, figures, findings and plots of one experiment."""
+    """Claim, pictures, figures, findings and plots of one experiment."""
     runs: dict[str, Run] = {}
     for variant in experiment.variants:
         outcome = evidence.outcomes[experiment.name, variant.name]
@@ -185,7 +185,7 @@ def _outcome_list(experiment: Experiment, evidence: Evidence) -> str:
 def _plots(
     experiment: Experiment, runs: Mapping[str, Run], titles: Mapping[str, str]
 ) -> str:
-    """Return errors over time, and the virtual axle of the variant that asks for it.
+    """Errors over time, and the virtual axle for the variant that requests it.
 
     ``runs`` are by title, ``titles`` by the variants' names.
     """
@@ -211,7 +211,7 @@ def _plots(
 
 
 def _picture(run: Run, title: str) -> str:
-    """Return the pictures of a run in progress; without them, the run from above."""
+    """Pictures of a run in progress, or the run from above if there are none."""
     pictures = run.folder / NAME
     if pictures.is_file():
         png = pictures.read_bytes()
@@ -221,7 +221,7 @@ def _picture(run: Run, title: str) -> str:
 
 
 def _figures(experiment: Experiment, evidence: Evidence, page: Path) -> str:
-    """Paper's figures and measured ones, a group of rows for each variant."""
+    """The paper's figures and measured ones, a group of rows for each variant."""
     rows = []
     marks = []
     width = len(FIGURES) + 2
@@ -250,7 +250,7 @@ def _outcome_cell(outcome: Outcome) -> str:
 
 
 def _named(variant: Variant, outcome: Outcome, page: Path) -> str:
-    """Return a variant's title, links to replay and report, and its settings."""
+    """A variant's title, links to replay and report, and its settings."""
     parts = [f"<strong>{escape(variant.title)}</strong>"]
     folder = Path(
         os.path.relpath(outcome.folder.resolve(), page.resolve().parent)

@@ -1,4 +1,4 @@
-"""Pictures of a run on its way, side by side, as in the paper's figures."""
+"""Pictures of a run in progress, side by side, as in the paper's figures."""
 
 from __future__ import annotations
 

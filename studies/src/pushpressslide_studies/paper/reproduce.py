@@ -1,4 +1,6 @@
-"""Every experiment of the paper, run like any task; one page, paper beside measured."""
+"""All experiments of the paper, run like any task, with one page that compares the
+paper with measurements.
+"""
 
 from __future__ import annotations
 
@@ -60,11 +62,12 @@ def reproduce(
     jobs: int = JOBS,
     progress: Progress | None = None,
 ) -> Path:
-    """Run the paper's experiments, or those in ``only``; return the path of the page.
+    """Run the paper's experiments, or those in ``only``, and return the path of the
+    page.
 
     ``jobs`` runs go on at a time. Each variant leaves the files of a run in
     ``out``/<experiment>/<variant>, the axle's analysis (Drake only) its own in
-    ``out``/virtual-axle; beside the page are table.md and result.json. A variant that
+    ``out``/virtual-axle. table.md and result.json lie next to the page. A variant that
     misses its goal, or cannot be run at all, is reported like any other. Raises
     PushPressSlideError for a name that is not an experiment.
     """
@@ -94,7 +97,9 @@ def _write(
     engine: str,
     seed: int,
 ) -> Path:
-    """Judge the claims, write page, table.md and result.json; return the page's path."""
+    """Evaluate the claims, write page, table.md and result.json, and return the page's
+    path.
+    """
     # of an older run: a folder that has one is complete
     (out / "result.json").unlink(missing_ok=True)
     axle = evidence.axle
@@ -123,7 +128,7 @@ def _write(
 def run_variant(
     experiment: Experiment, variant: Variant, folder: Path, seed: int, engine: str
 ) -> Outcome:
-    """Run one variant and leave its files in ``folder``, with pictures if asked for.
+    """Run one variant and leave its files in ``folder``, with pictures if requested.
 
     The outcome of a variant that cannot be run holds the error's text.
     """
@@ -148,13 +153,13 @@ def run_variant(
 
 
 def _digest(record: Record) -> str:
-    """Return what tells one motion of the object from another."""
+    """Hash of the object's motion."""
     poses = np.ascontiguousarray(record.arrays["object_pose"])
     return hashlib.sha256(poses.tobytes()).hexdigest()
 
 
 def _summary(experiment: Experiment, evidence: Evidence) -> Mapping[str, Any]:
-    """What result.json holds of one experiment."""
+    """Contents of result.json for one experiment."""
     rows = []
     for variant in experiment.variants:
         outcome = evidence.outcomes[experiment.name, variant.name]

@@ -1,4 +1,6 @@
-"""The paper's experiments as Markdown: figures beside measured ones, findings, claims."""
+"""The paper's experiments as Markdown: its figures and the measured ones, findings,
+claims.
+"""
 
 from __future__ import annotations
 
@@ -46,7 +48,7 @@ def write_table(
 
 
 def scope(experiments: Sequence[Experiment]) -> str:
-    """Name the experiments where others were not run, to begin the summary with."""
+    """Start of the summary that names the experiments if others were not run."""
     if len(experiments) == len(EXPERIMENTS):
         return ""
     names = ", ".join(experiment.name for experiment in experiments)
@@ -71,7 +73,7 @@ def _claims(claims: Sequence[Claim]) -> str:
 
 
 def _experiment(experiment: Experiment, evidence: Evidence) -> str:
-    """Return heading, table of figures and findings of one experiment."""
+    """Heading, table of figures and findings of one experiment."""
     head = ["", "figures", *(row.label for row in FIGURES), "outcome"]
     lines = [head, ["---"] * 2 + ["---:"] * len(FIGURES) + ["---"]]
     for variant in experiment.variants:
@@ -96,7 +98,9 @@ def _rows(lines: Sequence[Sequence[str]]) -> str:
 
 
 def summary(claims: Sequence[Claim]) -> str:
-    """Count the figures and statements reproduced, and the claims not judged."""
+    """Sentence on the number of reproduced figures and statements, and of claims not
+    evaluated.
+    """
     counts = []
     for figure, what in ((True, "figures"), (False, "statements")):
         verdicts = [c.verdict for c in claims if c.figure is figure]
@@ -117,14 +121,14 @@ def summary(claims: Sequence[Claim]) -> str:
 
 
 def ending(outcome: Outcome) -> str:
-    """Say how a run ended."""
+    """Ending of a run, in words."""
     if outcome.result is None:
         return f"not run: {outcome.failure}"
     return str(outcome.result["reason"]["code"]).replace("_", " ")
 
 
 def outcome_lines(experiment: Experiment, evidence: Evidence) -> list[str]:
-    """Return sentences on the measured figures; none where a run is missing."""
+    """Sentences on the measured figures. Empty if a run is missing."""
     sentences = []
     for comparison in experiment.comparisons:
         base, changed = (
@@ -141,7 +145,9 @@ def outcome_lines(experiment: Experiment, evidence: Evidence) -> list[str]:
 
 
 def identified(rho: IdentifiedRho) -> str:
-    """Say what was identified on the way, beside the exact model."""
+    """Sentence on the parameters identified during a run, compared with the exact
+    model.
+    """
     return (
         f"Force at {math.degrees(rho.force_angle):.0f}° to the axis for {rho.time:.1f} "
         "s, planned with rho "
@@ -154,7 +160,7 @@ def identified(rho: IdentifiedRho) -> str:
 
 
 def _compared(comparison: Comparison, base: Result, changed: Result) -> str:
-    """Say what a change did to time, RMS error and end."""
+    """Sentence on the effect of a change on time, RMS error and ending."""
     changes = []
     for row in FIGURES:
         before = base[row.key]

@@ -1,6 +1,6 @@
-"""The paper's experiments with two arms: shipped tasks, and what the paper says.
+"""The paper's experiments with two arms: shipped tasks, and the paper's statements.
 
-It gives no figure.
+It states no figure.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The virtual axle of a pressed object: measured in Drake, predicted, the paper's.
+"""Virtual axle of a pressed object: measured in Drake, predicted, and the paper's.
 
 The box of the task ``press-slide``, pressed with several loads at two heights and
 dragged in many directions, open loop. Source: docs/mechanics.md, sections 4 and 4.1;
@@ -59,7 +59,7 @@ DIRECTIONS = {-1: "forward", 0: "across", 1: "backward"}
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One probe of the table, or the same with something changed."""
+    """One probe of the table, or a variation of it."""
 
     angle: float  # [deg]
     load: float  # [N]
@@ -80,9 +80,8 @@ def virtual_axle(
 
     ``out`` gets result.json, table.md, axles.png and report.html.
 
-    ``jobs``: processes, 0 for one per core. ``quick``: ten probes only. Where the
-    contact is predicted to slip or the object to tip, nothing is run and the row says
-    so.
+    ``jobs``: processes, 0 for one per core. ``quick``: ten probes only. If the contact
+    is predicted to slip or the object to tip, nothing is run and the row says so.
     """
     from pushpressslide_studies.paper.axle_page import write_virtual_axle
 
@@ -105,12 +104,12 @@ def virtual_axle(
 def work_of(
     task: Task, cases: Sequence[Case]
 ) -> dict[Case, Callable[[], dict[str, Any]]]:
-    """Return what measures each case."""
+    """Function that measures each case."""
     return {case: partial(run_case, task, case) for case in cases}
 
 
 def result_of(task: Task, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return what result.json holds, from the rows of ``run_case``."""
+    """Contents of result.json, from the rows of ``run_case``."""
     table = [row for row in rows if not row["variant"]]
     settings = sorted({(row["height"], row["load"]) for row in table})
     return {
@@ -129,9 +128,9 @@ def result_of(task: Task, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def pressed(task: Task, load: float, height: float) -> Press:
-    """Return the task's box, ``height`` [m] tall, under a press of ``load`` [N].
+    """The task's box, ``height`` [m] tall, under a press of ``load`` [N].
 
-    The press is where the task puts it.
+    The press is at the task's point.
     """
     shape = task.object.shape
     places = task.motion.contacts
@@ -144,9 +143,9 @@ def pressed(task: Task, load: float, height: float) -> Press:
 
 
 def predict(task: Task, case: Case) -> dict[str, Any]:
-    """Return the axles [m] from the CoM that a case is expected to have.
+    """Expected axles [m] of a case, from the CoM.
 
-    ``skipped`` says why it cannot be measured; empty if it can.
+    ``skipped`` is the reason why it cannot be measured; empty if it can.
     """
     press = pressed(task, case.load, case.height)
     angle = math.radians(case.angle)
@@ -199,7 +198,7 @@ def run_case(task: Task, case: Case) -> dict[str, Any]:
 
 
 def summarise(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return counts, and the median and largest error [m] of each formula."""
+    """Counts, and the median and largest error [m] of each formula."""
     measured = [row for row in rows if row["measured"] is not None]
 
     def spread(key: str) -> dict[str, float] | None:
@@ -220,7 +219,7 @@ def summarise(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def _curve(press: Press) -> dict[str, Any]:
-    """Return predictions over the force's angle for one load and height."""
+    """Predictions over the force's angle for one load and height."""
     angles = [math.radians(a) for a in CURVE]
     return {
         "height": press.body.shape.height,
@@ -245,7 +244,7 @@ def _unless_tipped(press: Press, angle: float, height: float | None) -> float | 
 
 @dataclass(frozen=True, slots=True)
 class PaperAxleFigure:
-    """A figure of the paper's experiment; None where there is nothing to say."""
+    """A figure of the paper's experiment. None if it has no value."""
 
     what: str
     paper: float | None  # as printed
@@ -256,11 +255,11 @@ class PaperAxleFigure:
 
 
 def paper_figures(task: Task) -> list[dict[str, Any]]:
-    """Return the paper's figures of this experiment as fields of ``PaperAxleFigure``.
+    """The paper's figures of this experiment as fields of ``PaperAxleFigure``.
 
-    Axles from the CoM are positive towards the contact, which makes what the paper
-    calls a distance negative. It gives neither friction nor height to go with them;
-    ours are the task's.
+    Axles from the CoM are positive towards the contact, which makes the paper's
+    distance negative. The paper states neither friction nor height for them; those used
+    here are the task's.
     """
     press = pressed(task, 8.0, task.object.shape.height)
     body = press.body
@@ -300,7 +299,7 @@ def _figures_of_constant(press: Press, straight: float) -> Iterator[PaperAxleFig
 def _figures_of_seen_axle(
     press: Press, straight: float, pole: float
 ) -> Iterator[PaperAxleFigure]:
-    """The axle in the paper's simulation, and the c that it needs.
+    """Axle in the paper's simulation, and the c that it requires.
 
     ``straight`` and ``pole`` are rho [m] of straight motion and of turning on the spot.
     """
@@ -316,7 +315,7 @@ def _figures_of_seen_axle(
 
 
 def _figures_at_height(press: Press) -> Iterator[PaperAxleFigure]:
-    """The axle where the drag is at the top's height, of which the paper says nothing."""
+    """Axle with the drag at the top's height, on which the paper says nothing."""
     what = "the same, {}, drag at the top's height"
     yield PaperAxleFigure(what.format("pushed"), None, None, press.axle(math.pi))
     pulled = press.axle(0.0)

@@ -1,1 +1,1 @@
-"""The benchmark push-T, as the package gym-pusht plays it."""
+"""Benchmark push-T, as played by the package gym-pusht."""

@@ -1,4 +1,4 @@
-"""How the free pusher comes to the first contact of a push, one action at a time."""
+"""Approach of the free pusher to the first contact of a push, one action at a time."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ CLEAR = 0.5  # [px] of the pusher from the T on the way
 
 
 def arrived(X_WB: Pose2, pusher: Pusher, push: Push) -> bool:
-    """Return whether the pusher is before the contact of a push, and slow."""
+    """Whether the pusher is just before the contact of a push, and slow."""
     near = math.dist(pusher.position, _before(X_WB, push)) < NEAR
     return near and math.hypot(*pusher.velocity) < SLOW
 
 
 def on_way(X_WB: Pose2, pusher: Pusher, push: Push) -> Point:
-    """Return where the pusher shall be after the next action of its way to a push.
+    """Target of the pusher for the next action of its path to a push.
 
-    The longest of ``STEPS`` on which it does not touch the T, by the exact servo.
+    It is the longest of ``STEPS`` that does not touch the T, by the exact servo.
     """
     goal = _before(X_WB, push)
     path = free_space(X_WB, pusher.position, goal) or (goal,)
@@ -40,12 +40,12 @@ def on_way(X_WB: Pose2, pusher: Pusher, push: Push) -> Point:
 
 
 def _before(X_WB: Pose2, push: Push) -> Point:
-    """Return the pusher's place [px] in W before a push."""
+    """Position [px] in W of the pusher before a push."""
     return X_WB.apply(push.pushed.pusher(push.left, OFF_FACE))
 
 
 def _along(polyline: Sequence[Point], length: float) -> Point:
-    """Return the point [px] of a way at a length from its start, or its end."""
+    """Point [px] of a path at a length from its start, or its end."""
     for a, b in pairwise(polyline):
         segment = math.dist(a, b)
         if segment >= length > 0.0:
@@ -56,7 +56,7 @@ def _along(polyline: Sequence[Point], length: float) -> Point:
 
 
 def _clear(X_WB: Pose2, pusher: Pusher, target: Point) -> bool:
-    """Return whether the pusher keeps off the T on its way to ``target``."""
+    """Whether the pusher keeps off the T on its path to ``target``."""
     for moved in pusher.periods(pusher.action_to(target)):
         x, y = X_WB.unapply(moved.position)
         distance = BODY.shape.distance((x + CENTER[0], y + CENTER[1]))

@@ -1,4 +1,4 @@
-"""Many episodes, and what came of them."""
+"""Many episodes, and their results."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ROWS = "episodes.jsonl"
 
 @dataclass(frozen=True, slots=True)
 class Figures:
-    """Figures of some episodes."""
+    """Figures of several episodes."""
 
     episodes: int
     successes: int
@@ -49,7 +49,7 @@ def benchmark(
     """Play an episode for each seed and return the figures of all.
 
     Writes ``out``/episodes.jsonl, a row an episode, and ``out``/result.json. ``noise``
-    [px] is that of ``game.play``; ``jobs``: processes. Raises PushPressSlideError where
+    [px] is that of ``game.play``; ``jobs``: processes. Raises PushPressSlideError if
     the package is not installed.
     """
     if jobs == 1:
@@ -73,14 +73,14 @@ def benchmark(
 
 
 def _game_versions() -> dict[str, str]:
-    """Return the versions of the game's packages."""
+    """Versions of the game's packages."""
     return {name: version(name) for name in ("gym-pusht", "pymunk")}
 
 
 def _played_here(
     seeds: range, noise: float, progress: Progress | None
 ) -> list[Episode]:
-    """Return the episodes of all seeds, played in this process."""
+    """Episodes of all seeds, played in this process."""
     game = open_game()
     rows = []
     for done, seed in enumerate(seeds, 1):
@@ -94,7 +94,7 @@ def _played_here(
 def _played(
     seeds: range, noise: float, jobs: int, progress: Progress | None
 ) -> list[Episode]:
-    """Return the episodes of all seeds, played in several processes."""
+    """Episodes of all seeds, played in several processes."""
     open_game().close()
     portions = [seeds[i : i + PORTION] for i in range(0, len(seeds), PORTION)]
     work = {portion.start: partial(play_seeds, portion, noise) for portion in portions}
@@ -103,7 +103,7 @@ def _played(
 
 
 def figures_of(rows: Sequence[Episode]) -> Figures:
-    """Return the figures of one episode or more; raises ValueError for none."""
+    """Figures of one or more episodes. Raises ValueError for none."""
     count = len(rows)
     successes = sum(row.success for row in rows)
     bounds = interval(successes, count)

@@ -1,4 +1,4 @@
-"""Ways of the free pusher round the T."""
+"""Paths of the free pusher round the T."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ INSIDE = 0.01  # [px] by which a way may enter the grown T: rounding
 
 @cache
 def _grown() -> Polygon:
-    """Return the T in B, grown by the pusher and the margin; two chords a corner."""
+    """The T in B, grown by the pusher and the margin, with two chords per corner."""
     from shapely import Polygon
 
     return Polygon(CORNERS).buffer(PUSHER_RADIUS + MARGIN, quad_segs=2)
@@ -29,7 +29,7 @@ def _grown() -> Polygon:
 
 @cache
 def _blocked() -> Polygon:
-    """Return where a way may not go, in B."""
+    """Region that a path must avoid, in B."""
     from shapely import prepare
 
     area = _grown().buffer(-INSIDE, join_style="mitre")
@@ -39,12 +39,12 @@ def _blocked() -> Polygon:
 
 @cache
 def _nodes() -> tuple[Point, ...]:
-    """Return the places [px] in B at which a way may turn."""
+    """Positions [px] in B at which a path may turn."""
     return tuple((x, y) for x, y in _grown().exterior.coords[:-1])
 
 
 def nearest_free(point: Point) -> Point:
-    """Return the nearest place [px] in B outside the grown T."""
+    """Nearest free position [px] in B outside the grown T."""
     from shapely import Point as Place
     from shapely.ops import nearest_points
 
@@ -56,11 +56,11 @@ def nearest_free(point: Point) -> Point:
 
 
 def free_space(X_WB: Pose2, start: Point, goal: Point) -> tuple[Point, ...]:
-    """Return the shortest way [px] in W, ``start`` left out, round the T at a pose.
+    """Shortest path [px] in W round the T at a pose, without ``start``.
 
-    It leaves the T to the nearest free place, where the start is beside it, and comes to
-    the goal likewise. It is empty where there is none: turns are made only where the
-    pusher can be sent.
+    It begins at the free position nearest to the start if that lies next to the T, and
+    ends at the goal likewise. Empty if there is no path. It turns only at positions
+    that the pusher can be sent to.
     """
     first = X_WB.unapply(start)
     end = X_WB.unapply(goal)
@@ -77,20 +77,20 @@ def free_space(X_WB: Pose2, start: Point, goal: Point) -> tuple[Point, ...]:
 
 
 def reachable(point: Point) -> bool:
-    """Return whether the pusher can be sent to a place [px] in W."""
+    """Whether the pusher can be sent to a position [px] in W."""
     return 0.0 <= point[0] <= WORLD and 0.0 <= point[1] <= WORLD
 
 
 @lru_cache(maxsize=4096)
 def _sees(a: Point, b: Point) -> bool:
-    """Return whether the straight way between two places in B is free."""
+    """Whether the straight path between two positions in B is free."""
     from shapely import LineString
 
     return not _blocked().intersects(LineString([a, b]))
 
 
 def _shortest(places: Sequence[Point]) -> list[Point]:
-    """Return the shortest way from the first place to the second (Dijkstra)."""
+    """Shortest path from the first position to the second (Dijkstra)."""
     best = {0: 0.0}
     before: dict[int, int] = {}
     queue = [(0.0, 0)]
@@ -117,7 +117,7 @@ def _shortest(places: Sequence[Point]) -> list[Point]:
 
 
 def way_length(X_WB: Pose2, start: Point, goal: Point) -> float:
-    """Return the length [px] of ``free_space``; infinite where there is none."""
+    """Length [px] of ``free_space``; infinite without a path."""
     path = free_space(X_WB, start, goal)
     if not path:
         return math.inf

@@ -1,4 +1,4 @@
-"""A moving picture of several episodes side by side, as the package draws them."""
+"""Animation of several episodes side by side, as drawn by the package."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Pixels = NDArray[np.uint8]
 
 
 def check_kind(path: Path) -> None:
-    """Raise PushPressSlideError for a file of a kind that is not written."""
+    """Raise PushPressSlideError for an unsupported kind of file."""
     if path.suffix.lower() not in KINDS:
         raise PushPressSlideError(
             f"--video: {str(path)!r} is not allowed; allowed: a name that ends in "
@@ -36,8 +36,8 @@ def check_kind(path: Path) -> None:
 def film(seeds: Iterable[int], path: Path) -> None:
     """Play an episode for each seed and write them side by side.
 
-    The ending of ``path`` is one of ``KINDS``; an episode that is over stays at its
-    last picture. Raises PushPressSlideError where the package is not installed.
+    The ending of ``path`` is one of ``KINDS``; an episode that has ended stays at its
+    last picture. Raises PushPressSlideError if the package is not installed.
     """
     check_kind(path)
     game = open_game(SIZE)
@@ -61,11 +61,11 @@ def film(seeds: Iterable[int], path: Path) -> None:
 
 
 def _pictures(game: Game, seed: int) -> list[Pixels]:
-    """Return the pictures (SIZE, SIZE, 3) of an episode."""
+    """Pictures (SIZE, SIZE, 3) of an episode."""
     pictures: list[Pixels] = []
 
     def watch(played: Game) -> None:
-        """Add the picture of this moment."""
+        """Add the current picture."""
         pictures.append(played.render())
 
     play(game, seed, watch=watch)
@@ -73,7 +73,7 @@ def _pictures(game: Game, seed: int) -> list[Pixels]:
 
 
 def _together(strips: list[list[Pixels]], time: int) -> Pixels:
-    """Return the pictures of one time in rows of ``ACROSS``."""
+    """Pictures of one time in rows of ``ACROSS``."""
     across = min(ACROSS, len(strips))
     rows = math.ceil(len(strips) / across)
     sheet = np.full((rows * SIZE, across * SIZE, 3), 255, dtype=np.uint8)

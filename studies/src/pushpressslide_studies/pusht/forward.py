@@ -1,10 +1,10 @@
-"""What one action does to the T: the limit surface at each of its ten periods.
+"""Effect of one action on the T: the limit surface at each of its ten periods.
 
-The pusher's way is exact. In each period the T moves as little as lets no contact come
-closer, measured by the limit surface's metric |v|^2 + rho^2 w^2: so a frictionless push
-moves it. Source of the constants and of the order in a period: the engine pymunk, which
-moves first by the velocities of the period before, and pushes bodies that overlap apart
-by a share of the overlap.
+The pusher's path is exact. In each period the T makes the smallest motion that lets no
+contact come closer, measured by the limit surface's metric |v|^2 + rho^2 w^2; this is
+its motion under a frictionless push. Source of the constants and of the order in a
+period: the engine pymunk. It moves first by the velocities of the previous period, and
+separates overlapping bodies by a share of the overlap.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ REST = Motion(0.0, 0.0, 0.0)
 
 
 def predicted(X_WB: Pose2, pusher: Pusher, action: Point) -> Pose2:
-    """Return X_WB at the end of an action, without walls."""
+    """X_WB at the end of an action, without walls."""
     motion = _motion(X_WB, pusher)
     for moved in pusher.periods(action):
         X_WB = _displaced(X_WB, motion)
@@ -57,7 +57,7 @@ def _displaced(X_WB: Pose2, motion: Motion) -> Pose2:
 
 
 def _motion(X_WB: Pose2, pusher: Pusher) -> Motion:
-    """Return how the T moves in the next period."""
+    """Motion of the T in the next period."""
     center = X_WB.unapply(pusher.position)
     touches = _contacts_at(center)
     if not touches:
@@ -73,8 +73,8 @@ def _motion(X_WB: Pose2, pusher: Pusher) -> Motion:
 
 
 def _least_motion(contacts: list[Touch], advances: list[float]) -> Motion:
-    """Return the least motion with an advance of at least ``advances`` [px] at each
-    contact, by passes over the contacts.
+    """Smallest motion with an advance of at least ``advances`` [px] at each contact, by
+    passes over the contacts.
     """
     impulses = [0.0] * len(contacts)
     x = 0.0
@@ -95,7 +95,7 @@ def _least_motion(contacts: list[Touch], advances: list[float]) -> Motion:
 
 
 def _contacts_at(center: Point) -> list[Touch]:
-    """Return the contacts of a pusher whose centre is at a point [px] in B."""
+    """Contacts of a pusher whose centre is at a point [px] in B."""
     out = []
     for box in (BAR, STEM):
         touch = _touch(center, box)
@@ -105,7 +105,7 @@ def _contacts_at(center: Point) -> list[Touch]:
 
 
 def _touch(center: Point, box: tuple[float, float, float, float]) -> Touch | None:
-    """Return the contact of the pusher with one rectangle of the T."""
+    """Contact of the pusher with one rectangle of the T."""
     low_x, low_y, high_x, high_y = box
     x = center[0] + CENTER[0]
     y = center[1] + CENTER[1]
@@ -121,7 +121,7 @@ def _touch(center: Point, box: tuple[float, float, float, float]) -> Touch | Non
 
 
 def _deep(place: Point, box: tuple[float, float, float, float]) -> Touch:
-    """Return the contact of a pusher whose centre is inside a rectangle."""
+    """Contact of a pusher whose centre is inside a rectangle."""
     x, y = place
     low_x, low_y, high_x, high_y = box
     depth, normal, point = min(
@@ -134,6 +134,6 @@ def _deep(place: Point, box: tuple[float, float, float, float]) -> Touch:
 
 
 def _contact(point: Point, normal: Point, overlap: float) -> Touch:
-    """Return a contact at a point [px] in T."""
+    """A contact at a point [px] in T."""
     arm = (point[0] - CENTER[0]) * normal[1] - (point[1] - CENTER[1]) * normal[0]
     return Touch(normal, arm, overlap)

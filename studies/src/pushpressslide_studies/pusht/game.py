@@ -1,5 +1,5 @@
-"""Episodes of gym_pusht/PushT-v0, through the public interface of the package alone:
-reset with a seed, step with an action, the observed state.
+"""Episodes of gym_pusht/PushT-v0, through the package's public interface alone: reset
+with a seed, step with an action, the observed state.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Game = Any  # a gymnasium.Env, which is untyped where the package is not install
 
 @dataclass(frozen=True, slots=True)
 class Episode:
-    """What came of one episode."""
+    """Result of one episode."""
 
     seed: int  # of the reset
     steps: int
@@ -37,9 +37,9 @@ class Episode:
 
 
 def open_game(picture_size: int = 96) -> Game:
-    """Return the environment, with pictures of so many pixels.
+    """Environment with pictures of the given size in pixels.
 
-    Raises PushPressSlideError where the package is not installed.
+    Raises PushPressSlideError if the package is not installed.
     """
     os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
     os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
@@ -68,10 +68,10 @@ def play(
     noise: float = 0.0,
     watch: Callable[[Game], None] | None = None,
 ) -> Episode:
-    """Play one episode; ``watch`` is called after the reset and after each step.
+    """Play one episode. ``watch`` is called after the reset and after each step.
 
-    ``noise`` [px] is the standard deviation of each coordinate of the T's centre as it
-    is seen, and of its angle times rho.
+    ``noise`` [px] is the standard deviation of each observed coordinate of the T's
+    centre, and of its angle times rho.
     """
     random = np.random.default_rng(seed)
     start = perf_counter()
@@ -102,7 +102,7 @@ def play(
 def _blurred(
     observed: Observation, noise: float, random: np.random.Generator
 ) -> Observation:
-    """Return an observation with noise [px] on the pose of the T."""
+    """An observation with noise [px] on the pose of the T."""
     x, y, turn = (noise * random.standard_normal(3)).tolist()
     X_WB = observed.X_WB
     seen = Pose2(X_WB.x + x, X_WB.y + y, X_WB.yaw + turn / RHO)
@@ -110,7 +110,7 @@ def _blurred(
 
 
 def play_seeds(seeds: Iterable[int], noise: float = 0.0) -> list[Episode]:
-    """Play an episode for each seed, in an environment of their own."""
+    """Play an episode for each seed, in a separate environment."""
     game = open_game()
     try:
         return [play(game, seed, noise) for seed in seeds]

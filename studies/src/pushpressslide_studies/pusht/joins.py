@@ -1,10 +1,10 @@
 """Three pushes that join two poses, in closed form.
 
 Source: studies/docs/gym-pusht.md. A push with a fixed contact turns the T about a point
-fixed in the body, beside the centre of mass. The first centre of rotation stands still
-in the world from the start on, the last one up to the goal; the middle one is as far
-from both as in the body: it is where two circles meet. Of pushes on one face these are
-the words of three arcs of Dubins. All triples of contacts are solved at once.
+fixed in the body, off the centre of mass. The first centre of rotation is at rest in
+the world from the start on, the last one up to the goal. The middle one keeps its
+distances in the body to both, so it lies where two circles meet. For pushes on one face
+these are the Dubins words of three arcs. All triples of contacts are solved at once.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ FULL_TURN = 2.0 * math.pi
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Contacts:
-    """The contacts that are tried, m in number."""
+    """The m contacts tried."""
 
     faces: Array  # (m,) indices into FACES
     lefts: Array  # (m,) [px]
@@ -39,13 +39,13 @@ class Contacts:
     bearings: Array  # (m, m) [rad] in B from a centre to another
 
     def push(self, index: int, length: float) -> Push:
-        """Return the push of a contact."""
+        """Push at a contact."""
         return Push(int(self.faces[index]), float(self.lefts[index]), length)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Joins:
-    """Triples of pushes that join two poses, t in number."""
+    """The t triples of pushes that join two poses."""
 
     triples: Array  # (t, 3) indices into the contacts
     lengths: Array  # (t, 3) [px]
@@ -53,7 +53,7 @@ class Joins:
 
 @cache
 def contacts() -> Contacts:
-    """Return contacts at equal distances on every face."""
+    """Contacts at equal distances on every face."""
     indices = []
     lefts = []
     curvatures = []
@@ -83,8 +83,8 @@ def contacts() -> Contacts:
 
 
 def joins(start: Pose2, goal: Pose2) -> Joins:
-    """Return all triples of contacts and lengths that lead from ``start`` to ``goal``,
-    both X_WB, with a turn below a full one in each push.
+    """All triples of contacts and lengths that lead from ``start`` to ``goal``, both
+    X_WB, with a turn below a full one in each push.
     """
     tried = contacts()
     triples = _triples(tried)
@@ -116,7 +116,7 @@ def joins(start: Pose2, goal: Pose2) -> Joins:
 
 
 def _triples(tried: Contacts) -> Array:
-    """Return all triples (t, 3) of contacts whose neighbours turn about other points."""
+    """All triples (t, 3) of contacts whose neighbours turn about different points."""
     count = len(tried.lefts)
     first, middle, last = np.indices((count, count, count)).reshape(3, -1)
     apart = (tried.distances[first, middle] > SAME) & (
@@ -126,7 +126,7 @@ def _triples(tried: Contacts) -> Array:
 
 
 def _placed(X_WB: Pose2, points: Array) -> Array:
-    """Return points (m, 2) in W of points in B."""
+    """Points (m, 2) in W of points in B."""
     c = math.cos(X_WB.yaw)
     s = math.sin(X_WB.yaw)
     placed: Array = points @ np.array([[c, s], [-s, c]])
@@ -135,7 +135,7 @@ def _placed(X_WB: Pose2, points: Array) -> Array:
 
 
 def _angle(adjacent: Array, other: Array, opposite: Array) -> Array:
-    """Return the angle [rad] of a triangle between two sides."""
+    """Angle [rad] between two sides of a triangle."""
     cosine = (adjacent**2 + other**2 - opposite**2) / (2.0 * adjacent * other)
     return np.arccos(np.clip(cosine, -1.0, 1.0))
 
@@ -147,8 +147,9 @@ def _lengths(
     bearing_near: Array,
     bearing_far: Array,
 ) -> Array:
-    """Return the lengths (t, 3) [px] of the pushes whose middle centre of rotation is
-    seen from the first at ``bearing_near`` [rad], and sees the last at ``bearing_far``.
+    """Lengths (t, 3) [px] of pushes, from the bearings of their middle centre of
+    rotation: ``bearing_near`` [rad] from the first, and ``bearing_far`` towards the
+    last.
     """
     start, goal = ends
     after_first = bearing_near - tried.bearings[triples[:, 0], triples[:, 1]]

@@ -1,4 +1,4 @@
-"""Which three pushes: the fastest ones that keep clear of the walls."""
+"""Choice of three pushes: the fastest ones that keep clear of the walls."""
 
 from __future__ import annotations
 
@@ -51,11 +51,11 @@ NO_PLAN = Plan()
 
 
 def best_plan(X_WB: Pose2, pusher: Point) -> Plan:
-    """Return the three pushes that lead fastest from a pose to the goal; ``pusher``
-    [px] in W is where the pusher is.
+    """The three pushes that lead fastest from a pose to the goal. ``pusher`` [px] in W
+    is the pusher's position.
 
-    Where the walls are in the way of all, the ones that run least into them; an empty
-    plan where the pusher can reach no contact.
+    If the walls obstruct all, the pushes with the smallest intrusion. The plan is empty
+    if the pusher can reach no contact.
     """
     found = joins(X_WB, GOAL_BODY)
     steps = _steps(found) + _first_ways(X_WB, pusher)[found.triples[:, 0]]
@@ -75,8 +75,8 @@ def best_plan(X_WB: Pose2, pusher: Point) -> Plan:
 
 
 def intrusion(X_WB: Pose2, pushes: Sequence[Push]) -> float:
-    """Return how far [px] the T runs into the room before the walls in pushes from a
-    pose on; infinite where the pusher cannot be sent.
+    """Largest intrusion [px] of the T into the margin before the walls during pushes
+    from a pose. Infinite if the pusher cannot be sent to a contact.
     """
     deepest = 0.0
     for push in pushes:
@@ -94,7 +94,7 @@ def intrusion(X_WB: Pose2, pushes: Sequence[Push]) -> float:
 
 
 def _intrusion(X_WB: Pose2) -> float:
-    """Return how far [px] the T is in the room before the walls; 0 if it is not."""
+    """Intrusion [px] of the T into the margin before the walls; 0 if it keeps out."""
     low, high = WALLS
     deepest = 0.0
     for corner in CORNERS:
@@ -110,8 +110,8 @@ def _pushes(pushes: Joins, index: int) -> tuple[Push, ...]:
 
 
 def _steps(pushes: Joins) -> Array:
-    """Return the actions (t,) that pushes and ways between them take; infinite where the
-    last push is short.
+    """Actions (t,) for pushes and the paths between them. Infinite if the last push is
+    short.
     """
     ratios = 1.0 + (contacts().lefts / RHO) ** 2
     pusher = pushes.lengths * ratios[pushes.triples]
@@ -125,7 +125,7 @@ def _steps(pushes: Joins) -> Array:
 
 @cache
 def _changes() -> Array:
-    """Return the actions (m, m) from one contact to another."""
+    """Actions (m, m) from one contact to another."""
     tried = contacts()
     count = len(tried.lefts)
     out = np.zeros((count, count))
@@ -137,7 +137,7 @@ def _changes() -> Array:
 
 
 def _change(tried: Contacts, a: int, b: int) -> float:
-    """Return the actions from one contact to another, on a T in the middle."""
+    """Actions from one contact to another, with the T in the middle."""
     if tried.faces[a] == tried.faces[b]:
         return 1.0 + abs(float(tried.lefts[a] - tried.lefts[b])) / SLIDE_STEP
     middle = Pose2(0.5 * WORLD, 0.5 * WORLD)
@@ -149,13 +149,13 @@ def _change(tried: Contacts, a: int, b: int) -> float:
 
 
 def _way_steps(length: float) -> float:
-    """Return the actions that a free way of a length [px] takes."""
+    """Actions for a free path of a length [px]."""
     return LEAVE_STEPS + length / WAY_STEP
 
 
 def _first_ways(X_WB: Pose2, pusher: Point) -> Array:
-    """Return the actions (m,) from where the pusher is to each contact; infinite where
-    it cannot be sent.
+    """Actions (m,) from the pusher's position to each contact. Infinite if it cannot be
+    sent there.
     """
     tried = contacts()
     out = np.full(len(tried.lefts), math.inf)

@@ -1,8 +1,8 @@
-"""The policy: what is seen at 10 Hz becomes the place to which the pusher is sent.
+"""The policy: from observations at 10 Hz to targets of the pusher.
 
-State in, state out. Without a plan one is made. Then the pusher goes round the T to the
-first contact and pushes; each time the rest of the plan is steered to the goal from where
-the T is seen.
+State in, state out. Without a plan it makes one. Then the pusher goes round the T to
+the first contact and pushes. At each action the rest of the plan is steered to the goal
+from the observed pose of the T.
 """
 
 from __future__ import annotations
@@ -33,21 +33,21 @@ STALLED = 8  # actions without a motion, after which another plan is made
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """What is seen, in W."""
+    """Observed poses, in W."""
 
     pusher: Point  # [px]
     X_WB: Pose2
 
 
 def observation(values: Sequence[float]) -> Observation:
-    """Return the package's own observation: pusher x, y [px]; x, y [px], yaw of T."""
+    """The package's own observation: pusher x, y [px]; x, y [px], yaw of T."""
     x, y, block_x, block_y, yaw = values
     return Observation((x, y), body_pose(Pose2(block_x, block_y, yaw)))
 
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """What the policy remembers from one action to the next."""
+    """Memory of the policy from one action to the next."""
 
     velocity: Point = (0.0, 0.0)  # [px/s] of the pusher
     plan: Plan = NO_PLAN
@@ -58,7 +58,7 @@ class State:
 
 
 def act(observed: Observation, state: State) -> tuple[Point, State]:
-    """Return the next action [px] and state."""
+    """Next action [px] and state."""
     pusher = Pusher(observed.pusher, state.velocity)
     state = _planned(observed, _progressed(observed.X_WB, state))
     state = _touched(observed.X_WB, pusher, state)
@@ -68,7 +68,7 @@ def act(observed: Observation, state: State) -> tuple[Point, State]:
 
 
 def _progressed(X_WB: Pose2, state: State) -> State:
-    """Return the state after what the first push has moved the T since last time."""
+    """State after the first push's motion of the T since the last action."""
     before = state.X_WB
     state = replace(state, X_WB=X_WB)
     if before is None or not (state.plan.pushes and state.touching):
@@ -83,7 +83,7 @@ def _progressed(X_WB: Pose2, state: State) -> State:
 
 
 def _planned(observed: Observation, state: State) -> State:
-    """Return the state with a plan that leads to the goal."""
+    """State with a plan that leads to the goal."""
     rest = _rest(observed.X_WB, state.plan)
     if rest and state.stalled < STALLED:
         same = rest[0].face == state.plan.pushes[0].face
@@ -96,9 +96,7 @@ def _planned(observed: Observation, state: State) -> State:
 
 
 def _rest(X_WB: Pose2, plan: Plan) -> tuple[Push, ...]:
-    """Return the pushes that are left, steered to the goal; none if they do not lead
-    there.
-    """
+    """Remaining pushes, steered to the goal. Empty if they do not lead there."""
     pushes = plan.pushes
     if pushes and pushes[0].length < DONE:
         pushes = pushes[1:]
@@ -115,14 +113,14 @@ def _rest(X_WB: Pose2, plan: Plan) -> tuple[Push, ...]:
 
 
 def _touched(X_WB: Pose2, pusher: Pusher, state: State) -> State:
-    """Return the state; the first push begins where the pusher has come to its place."""
+    """State, with the first push started if the pusher has arrived before its contact."""
     if state.touching or not state.plan.pushes:
         return state
     return replace(state, touching=arrived(X_WB, pusher, state.plan.pushes[0]))
 
 
 def _target(X_WB: Pose2, pusher: Pusher, state: State) -> Point:
-    """Return where the pusher shall be after this action; it waits without a plan."""
+    """Target of the pusher for this action. It waits without a plan."""
     if not state.plan.pushes:
         return pusher.position
     push = state.plan.pushes[0]

@@ -2,7 +2,7 @@
 
 Source: studies/docs/gym-pusht.md. The force is along the inward normal n of the face,
 so the centre of mass moves along n, fixed in the body, and the T turns by -left / rho^2
-per length: a car that is steered by the place of the contact.
+per length: a car that is steered by the contact's position.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Push:
 
 
 def curvature(face: PushedFace, left: float) -> float:
-    """Return the turn per length [rad/px] that the limit surface gives a push."""
+    """Turn per length [rad/px] of a push, by the limit surface."""
     n = face.normal
     x, y = face.contact(left)
     twist = SURFACE.twist_direction(Wrench(n[0], n[1], x * n[1] - y * n[0]))
@@ -52,7 +52,7 @@ def curvature(face: PushedFace, left: float) -> float:
 
 
 def pushed_pose(X_WB: Pose2, push: Push) -> Pose2:
-    """Return X_WB at the end of a push."""
+    """X_WB at the end of a push."""
     n = push.pushed.normal
     turn = push.curvature * push.length
     along = push.length
@@ -66,7 +66,7 @@ def pushed_pose(X_WB: Pose2, push: Push) -> Pose2:
 
 
 def final_pose(X_WB: Pose2, pushes: Iterable[Push]) -> Pose2:
-    """Return X_WB at the end of all pushes."""
+    """X_WB at the end of all pushes."""
     for push in pushes:
         X_WB = pushed_pose(X_WB, push)
     return X_WB

@@ -1,8 +1,8 @@
-"""How the pusher follows the position that it is sent to.
+"""Motion of the pusher towards the position it is sent to.
 
-Source: the package's own step: a PD law with gains 100 and 20, integrated at 100 Hz with
-the velocity first, and one action for ten such steps. The pusher is kinematic: nothing
-that it touches changes its way.
+Source: the package's own step: a PD law with gains 100 and 20, integrated at 100 Hz
+with the velocity first, and one action for ten such steps. The pusher is kinematic:
+nothing that it touches changes its path.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ PERIODS = 10  # of one action
 
 @dataclass(frozen=True, slots=True)
 class Pusher:
-    """Where the pusher is and how fast it moves, in W."""
+    """Position and velocity of the pusher, in W."""
 
     position: Point  # [px]
     velocity: Point  # [px/s]
@@ -37,12 +37,12 @@ class Pusher:
             yield Pusher((x, y), (vx, vy))
 
     def after(self, action: Point) -> Pusher:
-        """Return the pusher at the end of an action."""
+        """Pusher at the end of an action."""
         *_, last = self.periods(action)
         return last
 
     def action_to(self, target: Point) -> Point:
-        """Return the action that brings the pusher to ``target`` [px] at its end.
+        """Action that brings the pusher to ``target`` [px] at its end.
 
         The end is linear in position, velocity and action.
         """
@@ -52,7 +52,7 @@ class Pusher:
 
 
 def _response(x: float, v: float, action: float) -> float:
-    """Return the coordinate at the end of an action."""
+    """Coordinate at the end of an action."""
     return Pusher((x, 0.0), (v, 0.0)).after((action, 0.0)).position[0]
 
 

@@ -1,8 +1,9 @@
-"""The law: places and lengths of the pushes that are left, corrected so that they still
-end at the goal from where the T is seen.
+"""Steering law: contact positions and lengths of the remaining pushes, corrected so
+that they still end at the goal from the observed pose of the T.
 
-A damped least-squares step (Levenberg, Marquardt) on the exact kinematics of the pushes,
-a few times. The last push has two halves with a place each: so it steers a car to a pose.
+A damped least-squares step (Levenberg, Marquardt) on the exact kinematics of the
+pushes, repeated a few times. The last push has two halves, each with its own contact
+position, so that it steers a car to a pose.
 """
 
 from __future__ import annotations
@@ -25,17 +26,17 @@ DIFFERENCE = 1e-4  # [px] of the numerical derivative
 
 
 def error(X_WB: Pose2) -> Array:
-    """Return how far (3,) [px] a pose is from the goal; the angle counts with rho."""
+    """Error (3,) [px] of a pose from the goal, with the angle scaled by rho."""
     return _difference(GOAL_BODY, X_WB)
 
 
 def miss(X_WB: Pose2) -> float:
-    """Return the norm [px] of ``error``."""
+    """Norm [px] of ``error``."""
     return miss_between(GOAL_BODY, X_WB)
 
 
 def miss_between(a: Pose2, b: Pose2) -> float:
-    """Return how far [px] two poses are apart; the angle counts with rho."""
+    """Distance [px] between two poses, with the angle scaled by rho."""
     return float(np.linalg.norm(_difference(a, b)))
 
 
@@ -44,16 +45,16 @@ def _difference(a: Pose2, b: Pose2) -> Array:
 
 
 def halved(pushes: Sequence[Push]) -> tuple[Push, ...]:
-    """Return the pushes with the last one in two halves, so that it can be steered."""
+    """Pushes with the last one in two halves, so that it can be steered."""
     *first, last = pushes
     half = replace(last, length=0.5 * last.length)
     return (*first, half, half)
 
 
 def steered(X_WB: Pose2, pushes: Sequence[Push]) -> tuple[Push, ...]:
-    """Return the pushes, corrected for the pose from which they begin.
+    """Pushes, corrected for their start pose.
 
-    The last two stay equally long where they are on one face.
+    The last two stay equally long if they are on one face.
     """
     now = tuple(pushes)
     ties = _ties(now)
@@ -75,7 +76,7 @@ def steered(X_WB: Pose2, pushes: Sequence[Push]) -> tuple[Push, ...]:
 
 
 def _ties(pushes: tuple[Push, ...]) -> Array:
-    """Return the changes (2 n, k) of places and lengths that are allowed."""
+    """Allowed changes (2 n, k) of contact positions and lengths."""
     free = np.eye(2 * len(pushes))
     if len(pushes) < 2 or pushes[-1].face != pushes[-2].face:
         return free
@@ -84,7 +85,7 @@ def _ties(pushes: tuple[Push, ...]) -> Array:
 
 
 def _slopes(X_WB: Pose2, pushes: tuple[Push, ...], off: Array) -> Array:
-    """Return the derivatives (3, 2 n) of the error by place and length of each push."""
+    """Derivatives (3, 2 n) of the error by contact position and length of each push."""
     columns = []
     for index in range(2 * len(pushes)):
         change = np.zeros(2 * len(pushes))
@@ -95,7 +96,7 @@ def _slopes(X_WB: Pose2, pushes: tuple[Push, ...], off: Array) -> Array:
 
 
 def _added(pushes: tuple[Push, ...], change: Array) -> tuple[Push, ...]:
-    """Return the pushes with changes (2 n,) of place and length."""
+    """Pushes with changes (2 n,) of contact position and length."""
     return tuple(
         replace(push, left=push.left + left, length=push.length + length)
         for push, (left, length) in zip(
@@ -105,7 +106,7 @@ def _added(pushes: tuple[Push, ...], change: Array) -> tuple[Push, ...]:
 
 
 def _changed(pushes: tuple[Push, ...], change: Array) -> tuple[Push, ...]:
-    """Return changed pushes on their faces, none backwards."""
+    """Changed pushes on their faces, none backwards."""
     return tuple(
         replace(
             push,

@@ -1,7 +1,9 @@
-"""The next action of a push: the pusher's target that the forward model likes best.
+"""The next action of a push: the pusher's target with the best result in the forward
+model.
 
-An episode ends with the first action after which the overlap is above 95 %. So the last
-action should be a stride onto the goal, not a creep over that threshold.
+An episode ends with the first action after which the overlap is above 95 %. The last
+action should therefore be a stride onto the goal, instead of a creep over that
+threshold.
 """
 
 from __future__ import annotations
@@ -29,9 +31,9 @@ AIMS = 2  # corrections of a target by the forward model
 
 
 def stroke(X_WB: Pose2, pusher: Pusher, push: Push, hasty: bool) -> Point:
-    """Return where the pusher shall be after the next action of a push.
+    """Target of the pusher for the next action of a push.
 
-    ``hasty``: any overlap above the threshold will do.
+    ``hasty``: any overlap above the threshold suffices.
     """
     most = PUSH_STEP / push.pusher_ratio
     count = max(1, math.ceil(push.length / most - LONGER))
@@ -53,12 +55,12 @@ def stroke(X_WB: Pose2, pusher: Pusher, push: Push, hasty: bool) -> Point:
 
 
 def _overlap(X_WB: Pose2, pusher: Pusher, target: Point) -> float:
-    """Return the overlap after an action to a target."""
+    """Overlap after an action towards a target."""
     return overlap(predicted(X_WB, pusher, pusher.action_to(target)))
 
 
 def _aimed(X_WB: Pose2, pusher: Pusher, push: Push) -> Point:
-    """Return the target after which the T has been pushed as far as a push says."""
+    """Target at which the T has covered the length of a push."""
     wanted = pushed_pose(X_WB, push)
     nx, ny = wanted.rotate(push.pushed.normal)
     x, y = _target(X_WB, push)
@@ -72,12 +74,12 @@ def _aimed(X_WB: Pose2, pusher: Pusher, push: Push) -> Point:
 
 
 def _target(X_WB: Pose2, push: Push) -> Point:
-    """Return where the pusher is at the end of a push."""
+    """Position of the pusher at the end of a push."""
     return pushed_pose(X_WB, push).apply(push.pushed.pusher(push.left))
 
 
 def _options(X_WB: Pose2, push: Push) -> Iterator[Point]:
-    """Yield targets about that of a push."""
+    """Yield targets around that of a push."""
     for side in SIDEWAYS:
         left = push.pushed.clipped(push.left + side)
         for more in STRIDES:
@@ -86,7 +88,7 @@ def _options(X_WB: Pose2, push: Push) -> Iterator[Point]:
 
 
 def _refined(X_WB: Pose2, pusher: Pusher, target: Point) -> Point:
-    """Return the target near by with the greatest overlap (pattern search)."""
+    """Nearby target with the greatest overlap (pattern search)."""
     best = target
     most = _overlap(X_WB, pusher, target)
     spacing = 1.0

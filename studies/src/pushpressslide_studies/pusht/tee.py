@@ -1,11 +1,11 @@
-"""The T of gym-pusht as an object of ours: outline, limit surface, faces, goal.
+"""The T of gym-pusht as an object: outline, limit surface, faces, goal.
 
 One pixel is the unit of length. The frame T is the package's own, at the middle of the
 bar's long edge; B has its axes and its origin at the centre of mass.
 
 The package sets the damping to zero, so that each step begins at rest and the mass
-matrix (mass 1, moment of inertia 3000 px^2) takes the place of the limit surface: the
-twist is along (fx, fy, tau / rho^2) with rho^2 = 3000 px^2. Its contacts have no friction.
+matrix (mass 1, moment of inertia 3000 px^2) replaces the limit surface: the twist is
+along (fx, fy, tau / rho^2) with rho^2 = 3000 px^2. Its contacts have no friction.
 """
 
 from __future__ import annotations
@@ -56,22 +56,22 @@ class PushedFace:
         return self.face.normal
 
     def contact(self, left: float) -> Point:
-        """Return the point [px] in B that is ``left`` of the line through the centre."""
+        """Point [px] in B at ``left`` of the line through the centre."""
         return on_face(self.face, left)
 
     def pusher(self, left: float, gap: float = 0.0) -> Point:
-        """Return the pusher's centre [px] in B, ``gap`` [px] off the face."""
+        """The pusher's centre [px] in B, ``gap`` [px] off the face."""
         x, y = self.contact(left)
         away = PUSHER_RADIUS + gap
         return (x - away * self.normal[0], y - away * self.normal[1])
 
     def place(self, pusher: Point) -> float:
-        """Return how far left a pusher at a point in B touches the face."""
+        """Offset to the left at which a pusher at a point in B touches the face."""
         along = turned_left(self.normal)
         return pusher[0] * along[0] + pusher[1] * along[1]
 
     def clipped(self, left: float) -> float:
-        """Return the nearest place where the pusher may touch the face."""
+        """Nearest offset at which the pusher may touch the face."""
         return min(max(left, self.right), self.left)
 
 
@@ -84,7 +84,7 @@ FACES = tuple(_pushed(face) for face in faces(BODY, CLEARANCE, PUSHER_RADIUS))
 
 
 def body_pose(X_WT: Pose2) -> Pose2:
-    """Return X_WB, of the frame at the centre of mass."""
+    """X_WB of the frame at the centre of mass."""
     x, y = X_WT.apply(CENTER)
     return Pose2(x, y, X_WT.yaw)
 
@@ -93,7 +93,7 @@ GOAL_BODY = body_pose(GOAL)  # X_WB
 
 
 def overlap(X_WB: Pose2) -> float:
-    """Return the share of the goal's area that the T covers."""
+    """Share of the goal's area that the T covers."""
     from shapely import Polygon
 
     goal = Polygon([GOAL_BODY.apply(corner) for corner in CORNERS])

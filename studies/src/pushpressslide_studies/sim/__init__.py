@@ -1,7 +1,7 @@
-"""What the studies simulate in Drake beside runs: only this room imports pydrake.
+"""Drake simulations for comparison with runs; the only package of the studies that
+imports pydrake.
 
-Importing it, or any module of it, raises MissingPackageError where Drake is not
-installed.
+Importing it, or any module of it, raises MissingPackageError if Drake is not installed.
 """
 
 import pushpressslide.sim  # noqa: F401  it raises

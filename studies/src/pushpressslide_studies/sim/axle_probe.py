@@ -2,7 +2,7 @@
 
 A free tip presses on top and drags with a force of constant direction in the body.
 Nothing steers; a servo sets only the size of the force, so that the object slides at
-constant speed. The object's twist then gives the place of the virtual axle
+constant speed. The object's twist then determines the position of the virtual axle
 (docs/mechanics.md, section 4).
 """
 
@@ -84,10 +84,11 @@ class AxleMeasurement:
 
 
 def probe_axle(task: Task, probe: Probe, time_step: float = 0.004) -> AxleMeasurement:
-    """Drag the object of ``task`` as ``probe`` says; return where it turned about.
+    """Drag the object of ``task`` as in ``probe`` and return the measured centre of
+    rotation.
 
     Only the object, the support's friction and the contact's friction of the task
-    count; the robot is a free ``hand``. Raises SimulationError where the object did not
+    count; the robot is a free ``hand``. Raises SimulationError if the object did not
     turn.
     """
     rows = _Rig(task, probe, time_step).run()
@@ -124,8 +125,8 @@ def probe_axle(task: Task, probe: Probe, time_step: float = 0.004) -> AxleMeasur
 
 
 class _Rig:
-    """The object on its support, with a free tip on top: the scene of a run, but for the
-    cells of its base.
+    """The object on its support, with a free tip on top: the scene of a run except for
+    the cells of its base.
     """
 
     def __init__(self, task: Task, probe: Probe, time_step: float) -> None:
@@ -162,7 +163,7 @@ class _Rig:
         self._read_layout()
 
     def _place_hand(self, height: float) -> Array:
-        """Put the tip's centre at ``height`` [m] over the contact; return the joint
+        """Put the tip's centre at ``height`` [m] over the contact. Return the joint
         positions (4,).
         """
         instance = self._hand.model_instance
@@ -174,8 +175,8 @@ class _Rig:
         return home
 
     def _read_layout(self) -> None:
-        """Read where positions and velocities are in the plant's state, and the hand's
-        weight and inertia.
+        """Read the indices of positions and velocities in the plant's state, and the
+        hand's weight and inertia.
         """
         plant = self._plant
         self.reactions = plant.get_reaction_forces_output_port()
@@ -194,8 +195,8 @@ class _Rig:
         self.yaw_inertia = float(mass[v[3], v[3]])  # [kg m^2]
 
     def run(self) -> Array:
-        """Return rows (N, 8) of the settled part, in B: the CoM's velocity and turn
-        rate, the contact force along the support, the load, and the tip's position.
+        """Rows (N, 8) of the settled part, in B: the CoM's velocity and turn rate, the
+        contact force along the support, the load, and the tip's position.
         """
         rows = []
         cx, cy = self.center
@@ -223,7 +224,7 @@ class _Rig:
         return np.array(rows)
 
     def _force(self) -> Vector3:
-        """Return the force [N] of the tip ON the object, world axes."""
+        """Force [N] of the tip ON the object, world axes."""
         tip = self._hand.tip_body
         reaction = self.reactions.Eval(self.state)[self.sensor.joint]
         moved = self.accelerations.Eval(self.state)[tip.index()].translational()
@@ -231,9 +232,7 @@ class _Rig:
         return self.sensor.force(reaction, R_WT, moved)
 
     def _torque(self, t: float, x: Array, yaw: float, w: float) -> Array:
-        """Return the forces [N] and the torque [N m] of the hand's joints at time
-        ``t``.
-        """
+        """Forces [N] and the torque [N m] of the hand's joints at time ``t``."""
         probe = self.probe
         vx, vy, vz, turn = x[self.hand_v]
         out = self.weight.copy()

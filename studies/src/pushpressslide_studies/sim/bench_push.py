@@ -1,4 +1,4 @@
-"""A push of a box by a ball in Drake alone, as an opponent in the benchmarks."""
+"""A push of a box by a ball in Drake alone, as a contestant of the benchmarks."""
 
 from __future__ import annotations
 
@@ -48,10 +48,11 @@ class BoxPush(NamedTuple):
 def pushed_box(
     push: BoxPush, time: float, step: float, stiffness: float
 ) -> tuple[float, float, float, float]:
-    """Return the wall time [s] of ``time`` [s] of a push, and where the box is then: x,
-    y [m] and yaw [rad].
+    """Wall time [s] of ``time`` [s] of a push, and the box's final pose: x, y [m] and
+    yaw [rad].
 
-    ``step`` [s] of the physics, ``stiffness`` [N s/m] of the ball's velocity servo.
+    ``step`` [s] is that of the physics, ``stiffness`` [N s/m] that of the ball's
+    velocity servo.
     """
     builder = DiagramBuilder()
     plant, _ = AddMultibodyPlantSceneGraph(builder, step)
@@ -109,7 +110,9 @@ def pushed_box(
 
 
 def _rigid(pair: float) -> ProximityProperties:
-    """Return the properties of what the box touches with the friction of the ``pair``."""
+    """Properties of the surface that touches the box, with the friction of the
+    ``pair``.
+    """
     out = ProximityProperties()
     AddRigidHydroelasticProperties(FINE, out)
     own = pair / (2.0 - pair)

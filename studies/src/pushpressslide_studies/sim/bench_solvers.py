@@ -1,4 +1,4 @@
-"""Allocation problems for Drake's solvers, as opponents in the benchmarks.
+"""Allocation problems for Drake's solvers, as contestants of the benchmarks.
 
 Each is one program; a call changes its wrench and, for presses, the radii of its discs.
 """
@@ -19,10 +19,10 @@ PRESS_SOLVERS = {"Clarabel": ClarabelSolver, "SCS": ScsSolver}
 def drake_pushes(
     name: str, grasp: Array, cones: Array, cost: Array
 ) -> Callable[[Array], Array | None]:
-    """Return a solver for the least f^T H f with G f = wrench and C f >= 0.
+    """A solver that minimises f^T H f with G f = wrench and C f >= 0.
 
     G (3, 4) is ``grasp``, C (4, 4) ``cones``, H (4, 4) ``cost``; ``name`` is a key of
-    PUSH_SOLVERS. The solver returns None where it fails.
+    PUSH_SOLVERS. The solver returns None if it fails.
     """
     program = MathematicalProgram()
     solver = PUSH_SOLVERS[name]()
@@ -34,7 +34,7 @@ def drake_pushes(
     program.AddQuadraticCost(2.0 * cost, np.zeros(4), forces)
 
     def solve(wrench: Array) -> Array | None:
-        """Return the forces (4,), or None."""
+        """Forces (4,), or None."""
         balance.UpdateCoefficients(grasp, wrench)
         result = solver.Solve(program)
         if not result.is_success():
@@ -47,10 +47,10 @@ def drake_pushes(
 def drake_presses(
     name: str, grasp: Array, friction: float
 ) -> Callable[[Array, Array], Array | None]:
-    """Return a solver for the least f^T f with G f = wrench and each force in its disc.
+    """A solver that minimises f^T f with G f = wrench and each force in its disc.
 
     G (3, 4) is ``grasp``; the disc's radius is ``friction`` times the normal force;
-    ``name`` is a key of PRESS_SOLVERS. The solver returns None where it fails.
+    ``name`` is a key of PRESS_SOLVERS. The solver returns None if it fails.
     """
     program = MathematicalProgram()
     solver = PRESS_SOLVERS[name]()
@@ -70,7 +70,7 @@ def drake_presses(
         )
 
     def solve(wrench: Array, normals: Array) -> Array | None:
-        """Return the forces (4,), or None."""
+        """Forces (4,), or None."""
         balance.UpdateCoefficients(grasp, wrench)
         for row, disc, normal in zip(rows, discs, normals, strict=True):
             disc.UpdateCoefficients(row, np.array([friction * normal, 0.0, 0.0]))

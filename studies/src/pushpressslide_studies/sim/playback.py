@@ -1,5 +1,7 @@
-"""A run in Drake once more, with its recorded torques: nothing is measured, decided or
-recorded. What that takes is the physics' share of a run.
+"""Playback of a run in Drake with its recorded torques: nothing is measured, decided or
+recorded.
+
+Its time is the physics' share of a run.
 """
 
 from __future__ import annotations
@@ -14,15 +16,15 @@ from pushpressslide.sim.station import Station
 
 
 class Playback(NamedTuple):
-    """What came of the recorded torques."""
+    """Result of a playback of recorded torques."""
 
     wall_time: float  # [s]
     object_pose: Array  # (7,) quaternion (w, x, y, z) and position [m] in the end
 
 
 def played_back(plan: Plan, record: Record, *, models: str = "generated") -> Playback:
-    """Simulate ``plan`` from its start with the torques of its ``record``; one that was
-    run to its end without a recovery.
+    """Simulate ``plan`` from its start with the torques of its ``record``, which must
+    have run to its end without a recovery.
     """
     motion = plan.query.motion
     station = Station(plan, models=models, time_step=motion.time_step)
