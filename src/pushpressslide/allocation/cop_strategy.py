@@ -61,7 +61,7 @@ def safe_loads(
 def least_loads(presses: TwoPresses, cop: Cop, twist: Twist) -> Point | None:
     """Smallest loads [N] of the left and right contact for ``twist``.
 
-    None if the cap, or any press, is not enough with that centre of pressure.
+    None if no loads up to the cap suffice with the given centre of pressure.
     """
     if isinstance(cop, str):
         loads = presses.in_ratio(cop, twist)
@@ -73,9 +73,9 @@ def least_loads(presses: TwoPresses, cop: Cop, twist: Twist) -> Point | None:
 
 
 def loads_with(presses: TwoPresses, cop: Cop, heavier: float) -> Point:
-    """Loads [N] whose larger one is ``heavier``.
+    """Loads [N] of the left and right contact, of which the larger one is ``heavier``.
 
-    The other is < 0 if that centre of pressure takes a pull.
+    The smaller one is < 0 if the centre of pressure can only be reached by a pull.
     """
     weight = presses.weight
     if isinstance(cop, str):

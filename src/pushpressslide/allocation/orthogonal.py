@@ -64,9 +64,9 @@ def _friction_factors(mu: float) -> tuple[float, float, float]:
 def friction_interval(
     fx: float, fy: float, tau: float, d: float, friction: float
 ) -> tuple[float, float]:
-    """Interval [N] of B's friction force u in which both cones are kept.
+    """Interval [N] of B's friction force u in which both forces are in their cones.
 
-    Reversed if empty.
+    If there is none, its lower end is above its upper end.
     """
     p = fx
     q = -fy
@@ -85,10 +85,11 @@ def friction_interval(
 def forces(
     fx: float, fy: float, tau: float, d: float, friction: float
 ) -> tuple[Point, Point]:
-    """Forces [N] of B and L with u = -T/2, clipped to its interval.
+    """Forces [N] of B and L for a feasible wrench, with u = -T/2 clipped to its
+    interval.
 
-    For a feasible wrench. u = -T/2 is the paper's symmetric split; it has the smallest
-    sum of squared friction forces.
+    u = -T/2 is the paper's symmetric split. It has the smallest sum of squared friction
+    forces.
     """
     low, high = friction_interval(fx, fy, tau, d, friction)
     t = tau / d
@@ -97,10 +98,10 @@ def forces(
 
 
 def least_drift(fx: float, fy: float, tau: float, d: float, friction: float) -> float:
-    """Smallest b >= 0 [N] that makes (fx + b, fy - b, tau) feasible: priority of the
-    moment.
+    """Smallest b >= 0 [N] that makes (fx + b, fy - b, tau) feasible: the moment has
+    priority over the force.
 
-    Inf if there is none: for a moment without friction.
+    Infinite if no b does, as for a moment without friction.
     """
     if friction > 1.0:
         return 0.0
@@ -196,9 +197,10 @@ def translation_radii(d: float, friction: float, rho: float) -> tuple[float, flo
     """Distances [m] of the turning centres under a force along one normal, for friction
     < 1.
 
-    With all friction at its limit: K (1 + mu^2) / (mu (1 + mu)) and K (1 + mu) / mu.
-    Under a force along +x both turn to the right, along -y to the left. The paper's
-    d_min and d_max stand for these. Inf without friction.
+    With all friction at its limit they are K (1 + mu^2) / (mu (1 + mu)) and K (1 + mu)
+    / mu. Under a force along +x the object turns to the right about both centres, under
+    one along -y to the left. They are the correct values of the paper's d_min and
+    d_max. Infinite without friction.
     """
     if friction == 0.0:
         return math.inf, math.inf

@@ -133,7 +133,7 @@ class TwoPresses:
     ) -> PressLoads:
         """Smallest loads in a ratio.
 
-        At the cap and "infeasible" if that is not enough.
+        If the cap does not suffice, the loads at the cap, with status "infeasible".
         """
         total = min(self._least_total(share, twist, gravity), self._max_total(share))
         return self.loads_for(self._shared(share, total), twist, gravity)
@@ -144,10 +144,11 @@ class TwoPresses:
         """Smallest loads for ``twist`` with the fraction ``share`` of the total load on
         the right contact.
 
-        "balanced" is one half. "left" and "right" put the centre of pressure as far to
-        that side as a turn on the spot allows. If that needs more than the cap, the
-        ratio with the smallest loads is taken, "projected". If this does too, it is
-        this ratio at the cap, "infeasible".
+        "balanced" is one half. "left" and "right" put the centre of pressure as near to
+        that contact as a turn on the spot allows. If the loads exceed the cap, the
+        ratio with the smallest loads is taken instead, with status "projected". If
+        these exceed it too, the loads are in this ratio at the cap, with status
+        "infeasible".
         """
         found = self.in_ratio(share, twist, gravity)
         if found.status != "ok":
@@ -160,9 +161,9 @@ class TwoPresses:
         """Smallest loads for ``twist`` with the centre of pressure at ``fraction`` in
         (0, 1) from the left to the right contact, along their line.
 
-        They are exact: no smaller loads within the cap do it. If that needs more than
-        the cap, or no press is enough, the result is as in ``for_share``. Without a
-        weight that presses, the two methods are the same.
+        They are exact: no smaller loads within the cap suffice. If they exceed the cap,
+        or no loads suffice, the result is as in ``for_share``. Without a weight that
+        presses on the support, the two methods are the same.
         """
         if self.weight == 0.0:
             return self.for_share(fraction, twist, gravity)
@@ -205,8 +206,8 @@ class TwoPresses:
     def for_least_press(self, twist: Twist, gravity: Point = (0.0, 0.0)) -> PressLoads:
         """Loads for ``twist`` in the ratio with the smallest total.
 
-        "infeasible" if none is enough. The ratio is the best of a grid, refined by
-        golden section.
+        The status is "infeasible" if no loads within the cap suffice. The ratio is the
+        best of a grid, refined by golden section.
         """
 
         def press(share: float) -> float:
@@ -274,7 +275,7 @@ class TwoPresses:
         return self.cap / max(share, 1.0 - share)
 
     def _shared(self, share: float | Side, total: float) -> Point:
-        """Both normals [N] of a sum, in a given ratio."""
+        """Normals [N] of both contacts, from their sum and ratio."""
         if isinstance(share, str):
             lighter = min(
                 self._least_of_side(share) * (self.weight + total), 0.5 * total
@@ -292,11 +293,12 @@ class TwoPresses:
 
 
 def _first_enough(surplus: Callable[[float], float], upper: float) -> float:
-    """Smallest total with surplus(total) >= 0, to ``EXACT`` of ``upper``.
+    """Smallest total with surplus(total) >= 0, to within ``EXACT`` times ``upper``.
 
-    Inf if there is none. ``surplus`` is nearly linear: false position (Illinois),
-    always with a bracket. It may fall again, if more press moves the centre of pressure
-    away from the turning centre; hence the ``TOPS``.
+    Infinite if no total suffices. ``surplus`` is nearly linear and is solved by false
+    position (Illinois), always within a bracket. It may decrease again when a larger
+    press moves the centre of pressure away from the turning centre, which is the reason
+    for ``TOPS``.
     """
     width = EXACT * upper
     low = width

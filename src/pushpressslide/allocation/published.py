@@ -63,11 +63,12 @@ def least_bias(fx: float, fy: float, tau: float, d: float, friction: float) -> f
 
 
 def unicycle_distances(d: float, friction: float, rho: float) -> tuple[float, float]:
-    """The paper's d_min and d_max [m], between which case 4 has its tracking points,
-    one left and one right.
+    """The paper's d_min and d_max [m], (1 -+ mu^2) K / mu^2, between which case 4 has
+    its tracking points.
 
-    (1 -+ mu^2) K / mu^2. The centres they stand for are
-    ``orthogonal.translation_radii``; both turn the same way. Inf without friction.
+    The paper has one tracking point to the left and one to the right. The distances
+    that are correct in their place are ``orthogonal.translation_radii``, for which both
+    centres turn the object the same way. Infinite without friction.
     """
     if friction == 0.0:
         return math.inf, math.inf

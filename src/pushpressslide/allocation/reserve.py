@@ -19,8 +19,8 @@ def reserving_allocator(
     rho: float,
     projection: Projection = "nearest",
 ) -> Allocator:
-    """The ``two_contact_allocator`` of the preferred friction utilisation if that gives
-    the wrench, otherwise that of the full friction.
+    """Allocator that uses ``two_contact_allocator`` with the preferred friction
+    utilisation if this gives the wrench, and with full friction otherwise.
     """
     preferred = two_contact_allocator(
         points, normals, margins.PREFERRED_USE * friction, rho

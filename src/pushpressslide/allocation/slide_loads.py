@@ -1,5 +1,5 @@
-"""Loads of two presses that lead an object along one twist, or the refusal of all loads
-(docs/mechanics.md, section 7).
+"""Loads with which two presses move an object along one twist, or the refusal if no
+loads do (docs/mechanics.md, section 7).
 """
 
 from __future__ import annotations

@@ -52,7 +52,9 @@ class ArmPlacements:
             arm.follow(path, attitude, period, frame)
 
     def prepare(self) -> PlacementPaths:
-        """A preparation of joint paths from the last measured postures."""
+        """Empty planner of placements and joint paths that starts from the last
+        measured postures.
+        """
         self._prepared = PlacementPaths(
             self._library, postures=self._postures(), within=self._within
         )

@@ -81,8 +81,11 @@ def stored(typingctx: Any, row: Any, values: Any) -> Any:
 
 @intrinsic
 def copied(typingctx: Any, target: Any, tables: Any, row: Any, likes: Any) -> Any:
-    """Copy a row's numbers from all tables into another row, one after the other. Each
-    table contributes as many as its member of ``likes`` has.
+    """Copy a row's numbers from all ``tables``, one table after the other, into another
+    row.
+
+    The number of values taken from each table is the width of the corresponding member
+    of ``likes``.
     """
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:

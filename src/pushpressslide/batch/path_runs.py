@@ -84,8 +84,8 @@ class PathRuns(NamedTuple):
         return out
 
     def _noise(self, rng: np.random.Generator) -> Array:
-        """Noise of the poses in a block of ticks (width, 3 ticks). Without noise one
-        row serves all.
+        """Noise of the poses in a block of ticks (width, 3 ticks). If the noise is
+        zero, a single row for all runs.
         """
         if not self.noise.any():
             return np.zeros((1, 3 * TOGETHER))

@@ -37,9 +37,9 @@ class Support:
 
 
 def ellipsoid_support(max_force: ArrayLike, rho: ArrayLike) -> Support:
-    """Supports on the ellipsoid: ``max_force`` (...) [N] mu_s N, ``rho`` (...) [m].
+    """Supports with an ellipsoidal limit surface of ``rho`` (...) [m].
 
-    Raises ValueError unless both are finite and > 0.
+    ``max_force`` (...) [N] is mu_s N. Raises ValueError unless both are finite and > 0.
     """
     force, length = figures(max_force, rho)
     check_positive(force, "max_force", "N")

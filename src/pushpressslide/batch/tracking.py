@@ -140,10 +140,11 @@ def holonomic(
     """Twists (..., 3) of V's origin, in V, that lead bodies along their paths, and a
     mask of those with a limited pull.
 
-    ``errors`` (..., 3): x, y [m] of the target pose in V and yaw [rad]; ``rates`` (...,
-    3): the path's twist there per metre of its metric, in the target pose's axes;
-    ``speed`` [m/s], ``decay`` [m], ``radius`` [m] of the metric, ``share`` and
-    ``steering_scale`` of the pull, all of any shape. As ``tracking.holonomic``.
+    ``errors`` (..., 3) are x, y [m] of the target pose in V and its yaw [rad].
+    ``rates`` (..., 3) are the path's twist at the target pose per metre of the path's
+    metric, in that pose's axes. ``speed`` [m/s], ``decay`` [m], ``radius`` [m] of the
+    metric, ``share`` and ``steering_scale`` of the pull have any shape. The law is
+    ``tracking.holonomic``.
     """
     rows, path, v, route, length, part, hold = figures(
         errors, rates, speed, decay, radius, share, steering_scale

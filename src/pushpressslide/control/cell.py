@@ -122,8 +122,8 @@ class Placements(Protocol):
     """Arm motions from one placement to the next."""
 
     def prepare(self) -> PlacementPlanner:
-        """An empty preparation of placements from the present state of the arms, in
-        place of all that are ahead.
+        """Empty planner that starts from the present state of the arms. Its placements
+        replace all that are still ahead.
         """
 
     def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
@@ -134,7 +134,7 @@ class TipsAlone:
     """Placements of tips without arms, which travel by themselves."""
 
     def prepare(self) -> PlacementPlanner:
-        """A preparation that accepts any plan."""
+        """Planner that accepts any plan."""
         return PlansAlone()
 
     def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:

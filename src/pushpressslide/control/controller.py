@@ -492,9 +492,11 @@ def _law(query: MotionQuery, execution: Execution, placement: Placement) -> Law:
 
 
 def _sunk(into: Insertion | None) -> float:
-    """Depth [m] below its place on top at which a pressing tip has slid off.
+    """Depth [m] below its planned height at which a pressing tip counts as slid off the
+    top.
 
-    An object that goes down into an opening takes its tips along.
+    Infinite during an insertion: an object that goes down into an opening takes its
+    tips along.
     """
     return margins.ARM.sunk if into is None else math.inf
 

@@ -49,8 +49,9 @@ class Replanner:
         self.queries = queries
 
     def believing(self, rho: float | None) -> Replanner:
-        """Replanner that believes ``rho`` [m] in place of a given one. The same one for
-        None.
+        """Replanner whose scenes have ``rho`` [m] in place of a given one.
+
+        The replanner itself if ``rho`` is None or no rho was given.
         """
         if rho is None or self.queries[0].scene.rho is None:
             return self
@@ -71,7 +72,9 @@ class Replanner:
         return fresh if _free(query, fresh) else ()
 
     def retry(self, segment: Segment, measured: Measured) -> tuple[Segment, ...]:
-        """Segments of a retry of a segment's goal. Empty if there is none."""
+        """Segments with which a goal is tried once more. Empty if the mode has no
+        retry, or its segments are not free.
+        """
         query = self.queries[segment.leg]
         mode = MODES[segment.mode]
         made = mode.retry(query, segment, measured)

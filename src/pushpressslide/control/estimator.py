@@ -121,8 +121,8 @@ class ObjectEstimator:
         )
 
     def _pose(self, state: EstimatorState, observation: Observation) -> Pose2:
-        """X_WG predicted from the motion since the last tick, corrected by the measured
-        pose. Not corrected if the camera missed it.
+        """X_WG predicted from the motion since the last tick and corrected by the
+        measured pose, unless the camera missed it.
         """
         measured = observation.pose
         before = state.X_WG

@@ -92,9 +92,7 @@ class Following(NamedTuple):
         return self.binding.segment.path.length - self.progress
 
     def begun(self, time: float) -> Following:
-        """The same with its motion started at a ``time`` [s], unless it was started
-        before.
-        """
+        """Copy whose motion starts at ``time`` [s], unless it was started before."""
         following = self
         if self.reference is None:
             reference = self.binding.segment
@@ -102,7 +100,7 @@ class Following(NamedTuple):
         return following if self.began is not None else following._replace(began=time)
 
     def delayed(self, passed: float) -> Following:
-        """The same, shifted ``passed`` [s] later."""
+        """Copy whose clock and reference start ``passed`` [s] later."""
         return self._replace(
             clock_start=self.clock_start + passed,
             reference_start=self.reference_start + passed,

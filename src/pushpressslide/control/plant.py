@@ -82,7 +82,7 @@ class Plant(Protocol):
         """Reason why the run cannot go on, or None."""
 
     def prepare(self) -> PlacementPlanner:
-        """An empty preparation from the present state of the arms."""
+        """Empty placement planner that starts from the present state of the arms."""
 
     def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
         """Go on with the next placement."""

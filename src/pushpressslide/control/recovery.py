@@ -55,12 +55,13 @@ def restart(
 def planned_anew(
     plan: Plan, restart_state: Restart, prepare: Callable[[], PlacementPlanner]
 ) -> Plan:
-    """Plan of the remaining task of ``plan``, in a preparation that ``prepare`` returns
-    empty.
+    """Plan for the remaining task of ``plan``, made by the empty placement planner that
+    ``prepare`` returns.
 
-    If the task's own mode and contacts lead nowhere, they are free. If the identified
-    parameters lead nowhere, the believed friction is used: an object that jams also
-    seems to drag. Raises InfeasibleTaskError if there is no plan.
+    If there is no plan with the task's own mode and contacts, they are chosen freely.
+    If there is none with the identified parameters either, the believed friction is
+    used, since a jammed object looks as if it had more friction. Raises
+    InfeasibleTaskError if there is no plan.
     """
     task = plan.task
     free = replace(restart_state, free=True)

@@ -434,9 +434,9 @@ class RunLoop:
         self.expected = self._expected(time)
 
     def _expected(self, time: float) -> float:
-        """Expected end [s] of the run, in a placement that starts at ``time``.
+        """Expected end [s] of the run if the present placement starts at ``time``.
 
-        Later approaches are assumed to last as long as its own.
+        Later approaches are assumed to take as long as the present one.
         """
         ahead = self.placements[self.number :]
         approach = self.approach.arrival - time
@@ -444,7 +444,9 @@ class RunLoop:
         return time + (approach + TOUCH_AND_RELEASE) * len(ahead) + motions
 
     def _hand_over(self, tick: Tick, measurement: Measurement) -> None:
-        """Start the next placement. Arms that keep their contact go on as commanded."""
+        """Start the next placement. Arms that keep their contact continue to execute
+        their last command.
+        """
         kept_arms = self.controller.kept_arms
         held_commands = tuple(
             command if i in kept_arms and isinstance(command, TipCommand) else None

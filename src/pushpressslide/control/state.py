@@ -172,10 +172,11 @@ def tip_position(
 
 
 def sunk(contact: Contact, tip: TipState, radius: float, max_depth: float) -> bool:
-    """Whether a ``tip`` of ``radius`` [m] that should press on top has slid off: it is
-    more than ``max_depth`` [m] below its height there.
+    """Whether a ``tip`` that should press on top has slid off: it is more than
+    ``max_depth`` [m] below its planned height.
 
-    Nothing holds it then: with more press it falls onto the support next to the object.
+    ``radius`` [m] is the tip's. Nothing supports it then, so that a larger press makes
+    it fall onto the support next to the object.
     """
     if contact.kind != "top":
         return False

@@ -107,7 +107,7 @@ class JointWatch:
 
 @dataclass(slots=True)
 class Stop:
-    """One stop: the level of each arm, and its commands there."""
+    """One stop: the level of each arm, and the commands at that level."""
 
     arms: Sequence[ArmLimits]
     began: float  # [s]

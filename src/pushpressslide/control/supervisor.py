@@ -100,7 +100,7 @@ class Supervisor:
         raise AssertionError("the last row always holds")
 
     def _watched(self, moment: Moment) -> Moment:
-        """The same with the stall watch updated."""
+        """The given moment with its stall watch updated."""
         still = self._still(moment.state, moment.instant)
         watches = moment.state.watches
         if still is not watches.still:
@@ -375,7 +375,11 @@ class Supervisor:
         return late > SEAT_TIME or (left <= margins.ARM.stop and rests)
 
     def _retry(self, state: ControllerState, instant: Instant) -> tuple[Segment, ...]:
-        """Segments of a retry that takes the object to its goal. Empty if it is there."""
+        """Segments of a retry that takes the object to its goal.
+
+        Empty if the object is already there, no retry is left, or the segments cannot
+        be followed in time.
+        """
         following = state.following
         query = self.placement.queries[following.segment.leg]
         off = share_of_tolerance(instant.X_WG, query.goal, query.tolerance)
@@ -394,10 +398,10 @@ class Supervisor:
         return fresh if self._can_follow(fresh, instant.time) else ()
 
     def _can_follow(self, segments: Sequence[Segment], time: float) -> bool:
-        """Whether ``segments`` started at ``time`` [s] end in time, near the planned
-        path.
+        """Whether ``segments`` started at ``time`` [s] end in time and stay near the
+        planned path.
 
-        Away from that path nobody has checked whether the arms can follow.
+        Away from the planned path, it has not been checked whether the arms can follow.
         """
         return self._in_time(segments, time) and (
             self.placement.reaches_far or self._is_near_plan(segments)
@@ -428,8 +432,8 @@ class Supervisor:
     def _next_segment(
         self, state: ControllerState, ahead: tuple[Segment, ...], instant: Instant
     ) -> ControllerState:
-        """Go on with the first of ``ahead``, from the object's pose, without letting
-        go.
+        """Continue with the first segment of ``ahead``, from the object's pose, without
+        letting go.
         """
         before = state.following
         planned = ahead[0]
@@ -466,8 +470,8 @@ class Supervisor:
         instant: Instant,
         estimates: ParameterEstimates,
     ) -> tuple[tuple[Segment, ...], Point, int]:
-        """The segments ``ahead`` from the object's pose, or the retry that takes their
-        place, the p_BCom [m] they are planned with, and the number of retries.
+        """Segments ``ahead`` adapted to the object's pose, or a retry in their place,
+        with the p_BCom [m] they are planned with and the number of retries.
         """
         X_WB = instant.X_WB
         following = state.following

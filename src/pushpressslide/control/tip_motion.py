@@ -255,14 +255,14 @@ def _turning(before: float, wanted: float, dt: float) -> tuple[float, float]:
 def _reseating_velocity(
     context: TipContext, hold: ContactKeeping, normal_force: float, speed: float
 ) -> Point:
-    """Velocity [m/s], along the support, that leads a pushing tip back to its contact.
+    """Velocity [m/s], along the support, that returns a pushing tip to its contact.
 
-    It leads along the face to the planned place, and on into a face that the tip
-    presses with less than ``hold.least``. ``normal_force`` [N] is measured; ``speed``
-    [m/s] is the tip's speed without this correction. The servo follows the wanted
-    twist. If the object turns otherwise, the friction of a lightly loaded tip cannot
-    hold it against the servo. A tip that sticks turns the object while it moves back:
-    hence the correction is limited to a fraction of its speed.
+    It moves the tip along the face to the planned place, and into a face on which the
+    tip presses with less than ``hold.least``. ``normal_force`` [N] is measured;
+    ``speed`` [m/s] is the tip's speed without this correction. The servo follows the
+    wanted twist. If the object turns differently, the friction of a lightly loaded tip
+    cannot hold the tip against the servo. A tip that sticks turns the object while it
+    moves back. The correction is therefore limited to a fraction of its speed.
     """
     nx, ny, _ = context.contact.direction(context.X_WB)
     x, y = context.X_WB.apply(hold.place)

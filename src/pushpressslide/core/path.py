@@ -84,7 +84,7 @@ class ArcPath:
     def pose(self, s: float) -> Pose2:
         """Pose at arc length ``s`` [m].
 
-        Outside [0, length] the path goes on straight.
+        Outside [0, length] the path continues straight.
         """
         if s < 0.0 or not self.sections:
             return advance(self.start, 0.0, s)

@@ -158,7 +158,7 @@ class Choice:
 
     @property
     def reason(self) -> str:
-        """One line: the summary of the choice, or the number that decides against it."""
+        """Label of the choice, with its summary or its refusal, in one line."""
         text = self.summary if self.refusal is None else str(self.refusal)
         return f"{self.label}: {text}" if self.label and text else self.label or text
 
@@ -175,7 +175,7 @@ class Choice:
         return self.segments[0].cone_margin if self.segments else None
 
     def __repr__(self) -> str:
-        """One line."""
+        """Mode, verdict, time and reason, in one line."""
         time = "" if self.time is None else f", {self.time:.1f} s"
         return f"Choice({self.mode}: {self.verdict}{time}; {self.reason})"
 

@@ -53,10 +53,10 @@ class Refusal:
 
 
 class _Unknown:
-    """A number that a refusal's text names and its data lack."""
+    """Stand-in for a number that a refusal's text names but its data do not contain."""
 
     def __format__(self, form: str) -> str:
-        """The same word for any unit."""
+        """The word "unknown", for any unit."""
         return "unknown"
 
 

@@ -25,7 +25,7 @@ Joints = tuple[float, ...]  # [rad] of one arm
 
 @dataclass(frozen=True, slots=True)
 class HeldContacts:
-    """The contacts of a mode, with any loads."""
+    """Mode and contacts that are held, whatever the loads of the contacts."""
 
     mode: str
     contacts: tuple[Contact, ...]  # without loads

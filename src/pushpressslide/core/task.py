@@ -76,7 +76,7 @@ class BodyGoal:
 
 @dataclass(frozen=True, slots=True)
 class Restart:
-    """State and beliefs from which a task goes on after a recovery."""
+    """State and beliefs from which a task is continued after a recovery."""
 
     state: WorldState  # as seen
     leg: int  # of the task, that is not done
@@ -280,7 +280,7 @@ class Task:
         return (believed.x - x, believed.y - y)
 
     def resumed(self, restart: Restart) -> Task:
-        """The task as it goes on from ``restart``. The goals of completed legs are the
+        """The remaining task after ``restart``. The goals of completed legs are the
         poses at which the object was left.
         """
         belief = replace(

@@ -149,7 +149,7 @@ class TwistPath:
     def pose(self, s: float) -> Pose2:
         """Pose at arc length ``s`` [m].
 
-        Beyond the ends of the path the motion goes on with the twist there.
+        Beyond either end, the path continues with the twist at that end.
         """
         if not self.sections:
             return self.start

@@ -77,7 +77,9 @@ class ArmDynamics:
 
 
 class PostureShare(NamedTuple):
-    """Part of the joint motion that is left to the posture, at ``q``."""
+    """Part of the joint motion that the posture's impedance controls, at the joint
+    positions ``q``.
+    """
 
     q: Array  # (n,) [rad]
     unfelt: Array  # (n, n) of a torque, see ``execution.torque.Unfelt``
@@ -305,13 +307,13 @@ class ArmExecutor:
         command: TipCommand,
         velocity: Vector3,
     ) -> None:
-        """Add a wrench to the ``total`` one (6,), world axes, that brings the tip to
-        its reference's velocity within ``SERVO_TIME``.
+        """Add to the ``total`` wrench (6,), in world axes, a wrench that brings the tip
+        to its reference's velocity within ``SERVO_TIME``.
 
-        ``inertia`` (6, 6) is the tip's, ``velocity`` [m/s] its own velocity,
-        ``damping`` [N s/m] the damper's. Together with the damper's force the wrench is
-        inside the servo's cap. Zero along axes that the damper alone settles within
-        that time. Only for tips without stiffness.
+        Only for tips without stiffness. ``inertia`` (6, 6) and ``velocity`` [m/s] are
+        those of the tip, ``damping`` [N s/m] that of the damper. Together with the
+        damper's force, the added wrench stays within the servo's cap. It is zero along
+        axes on which the damper alone reaches that velocity in time.
         """
         # wrenches (6, 2) of accelerations along x and y, and their forces (2, 2) there
         if self._flat:

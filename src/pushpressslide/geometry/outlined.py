@@ -127,10 +127,10 @@ class Outlined(Shape):
 
     @cached_property
     def breadth(self) -> float:
-        """Width [m] of the footprint's narrow part.
+        """Width [m] of the narrow part of the footprint.
 
-        It is four times its area over its perimeter, as of a square, or the width of
-        its bounding rectangle.
+        The smaller of the width of its bounding rectangle and four times its area over
+        its perimeter, which for a square is its side.
         """
         whole = self.hull.breadth
         if self.convex:
@@ -247,8 +247,10 @@ def _edge_place(index: int, edge: Edge, clearance: float, origin: Point) -> Side
 def _arc_places(
     index: int, arc: Arc, clearance: float, origin: Point
 ) -> list[SidePlace]:
-    """Places in the standard directions of a full circle. The middle of an arc that
-    contains none of them.
+    """Contact places on an arc, at each standard direction of a full circle that the
+    arc contains.
+
+    If it contains none, the place is its middle.
     """
     step = 2.0 * math.pi / ROUND_SIDES
     if arc.whole:

@@ -51,9 +51,9 @@ def turns(polygon: tuple[Point, ...]) -> list[float]:
 
 
 def without_straight_corners(polygon: tuple[Point, ...]) -> tuple[Point, ...]:
-    """Corners without those at which the border goes straight on.
+    """Polygon without the corners at which its border does not turn.
 
-    A corner at which it turns back stays.
+    A corner at which the border reverses its direction stays.
     """
     while len(polygon) > 3:
         straight = [abs(turn) < STRAIGHT for turn in turns(polygon)]

@@ -115,7 +115,8 @@ Side = FlatSide | RoundSide
 def on_arc(arc: tuple[float, float], direction: Point) -> bool:
     """Whether a direction from the centre of an arc meets the arc.
 
-    ``arc`` is the angle [rad] of its first point, and its extent from there.
+    ``arc`` holds the angle [rad] of the arc's first point, and the angle [rad] that the
+    arc covers from that point on.
     """
     start, sweep = arc
     after = math.atan2(direction[1], direction[0]) - start

@@ -48,8 +48,8 @@ def united(borders: Sequence[Border]) -> Border:
 
 
 def bordered(whole: Polygon, arcs: Sequence[Arc] = ()) -> Border:
-    """Border of a polygon without holes, in which chords of ``arcs`` stand for the
-    arcs.
+    """Border of a polygon without holes, with chords replaced by the ``arcs`` that they
+    approximate.
 
     The first side is chosen as in ``united``.
     """

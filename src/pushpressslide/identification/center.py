@@ -1,14 +1,13 @@
-"""Online identification of the centre of mass of an object that one contact moves,
-across the line to the contact, from measured poses alone (docs/mechanics.md, sections 2
-to 4).
+"""Online identification of the centre of mass of an object moved by one contact, across
+the line to the contact (docs/mechanics.md, sections 2 to 4).
 
-Under any turn, the virtual axle does not move across the heading. A displaced centre of
-mass turns the whole pattern of motions, and the heading, with the line from it to the
-contact. With the velocity of B's origin along and across the planned heading, the turn
-rate w, the axle's coordinate a on the heading and the angle u by which the line is
-turned,
+It uses measured poses alone. In any turn, the virtual axle has no velocity across the
+heading. If the centre of mass is displaced, the line from it to the contact is turned
+by an angle u, and the heading and the whole pattern of motions are turned with it. With
+the velocity of B's origin along and across the planned heading, the turn rate w, and
+the axle's coordinate a on the heading,
     across = tan(u) along - a w.
-Straight motion determines u, with no force and no model of the friction. A turn
+Straight motion determines u, without forces or a model of the friction. A turn
 determines a, or u to the accuracy of a.
 """
 

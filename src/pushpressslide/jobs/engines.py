@@ -179,7 +179,7 @@ ENGINES: Mapping[str, Engine] = {
 
 
 def engine_named(name: str) -> Engine:
-    """Engine of that name.
+    """Engine with the given name.
 
     Raises PushPressSlideError for an unknown one, and MissingPackageError for one that
     is not installed.

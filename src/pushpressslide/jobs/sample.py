@@ -119,8 +119,8 @@ def _knock(options: SweepOptions, index: int) -> Knock | None:
 
 
 def run_forced(task: Task, options: SweepOptions, index: int, rank: int) -> Row:
-    """Run the choice of that rank of a refused sample. Return its row: reached, missed,
-    or not run, with the reason.
+    """Run the choice of the given ``rank`` of a refused sample. Return its row:
+    reached, missed, or not run, with the reason.
     """
     row: Row = {"index": index, "rank": rank}
     try:

@@ -235,8 +235,8 @@ def uncertain_task(known: Task, index: int, seed: int) -> Task:
 
 
 def _arms(base: Task) -> int:
-    """Number of arms that tasks are drawn for: as many as may touch the object, or as
-    the modes named by ``base`` need.
+    """Number of arms that tasks are drawn for: that of all arms that may touch the
+    object, or fewer if the modes named by ``base`` need fewer.
     """
     most = len(base.scene.arms)
     return min(most, max((MODES[name].arms for name in base.modes or ()), default=most))

@@ -226,7 +226,7 @@ class _CompleteSamples:
 
     @property
     def done(self) -> int:
-        """Number done of those requested."""
+        """Number of requested samples, or attempts, that are done."""
         return self.attempted if self._options.attempts else self.number
 
 

@@ -156,11 +156,12 @@ def centre_line(circles: Circles, dx: float, dy: float) -> Vector:
 
 @kernel
 def inner_tangent(dx: float, dy: float, both: float) -> Pose:
-    """Straight part [m] of the inner tangent of two circles, < 0 if there is none, the
-    direction between the centres, and the angle [rad] from there to the tangent.
+    """Length [m] of the inner tangent of two circles, direction [rad] between their
+    centres, and angle [rad] from there to the tangent.
 
-    The distance of the centres is the straight part along the tangent, and ``both``
-    radii across it.
+    The length is < 0 if there is no tangent. ``both`` [m] is the sum of the radii:
+    together with the tangent as the other leg, it spans the distance (``dx``, ``dy``)
+    [m] between the centres.
     """
     square = dx * dx + dy * dy - both * both
     if not square >= -(ROUND_OFF * both) * both:

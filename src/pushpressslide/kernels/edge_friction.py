@@ -122,7 +122,7 @@ def center_of_rotation(vx: float, vy: float, w: float, plane: Plane) -> Center:
 
 @kernel
 def over_edges(edges: Edges, center: Center, sloped: bool) -> tuple[Forces, Stretches]:
-    """Sums over the edges. Without ``sloped`` those of the slope are zero."""
+    """Sums over the edges. Unless ``sloped``, the sums for the slope are zero."""
     reach = 0.0
     work = 0.0
     gx = 0.0

@@ -54,8 +54,10 @@ Along = tuple[float, float, float, float, float, float]
 def velocity_of_sample(
     twist: Twist, x: Column, y: Column, turning: Column
 ) -> tuple[Column, Column, Column]:
-    """Velocity of a sample and its speed, including ``turning``, the square of its
-    speed about itself.
+    """Components of a sample's velocity, and its speed.
+
+    The speed includes the rotation of the sample about its own centre: ``turning`` is
+    the square of that speed.
     """
     vx, vy, w = twist
     px = vx - w * y

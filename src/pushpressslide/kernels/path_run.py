@@ -142,7 +142,7 @@ def ticked(
 
 @kernel
 def ending(progress: float, left: float, parted: bool, path_data: Course) -> float:
-    """Status of a run: how it ended, or that it goes on."""
+    """Status of a run: the way in which it ended, or that it is under way."""
     if abs(left) > path_data[5]:
         return ASTRAY
     if parted:

@@ -63,7 +63,9 @@ def carried(pose: Pose, rate: Rate, length: float) -> Pose:
 
 @kernel
 def carried_from(axis: Vector, pose: Pose, rate: Rate, length: float) -> Pose:
-    """The same for a pose whose axis is known."""
+    """Pose after ``length`` [m], or [s], at a constant body twist, for a pose with a
+    known heading vector ``axis``.
+    """
     angle = rate[2] * length
     path = chord(rate, length, sin(angle), sin(0.5 * angle))
     dx, dy = from_axis(axis, path)

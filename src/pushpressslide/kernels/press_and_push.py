@@ -116,7 +116,9 @@ def shared(
 
 @kernel
 def with_side(low: float, high: float, slack: float, slope: float) -> Vector:
-    """Part of an interval of s in which slack + slope s >= 0. Reversed if it is empty."""
+    """Part of an interval of s in which slack + slope s >= 0. If there is no such part,
+    its lower end is above its upper end.
+    """
     if slope > 0.0:
         return max(low, -slack / slope), high
     if slope < 0.0:
@@ -128,8 +130,10 @@ def with_side(low: float, high: float, slack: float, slope: float) -> Vector:
 
 @kernel
 def least_along(low: float, high: float, middle: float, tolerance: float) -> float:
-    """Smallest push component along the line, in [low, high], that is within
-    ``tolerance`` of ``middle``. The nearest to that if there is none.
+    """Smallest component of the push along the line, in [low, high], that is within
+    ``tolerance`` of ``middle``.
+
+    If no component in the interval is that close, the one nearest to ``middle``.
     """
     lower = max(low, middle - tolerance)
     upper = min(high, middle + tolerance)

@@ -78,8 +78,8 @@ def pushed(velocity: Vector, contact: Contact) -> Push:
     """Motion of a body under a pusher with a velocity [m/s].
 
     Inside the motion cone the contact sticks. Outside, the force stays on the edge of
-    the friction cone and the normal velocity is kept. With no velocity into the body,
-    or one that is not finite, it separates.
+    the friction cone and the normal velocity is kept. The pusher separates from the
+    body if its velocity is not into the body, or is not finite.
     """
     lever, normal, friction, rho = contact
     approach = velocity[0] * normal[0] + velocity[1] * normal[1]

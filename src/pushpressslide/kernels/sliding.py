@@ -228,7 +228,8 @@ def ended(
     support: Support,
     laws: Laws,
 ) -> tuple[bool, Triple]:
-    """Whether there is balance near ``twist``, and the twist there.
+    """Whether force and friction balance near ``twist``, and the twist at which they
+    do.
 
     One step of Newton's method led to ``twist`` from a force of some size [N]. If the
     contacts keep their status, one more step with the same slope reduces the remaining

@@ -39,8 +39,10 @@ def on_ellipsoid(
 
 @kernel
 def scaled(friction: Friction, limit: float, rho: float) -> Friction:
-    """Wrench and slope for twists (v_x, v_y, w) from those, over ``limit`` [N], for
-    twists (v_x, v_y, rho w).
+    """Wrench and slope for twists (v_x, v_y, w), from the dimensionless ``friction``.
+
+    ``friction`` holds the wrench and slope for twists (v_x, v_y, rho w), divided by
+    ``limit`` [N].
     """
     fx, fy, tau, xx, xy, xw, yy, yw, ww = friction
     arm = limit * rho

@@ -268,7 +268,9 @@ def capped(wrench: Wrench, linear: Linear, rest: Rest) -> Two:
 
 @kernel
 def bounded(low: float, high: float, slack: float, slope: float) -> Vector:
-    """Part of an interval of d in which slack + slope d >= 0. Reversed if it is empty."""
+    """Part of an interval of d in which slack + slope d >= 0. If there is no such part,
+    its lower end is above its upper end.
+    """
     if slope > 0.0:
         return max(low, -slack / slope), high
     if slope < 0.0:

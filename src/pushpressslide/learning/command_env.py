@@ -193,7 +193,9 @@ class CommandEnv(gymnasium.Env):
 
 
 def _lone(plan: Plan) -> Plan:
-    """The plan, if it has one placement. Raises InfeasibleTaskError for another."""
+    """The given plan, which must have one placement. Raises InfeasibleTaskError if it
+    has more.
+    """
     if len(plan.placements) > 1:
         count = len(plan.placements)
         raise InfeasibleTaskError(f"{plan.task.name}: takes {count} placements, not 1")

@@ -66,9 +66,8 @@ class _Episode(NamedTuple):
 
 
 def read_demonstrations(path: Path) -> Demonstrations:
-    """Demonstrations from a file of ``Demonstrations.write``.
-
-    Raises PushPressSlideError for another file.
+    """Demonstrations from a file written by ``Demonstrations.write``. Raises
+    PushPressSlideError for any other file.
     """
     try:
         with np.load(path, allow_pickle=False) as archive:

@@ -22,9 +22,10 @@ def checked_mode(mode: str | None) -> str | None:
 
 
 def start_asked(options: Mapping[str, Any] | None, count: int) -> Array | None:
-    """Starts (count, 3) X_WG in a reset's options. None if there are none.
+    """Starts (count, 3) X_WG in a reset's options. None if the options contain no
+    starts.
 
-    Raises ValueError for another option than ``start``.
+    Raises ValueError for any option except ``start``.
     """
     for name in options or {}:
         if name != "start":

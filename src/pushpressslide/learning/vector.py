@@ -49,7 +49,8 @@ class PushVectorEnv(VectorEnv):
     ) -> None:
         """Prepare ``num_envs`` objects of a task.
 
-        Raises MissingPackageError without numba, and TaskError for another task.
+        Raises MissingPackageError without numba, and TaskError for a task that is not
+        one push.
         """
         if fast.installed() is None:
             raise MissingPackageError(SLOW)

@@ -45,9 +45,9 @@ def turnings(
 ) -> list[Turning]:
     """Turning motion of the object under each of ``pushes`` at ``height`` [m].
 
-    The load is the one that the push itself shifts; ``mu`` is that of the pair
-    object/support. Raises ValueError if the object tips, and for a force through the
-    CoM, which does not turn it.
+    The pressure under the object is shifted by the push itself. ``mu`` is the friction
+    of the pair object/support. Raises ValueError if the object tips, and for a force
+    through the CoM, which does not turn it.
     """
     if any(push.left == 0.0 and push.slope == 0.0 for push in pushes):
         raise ValueError("a force through the CoM does not turn the object")

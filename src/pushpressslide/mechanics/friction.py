@@ -83,8 +83,8 @@ def push_outcome(
     """Motion of the object under a pusher at ``contact`` [m] with ``velocity`` [m/s].
 
     Inside the motion cone the contact sticks. Outside, the force stays on the edge of
-    the friction cone and the normal velocity is kept. With no velocity into the object
-    it separates. ``normal`` is the unit inward normal.
+    the friction cone and the normal velocity is kept. The pusher separates from the
+    object if its velocity is not into the object. ``normal`` is the unit inward normal.
     """
     cop = surface.center
     rho = surface.rho

@@ -26,8 +26,8 @@ from pushpressslide.mechanics.checks import check_force, check_rho
 
 @dataclass(frozen=True, slots=True)
 class DraggedSurface:
-    """Surface fx^2 + fy^2 + (tau/rho)^2 = max_force^2 about ``center``. The CoP is lift
-    F / max_force from there.
+    """Surface fx^2 + fy^2 + (tau/rho)^2 = max_force^2 about ``center``. The CoP is
+    displaced from ``center`` by lift F / max_force.
     """
 
     max_force: float  # [N] mu_s N > 0

@@ -1,11 +1,11 @@
 """A flat finger that pushes a face: the object sticks to it, slips along it, or turns
-off it.
+away from it.
 
-Source: studies/docs/stable-push.md; Lynch and Mason, "Stable pushing", 1996. While the
-object moves with the finger its twist is given, so that its wrench is the one on the
-exact limit surface. The finger can give it if the wrench is in the cone spanned by the
-friction cones at both of its ends. All forces of the finger act on one line, so that
-this means: the resultant is inside the friction cone, and acts between the ends.
+Source: studies/docs/stable-push.md; Lynch and Mason, "Stable pushing", 1996. As long as
+the object moves with the finger, its twist is known, and so is the wrench on the exact
+limit surface. The finger can exert this wrench if it is in the cone spanned by the
+friction cones at both of its ends. All forces of the finger act on one line, so the
+condition is that the resultant is inside the friction cone and acts between the ends.
 """
 
 from __future__ import annotations

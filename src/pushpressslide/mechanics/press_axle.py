@@ -76,8 +76,8 @@ class Press:
 
     @property
     def shift(self) -> float:
-        """Displacement [m] of the CoP along the force by straight drag at the top: h
-        mu_s.
+        """Displacement h mu_s [m] of the CoP along the force when a force at the top
+        drags the object straight.
         """
         return self.body.shape.height * self.friction
 
@@ -105,10 +105,10 @@ class Press:
         )
 
     def twist(self, angle: float) -> Twist:
-        """Twist of B's origin under a force at ``angle`` [rad], on the exact surface.
+        """Twist of B's origin under a force at ``angle`` [rad], on the exact surface,
+        or on the ellipsoid if ``rho`` is given.
 
-        On the ellipsoid if ``rho`` is given. Only its direction counts. Raises
-        ValueError if the object tips.
+        The twist has an arbitrary magnitude. Raises ValueError if the object tips.
         """
         if self.rho is not None:
             return self._ellipsoid_twist(self.rho, angle)
@@ -145,13 +145,14 @@ class Press:
         return at[0] * self.axis[0] + at[1] * self.axis[1]
 
     def steered(self, angle: float, backward: bool) -> tuple[float, float]:
-        """Position of the virtual axle on the heading axis and the effective wheelbase
+        """Position of the virtual axle on the heading axis, and effective wheelbase
         [m].
 
-        The axle is ahead of the CoM. Both are means over forces to the left and to the
-        right. ``angle`` in [0, pi/2) is from the direction of motion: along the axis,
-        or ``backward`` against it. Near zero exact to first order: x_cop +- h mu -
-        rho_x^2 / d. Raises ValueError if the object tips.
+        The axle is ahead of the CoM. Both values are means over a force to the left and
+        one to the right. ``angle`` in [0, pi/2) is measured from the direction of
+        motion, which is along the axis, or against it if ``backward``. Near zero the
+        position is x_cop +- h mu - rho_x^2 / d, exact to first order. Raises ValueError
+        if the object tips.
         """
         sign = -1.0 if backward else 1.0
         if angle < STRAIGHT_FACE:

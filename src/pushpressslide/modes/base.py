@@ -310,8 +310,8 @@ class Mode(ABC, Generic[D]):
 def straight_time(
     start: Pose2, goal: Pose2, center: Point, radius: float, motion: Motion
 ) -> float:
-    """Time [s] of a contact's straight path between two poses X_WG of an object with
-    its ``center`` of mass [m] in G.
+    """Minimum time [s] in which a contact can move straight between two poses X_WG of
+    an object with its ``center`` of mass [m] in G.
 
     ``radius`` [m] is the largest distance of a contact from the centre.
     """
@@ -368,8 +368,10 @@ def search(
 
 
 def _may_hold(candidate: Candidate | Choice, held_contacts: Sequence[Contact]) -> bool:
-    """Whether a candidate may have a choice with the contacts ``held_contacts``, by any
-    arms. True for a choice that stands for all placements.
+    """Whether a candidate may have a choice with the contacts ``held_contacts``,
+    whichever arms make them.
+
+    True for a choice without contacts, which represents all placements.
     """
     if not candidate.contacts:
         return True
@@ -378,8 +380,9 @@ def _may_hold(candidate: Candidate | Choice, held_contacts: Sequence[Contact]) -
 
 
 def in_arms(choice: Choice, assigned: Iterable[Sequence[int]]) -> list[Choice]:
-    """One choice for each assignment of its contacts in ``assigned``. The choice
-    itself, refused, if there is none.
+    """One choice for each assignment of its contacts in ``assigned``.
+
+    Without assignments, the choice itself with a refusal.
     """
     return [_with_arms(choice, arms) for arms in assigned] or [choice.refused(CROSSING)]
 
@@ -453,7 +456,7 @@ def arms_refusal(
 ) -> Refusal | None:
     """Refusal of the path of a choice by time, workspace or reach of the tips, or None.
 
-    With ``quick``, by the tables alone.
+    With ``quick``, reach is looked up in the tables alone.
     """
     limit = limits.time
     if not choice.segments:

@@ -160,7 +160,9 @@ class ParallelPush(TwistPushes):
         return [choice.refused(Refusal("no_path", literal("; ".join(reason))))]
 
     def _as_car(self, query: MotionQuery, choice: Choice, car: PushedCar) -> Choice:
-        """Choice of a push as a car. Raises ValueError if there is none."""
+        """Choice of a push as a car. Raises ValueError if the car has no path to the
+        goal.
+        """
         curvature = query.motion.curvature_margin * car.tightest
         path = car_path(query, car, curvature)
         tightest = max((abs(k) for k, _ in path.sections), default=0.0)

@@ -230,8 +230,8 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     ) -> CenterIdentifier | None:
         """Online identifier of the CoM across the line to the contact.
 
-        None for a spin, for a press at the CoM, and if rho was given: its error may
-        exceed what the identifier tolerates.
+        None for a spin, for a press at the CoM, and for a given rho, the error of which
+        may exceed the identifier's tolerance.
         """
         drive = self.drive_of(segment)
         (contact,) = segment.contacts
@@ -442,7 +442,7 @@ class _MeasuredLeg(NamedTuple):
 def _seen_from(
     query: MotionQuery, segments: Sequence[Segment], measured: Measured
 ) -> _MeasuredLeg:
-    """The same with B at the identified CoM."""
+    """Query, segments and measured state with B moved to the identified CoM."""
     x, y = measured.estimates.center
     back = (-x, -y)
     scene = query.scene
@@ -509,7 +509,9 @@ allocator = MODE.allocator
 def _those_held(
     contacts: tuple[Contact, ...], held_contacts: Sequence[Contact] | None
 ) -> tuple[Contact, ...]:
-    """The places that are ``held_contacts``, or all if it is None."""
+    """The contacts among ``contacts`` that are ``held_contacts``. All of them if
+    ``held_contacts`` is None.
+    """
     if held_contacts is None:
         return contacts
     points = [contact.point for contact in held_contacts]

@@ -69,7 +69,11 @@ class RearPush(Mode[RearSteerDrive]):
         ]
 
     def least_time(self, query: MotionQuery) -> float:
-        """Time [s] of the shortest path of any face's car, at full speed."""
+        """Time [s] at full speed along the shortest path that the car of any face can
+        drive.
+
+        Infinite if no face has a car.
+        """
         lengths = [
             shortest_length(query.body_ends, drive)
             for fitted in fitted_faces(query.scene, query.motion)

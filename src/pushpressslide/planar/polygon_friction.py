@@ -16,9 +16,11 @@ from pushpressslide.planar.support_friction import Matrix, Vector
 
 
 class PolygonFriction:
-    """Wrench that slides the object, about the centre of pressure.
+    """Friction under a polygonal base: the wrench that slides the object, about the
+    centre of pressure.
 
-    It falls to zero with a speed below ``CREEP`` (docs/mechanics.md, section 1.3).
+    At speeds below ``CREEP`` the wrench decreases to zero with the speed
+    (docs/mechanics.md, section 1.3).
     """
 
     def __init__(self, face: FacePressure) -> None:

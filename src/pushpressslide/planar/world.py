@@ -103,11 +103,12 @@ class _Reach(NamedTuple):
 class World:
     """True state of a task's object on its support, and of the tips.
 
-    The object has no inertia and the tips no mass: a tip exerts the force that its
-    command demands at its velocity. The cap of its servo, which is for an arm's
-    inertia, plays no role here. A tip touches in a point; its friction acts in the
-    plane. The object passes through obstacles, except for a fixed one on a wall, which
-    carries the object standing on it. An object level with an opening rests in it.
+    The object has no inertia and the tips have no mass: at its velocity, a tip exerts
+    the force demanded by its command. The cap of the tip's servo is ignored, since it
+    serves to limit the effect of an arm's inertia. A tip touches at a point, and its
+    friction acts in the plane. The object passes through obstacles, except for a fixed
+    one on a wall, which carries the object standing on it. An object level with an
+    opening rests in it.
     """
 
     def __init__(self, task: Task, contacts: Sequence[Contact], dt: float) -> None:

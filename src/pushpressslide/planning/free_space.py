@@ -43,8 +43,8 @@ Bounds = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class FreeSpace:
-    """Free poses of a footprint: ``clearance`` [m] off all polygons, and its frame
-    within ``bounds`` [m].
+    """Free poses of a footprint: at least ``clearance`` [m] away from all polygons,
+    with its frame within ``bounds`` [m].
 
     The bounds are x_min, x_max, y_min, y_max. The footprint's ``center`` [m] in G stays
     in a region of W.

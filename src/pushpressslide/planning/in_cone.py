@@ -115,8 +115,10 @@ def _inside(path: TwistPath, exact: Margin) -> bool:
 def resume_path(
     start: Pose2, goal: Pose2, cone: Cone, radius: float, longest: float
 ) -> TwistPath | None:
-    """Shortest path that keeps the planning margin to the cone, or failing that the
-    smaller replanning margin. None if there is none.
+    """Shortest path that keeps the planning margin to the cone, or at least the smaller
+    replanning margin.
+
+    None if there is no path with either margin.
     """
     paths = chain.from_iterable(
         paths_in_cone(start, goal, cone, inside, radius, longest)

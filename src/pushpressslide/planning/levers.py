@@ -29,7 +29,7 @@ def levers(
     """Places to push that turn the object to ``side`` (1 left, -1 right) about
     ``pivot`` [m] in B, the longest lever first.
 
-    Only those of the face with index ``face`` if that is given.
+    With ``face``, only places on the face with that index.
     """
     body = scene.body
     inset = scene.inset

@@ -79,7 +79,7 @@ def pushable(scene: Scene, index: int | None = None) -> list[Face]:
     """Faces of the object that the tips can touch, with contacts clear of their
     corners.
 
-    Only those with ``index`` if that is given.
+    With ``index``, only the face with that index.
     """
     found = faces(scene.body, scene.inset, scene.tip_radius)
     return [face for face in found if index in (None, face.index)]

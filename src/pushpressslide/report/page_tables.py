@@ -287,7 +287,7 @@ def _grouped_rows(
 
 
 def _asked(result: Mapping[str, Any], row: Row) -> str:
-    """Requested or planned value of a figure. Empty if there is none."""
+    """Requested or planned value of a figure. Empty if the figure has no such value."""
     key = ASKED.get(row.key, "")
     if lookup(result, key) is None:
         return ""

@@ -152,8 +152,9 @@ def path_errors(body: ObjectModel, record: Record) -> Array:
 def timed_errors(record: Record) -> tuple[Array, Array, Array]:
     """Time [s], position error [m] and signed yaw error [rad], all (N,).
 
-    The errors are against the first plan at the same time, whose clock starts at the
-    first touch of each placement. They are NaN before it and after the motion.
+    The errors are deviations from the pose that the first plan has at the same time.
+    The plan's clock starts at the first touch of each placement. Errors are NaN before
+    the motion and after it.
     """
     offset = record.arrays["object_pose"] - record.arrays["reference_pose"]
     moving = contact_phase(record)

@@ -154,8 +154,8 @@ def _mean(results: Sequence[Figures], name: str, power: float) -> float | None:
 
 
 def _bodies(task: Task, runs: Sequence[StageRun]) -> dict[str, Any]:
-    """Final pose and displacement of every body; for those with a goal also the goal
-    and the errors there.
+    """Final pose and displacement of every body. For bodies with a goal also the goal
+    and the errors at it.
     """
     goals = {goal.body: goal.pose for goal in task.goals}
     first = start_state(task).with_body_at(OBJECT, task.true_start)

@@ -50,7 +50,9 @@ class Reach:
     q: Array  # (m, n) posture of that margin
 
     def replaced(self, rows: NDArray[np.intp], other: Reach) -> Reach:
-        """The same with ``rows`` taken from ``other``, which has only those."""
+        """Copy with the entries at ``rows`` replaced by those of ``other``, which has
+        no other entries.
+        """
         ok = self.ok.copy()
         joint_margin = self.joint_margin.copy()
         miss = self.miss.copy()

@@ -59,7 +59,9 @@ class _Table:
             self._known[k] = True
 
     def _line(self, lean: int) -> tuple[NDArray[np.bool_], Array]:
-        """Reach straight ahead, and the first joint's angle there."""
+        """Reach at all distances straight ahead, and the first joint's angle [rad] at
+        each.
+        """
         kin = arm_kinematics(self._robot)
         points = np.zeros((len(DISTANCES), 3))
         points[:, 0] = DISTANCES

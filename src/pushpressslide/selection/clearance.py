@@ -224,9 +224,10 @@ def _too_near(
     obstacles: Sequence[Obstacle],
     clearance: float,
 ) -> Refusal | None:
-    """Refusal of ``what`` coming nearer to an obstacle than ``clearance`` [m], or None.
+    """Refusal of a path on which ``what`` comes nearer to an obstacle than
+    ``clearance`` [m], or None.
 
-    Near an end that itself is nearer, the gap there is the limit.
+    Near an end that is itself nearer than that, the limit is the gap at that end.
     """
     if not obstacles:
         return None

@@ -1,9 +1,9 @@
-"""Search over sequences of motions, each with its mode, contacts and end pose, for the
-one that reaches the goal soonest.
+"""Search for the sequence of motions, each with its mode, contacts and end pose, that
+reaches the goal soonest.
 
-A* over poses of the object and the contacts held there. A motion between two poses is
-evaluated only when nothing else can be quicker, and never twice. A sequence without a
-joint path is banned by its placement, and the search goes on.
+A* over poses of the object and the contacts that hold it there. A motion between two
+poses is evaluated only when no other motion can be quicker, and never twice. If a
+sequence has no joint path, the placement at fault is banned and the search continues.
 """
 
 from __future__ import annotations

@@ -38,12 +38,12 @@ class PlacementPlanner(Protocol):
         """Forget all placements but the first ``count``."""
 
     def after(self) -> PlacementPlanner:
-        """An empty preparation from the state of the arms after all placements."""
+        """Empty planner that starts from the state of the arms after all placements."""
 
 
 @dataclass
 class PlansAlone:
-    """The preparation of a plant without arms, which accepts any plan."""
+    """Placement planner of a plant without arms. It accepts any plan."""
 
     plans: list[Plan] = field(default_factory=list)
     paths: Sequence[Any] = ()
@@ -57,7 +57,7 @@ class PlansAlone:
         del self.plans[count:]
 
     def after(self) -> PlansAlone:
-        """Empty preparation."""
+        """Empty planner."""
         return PlansAlone()
 
 

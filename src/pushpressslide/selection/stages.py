@@ -165,7 +165,9 @@ def _orders(
 
 
 def _visited(moment: Moment) -> Moment:
-    """The moment without the goals that a body with several goals has reached."""
+    """The given moment with the goals removed that a body with several goals has
+    reached. The last goal of each body stays.
+    """
     tolerance = moment.task.tolerance
     left: dict[str, tuple[Pose2, ...]] = {}
     for body, goals in moment.goals.items():

@@ -198,8 +198,8 @@ def _before(start: Pose2, goal: Pose2, axes: Sequence[float]) -> list[Pose2]:
 
 
 def _nearest(axes: Sequence[float], bearing: float) -> list[float]:
-    """The axes [rad] nearest to a bearing [rad], sorted by their angle to it: as many
-    as a box has faces.
+    """The axes [rad] nearest to a bearing [rad], sorted by their angle to it. Their
+    number is at most that of a box's faces.
     """
     off = [(abs(math.remainder(axis - bearing, 2.0 * math.pi)), axis) for axis in axes]
     return [axis for _, axis in sorted(off)[:SIDES]]

@@ -138,11 +138,12 @@ class DrakeClearance:
         )
 
     def _allowed_at_contact(self, radius: float) -> dict[GeometryId, float]:
-        """Distance [m] that the shapes holding the tip may have to what its sphere of a
-        ``radius`` [m] touches, if the sphere leaves them less than the clearance.
+        """Allowed distance [m] of each shape that holds the tip to the body touched by
+        the tip's sphere.
 
-        The sphere touches with the half that faces away from them. The distance it
-        leaves is their smallest distance to that half.
+        Only for shapes to which the sphere, of a ``radius`` [m], leaves less than the
+        clearance. The sphere touches with the half that faces away from them. The
+        distance it leaves is their smallest distance to that half.
         """
         tip = self._robot.tip_body
         holding = set(_shapes(self._plant, self._plant.GetBodiesWeldedTo(tip)))

@@ -293,9 +293,10 @@ def nullable(kind: Kind) -> Kind:
 
 
 def degrees(radians: float) -> float:
-    """Angle [deg] that math.radians turns back into ``radians``.
+    """Angle [deg] that math.radians converts back to exactly ``radians``, with few
+    digits if possible.
 
-    Plain math.degrees if there is none.
+    If no such angle is found, the result of math.degrees.
     """
     value = math.degrees(radians)
     candidates = [round(value, digits) for digits in (0, 1, 2, 3, 4, 6, 8, 10, 12)]

@@ -17,8 +17,10 @@ SHARES = (1.0, 0.5, 0.2, 0.0)  # of the pull, that are tried
 
 
 class EasedTracker:
-    """The law with the largest fraction of its pull that the contacts hold, or without
-    pull if they hold none.
+    """Tracking law with its pull reduced to the largest fraction of ``SHARES`` that the
+    contacts can hold.
+
+    Without pull if they hold none.
     """
 
     def __init__(

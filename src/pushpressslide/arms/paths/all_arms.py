@@ -111,8 +111,8 @@ def drawn_back(
 def _with_ways_back(
     problems: Sequence[ArmProblem], paths: tuple[ArmPath, ...]
 ) -> tuple[ArmPath, ...]:
-    """Paths extended by the retreats from their ends, as long as the arms can follow,
-    clear of everything.
+    """Paths extended by the retreats from their ends, up to the first sample at which
+    an arm cannot follow or is not clear of everything.
     """
     routes = [
         _way_back(problem, path, attitude)
@@ -196,8 +196,8 @@ class _TwoArms:
         self._capsules = [_capsules(problem) for problem in problems]
 
     def paths(self) -> tuple[ArmPath, ...]:
-        """First attempt without a conflict. Raises the greatest conflict if there is
-        none.
+        """First attempt without a conflict. Raises InfeasibleTaskError with the largest
+        conflict if all attempts have one.
         """
         conflicts = []
         for attempt in self._attempts():
@@ -300,8 +300,8 @@ class _TwoArms:
         return self._min_distance(left, right)
 
     def _glanced(self, left: Array, right: Array) -> float:
-        """The result of ``_least``, or that of every sixth sample if it is too small
-        already.
+        """Result of ``_least`` for every sixth sample if it is already too small,
+        otherwise for all samples.
         """
         coarse = self._min_distance(left[::GLANCE], right[::GLANCE])
         if coarse < APART:

@@ -414,8 +414,8 @@ def _reached(path: Continuation) -> int:
 def _touching(retreat: Continuation, condition: float) -> int:
     """Number of samples on which an arm can make the touch.
 
-    These are the samples that it can follow with a ``condition`` number up to that
-    limit, or up to that at the contact itself.
+    An arm can follow these samples with a condition number of at most ``condition``, or
+    of at most the one at the contact if that is larger.
     """
     count = _reached(retreat)
     allowed = max(condition, retreat.conditions[0])

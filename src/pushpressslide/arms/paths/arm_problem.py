@@ -148,9 +148,10 @@ class ArmProblem:
         return tool_options(azimuths, float(yaws[middle]), axes, rolls=rolls)
 
     def contact_clearance(self, postures: Array) -> Gap:
-        """Tightest gap of postures (k, n) along the contact.
+        """Smallest gap of postures (k, n) along the contact.
 
-        A coarse check of every fourth posture decides if that is too small already.
+        Every fourth posture is checked first. If the gap of these is already too small,
+        it is the result.
         """
         coarse = self._along_contact(postures, GLANCE)
         return self._along_contact(postures, 1) if coarse.clear else coarse

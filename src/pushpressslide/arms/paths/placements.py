@@ -78,7 +78,7 @@ class PlacementPaths:
         self.paths = self.paths[:count]
 
     def after(self) -> PlacementPaths:
-        """An empty preparation from the state of the arms after all placements."""
+        """Empty planner that starts from the state of the arms after all placements."""
         postures = self.postures
         if self.plans:
             postures = drawn_back(self.paths[-1])

@@ -87,7 +87,9 @@ class Move:
 
     @classmethod
     def from_posture(cls, kin: ArmKinematics, posture: Posture) -> Move:
-        """The move with its figures."""
+        """Move along the contact in a posture, with its margins and its condition
+        number computed.
+        """
         q = posture.q
         return cls(
             posture,
@@ -162,7 +164,8 @@ def moves(
     """Good moves along a tip path, moves with a worse condition, and misses.
 
     Good moves are grouped by attitude in the order of ``options``, each group best
-    first. All options are followed at once; ``force`` allows all of them.
+    first. All options are followed at once. With ``force``, a move is not refused for
+    exceeding a limit.
     """
     held = [(tool, float(offset)) for tool, offsets in options for offset in offsets]
     turning = [pair for pair in held if pair[0].turns]

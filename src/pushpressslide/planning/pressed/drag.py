@@ -47,7 +47,9 @@ def held_drag(
     point: Point,
     allocator: AllocatorAbout,
 ) -> HeldDrag:
-    """Drag of an object whose ``point`` [m] in B two presses lead along its path.
+    """Drag of an object moved along its path by two presses, which lead its ``point``
+    [m] in B.
+
     Raises ValueError if the object tips.
     """
     height = scene.body.shape.height

@@ -86,8 +86,8 @@ def least_times(
     goals: NDArray[np.complex128],
     yaws: Array,
 ) -> Array:
-    """Times (m,) [s] of the quickest word of each of m bodies to its own goal. Infinite
-    if there is none.
+    """Times (m,) [s] of the quickest word with which each of m bodies reaches its own
+    goal. Infinite for a body without such a word.
 
     Each body has n turns. ``goals`` (m,) [m] are x + iy, with ``yaws`` (m,) [rad]. The
     other parameters are as in ``words``, of shape (m, n), with NaN for turns that a

@@ -131,11 +131,12 @@ def _compare_push(
 
 
 def presses(cases: int, seed: int) -> Figures:
-    """Differences of ``two_press_allocator`` and the minimum presses from Clarabel's.
+    """Differences between the results of ``two_press_allocator`` and the minimum
+    presses, and those of Clarabel.
 
-    Counts, and the largest differences: wrench and discs as fractions of the largest
-    press, ``shear`` as the antagonistic part of the forces above Clarabel's minimum,
-    the others relative.
+    Counts, and the largest differences. ``wrench`` and ``disc`` are fractions of the
+    larger friction disc's radius, ``shear`` is the excess of the antagonistic force
+    over Clarabel's minimum, and the others are relative.
     """
     rng = np.random.default_rng(seed)
     tally = Tally.zeros(

@@ -271,9 +271,9 @@ CASES = (
 def study(cases: Sequence[Case] = CASES) -> list[Row]:
     """A row for each case with selection's ranking of the modes, and their results.
 
-    Processor time [ms] of selection, the mode that it ranks first, the one that reached
-    the goal first, and for every feasible mode's best choice the estimated and the true
-    time [s].
+    Each row has the processor time [ms] of selection, the mode that selection ranks
+    first and the mode that reached the goal first. For the best choice of every
+    feasible mode it has the estimated and the true time [s].
     """
     # what is read once is not counted
     for robots in {case.robots: None for case in cases}:

@@ -134,7 +134,8 @@ def clarabel_conic(
     cones: int,
     **settings: float,
 ) -> Array | None:
-    """The x that minimises ``linear`` x, by Clarabel. None if there is none.
+    """The x that minimises ``linear`` x, by Clarabel. None if the problem has no
+    solution.
 
     offsets - rows x lie in the cones. The rows are, in this order, ``equal`` zeros,
     ``at_least`` numbers >= 0 and ``cones`` second-order cones of size 3.

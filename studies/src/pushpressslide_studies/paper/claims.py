@@ -273,7 +273,9 @@ def _by_other_forces(experiment: Experiment, evidence: Evidence, key: str) -> st
 
 
 def _gain(pair: tuple[Result, Result], key: str) -> float:
-    """Ratio of a figure without the joint term to that with it; 0 if unknown."""
+    """Ratio of a figure without the joint term to the same figure with it. 0 if
+    unknown.
+    """
     alone, joined = pair
     if not alone[key] or not joined[key]:
         return 0.0

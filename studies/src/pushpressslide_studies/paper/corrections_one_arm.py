@@ -320,9 +320,10 @@ def virtual_target() -> Correction:
 
 
 def _aligned(law: LookAheadAlignment) -> Point:
-    """Offset [m] and heading [rad] at the goal, the origin.
+    """Offset [m] and heading [rad] of the vehicle when it reaches the goal, which is
+    the origin.
 
-    The motion begins 1 m before the goal, 0.1 m aside.
+    It starts 1 m before the goal and 0.1 m to its side.
     """
     pose = Pose2(-1.0, 0.1, 0.0)
     step = 5e-4

@@ -17,7 +17,8 @@ CLAIMS = "## Claims\n\n"
 
 
 def renewed(page: str, name: str, text: str) -> str:
-    """A page with ``text`` between the marks of that name.
+    """A page with the text between the two marks of the given name replaced by
+    ``text``.
 
     Raises ValueError for a page without the two marks.
     """

@@ -38,8 +38,10 @@ JOINT_STIFFNESS = 10.0  # [N m/rad]
 
 
 def _force(share: float, joint_stiffness: float = 0.0) -> Execution:
-    """The pushing force alone, as a ``share`` of the force that slides the object, or
-    with the joint term.
+    """Execution by the pushing force alone, a ``share`` of the force that slides the
+    object.
+
+    A ``joint_stiffness`` [N m/rad] > 0 adds the joint term.
     """
     return Execution(False, share, joint_stiffness)
 

@@ -147,9 +147,10 @@ def _lengths(
     bearing_near: Array,
     bearing_far: Array,
 ) -> Array:
-    """Lengths (t, 3) [px] of pushes, from the bearings of their middle centre of
-    rotation: ``bearing_near`` [rad] from the first, and ``bearing_far`` towards the
-    last.
+    """Lengths (t, 3) [px] of the pushes that join two poses.
+
+    ``bearing_near`` [rad] is the bearing from the first centre of rotation to the
+    middle one, ``bearing_far`` [rad] that from the middle centre to the last.
     """
     start, goal = ends
     after_first = bearing_near - tried.bearings[triples[:, 0], triples[:, 1]]

@@ -154,8 +154,8 @@ def _way_steps(length: float) -> float:
 
 
 def _first_ways(X_WB: Pose2, pusher: Point) -> Array:
-    """Actions (m,) from the pusher's position to each contact. Infinite if it cannot be
-    sent there.
+    """Number of actions (m,) that take the pusher from its position to each contact.
+    Infinite for contacts to which it cannot be sent.
     """
     tried = contacts()
     out = np.full(len(tried.lefts), math.inf)

@@ -39,7 +39,9 @@ class Push:
 
     @property
     def pusher_ratio(self) -> float:
-        """Advance of the pusher along the normal per length of that path."""
+        """Advance of the pusher along the normal per length of the path of the centre
+        of mass.
+        """
         return 1.0 + (self.left / RHO) ** 2
 
 

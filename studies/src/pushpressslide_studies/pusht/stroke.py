@@ -79,7 +79,9 @@ def _target(X_WB: Pose2, push: Push) -> Point:
 
 
 def _options(X_WB: Pose2, push: Push) -> Iterator[Point]:
-    """Yield targets around that of a push."""
+    """Yield variations of a push's target, with its contact shifted sideways and its
+    length changed.
+    """
     for side in SIDEWAYS:
         left = push.pushed.clipped(push.left + side)
         for more in STRIDES:
