@@ -14,6 +14,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageSequence
 
+from pushpressslide.core.control import PHASES
+
 WIDTH = 800  # [pixels]
 EVERY = 3  # pictures
 QUALITY = 55  # of 100
@@ -56,7 +58,7 @@ def moving_from(record: Path) -> float:
     """Time [s] since the start at which the object starts to be moved."""
     with np.load(record) as arrays:
         time = arrays["time"]
-        return float(time[np.argmax(arrays["phase"] == "move")] - time[0])
+        return float(time[np.argmax(arrays["phase"] == PHASES.index("move"))] - time[0])
 
 
 if __name__ == "__main__":

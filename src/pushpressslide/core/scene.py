@@ -129,7 +129,7 @@ class ObjectModel:
     center_of_mass: Point = field(
         default=CENTROID,
         metadata=field_spec(
-            "centre of mass in G, projected on the support, inside the footprint; null: "
+            "centre of mass in G, projected on the support, inside the footprint's hull; null: "
             "the centroid",
             "m",
             "[-5, 5]",

@@ -201,7 +201,7 @@ def _body_faults(
             continue
         depth = body.shape.hull.depth(center)
         if depth <= 0.0:
-            allowed = f"a point inside the footprint, here {-depth:.4g} m outside"
+            allowed = f"a point inside the footprint's convex hull, here {-depth:.4g} m outside"
             yield f"{section}.center_of_mass", list(center), f"allowed: {allowed}"
     names = ["object"]
     for i, obstacle in enumerate(obstacles):
