@@ -74,8 +74,8 @@ def least_loads(presses: TwoPresses, cop: Cop, twist: Twist) -> Point | None:
 
 def loads_with(presses: TwoPresses, cop: Cop, heavier: float) -> Point:
     """Loads [N] of the left and right contact, of which the larger one is ``heavier``.
-
-    The smaller one is < 0 if the centre of pressure can only be reached by a pull.
+    The smaller one is negative if it would have to pull for the wanted centre of
+    pressure.
     """
     weight = presses.weight
     if isinstance(cop, str):

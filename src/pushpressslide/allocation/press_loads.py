@@ -88,7 +88,7 @@ class TwoPresses:
     @property
     def least_fraction(self) -> float:
         """Smallest N_i / N of each contact for a turn about the centre of pressure:
-        (mu_s / mu_a) rho / l. Inf without friction at the contacts.
+        (mu_s / mu_a) rho / l. Infinite if the contacts have no friction.
         """
         if self.contact_friction == 0.0:
             return math.inf
@@ -131,9 +131,8 @@ class TwoPresses:
     def in_ratio(
         self, share: float | Side, twist: Twist, gravity: Point = (0.0, 0.0)
     ) -> PressLoads:
-        """Smallest loads in a ratio.
-
-        If the cap does not suffice, the loads at the cap, with status "infeasible".
+        """Smallest loads with a given ratio. If the cap does not suffice, the loads at
+        the cap, with status "infeasible".
         """
         total = min(self._least_total(share, twist, gravity), self._max_total(share))
         return self.loads_for(self._shared(share, total), twist, gravity)
@@ -211,7 +210,7 @@ class TwoPresses:
         """
 
         def press(share: float) -> float:
-            """Smallest total press [N] in a ratio."""
+            """Smallest total press [N] with a given ratio of the loads."""
             return self._least_total(share, twist, gravity)
 
         step = 1.0 / RATIOS
@@ -239,7 +238,7 @@ class TwoPresses:
     def _wrench(
         self, normals: Point, twist: Twist, gravity: Point
     ) -> tuple[Point, tuple[float, float, float]]:
-        """Centre of pressure, and about it the wrench that the contacts have to give."""
+        """Centre of pressure, and the wrench about it that the contacts have to give."""
         left, right = normals
         load = self.weight + left + right
         cop = (
@@ -253,12 +252,16 @@ class TwoPresses:
         return cop, (slide.fx - held.fx, slide.fy - held.fy, slide.tau - held.tau)
 
     def _least_total(self, share: float | Side, twist: Twist, gravity: Point) -> float:
-        """Smallest sum [N] of normals in a ratio. Inf if it is above the cap."""
+        """Smallest sum [N] of two normals with a given ratio. Infinite if it exceeds
+        the cap.
+        """
         line = ContactLine(self.left, self.right)
         mu = self.contact_friction
 
         def surplus(total: float) -> float:
-            """Excess of a sum [N] over the press that it needs."""
+            """Excess of a sum [N] of normals over the press that it makes necessary,
+            which depends on the sum through the drag.
+            """
             normals = self._shared(share, total)
             cop, wrench = self._wrench(normals, twist, gravity)
             return total - least_press(
@@ -268,7 +271,7 @@ class TwoPresses:
         return _first_enough(surplus, self._max_total(share))
 
     def _max_total(self, share: float | Side) -> float:
-        """Largest sum [N] of normals in a ratio."""
+        """Largest sum [N] of two normals with a given ratio, by the cap."""
         if isinstance(share, str):
             lower = self._least_of_side(share)
             return min(2.0 * self.cap, (self.cap + lower * self.weight) / (1.0 - lower))
@@ -349,7 +352,8 @@ def wall_press(
 def wall_hold(weight: float, contact_friction: float, wall_friction: float) -> float:
     """Smallest sum [N] of two equal normals that holds an object at rest on a wall.
 
-    Both frictions carry the ``weight`` [N]: mg / (mu_a + mu_w); inf without friction.
+    Both frictions carry the ``weight`` [N]: mg / (mu_a + mu_w). Infinite if both are
+    zero.
     """
     friction = contact_friction + wall_friction
     return weight / friction if friction > 0.0 else math.inf

@@ -95,8 +95,8 @@ class WrenchCone:
         return [aside, _cross(first, aside), first]
 
     def _facets(self, normal: Vector) -> Iterator[Vector]:
-        """Yield the facets of the plane with a ``normal``. Empty if edges lie on both
-        sides of it.
+        """Yield the facets in the plane with a ``normal``. There are none if edges lie
+        on both sides of the plane.
         """
         size = math.sqrt(_dot(normal, normal))
         sides = [
@@ -136,9 +136,8 @@ class WrenchCone:
         return self.with_torque_kept
 
     def with_force_kept(self, fx: float, fy: float, tau: float) -> Vector:
-        """Wrench of the cone with this force and the nearest moment.
-
-        The wrench itself if no moment makes the force feasible.
+        """Wrench of the cone with the force of the given wrench and the nearest
+        possible moment. If no moment makes the force feasible, the given wrench.
         """
         low = -math.inf
         high = math.inf
@@ -156,10 +155,9 @@ class WrenchCone:
         return (fx, fy, min(max(tau, low), high))
 
     def with_torque_kept(self, fx: float, fy: float, tau: float) -> Vector:
-        """Wrench of the cone with this moment and the smallest additional force along
-        the sum of the normals.
-
-        The wrench itself if no such force is enough.
+        """Wrench of the cone with the moment of the given wrench and the smallest
+        additional force along the sum of the normals. If no such force is enough, the
+        given wrench.
         """
         px, py = self._push
         drift = 0.0

@@ -1,7 +1,8 @@
-"""The paper's own formulas for two contacts, named for comparison only.
+"""The paper's own formulas for two contacts, kept for comparison only, which their
+names say. They check no cone.
 
-They check no cone. Equations are numbered as in studies/docs/paper-map.md; forces [N]
-on the object, in B, moments about the CoM.
+Equations are numbered as in studies/docs/paper-map.md; forces [N] on the object, in B,
+moments about the CoM.
 """
 
 from __future__ import annotations
@@ -49,9 +50,10 @@ def orthogonal_pushes(
 
 def least_bias(fx: float, fy: float, tau: float, d: float, friction: float) -> float:
     """Smallest bias [N] that puts the forces of ``orthogonal_pushes`` into their cones.
+    Infinite for a moment if there is no friction.
 
-    Never smaller than ``orthogonal.least_drift``, the smallest that any split needs.
-    Inf for a moment without friction.
+    The bias is never smaller than ``orthogonal.least_drift``, the smallest that any
+    split of the forces needs.
     """
     p = fx
     q = -fy

@@ -42,8 +42,8 @@ def slide_loads(
     """Refusal of the loads, or None, and the loads [N] at ``points`` to try for a
     body's ``path``.
 
-    The loads are ``cap`` [N] each if none suffice. Raises RefusedError if no two tips
-    can press so.
+    If no loads suffice, they are ``cap`` [N] each. Raises RefusedError if two tips
+    cannot press the object in this way.
     """
     cop: Cop = COP if motion.cop is None else motion.cop
     twist = path.initial_twist(ORIGIN)

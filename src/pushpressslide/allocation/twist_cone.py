@@ -50,15 +50,15 @@ class TwistCone:
                 self._edges.append((fx / size, fy / size, tau / size))
 
     def wrench(self, vx: float, vy: float, w: float) -> Wrench:
-        """Wrench about the CoM that drives a twist of it."""
+        """Wrench about the CoM that drives a twist of the CoM."""
         return self.surface.wrench(Twist(vx, vy, w)).moved_to(ORIGIN)
 
     def cone_margin(self, vx: float, vy: float, w: float) -> float:
         """Angle [rad] of a twist's wrench from the edge of the cone, negative outside
         (see ``angle``).
 
-        In the norm diag(1, 1, 1/rho^2), in which the twist may be turned by the same
-        angle.
+        The angle is in the norm diag(1, 1, 1/rho^2). In it the twist may be turned by
+        the same angle.
         """
         fx, fy, tau, _ = self.wrench(vx, vy, w)
         size = math.hypot(fx, fy, tau / self.surface.rho)
@@ -82,10 +82,10 @@ class TwistCone:
         return out
 
     def angle(self, vx: float, vy: float, w: float) -> float:
-        """``cone_margin`` [rad] inside, and minus the angle to the nearest wrench of
-        the cone outside.
+        """Angle [rad] of a twist's wrench from the cone: ``cone_margin`` inside, and
+        minus the angle to the cone's nearest wrench outside.
 
-        Outside, ``cone_margin`` itself refers to the plane of the nearest facet.
+        Outside, ``cone_margin`` itself is the angle to the plane of the nearest facet.
         """
         wanted = self.wrench(vx, vy, w)
         nearest = self.nearest(wanted)

@@ -82,11 +82,10 @@ def moving_allocator(
     general: tuple[Linear, Rest],
     projected: Callable[[float, float, float], Wrench],
 ) -> Allocator:
-    """Allocator of a kernel that leaves the projection of wrenches outside the cone to
-    the caller.
+    """Allocator of a kernel that leaves wrenches outside the cone to its caller.
 
-    Such a wrench is projected, and from there to the nearest wrench of the ``general``
-    contacts.
+    Such a wrench is first moved by ``projected``. The result is the allocation of the
+    nearest wrench that the ``general`` contacts can give.
     """
     first, second = figures
 

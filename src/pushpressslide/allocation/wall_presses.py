@@ -68,8 +68,7 @@ def _problem(presses: TwoPresses, steps: Sequence[Step], min_use: float) -> str:
 
 
 def _up(twist: Twist, gravity: Point) -> float:
-    """Upward component of the CoM's direction of motion, against gravity.
-
+    """Component of the unit vector of the CoM's motion that points up, against gravity.
     0 for a turn on the spot.
     """
     vx, vy, _, _ = twist.moved_to((0.0, 0.0))

@@ -25,7 +25,7 @@ class ArmPlacements:
         paths: Sequence[tuple[ArmPath, ...]],
         within: Bounds | None = None,
     ) -> None:
-        """Lead ``arms`` along ``paths``, a set for each placement.
+        """Lead ``arms`` along ``paths``: for each placement, one path for each arm.
 
         ``within`` [m] bounds the region of the object: x_min, x_max, y_min, y_max.
         """

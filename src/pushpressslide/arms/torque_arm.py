@@ -122,8 +122,8 @@ class TorqueArm(Driverless):
 
     @property
     def _torque(self) -> Array:
-        """Torques (n,) [N m] as last applied. Before the first, those that hold the arm
-        at rest.
+        """Torques (n,) [N m] as last applied, or before the first command the torques
+        that hold the arm at rest.
         """
         return self.state.bias if self._limited is None else self._limited.torque
 
@@ -136,8 +136,8 @@ class TorqueArm(Driverless):
         return ArmReading(state.q, state.v, asked.share, asked.rate_share)
 
     def _take_posture(self, posture: Array) -> None:
-        """Lead the reference to ``posture`` (n,) [rad], and note its change: a replan
-        may be far from it.
+        """Set the reference to ``posture`` (n,) [rad], and note its change, which may
+        be large after a replan.
         """
         if len(self._rate) == 0:
             self._rate = np.zeros_like(posture)

@@ -42,7 +42,7 @@ def answered(
     figures: Figures,
     contacts: int,
 ) -> Allocations:
-    """Allocations from the output of an allocator's kernel."""
+    """Allocations made from the output of an allocator's kernel."""
     across = 2 * contacts
     margin = across + contacts
     out = answers(kernel, row, figures, columns=margin + 5)

@@ -84,8 +84,8 @@ def copied(typingctx: Any, target: Any, tables: Any, row: Any, likes: Any) -> An
     """Copy a row's numbers from all ``tables``, one table after the other, into another
     row.
 
-    The number of values taken from each table is the width of the corresponding member
-    of ``likes``.
+    As many numbers are taken from each table as the corresponding member of ``likes``
+    holds.
     """
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -159,11 +159,12 @@ def loop_over(
 
 @contextmanager
 def _vectors(width: int) -> Iterator[None]:
-    """Let LLVM process so many rows at once in loops compiled inside the block; 0
-    leaves the choice to LLVM.
+    """Let LLVM process this number of rows at once in loops compiled inside the block;
+    0 leaves the choice to LLVM.
 
-    LLVM assumes that half of the code behind branches is skipped at no cost. numba has
-    no such setting for one loop, hence the global option of LLVM.
+    LLVM's own choice assumes that half of the code behind branches is skipped at no
+    cost. numba has no such setting for a single loop, so that LLVM's global option is
+    used.
     """
     set_option("", f"-force-vector-width={width}")
     try:

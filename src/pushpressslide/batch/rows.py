@@ -23,7 +23,7 @@ Like = tuple[Any, ...]
 
 
 class Figures(NamedTuple):
-    """Figures of a law, for all rows or for each of them."""
+    """Figures of a law: one set for all rows, or one for each row."""
 
     table: Array  # (..., k) the numbers of ``like``, in their order
     like: Like
@@ -188,7 +188,7 @@ def _compiled(
 
 @cache
 def _say_slow() -> None:
-    """Warn, once, that batches are slow without numba."""
+    """Warn, once, that batches are slow because numba is not installed."""
     warnings.warn(
         "numba is not installed: batches run in Python, row by row; "
         "pip install 'pushpressslide[fast]'",

@@ -50,8 +50,8 @@ class Adaptation(NamedTuple):
         return Adaptation(steering_scale, self._force_scale(speeds, dt), drag)
 
     def force_gain(self, gain: float, planned: float) -> float:
-        """Factor on the contact forces, with a ``gain`` of their own and the
-        ``planned`` support friction [N].
+        """Factor on the contact forces, which multiplies their own ``gain``;
+        ``planned`` is the support friction [N] of the plan.
 
         It compensates for errors of friction or mass, and for a load that the object
         pushes.

@@ -1,5 +1,5 @@
-"""The approach: free motion to the start of the touch, a source of commands next to the
-controller.
+"""The approach: free motion to the start of the touch. It gives commands in place of
+the controller.
 
 Arms follow joint paths; on a plant without arms the tips travel.
 """
@@ -94,8 +94,8 @@ class Approach(ABC):
 
 
 class JointApproach(Approach):
-    """Leads arms along their joint paths. The path of an arm that keeps a contact gives
-    its posture only.
+    """Leads arms along their joint paths. An arm that keeps a contact takes only its
+    posture from its path.
     """
 
     def __init__(

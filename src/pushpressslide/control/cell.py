@@ -33,7 +33,9 @@ class ArmState(NamedTuple):
 
 
 class Applied(NamedTuple):
-    """What was really applied of a command. Nothing is known of a tip without an arm."""
+    """The part of a command that was really applied. For a tip without an arm all
+    fields are None.
+    """
 
     torque: Array | None = None  # (n,) [N m]
     reference: Array | None = None  # (n,) [rad] to which the joints were commanded
@@ -171,7 +173,9 @@ class Cell:
 
     @contextmanager
     def connected(self) -> Iterator[None]:
-        """Context in which the arms are driven. They are disconnected however it ends."""
+        """Context in which the arms are driven. They are disconnected at its end, even
+        after an error.
+        """
         driven: list[Arm] = []
         try:
             for arm in self.arms:

@@ -191,8 +191,8 @@ class Controller:
     def halted(
         self, state: ControllerState, measurement: Measurement
     ) -> ControllerState:
-        """State in which retreating tips stop at their present reference. Those still
-        at their contacts will draw back.
+        """State in which retreating tips stop at their present reference. Tips that are
+        still at their contacts draw back later.
         """
         phase = state.phase
         share = _share_back(phase, measurement.time)
@@ -507,13 +507,15 @@ def _rest(phase: PhaseState) -> float:
 
 
 def _ramp_back(phase: PhaseState, time: float) -> float:
-    """Elapsed fraction of the retreat's time, without a halt."""
+    """Elapsed fraction of the retreat's time, as if the retreat had not been halted."""
     elapsed = time - phase.since - _rest(phase)
     return elapsed / ramp_time(margins.ARM.retreat)
 
 
 def _share_back(phase: PhaseState, time: float) -> float:
-    """Fraction of the retreat's length that the tips have moved, without a halt."""
+    """Fraction of the retreat's length that the tips have moved, as if the retreat had
+    not been halted.
+    """
     return smooth(_ramp_back(phase, time))
 
 

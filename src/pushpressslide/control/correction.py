@@ -34,7 +34,7 @@ from pushpressslide.selection.tool_use import tool_refusal
 
 @dataclass(frozen=True, slots=True)
 class Replan:
-    """Better segments from the present state, to start at speed."""
+    """Better segments from the present state, which start at the present speed."""
 
     segments: tuple[Segment, ...]
     progress: float  # [m] on the first one's path
@@ -230,9 +230,8 @@ def side_slide(contacts: Sequence[Contact], contact_points: Sequence[Point]) -> 
 
 
 def press_creep(contacts: Sequence[Contact], contact_points: Sequence[Point]) -> float:
-    """Slide of the only contact, on top, over its planned distance from the CoM.
-
-    0 for other contacts, and for one at the CoM.
+    """Slide of a single press, as a fraction of its planned distance from the CoM. 0
+    for other contacts, and for a press at the CoM.
     """
     contact = contacts[0]
     distance = math.hypot(*contact.point)

@@ -155,7 +155,10 @@ def pose_gain(sensing: Sensing) -> float:
 
 
 def stamped(measurement: Measurement) -> StampedPose:
-    """Pose of a measurement with its time, either new or the last one measured."""
+    """Pose in a measurement, with the time at which it was measured.
+
+    The pose is either new or the last one received.
+    """
     time = measurement.pose_time
     return StampedPose(
         measurement.time if time is None else time, measurement.object_pose

@@ -16,7 +16,9 @@ FORCE_ALONE = 1.05  # times friction: of a push that nothing but its force drive
 
 @dataclass(frozen=True, slots=True)
 class Execution:
-    """The laws that an experiment may change. The defaults are those of every run."""
+    """The laws that an experiment may change. By default they are the laws of an
+    ordinary run.
+    """
 
     servo: bool = True  # whether a velocity servo is added to the feed-forward force
     # factor on that force; with a factor nothing but the servo is added to it

@@ -69,8 +69,8 @@ class Prediction(NamedTuple):
 
 
 class Following(NamedTuple):
-    """The followed segment and the progress along it. Another segment is another
-    instance.
+    """The followed segment and the progress along it. Each segment has an instance of
+    its own.
     """
 
     binding: BoundLaws  # now
@@ -109,9 +109,9 @@ class Following(NamedTuple):
     def joint_progress(self, X_WB: Pose2) -> float:
         """Arc length [m] on the planned path at which to read the joint reference.
 
-        The remaining length is that of the current path. If a spin was replanned as
-        arcs, whose lengths are another point's, the planned pose nearest to the object
-        at ``X_WB`` is used.
+        It leaves the same remaining length as on the current path. If a spin was
+        replanned as arcs, the lengths of the two paths belong to different points; the
+        planned pose nearest to the object at ``X_WB`` is then used.
         """
         planned = self.segment
         path = planned.path

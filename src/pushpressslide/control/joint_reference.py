@@ -29,9 +29,9 @@ def approach_reference(path: JointPath, elapsed: float) -> tuple[Array, Array]:
 def path_reference(path: JointPath, progress: float) -> Array:
     """Joint positions (n,) [rad] at arc length ``progress`` [m] of the contact's path.
 
-    Below zero they are those of a tip at that distance before its touch, beyond the end
-    those of one retreated by that distance. If these are not known, they are those of
-    the nearer end.
+    A negative ``progress`` refers to the tip at that distance before its touch, one
+    beyond the end to the tip retreated by that distance. If these joint positions are
+    not known, the nearer end of the path is returned.
     """
     touch = path.touch
     if progress < 0.0 and touch is not None and len(touch) > 1:

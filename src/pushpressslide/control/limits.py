@@ -85,7 +85,7 @@ class Guard:
         self._speeds = [arm.velocity.tolist() for arm in self.arms]
 
     def forget_references(self) -> None:
-        """Forget the references: a new placement starts, with references of its own."""
+        """Forget the references, because a new placement starts with other ones."""
         self._first_rooms = None
         for memory in self._memories.values():
             memory.reference = None
@@ -94,7 +94,8 @@ class Guard:
         """Guard for the run after a recovery, with another limit of the normal force
         [N].
 
-        It knows the commands by which the arms are ``held_commands`` until then.
+        Its first commands are compared with ``held_commands``, which hold the arms
+        until then.
         """
         other = Guard(normal_force, self.period, self.arms, anew=True)
         for arm, command in enumerate(held_commands):

@@ -24,7 +24,9 @@ T = TypeVar("T")
 
 
 class DelayLine(Generic[T]):
-    """Delays values by a fixed number of ticks. At first it returns the first value."""
+    """Delays values by a fixed number of ticks. Until that many values have been put
+    in, it returns the first one.
+    """
 
     def __init__(self, delay: float, dt: float) -> None:
         """Delay by ``delay`` [s], rounded to ticks of ``dt`` [s]."""
@@ -37,8 +39,8 @@ class DelayLine(Generic[T]):
 
 
 class SensedTracker:
-    """A tracker with sensor faults: each pose has noise and a bias, or is missed, and
-    comes late.
+    """A tracker with sensor faults: poses are noisy, biased and late, and some are
+    missing.
     """
 
     def __init__(
@@ -59,7 +61,7 @@ class SensedTracker:
         self._out: StampedPose | None = None  # what that came to
 
     def read(self) -> StampedPose | None:
-        """Delayed, noisy pose. The same if it is read twice at one time."""
+        """Delayed, noisy pose. Two readings at one time give the same pose."""
         pose = self._tracker.read()
         if pose is None:
             return None
@@ -87,7 +89,9 @@ class SensedTracker:
 
 
 class SensedArm:
-    """An arm whose tip position and force have noise and a bias, and come late."""
+    """An arm with sensor faults: the tip's position and force are noisy, biased and
+    late.
+    """
 
     def __init__(
         self,
@@ -129,7 +133,7 @@ class SensedArm:
         self.arm.disconnect()
 
     def read(self) -> ArmState:
-        """Delayed, noisy measurements. The same if they are read twice at one time."""
+        """Delayed, noisy measurements. Two readings at one time give the same values."""
         state = self.arm.read()
         out = self._out
         if out is not None and out.time == state.time:

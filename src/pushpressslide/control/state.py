@@ -1,4 +1,4 @@
-"""The controller's state between ticks, and its input at one."""
+"""The controller's state between ticks, and its input at a tick."""
 
 from __future__ import annotations
 
@@ -69,8 +69,8 @@ class TipMemory(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class StallWatch:
-    """The object's pose since a time, while it has moved by less than the motion
-    threshold.
+    """Pose of the object at the last motion, and its time. Both are kept while the
+    object moves by less than the motion threshold.
     """
 
     pose: Pose2  # X_WB
@@ -185,9 +185,8 @@ def sunk(contact: Contact, tip: TipState, radius: float, max_depth: float) -> bo
 
 
 def contact_yaw(contact: Contact, X_WB: Pose2) -> float:
-    """Yaw [rad] of the contact frame.
-
-    It is that of the face's normal, and under a press that of the object.
+    """Yaw [rad] of the contact frame: the direction of the face's normal for a push,
+    the object's yaw for a press.
     """
     if contact.kind == "top":
         return X_WB.yaw
@@ -251,7 +250,8 @@ def enter_phase(
 ) -> ControllerState:
     """State at the start of a phase, with the tips as measured ``now``.
 
-    The regulator of the normal force is kept only by a press that goes on.
+    The regulator of the normal force is kept only by a press that continues into the
+    phase.
     """
     contacts = state.following.binding.segment.contacts
     memories = tuple(

@@ -127,7 +127,9 @@ class Stop:
 
     @property
     def took_over(self) -> bool:
-        """Whether an arm no longer draws back."""
+        """Whether the stop commands at least one arm itself, since that arm no longer
+        draws back.
+        """
         return any(self.levels)
 
     def step(
@@ -158,8 +160,8 @@ class Stop:
         )
 
     def at_rest(self, time: float) -> bool:
-        """Whether a stop that took over is done at ``time`` [s]: all joints rest, or
-        the waiting time is over.
+        """Whether a stop that took over is complete at ``time`` [s]: all joints are at
+        rest, or the waiting time is over.
         """
         rested = self._resting * self.period >= REST_TIME
         return rested or time - self._waiting > LONGEST

@@ -48,7 +48,7 @@ class Felt(NamedTuple):
 
 
 class ContactKeeping(NamedTuple):
-    """Correction that keeps a pushing tip at its contact, next to another one."""
+    """Correction that keeps a pushing tip at its contact while another tip pushes too."""
 
     place: Point  # [m] of the tip's centre, as planned, in B
     min_force: float  # [N] of normal force below which the tip is moved on

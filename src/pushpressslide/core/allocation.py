@@ -31,9 +31,10 @@ class Allocation(NamedTuple):
 def nothing(
     normals: tuple[float, ...], wrench: tuple[float, float, float]
 ) -> Allocation:
-    """Zero forces, "infeasible", for a ``wrench`` that cannot be realised at all.
+    """Allocation with zero forces and status "infeasible", for a ``wrench`` that cannot
+    be realised at all.
 
-    ``normals`` [N] are zero for pushes, and the present ones for presses.
+    ``normals`` [N] are zero for pushes, and the present normal forces for presses.
     """
     zeros = tuple((0.0, 0.0) for _ in normals)
     return Allocation(zeros, normals, 0.0, "infeasible", wrench)

@@ -1,7 +1,7 @@
 """Field specs of the task file: metadata of the dataclasses.
 
 The reader, its messages, the dump, the tables of the documentation and the JSON Schema
-are all derived from it; a field is added where its dataclass is.
+are all derived from these specs. A new field needs a change only in its dataclass.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Rich display of plans, records and results in a notebook.
 
-The pictures are made in ``jobs.notebook``, a higher layer: it is looked up by name on
-demand.
+The pictures are made in ``jobs.notebook``. As that is a higher layer, its functions are
+looked up by name when needed.
 """
 
 from __future__ import annotations

@@ -165,12 +165,13 @@ class ArcPath:
     def nearest(
         self, x: float, y: float, s: float, half: float = 0.0
     ) -> tuple[float, float, float, float]:
-        """Point of the path nearest to (x, y) [m], on the piece of arc length ``s`` or
-        one after it.
+        """Point of the path nearest to (x, y) [m], searched from the piece at arc
+        length ``s`` onwards.
 
-        Arc length [m], offset to the left of (x, y) [m], heading [rad] and curvature
-        [1/m] of that point, both ``eased`` over ``half`` [m]. Closed form, no
-        iteration; past the end the path goes on straight.
+        Returns four numbers: arc length [m] of that point, offset [m] of (x, y) to the
+        left of the path, and heading [rad] and curvature [1/m] at that point, both
+        ``eased`` over ``half`` [m]. Closed form, no iteration. Past its end the path
+        continues straight.
         """
         return nearest(x, y, s, half, self._projections, self._bends)
 

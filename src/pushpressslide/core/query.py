@@ -61,6 +61,8 @@ class MotionQuery:
         return replace(self, start=start, goal=goal)
 
     def moved_by(self, motion: Motion) -> MotionQuery:
-        """The same query with another motion, and the arm that it names."""
+        """Copy of the query with another motion, limited to the arm that the motion
+        names.
+        """
         scene = replace(self.scene, arm=motion.only_arm)
         return replace(self, motion=motion, scene=scene)

@@ -80,12 +80,16 @@ class RefusedError(ValueError):
 
 
 def literal(text: str) -> str:
-    """``text`` escaped as a part of a refusal's text without placeholders."""
+    """``text`` escaped for use in a refusal's text, so that none of it is read as a
+    placeholder.
+    """
     return text.replace("{", "{{").replace("}", "}}")
 
 
 def refusal_of(error: ValueError, code: str) -> Refusal:
-    """Refusal of ``error``: its own one, or its message under ``code``."""
+    """Refusal carried by ``error``, or else a refusal with the error's message under
+    ``code``.
+    """
     if isinstance(error, RefusedError):
         return error.refusal
     return Refusal(code, literal(str(error)))

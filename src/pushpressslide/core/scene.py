@@ -110,7 +110,7 @@ class Support:
 
     @property
     def name(self) -> str:
-        """Kind with an article, for messages."""
+        """Kind of the support with an article, for messages."""
         return f"an {self.kind}" if self.kind[0] in "aeiou" else f"a {self.kind}"
 
 
@@ -336,10 +336,10 @@ class Scene:
 
     @property
     def sure(self) -> float:
-        """Factor on a friction utilisation for uncertain frictions.
+        """Factor on a friction utilisation that allows for uncertain frictions.
 
-        It is the smallest contact friction over the largest of the support, relative to
-        the believed ones.
+        It is the ratio of the smallest contact friction to the largest support
+        friction, over the same ratio of the believed values.
         """
         return (1.0 - self.friction_error) / (1.0 + self.friction_error)
 

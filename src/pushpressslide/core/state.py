@@ -25,7 +25,7 @@ Joints = tuple[float, ...]  # [rad] of one arm
 
 @dataclass(frozen=True, slots=True)
 class HeldContacts:
-    """Mode and contacts that are held, whatever the loads of the contacts."""
+    """Mode and contacts that the arms hold. The loads of the contacts do not count."""
 
     mode: str
     contacts: tuple[Contact, ...]  # without loads

@@ -172,7 +172,7 @@ class TwistPath:
         )
 
     def initial_twist(self, point: Point) -> Twist:
-        """Initial twist per metre of a path of ``point`` [m] in B."""
+        """Initial twist per metre of a body whose ``point`` [m] in B follows the path."""
         return Twist(*self.rate(0.0), point)
 
     def nearest(self, X_WV: Pose2, s: float) -> float:
@@ -193,7 +193,9 @@ class TwistPath:
         return s + max(0.0, ahead)
 
     def led_in(self, length: float) -> TwistPath:
-        """The path with ``length`` [m] of the first twist put before its start."""
+        """The path extended backward from its start by ``length`` [m] with its first
+        twist.
+        """
         rate = self.rate(0.0)
         return TwistPath(
             integrate(self.start, rate, -length),

@@ -72,6 +72,8 @@ def remove_parts(folder: Path) -> None:
 
 
 def _flush(path: Path) -> None:
-    """Flush a file to the disk: its name must not exist before its content."""
+    """Flush a file to the disk before it is renamed, so that its final name never
+    exists without its content.
+    """
     with path.open("rb") as file:
         os.fsync(file.fileno())

@@ -77,8 +77,8 @@ class ArmDynamics:
 
 
 class PostureShare(NamedTuple):
-    """Part of the joint motion that the posture's impedance controls, at the joint
-    positions ``q``.
+    """The part of the joint motion that the posture's impedance controls, found at the
+    joint positions ``q``.
     """
 
     q: Array  # (n,) [rad]
@@ -256,8 +256,10 @@ class ArmExecutor:
         return Impedance(torque, growth)
 
     def _posture_share(self, arm: ArmDynamics, J: Array) -> PostureShare:
-        """Posture share at the present joint positions. ``J`` (6, n) as in
-        ``_of_posture``.
+        """Posture share at the present joint positions.
+
+        ``J`` (6, n) is the arm's Jacobian, or the Jacobian of a tool that gives way, as
+        in ``_of_posture``.
         """
         n = len(arm.q)
         JJt = J @ J.T
@@ -359,8 +361,8 @@ def _principal(xx: float, xy: float, yy: float) -> tuple[float, float, Point]:
 
 
 def _left(mass: float, damping: float) -> float:
-    """Fraction of a velocity error that a damper [N s/m] leaves of a ``mass`` [kg]
-    after ``SERVO_TIME``.
+    """Fraction of a velocity error of a ``mass`` [kg] that remains after ``SERVO_TIME``
+    under a damper [N s/m].
     """
     caught = damping * SERVO_TIME  # [kg] that it leaves nothing of
     return 1.0 - caught / mass if mass > caught else 0.0

@@ -91,8 +91,8 @@ def tip_moment(
     """Moment [N m], world axes, of a rotational spring [N m/rad] and damper [N m
     s/rad].
 
-    The spring is stretched by ``margins.ARM.attitude`` at most: a tool that a joint's
-    limit holds back is far off, and turns back slowly.
+    The spring's deflection is limited to ``margins.ARM.attitude``. So a tool that a
+    joint limit has kept far from its wanted attitude turns back slowly.
     """
     ex, ey, ez = rotation_error(R_wanted, R)
     size = math.sqrt(ex * ex + ey * ey + ez * ez)

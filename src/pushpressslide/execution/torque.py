@@ -58,7 +58,7 @@ class Unfelt(NamedTuple):
 
 
 class Gains(NamedTuple):
-    """A spring K and a damper D over a tick of h."""
+    """Gains of a spring K and a damper D, for ticks of length h."""
 
     stiffness: float  # K [N m/rad] or [N/m]
     damping: float  # D [N m s/rad] or [N s/m]
@@ -214,8 +214,9 @@ def task_inertia(J: Array, M: Array) -> Array:
 def joint_torque(
     M: Array, bias: Array, q: Array, v: Array, q_ref: Array, v_ref: Array, rate: float
 ) -> Array:
-    """Computed torque (n,) that tracks a joint reference in free space, critically
-    damped at ``rate`` [1/s].
+    """Computed torque (n,) that tracks a joint reference in free space.
+
+    Errors decay critically damped at ``rate`` [1/s].
     """
     return M @ (rate * rate * (q_ref - q) + 2.0 * rate * (v_ref - v)) + bias
 

@@ -129,8 +129,9 @@ class Outlined(Shape):
     def breadth(self) -> float:
         """Width [m] of the narrow part of the footprint.
 
-        The smaller of the width of its bounding rectangle and four times its area over
-        its perimeter, which for a square is its side.
+        It is the smaller of two values: the width of the footprint's bounding
+        rectangle, and four times its area over its perimeter, which for a square is its
+        side.
         """
         whole = self.hull.breadth
         if self.convex:
@@ -247,10 +248,8 @@ def _edge_place(index: int, edge: Edge, clearance: float, origin: Point) -> Side
 def _arc_places(
     index: int, arc: Arc, clearance: float, origin: Point
 ) -> list[SidePlace]:
-    """Contact places on an arc, at each standard direction of a full circle that the
-    arc contains.
-
-    If it contains none, the place is its middle.
+    """Contact places on an arc, one at each standard direction of a full circle that
+    lies on the arc. If none lies on it, the middle of the arc.
     """
     step = 2.0 * math.pi / ROUND_SIDES
     if arc.whole:

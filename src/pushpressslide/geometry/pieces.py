@@ -16,9 +16,8 @@ FLAT = -1e-9  # [rad] turn to the right that counts as none
 
 @lru_cache(maxsize=64)
 def convex_pieces(corners: Polygon) -> tuple[Polygon, ...]:
-    """Convex polygons that make up a simple one, all counter-clockwise.
-
-    A convex polygon is its own only piece.
+    """Convex polygons that make up a simple polygon, all counter-clockwise. A convex
+    polygon is returned as its only piece.
     """
     if is_convex(corners):
         return (corners,)
@@ -49,7 +48,7 @@ def triangles(corners: Polygon) -> list[tuple[int, int, int]]:
 
 def _merged_once(polygons: list[Polygon]) -> list[Polygon] | None:
     """The pieces with two of them merged over their longest common edge. None if no two
-    make a convex one.
+    pieces form a convex one.
     """
     owner = {
         edge: i

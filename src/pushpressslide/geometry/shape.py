@@ -124,7 +124,9 @@ class Shape:
 
     @property
     def breadth(self) -> float:
-        """Width [m] of the footprint's narrow part: that of its bounding rectangle."""
+        """Width [m] of the footprint's narrow part, which is the width of the bounding
+        rectangle.
+        """
         x_min, x_max, y_min, y_max = self.bounds(Pose2())
         return min(x_max - x_min, y_max - y_min)
 

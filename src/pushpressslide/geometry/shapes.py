@@ -286,7 +286,9 @@ class Cylinder(Shape):
         return quadrature.disc_rule(self.radius, resolution)
 
     def pressure(self, cop: Point, resolution: int) -> tuple[Array, Array, Array]:
-        """Points, areas and pressures. The far side lifts under an off-centre ``cop``."""
+        """Points, areas and pressures. If ``cop`` is far off centre, the opposite side
+        lifts.
+        """
         from pushpressslide.geometry import quadrature
 
         return quadrature.disc_pressure(self.radius, cop, resolution)
@@ -305,10 +307,11 @@ class Part:
 
 @dataclass(frozen=True)
 class Compound(Outlined):
-    """The union of upright parts of one height, connected and without holes.
+    """The union of upright parts of the same height, connected and without holes.
 
-    The remaining part of a cylinder's side is round. Raises InputError without parts.
-    Its border raises ValueError if the union has a hole or is not connected.
+    Where a cylinder's side belongs to the border, it stays round. Raises InputError if
+    there are no parts. Its border raises ValueError if the union has a hole or is not
+    connected.
     """
 
     parts: tuple[Part, ...]
@@ -319,7 +322,7 @@ class Compound(Outlined):
 
     @property
     def height(self) -> float:
-        """Height [m]: that of every part."""
+        """Height [m], shared by all parts."""
         return self.parts[0].shape.height
 
     @cached_property

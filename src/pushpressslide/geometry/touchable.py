@@ -56,9 +56,7 @@ def touchable(border: Border, tip_radius: float) -> tuple[Touchable, ...]:
 
 def free_space(border: Border, point: Point, normal: Point, tip_radius: float) -> float:
     """Largest retreat [m] of a tip from a border at ``point``, against the inward
-    ``normal``, before it meets the border again.
-
-    Infinite if it does not.
+    ``normal``, before it meets the border again. Infinite if it never does.
     """
     from shapely import LineString
     from shapely import Point as Place

@@ -97,7 +97,7 @@ def _without_slivers(
 
 
 def _circle_of(edge: Edge, arcs: Sequence[Arc]) -> Arc | None:
-    """Circle of which an edge is nearly a chord, or a part of one, or None."""
+    """Circle of which an edge is nearly a chord or a part of a chord, or None."""
     middle = edge.point_at(0.5 * edge.length)
     for arc in arcs:
         depths = [

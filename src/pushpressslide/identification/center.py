@@ -66,8 +66,8 @@ def doubt(
     base.
 
     The ``lever`` [m] is about the centre of pressure, which is at a ``reach`` [m] from
-    the axle. A centre of mass off along the line changes the lever; so does the moment
-    of the drag, through the friction.
+    the axle. An error of the centre of mass along the line changes the lever. So does
+    an error of the friction, through the moment of the drag.
     """
     distance = math.hypot(*contact)
     drag = scene.friction_error * scene.support.friction * height
@@ -82,7 +82,7 @@ def doubt(
 
 
 class Window(NamedTuple):
-    """Measured motion of a window, in B."""
+    """Measured motion of the object in a time window, in B."""
 
     contact: Point  # [m]
     twist: tuple[float, float, float]  # [m/s], [rad/s] about the origin
@@ -190,8 +190,10 @@ class CenterIdentifier:
     def _fit(
         self, state: CenterState, windows: Sequence[Window]
     ) -> tuple[Point, float]:
-        """Estimated p_BCom [m], on the line through B across the one to the contact,
-        and its standard deviation as an angle [rad].
+        """Estimated p_BCom [m], and its standard deviation as an angle [rad].
+
+        The estimate lies on the line through B perpendicular to the line from B to the
+        contact.
         """
         straight, mixed, turned, seen, seen_turned = self._sums(windows, state)
         weight = straight * turned - mixed * mixed
@@ -203,8 +205,8 @@ class CenterIdentifier:
     def _sums(
         self, windows: Sequence[Window], state: CenterState
     ) -> tuple[float, float, float, float, float]:
-        """Normal equations of the centre's offset over the lever, and of the axle's
-        offset over the spread of its belief.
+        """Normal equations of two unknowns: the centre's offset over the lever, and the
+        axle's offset over its standard deviation as believed.
         """
         before = self._aside(state.before) / self._lever
         straight = self._prior + state.known
@@ -222,7 +224,7 @@ class CenterIdentifier:
         return straight, mixed, turned, seen, seen_turned
 
     def _row(self, window: Window) -> Row:
-        """Equation of a window, in units of its noise."""
+        """Linear equation of one time window, scaled to noise of standard deviation 1."""
         vx, vy, w = window.twist
         ex, ey = self._heading
         along = vx * ex + vy * ey

@@ -66,9 +66,9 @@ class PressureModel:
         """Fractions of the load (m, n) under ``wrenches`` (m, 3) at ``heights`` (m,)
         [m].
 
-        The centre of pressure moves by h F / N; the loads change in proportion to
-        themselves and linearly over the base, down to zero. That is exact for three
-        pins, and for an even load on springs (Winkler).
+        The centre of pressure moves by h F / N. Each load is multiplied by a factor
+        that varies linearly over the base and is not below zero. This is exact for
+        three pins, and for an even load on springs (Winkler).
         """
         arms = self.points - self.shares @ self.points
         spread = (self.shares[:, None] * arms).T @ arms
@@ -123,7 +123,8 @@ def _sure_coefficients(
     predict: Callable[[Array], Array], measured: Array, count: int
 ) -> Array:
     """Coefficients (count,) of the ridge with the largest gain on left-out pushes,
-    minus ``SURE`` standard errors. Zeros if none gains.
+    after ``SURE`` standard errors are subtracted from each gain. Zeros if no ridge
+    gains.
     """
     best = np.zeros(count)
     coefficients = best

@@ -164,9 +164,8 @@ class AxleIdentifier:
         return level if level > known else before
 
     def identified(self, state: AxleState) -> Identified | None:
-        """Estimates, within bounds of the prediction.
-
-        None while they do not contradict it, or rest on too little turning.
+        """Estimates, within bounds of the prediction. None while they do not contradict
+        the prediction, or while the object has turned too little.
         """
         axle, wheelbase, drag, _ = self._predicted
         seen = (state.vw + PRIOR * axle) / (state.ww + PRIOR)

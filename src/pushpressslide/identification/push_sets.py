@@ -67,7 +67,7 @@ class PushSet:
         return punch_pressure(self.base, self.weight, (0.0, 0.0), resolution=3)
 
     def uniform_pressure(self) -> PressureSamples | None:
-        """Uniform load at rest [N] in B, or None on pins."""
+        """Uniform load at rest [N] in B, or None if the object stands on pins."""
         if self.pins:
             return None
         return polygon_pressure(self.base, self.weight, resolution=6)

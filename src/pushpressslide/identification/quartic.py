@@ -1,8 +1,8 @@
 """A convex polynomial of fourth order, which needs no knowledge of the support.
 
 After Zhou, Paolini, Bagnell, Mason, "A convex polynomial force-motion model for planar
-sliding", ICRA 2016; here as a sum of fourth powers with coefficients >= 0, which is
-convex without a condition.
+sliding", ICRA 2016. Here it is a sum of fourth powers with coefficients >= 0, which is
+always convex.
 """
 
 from __future__ import annotations
@@ -86,9 +86,10 @@ class _Residuals:
 
 
 def _least_squares(residuals: _Residuals, c: Array) -> Array:
-    """Coefficients >= 0 by Gauss-Newton from ``c``.
+    """Coefficients >= 0 by Gauss-Newton steps from ``c``.
 
-    Each step is linear and non-negative, and is halved until it gains.
+    Each step solves a linear problem with coefficients >= 0, and is halved until the
+    error decreases.
     """
     from scipy import optimize
 

@@ -174,9 +174,8 @@ def _block(path: Path, rows: Sequence[Row], first: int, count: int, form: str) -
 
 
 def _numbers(lines: Sequence[Row]) -> Array:
-    """The lines as rows of numbers.
-
-    Without columns if they are not numbers, or have unequal lengths.
+    """The lines as rows of numbers. If they are not numbers, or have unequal lengths,
+    the array has no columns.
     """
     try:
         return np.array([line.split() for _, line in lines], dtype=np.float64)

@@ -116,11 +116,10 @@ def score(
     splits: list[tuple[Rows, Rows]],
     progress: Progress | None = None,
 ) -> dict[str, Score]:
-    """Score of each model, fitted to the first and tested on the second rows of each
-    split.
+    """Score of each model, fitted to the first rows of each split and tested on its
+    second rows.
 
-    Of the test pushes a model gets the wrench and the height of the contact, and no
-    more.
+    For a test push a model gets only the wrench and the height of the contact.
     """
     measured = pairs.directions
     errors: dict[str, list[Array]] = {name: [] for name in fits}

@@ -37,9 +37,8 @@ class Interrupt:
 
     @contextmanager
     def defer(self) -> Iterator[None]:
-        """Hold Ctrl-C back inside the block.
-
-        In the main thread only, as others get no signals.
+        """Hold Ctrl-C back inside the block. Works only in the main thread, since other
+        threads get no signals.
         """
         if threading.current_thread() is not threading.main_thread():
             yield
@@ -54,9 +53,8 @@ class Interrupt:
 
 @contextmanager
 def blocked_for_children() -> Iterator[None]:
-    """Hide Ctrl-C from processes that are started inside the block.
-
-    One pressed meanwhile takes effect after the block.
+    """Hide Ctrl-C from processes that are started inside the block. If it is pressed
+    inside the block, it takes effect after it.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield

@@ -45,9 +45,10 @@ def worker_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
 def _hushed(pool: ProcessPoolExecutor, ended: Event) -> None:
     """Silence a pool that has ``ended`` about jobs that it can no longer hand out.
 
-    The thread that hands them out may find the workers' pipe closed, and would print
-    that with its traceback. Python has no public way to prevent that. The thread takes
-    the function when it starts, so it is replaced before the first job is submitted.
+    The pool's thread that hands out jobs may find the workers' pipe closed, and would
+    print this error with its traceback. Python has no public way to prevent that. The
+    thread reads its error function when it starts, so this function is replaced before
+    the first job is submitted.
     """
     queue = getattr(pool, "_call_queue", None)
     say = getattr(queue, "_on_queue_feeder_error", None)

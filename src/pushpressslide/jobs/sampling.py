@@ -235,8 +235,8 @@ def uncertain_task(known: Task, index: int, seed: int) -> Task:
 
 
 def _arms(base: Task) -> int:
-    """Number of arms that tasks are drawn for: that of all arms that may touch the
-    object, or fewer if the modes named by ``base`` need fewer.
+    """Number of arms that tasks are drawn for: all arms that may touch the object, or
+    fewer if the modes named by ``base`` need fewer.
     """
     most = len(base.scene.arms)
     return min(most, max((MODES[name].arms for name in base.modes or ()), default=most))
@@ -253,8 +253,8 @@ def _drawn_robot(base: Task, rng: np.random.Generator) -> Robot:
 def _pushed_faces(base: Task, arms: int, rng: np.random.Generator) -> int:
     """Number of pushed faces, 0 if the object is pressed.
 
-    It is that of the mode that ``base`` names, or is drawn if the mode is open. With
-    one arm it is 1 for a mode that no tasks are drawn for.
+    The mode that ``base`` names decides it. If the mode is open, the number is drawn.
+    For a mode that no tasks are drawn for, it is 1 with one arm.
     """
     drawn = {
         name: mode.pushed_faces
@@ -363,8 +363,8 @@ def _regular(count: int, radius: float, phase: float) -> tuple[Point, ...]:
 def _centroid(shape: Shape) -> Point:
     """Centroid [m] of the footprint in G.
 
-    Not ``shape.centroid``, which rounds differently: a seed must keep its task to the
-    bit.
+    ``shape.centroid`` is not used, because it rounds differently and a seed must give
+    the same task to the last bit.
     """
     corners = shape.corners
     if not corners:
@@ -486,7 +486,9 @@ def _two_arm_poses(
 
 
 def _push(rng: np.random.Generator, shape: Shape, faces: int) -> float:
-    """Draw the direction [rad] in G in which a face, or two neighbours, are pushed."""
+    """Draw the direction [rad] in G of a push on one face, or on two neighbouring
+    faces.
+    """
     corners = shape.corners
     if not corners:
         return 0.0

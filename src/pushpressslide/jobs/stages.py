@@ -1,4 +1,4 @@
-"""A run as the stages of its task one after the other, without a reset; one by default.
+"""A run as a sequence of stages, one by default, without a reset between them.
 
 Each stage runs on a plant of its own, which starts with the arms and all bodies exactly
 as in the last sample of the previous stage. The planner knows only the measured poses
@@ -102,8 +102,8 @@ class StageRunner:
     def run(self) -> Iterator[StageRun]:
         """Run the stages and yield each as soon as it has ended.
 
-        A stage that fails is the last one; ``lacking`` is the reason why one was not
-        started.
+        If a stage fails, it is the last one. If a stage was not started, ``lacking``
+        holds the reason.
         """
         for number in range(len(self.planned)):
             done = self._run(number)
@@ -221,8 +221,8 @@ class StageRunner:
         return replace(record, meta={**record.meta, **planned.solution.notes})
 
     def _as_it_is(self, planned: PlannedStage) -> Plan:
-        """The plan with the current bodies: the object at its true start, the others at
-        their measured poses.
+        """The plan with the bodies at their current poses: the true start for the
+        object, the measured poses for the others.
         """
         plan = planned.solution.plan
         if not self.task.goals:
@@ -243,7 +243,7 @@ class StageRunner:
         return replace(plan, task=task)
 
     def _progress(self, number: int) -> Callable[[float, float], None] | None:
-        """Report of a stage's progress as that of the whole run."""
+        """Report a stage's progress as progress of the whole run."""
         report = self.options.monitor.progress
         if report is None:
             return None
@@ -280,7 +280,7 @@ def planned_part(planned: PlannedStage) -> StagePlan:
 
 
 def _of_arms(record: Record, name: str) -> tuple[Joints, ...]:
-    """Last sample of each arm. Empty without arms."""
+    """Last sample of each arm. Empty for a plant without arms."""
     arms = range(len(record.plan.task.robots))
     keys = (f"{name}_{arm}" for arm in arms)
     arrays = record.arrays
@@ -298,8 +298,8 @@ def _measured_pose(X: Pose2, sensing: Sensing) -> Pose2:
 
 
 def _learnt(plan: Plan) -> Belief | None:
-    """Belief on a body after a stage that identified its friction. None without a
-    replan.
+    """Belief about a body after a stage that identified its friction, or None if the
+    stage was not replanned.
     """
     if not plan.later:
         return None

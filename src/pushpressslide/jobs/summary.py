@@ -23,8 +23,9 @@ HEAD = (
 
 
 def summarise(rows: Iterable[Row], forced: Iterable[Row]) -> dict[str, Any]:
-    """Counts, shares with their intervals, and spreads. None without rows. Rows are
-    read once, one at a time.
+    """Counts, shares with their intervals, and spreads. None if there are no rows.
+
+    Rows are read once, and only one is held in memory.
     """
     counts: Counter[str] = Counter()
     values: dict[str, array[float]] = {name: array("d") for name in SPREADS}

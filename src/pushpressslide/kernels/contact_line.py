@@ -17,7 +17,9 @@ in B.
 
 @kernel
 def contact_line(first: Vector, second: Vector) -> Line:
-    """Line from one contact to another [m]. Its direction is zero if their distance is."""
+    """Line from one contact to another [m]. Its direction is zero if the contacts
+    coincide.
+    """
     dx = second[0] - first[0]
     dy = second[1] - first[1]
     length = hypot(dx, dy)

@@ -137,8 +137,8 @@ def dubins_solutions(circles: Circles) -> Solutions:
 def centre_line(circles: Circles, dx: float, dy: float) -> Vector:
     """Distance [m] and direction [rad] between two centres.
 
-    The direction is 0 for zero distance, and snaps to a heading that it equals to
-    round-off.
+    For zero distance the direction is 0. If it equals one of the headings to round-off,
+    it is set to that heading.
     """
     length = hypotenuse(dx, dy)
     if not length > ROUND_OFF * (circles[0] + circles[1]):
@@ -156,12 +156,12 @@ def centre_line(circles: Circles, dx: float, dy: float) -> Vector:
 
 @kernel
 def inner_tangent(dx: float, dy: float, both: float) -> Pose:
-    """Length [m] of the inner tangent of two circles, direction [rad] between their
-    centres, and angle [rad] from there to the tangent.
+    """Length [m] of the inner tangent of two circles, direction [rad] of the line
+    between their centres, and angle [rad] from that line to the tangent.
 
-    The length is < 0 if there is no tangent. ``both`` [m] is the sum of the radii:
-    together with the tangent as the other leg, it spans the distance (``dx``, ``dy``)
-    [m] between the centres.
+    The length is negative if there is no tangent. ``both`` [m] is the sum of the radii.
+    In a right triangle, ``both`` and the tangent are the legs, and the line between the
+    centres (``dx``, ``dy``) [m] is the hypotenuse.
     """
     square = dx * dx + dy * dy - both * both
     if not square >= -(ROUND_OFF * both) * both:
@@ -238,7 +238,7 @@ def left_arcs(circles: Circles, angle: float, side: float, opening: float) -> So
 
 @kernel
 def shortest_solution(circles: Circles) -> Solution:
-    """Shortest path, the first of equally short words."""
+    """Shortest path; of several equally short ones the first in the order of the words."""
     lsl, rsr, lsr, rsl, rlr_1, rlr_2, lrl_1, lrl_2 = dubins_solutions(circles)
     best = shorter(shorter(shorter(lsl, rsr), lsr), rsl)
     return shorter(shorter(shorter(shorter(best, rlr_1), rlr_2), lrl_1), lrl_2)

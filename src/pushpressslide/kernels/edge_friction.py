@@ -225,8 +225,8 @@ def stretched(sums: Stretches, edge: Edge, side: Side) -> Stretches:
 def turning_slope(
     rate: float, center: Center, plane: Plane, stretches: Stretches
 ) -> Slope:
-    """Slope for a turn ``rate`` > 0. The centre of rotation stands still, so that only
-    its displacement contributes.
+    """Slope for a turn with ``rate`` > 0. Only the displacement of the centre of
+    rotation contributes, because its velocity is zero.
     """
     cx = center[0]
     cy = center[1]

@@ -94,8 +94,8 @@ def nearest_push(
 def nearest_on_edges(
     fx: float, fy: float, tau: float, contact: SideContact, per_square: float
 ) -> Vector:
-    """Nearest force [N] on the edges of the friction cone, the better of the best of
-    each. Zero if that is nearest.
+    """Force [N] on the edges of the friction cone whose wrench is nearest: the nearest
+    force of each edge is found, and the better one taken. Zero if no force is nearer.
     """
     none = fx * fx + fy * fy + tau * tau * per_square
     friction = contact[4]

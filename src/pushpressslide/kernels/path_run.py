@@ -1,11 +1,11 @@
 """One planned push from behind, tick by tick: pose filter, rear Stanley law, velocity
 servo, and a compliant tip that pushes a body on the ellipsoid.
 
-It does what the run loop does in the move of a rear push on the planar engine, with the
-exact limit surface replaced by an ellipsoid about the true centre of pressure.
-Approach, touch, release, replans, online identification and retouches are left out.
-Frame B is at the centre of mass as believed; n and t are along the face's inward normal
-and to its left.
+It does the same as the run loop during phase move of a rear push on the planar engine.
+Only the exact limit surface is replaced by an ellipsoid about the true centre of
+pressure. Approach, touch, release, replans, online identification and retouches are
+left out. Frame B is at the centre of mass as believed; n and t are along the face's
+inward normal and to its left.
 """
 
 from __future__ import annotations
@@ -142,7 +142,7 @@ def ticked(
 
 @kernel
 def ending(progress: float, left: float, parted: bool, path_data: Course) -> float:
-    """Status of a run: the way in which it ended, or that it is under way."""
+    """Status of a run: how it ended, or that it is still running."""
     if abs(left) > path_data[5]:
         return ASTRAY
     if parted:

@@ -128,10 +128,11 @@ def onto_discs(
 
 @kernel
 def largest_scale(parts: Wrench, radii: Vector) -> float:
-    """Factor [0, inf] by which a wrench can be scaled inside two discs.
+    """Largest factor [0, inf] by which a wrench can be scaled with both contact forces
+    inside their friction discs.
 
-    ``parts`` (F.e, g_1, g_2) [N] of ``line_parts``, ``radii`` [N]. Below 1 the wrench
-    is infeasible.
+    ``parts`` are the (F.e, g_1, g_2) [N] of ``line_parts``, ``radii`` [N] are the radii
+    of the discs. If the factor is below 1, the wrench is infeasible.
     """
     along, g1, g2 = parts
     most1, most2 = radii

@@ -291,8 +291,8 @@ def is_motion(twist: Triple) -> bool:
 
 @kernel
 def too_far(ahead: Triple, force: Triple, step: Triple, rho: float) -> bool:
-    """Whether a step overshoots balance: the force there points back, by more than half
-    of the original force.
+    """Whether a step overshoots balance: the remaining force points backward, with more
+    than half the size of the original force.
     """
     on = -dot(force, step)
     return (
@@ -304,7 +304,9 @@ def too_far(ahead: Triple, force: Triple, step: Triple, rho: float) -> bool:
 
 @kernel
 def too_near(ahead: Triple, force: Triple, step: Triple, rho: float) -> bool:
-    """Whether more than half of the force remains, and points forward."""
+    """Whether a step falls short of balance: the remaining force points forward, with
+    more than half the size of the original force.
+    """
     return 2.0 * dot(ahead, step) < dot(force, step) and 2.0 * size_of(
         ahead, rho
     ) > size_of(force, rho)

@@ -1,9 +1,9 @@
 """Two side contacts, anywhere on the object: four force components for the three of a
 wrench (docs/mechanics.md, sections 5 and 6).
 
-The forces are linear in the wrench until a cone is met. Every side of a friction cone
-bounds the free force along the line of contacts on one side, so that a wrench is
-feasible exactly if the remaining interval is not empty.
+The forces are linear in the wrench until a cone is met. The squeeze along the line of
+contacts is free: each edge of a friction cone bounds it from above or from below, and a
+wrench is feasible exactly if the bounds leave an interval.
 """
 
 from __future__ import annotations
@@ -135,8 +135,8 @@ def nonzero_slopes(a: float, b: float) -> Vector:
     """Slopes of a cone's sides, none of them zero.
 
     A side along the line of contacts bounds nothing if its slack is >= 0, and otherwise
-    excludes every force. It is represented as a distant bound opposite to that of the
-    other side.
+    excludes every force. To represent this, it gets a distant bound, opposite in
+    direction to the other side's.
     """
     if abs(a) < ALONG:
         return copysign(ALONG, -b), b
@@ -145,8 +145,8 @@ def nonzero_slopes(a: float, b: float) -> Vector:
 
 @kernel
 def against(slope: float) -> float:
-    """Minus one over a slope. Zero for a zero slope, which only a cone without width
-    has.
+    """Minus one over a slope. Zero for a zero slope, which occurs only in a cone of
+    zero width.
     """
     return -1.0 / slope if slope != 0.0 else 0.0
 
@@ -307,7 +307,9 @@ def best_scaled(
 
 @kernel
 def kept_part(f1n: float, f2n: float, caps: Vector) -> float:
-    """Fraction of two normal forces [N], at most 1, that keeps the caps."""
+    """Largest factor, at most 1, by which two normal forces [N] can be scaled to keep
+    the caps.
+    """
     part = caps[0] / f1n if f1n > caps[0] else 1.0
     return min(part, caps[1] / f2n) if f2n > caps[1] else part
 

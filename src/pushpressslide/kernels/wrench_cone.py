@@ -31,7 +31,9 @@ Parts = tuple[float, float, float, float]
 
 @kernel
 def wrench_cone(points: Points, normals: Points, friction: float, rho: float) -> Cone:
-    """Cone of two contacts, with ``points`` and ``rho`` [m]."""
+    """Cone of the wrenches that two contacts at ``points`` [m] can give, for an
+    ellipsoid of ``rho`` [m].
+    """
     a = cone_edge(points[0], normals[0], -friction, rho)
     b = cone_edge(points[0], normals[0], friction, rho)
     c = cone_edge(points[1], normals[1], -friction, rho)
@@ -154,8 +156,8 @@ def nearest_facet(
 
 @kernel
 def along_edge(wrench: Wrench, edge: Edge, on: float) -> Vector:
-    """Squared distance and coefficient of the nearest wrench along an edge. Infinitely
-    far if it would have to pull.
+    """Squared distance and coefficient of the nearest wrench along an edge. The
+    distance is infinite if the contact would have to pull.
     """
     if not on > 0.0:
         return inf, 0.0
@@ -170,8 +172,8 @@ def along_edge(wrench: Wrench, edge: Edge, on: float) -> Vector:
 
 @kernel
 def between(wrench: Wrench, a: Edge, b: Edge, ons: Vector, span: Span) -> Wrench:
-    """Squared distance and coefficients of the nearest wrench between two edges.
-    Infinitely far if one would have to pull.
+    """Squared distance and coefficients of the nearest wrench between two edges. The
+    distance is infinite if a contact would have to pull.
     """
     ax, ay, az, a_square = a
     bx, by, bz, b_square = b

@@ -193,8 +193,8 @@ class CommandEnv(gymnasium.Env):
 
 
 def _lone(plan: Plan) -> Plan:
-    """The given plan, which must have one placement. Raises InfeasibleTaskError if it
-    has more.
+    """The given plan, checked to have only one placement. Raises InfeasibleTaskError if
+    it has more.
     """
     if len(plan.placements) > 1:
         count = len(plan.placements)

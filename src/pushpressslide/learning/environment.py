@@ -84,7 +84,9 @@ class PushEnv(gymnasium.Env):
         )
 
     def render(self) -> Pixels | None:
-        """Picture (96, 96, 3) of the current state. None without pictures."""
+        """Picture (96, 96, 3) of the current state. None if the environment has no
+        render mode.
+        """
         if self.render_mode is None:
             return None
         return self._camera.picture(self._pushing.observations()[0])

@@ -50,7 +50,7 @@ class ExactPushing:
 
     def place(self, rows: Indices, start_poses: ArrayLike) -> None:
         """Start an episode with the object at ``start_poses`` (..., 3) X_WG and the tip
-        at the middle of its face. ``rows`` is that one object.
+        at the middle of its face. ``rows`` always selects the only object.
         """
         x, y, yaw = np.reshape(np.asarray(start_poses, dtype=np.float64), 3).tolist()
         X_WG = Pose2(x, y, yaw)

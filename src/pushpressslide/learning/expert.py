@@ -15,7 +15,7 @@ from pushpressslide.modes.rear_push import MODE
 
 
 class RearPushPolicy:
-    """Mode rear_push, with its belief of the task.
+    """Policy that follows mode rear_push, with the mode's belief about the task.
 
     It plans from the first observation of an episode. After that the mode's law follows
     the path.

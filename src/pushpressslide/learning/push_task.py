@@ -32,9 +32,10 @@ LONGER = 2.0  # times the planned duration that an episode may last
 class PushTask:
     """True parameters of a task of one push, and its environment's figures.
 
-    Its object is on an ellipsoid, the one that moves like the exact limit surface under
-    forces at which a planned path turns. Frame B is at its centre of pressure, which
-    the support's friction moves ahead of the centre of mass, axes along G's.
+    The object is on an ellipsoid. This is the ellipsoid that moves like the exact limit
+    surface under the forces at which a planned path turns. Frame B is at the centre of
+    pressure, which the support's friction moves ahead of the centre of mass, with axes
+    along G's.
     """
 
     task: Task
@@ -76,8 +77,8 @@ def push_task(task: Task | str | Path) -> PushTask:
 
 
 def choice(query: MotionQuery, face: int | None = None) -> Choice:
-    """Fastest push for a query, on ``face`` if given, whether the arm reaches it or
-    not.
+    """Fastest push for a query, on ``face`` if given, without a check of the arm's
+    reach.
 
     Raises TaskError if no face can be pushed.
     """

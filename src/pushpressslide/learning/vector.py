@@ -32,7 +32,7 @@ class PushVectorEnv(VectorEnv):
     """Many objects of one task, each as in ``environment.PushEnv``.
 
     An episode that has ended restarts in the next step, whose action is ignored. Each
-    object has its own random numbers: with a seed s, object i is that of a single
+    object has its own random numbers: with a seed s, object i behaves like a single
     environment with the seed s + i.
     """
 
@@ -110,7 +110,7 @@ class PushVectorEnv(VectorEnv):
         )
 
     def render(self) -> tuple[Pixels, ...] | None:
-        """A picture of each object. None without pictures."""
+        """A picture of each object. None if the environment has no render mode."""
         if self.render_mode is None:
             return None
         return tuple(map(self._camera.picture, self._pushing.observations()))

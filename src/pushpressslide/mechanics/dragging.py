@@ -199,10 +199,11 @@ class DraggedBase:
     def _steps(
         self, loads: Array, twist: Array, force: Array, newton: bool
     ) -> tuple[Array, Array, Array]:
-        """Power (m,) of the friction over the force's, and the next twists (3, m), of
-        unit power of the force.
+        """Ratio (m,) of the friction's power to the force's power, and the next twists
+        (3, m), of unit power of the force.
 
-        The twists are the ellipsoid's and, if wanted, Newton's.
+        The next twists are those of the ellipsoid and, if requested, of Newton's
+        method.
         """
         vx, vy, w = twist
         squares = (

@@ -88,9 +88,8 @@ class FacePressure:
 
     def series(self) -> tuple[complex, ...]:
         """Coefficients of ``TERMS`` in the mean of |1 + k z| over the load, for a small
-        complex k and z = x + i y.
-
-        A term and its conjugate are one.
+        complex k and z = x + i y. Each coefficient stands for a term together with its
+        conjugate.
         """
         return tuple(
             (1.0 if i == j else 2.0) * ROOT[i] * ROOT[j] * self._moment(i, j)

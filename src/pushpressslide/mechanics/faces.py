@@ -33,11 +33,11 @@ def faces(
     body: ObjectModel, corner_clearance: float, tip_radius: float = 0.0
 ) -> tuple[Face, ...]:
     """Faces of ``body`` that a tip of ``tip_radius`` [m] can touch. A tip of zero
-    radius touches all.
+    radius can touch all.
 
-    If something blocks part of a face, several parts may remain, and each is a face.
-    Contacts stay ``corner_clearance`` [m] away from the corners (or at a short edge's
-    middle).
+    If a part of a face is blocked, each of the remaining parts counts as a face.
+    Contacts stay ``corner_clearance`` [m] away from the corners, or at the middle of an
+    edge that is too short for that.
     """
     out = []
     for place in body.shape.side_places(

@@ -29,7 +29,7 @@ RESOLUTION = 8  # of the base
 
 
 class LinePush(NamedTuple):
-    """Load on a finger for which the object moves with it."""
+    """Load on a finger with which the object moves together with the finger."""
 
     wrench: Wrench  # on the object, about the centre of pressure
     # |f_t| over mu f_n; inf where the finger would have to pull
@@ -127,8 +127,8 @@ def line_push(
 ) -> LinePush:
     """``push_sticks`` for any pressure.
 
-    ``pressure_at(p)`` is the distribution whose centre of pressure is p [m] in B; (0,
-    0) is that without a push.
+    ``pressure_at(p)`` is the distribution whose centre of pressure is p [m] in B. For a
+    body that is not pushed, p is (0, 0).
     """
     check_friction(support_friction, "support_friction")
     if not any(twist[:3]):
@@ -143,7 +143,11 @@ def _needed(
     twist: Twist,
     height: float,
 ) -> Wrench:
-    """Wrench that drives ``twist`` under the pressure that it moves itself."""
+    """Wrench that drives ``twist`` under the pressure that results from the wrench
+    itself, which shifts the centre of pressure.
+
+    Raises ValueError if the object tips.
+    """
     x = 0.0
     y = 0.0
     for step in range(STEPS):

@@ -95,8 +95,8 @@ class Press:
         return face_pressure(self.body.shape, self.body.center_of_mass, cop)
 
     def tipping_margin(self, angle: float) -> float:
-        """Tipping margin [half widths] under drag at ``angle`` [rad]. Below 0 the
-        object tips.
+        """Tipping margin [half widths] under drag at ``angle`` [rad]. If it is below 0,
+        the object tips.
         """
         u = self.along(angle)
         return room_inside(
@@ -130,12 +130,12 @@ class Press:
         return Twist(float(vx), float(vy), float(w))
 
     def axle(self, angle: float, height: float | None = None) -> float:
-        """Coordinate [m] of the virtual axle on the heading axis under a force at
-        ``angle`` [rad]. It is 0 at the CoM.
+        """Coordinate [m] of the virtual axle on the heading axis, from the CoM, under a
+        force at ``angle`` [rad].
 
-        On the exact surface, with the contact at ``height`` [m] above the support.
-        None: on top of the object, 0: as if the force acted in the support's plane.
-        Raises ValueError if the object tips.
+        It is found on the exact surface. ``height`` [m] is the height of the contact
+        above the support: None stands for the top of the object, and 0 for a force in
+        the support's plane. Raises ValueError if the object tips.
         """
         if height is None:
             height = self.body.shape.height

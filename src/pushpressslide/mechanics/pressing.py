@@ -24,7 +24,8 @@ def friction_use(
     mu_contact: float,
     pushed: float = 0.0,
 ) -> float:
-    """Friction utilisation of a press in straight sliding. Below 1 it sticks.
+    """Friction utilisation of a press in straight sliding. If it is below 1, the press
+    sticks.
 
     It is (mu_s (N_o + N_a) + pushed) / (mu_a N_a), with ``pushed`` [N] the drag of a
     body that the object pushes.
@@ -41,10 +42,11 @@ def least_load(
     share: float = 1.0,
     pushed: float = 0.0,
 ) -> float:
-    """Smallest load N_a [N] that drags in every direction with the utilisation
-    ``share``.
+    """Smallest load N_a [N] that drags the object in every direction with the friction
+    utilisation ``share``.
 
-    (mu_s N_o + pushed) / (use mu_a - mu_s). Infinite if no press is hard enough.
+    It is (mu_s N_o + pushed) / (share mu_a - mu_s). Infinite if no load is large
+    enough.
     """
     slack = share * mu_contact - mu_support
     if slack <= 0.0:
@@ -63,9 +65,9 @@ def press_loads(
 ) -> list[float]:
     """Loads [N] to try, up to ``max_force`` [N], the safest first.
 
-    ``wanted`` [N] is the only one if it is given. ``pushed`` [N] is the drag of a body
+    If ``wanted`` [N] is given, it is the only one. ``pushed`` [N] is the drag of a body
     that the object pushes. ``uses`` are the friction utilisations to try, the best
-    first. Raises RefusedError if no press will do.
+    first. Raises RefusedError if no press is feasible.
     """
     if wanted is not None:
         used = friction_use(wanted, weight, mu_support, mu_contact, pushed)

@@ -24,10 +24,10 @@ def inside_top(body: ObjectModel, point: Point, margin: float) -> bool:
 
 
 def room_inside(body: ObjectModel, point: Point) -> float:
-    """Depth of a centre of pressure at ``point`` [m] inside the base's convex hull.
-    Below 0 the object tips.
+    """Depth [half widths] of a centre of pressure at ``point`` [m] inside the base's
+    convex hull, measured across the nearest edge.
 
-    In half widths across the nearest edge.
+    If the depth is below 0, the object tips.
     """
     return float(rooms_inside(body, np.array([point]))[0])
 

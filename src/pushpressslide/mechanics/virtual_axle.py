@@ -179,8 +179,8 @@ def dragged_twist(
     height: float,
     direction: Point,
 ) -> Twist:
-    """Twist of B's origin under the force of ``sliding``, on the exact surface. Only
-    its direction counts.
+    """Twist of B's origin under the force of ``sliding``, on the exact surface. Its
+    magnitude is arbitrary.
     """
     slide = sliding(face_at, mu, cop, contact, height, direction)
     return slide.twist.moved_to((0.0, 0.0))

@@ -1,4 +1,4 @@
-"""An object on a wall: its weight acts in the plane and presses nothing
+"""An object on a wall: its weight acts in the plane and does not press it on the wall
 (docs/mechanics.md, section 7).
 
 On a table all of these quantities are zero.
@@ -27,11 +27,11 @@ def weights(scene: Scene, path: TwistPath) -> list[Point]:
 
 
 def lever(scene: Scene, load: float) -> float:
-    """Displacement of the centre of pressure per in-plane weight, against the weight
-    [m/N].
+    """Displacement of the centre of pressure per in-plane weight [m/N], against the
+    direction of the weight.
 
-    For tips that carry it at the top, and the weight at the height of the CoM: (h -
-    h_com) / N.
+    For tips that carry the weight at the object's top, and a weight that acts at the
+    height of the CoM, it is (h - h_com) / N.
     """
     if not any(scene.weight_along):
         return 0.0
@@ -52,8 +52,9 @@ def lean_press(scene: Scene) -> float:
 
 
 def lean(scene: Scene, goal: Pose2, press: float) -> Point:
-    """Best offset [m] in B of two contacts of ``press`` [N] each. At the goal the
-    weight moves the centre of pressure back by as much.
+    """Best offset [m] in B of two contacts of ``press`` [N] each.
+
+    At the goal the weight moves the centre of pressure back by the same distance.
     """
     x, y = goal.unrotate(scene.weight_along)
     k = lever(scene, scene.weight_on + 2.0 * press)

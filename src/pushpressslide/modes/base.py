@@ -184,8 +184,8 @@ class Mode(ABC, Generic[D]):
         return search(self.candidates(query), enough, feasibility or Feasibility(query))
 
     def connect(self, query: MotionQuery, contacts: Sequence[Contact]) -> Choice:
-        """Quickest motion for ``query`` with the given ``contacts``, or that choice
-        with its refusal.
+        """Choice of the quickest motion for ``query`` with the given ``contacts``, or a
+        refused one.
 
         The arms' reach and obstacles are not checked.
         """
@@ -267,9 +267,8 @@ class Mode(ABC, Generic[D]):
         self, query: MotionQuery, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
         """The ``segments`` with the first one replaced by its continuation from the
-        ``measured`` state.
-
-        Empty if there is no continuation, or only a longer one.
+        ``measured`` state. Empty if there is no continuation, or if it is longer than
+        allowed.
         """
         first, *others = segments
         continuation = self.continue_from(query, first, measured)
@@ -301,8 +300,8 @@ class Mode(ABC, Generic[D]):
     def center_identifier(
         self, query: MotionQuery, segment: Segment, center: Point = (0.0, 0.0)
     ) -> CenterIdentifier | None:
-        """Online identifier of the centre of mass, in a segment planned with it at
-        ``center`` [m] in B. None if it is of no use.
+        """Online identifier of the centre of mass, in a segment planned with the centre
+        at ``center`` [m] in B. None if it would not improve the motion.
         """
         return None
 
@@ -368,8 +367,8 @@ def search(
 
 
 def _may_hold(candidate: Candidate | Choice, held_contacts: Sequence[Contact]) -> bool:
-    """Whether a candidate may have a choice with the contacts ``held_contacts``,
-    whichever arms make them.
+    """Whether a candidate may have a choice with the contacts ``held_contacts``, made
+    by any arms.
 
     True for a choice without contacts, which represents all placements.
     """
@@ -380,8 +379,7 @@ def _may_hold(candidate: Candidate | Choice, held_contacts: Sequence[Contact]) -
 
 
 def in_arms(choice: Choice, assigned: Iterable[Sequence[int]]) -> list[Choice]:
-    """One choice for each assignment of its contacts in ``assigned``.
-
+    """One copy of the choice for each assignment of its contacts in ``assigned``.
     Without assignments, the choice itself with a refusal.
     """
     return [_with_arms(choice, arms) for arms in assigned] or [choice.refused(CROSSING)]
@@ -405,8 +403,9 @@ class Feasibility:
     """Evaluates choices one by one: whether the arms can follow the path, and whether
     it is clear.
 
-    After many choices out of reach it trusts the reach tables alone. After many blocked
-    ones it stops. In a search over sequences the tables decide for all.
+    After many choices out of reach, only the reach tables are used. After many blocked
+    choices the evaluation stops. In a search over sequences only the tables are used
+    for all choices.
     """
 
     query: MotionQuery

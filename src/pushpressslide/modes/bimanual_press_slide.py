@@ -90,7 +90,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
     def _pressed(
         self, query: MotionQuery, placed: Choice, path: TwistPath, evaluated: bool
     ) -> list[Choice]:
-        """Evaluate one pair of contacts without the arms' reach."""
+        """Evaluate one pair of contacts, without a check of the arms' reach."""
         if not (evaluated and placed.feasible):
             return [placed]
         scene = query.scene

@@ -100,8 +100,8 @@ class OrthogonalPush(TwistPushes):
         ]
 
     def _placed(self, query: MotionQuery, pair: tuple[Face, Face]) -> list[Choice]:
-        """Best placements on two faces, before the check of the arms' reach. If there
-        are none, one with its refusal.
+        """Best placements on two faces, before the check of the arms' reach. If no
+        placement is feasible, a single choice with its refusal.
         """
         scene = query.scene
         height = contact_height(scene, query.motion)
@@ -137,8 +137,8 @@ class OrthogonalPush(TwistPushes):
         cone_goal: ConeGoal,
         cones: list[TwistCone],
     ) -> list[Choice]:
-        """Best choices of contacts with ``cones``. If there are none, the one nearest
-        to having a path, refused.
+        """Best choices of contacts with ``cones``. If none has a path, the choice that
+        comes nearest to one, refused.
         """
         direct = cone_goal.direct
         inside = {cone: round(cone.cone_margin(*direct), 6) for cone in cones}

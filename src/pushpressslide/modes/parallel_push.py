@@ -133,8 +133,8 @@ class ParallelPush(TwistPushes):
         cars: Cars,
         evaluated: bool,
     ) -> list[Choice]:
-        """Evaluate contacts on a face without the arms' reach: one choice for each
-        assignment to arms.
+        """Evaluate contacts on a face, without a check of the arms' reach: one choice
+        for each assignment to arms.
         """
         places = describe_points(contact.point for contact in contacts)
         choice = Choice(self.name, f"face {face.index} at {places}", contacts)
@@ -230,8 +230,8 @@ class ParallelPush(TwistPushes):
     def retry(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
-        """Segment for the remaining displacement. Empty if it is not within the cone,
-        or for a car, which does not go back.
+        """Segment for the remaining displacement. Empty if the displacement is outside
+        the cone, or for a car, which cannot back up.
         """
         if isinstance(segment.drive, CarDrive):
             return ()
@@ -240,8 +240,8 @@ class ParallelPush(TwistPushes):
     def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> Continuation | None:
-        """Continuation with the measured contacts. The believed motion of the object is
-        unchanged.
+        """Continuation with the measured contacts. The reduced model of the object
+        stays as planned.
         """
         drive = segment.drive
         if not isinstance(drive, CarDrive):

@@ -96,8 +96,8 @@ class PressAndPush(Mode[PinnedDrive]):
     def _pushed(
         self, query: MotionQuery, turn: _Turn, lever: Lever, evaluated: bool
     ) -> list[Choice]:
-        """Evaluate one place to push without the arms' reach: one choice for each
-        assignment of the two contacts to the arms.
+        """Evaluate one place to push, without a check of the arms' reach: one choice
+        for each assignment of the two contacts to the arms.
         """
         scene = query.scene
         top = query.body.shape.height
@@ -130,8 +130,9 @@ class PressAndPush(Mode[PinnedDrive]):
     def _driven(
         self, query: MotionQuery, choice: Choice, turn: _Turn, lever: Lever
     ) -> Choice:
-        """Choice with its press load, the smallest safe one unless it is given. Raises
-        ValueError if the object tips.
+        """Choice with its press load: the given one, or else the smallest safe one.
+
+        Raises ValueError if the object tips.
         """
         scene = query.scene
         press, push = choice.contacts
@@ -202,8 +203,8 @@ class PressAndPush(Mode[PinnedDrive]):
     def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> Continuation | None:
-        """Continuation by one twist about the measured pin. None if the push would have
-        to pull.
+        """Continuation by one twist about the measured pin. None if the pushing arm
+        would have to pull for it.
         """
         planned = self.drive_of(segment)
         radius = planned.radius

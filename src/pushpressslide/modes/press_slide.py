@@ -323,8 +323,8 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     def _spun(
         self, query: MotionQuery, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
-        """Manoeuvre to the goal of a spin whose pivot is measured elsewhere. Empty if
-        the spin still leads there.
+        """Manoeuvre that replaces a spin whose pivot is measured elsewhere than
+        planned. Empty if the spin still leads to the goal.
         """
         first, *others = segments
         drive = first.drive
@@ -373,14 +373,16 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
 def _of_first_leg(
     segments: Sequence[Segment],
 ) -> tuple[tuple[Segment, ...], tuple[Segment, ...]]:
-    """Segments of the first one's leg, and those of the legs after it."""
+    """Segments of the leg that the first segment belongs to, and the segments of the
+    later legs.
+    """
     leg = segments[0].leg
     mine = tuple(segment for segment in segments if segment.leg == leg)
     return mine, tuple(segments[len(mine) :])
 
 
 def _name_believed_rho(rho: float | None, choices: Sequence[Choice]) -> list[Choice]:
-    """The refused choices, with a given rho of the belief in their refusals."""
+    """The refused choices. Their refusals also name the belief's rho if one is given."""
     if rho is None:
         return list(choices)
     return [
@@ -402,7 +404,7 @@ def _steered(
     """
 
     def make(choice: Choice, evaluated: bool) -> list[Choice]:
-        """The choice with its steering, by either arm."""
+        """The choice with its steering, made by either arm."""
         steered = with_turns(query, choice, min_angle) if evaluated else choice
         return either_arm(query.scene, query.body_ends, steered)
 

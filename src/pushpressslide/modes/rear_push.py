@@ -95,7 +95,7 @@ class RearPush(Mode[RearSteerDrive]):
     def _push(
         self, query: MotionQuery, fitted: FittedFace, evaluated: bool
     ) -> list[Choice]:
-        """Evaluate a push on a face without the arms' reach."""
+        """Evaluate a push on a face, without a check of the arms' reach."""
         scene = query.scene
         face = fitted.face
         height = lone_contact_height(scene, query.motion)
@@ -215,7 +215,7 @@ class RearPush(Mode[RearSteerDrive]):
     def retry(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
-        """No segments: a push does not go back."""
+        """No segments, because a single push cannot back up."""
         return ()
 
     def continue_from(
@@ -253,7 +253,9 @@ class RearPush(Mode[RearSteerDrive]):
 
 
 def _drives(scene: Scene, fitted: FittedFace) -> dict[float, RearSteerDrive]:
-    """Drives of a face's cars, keyed by how hard their paths are."""
+    """Drives of a face's cars. The keys tell how much harder than planned the paths of
+    each car turn.
+    """
     most = scene.max_friction()
     return {
         harder: RearSteerDrive(car, most, shift)

@@ -32,8 +32,8 @@ STATUSES: tuple[ContactStatus, ...] = (
 
 
 class Response(NamedTuple):
-    """A contact's force on the object [N], and the loss of its components per velocity
-    of the tip's centre [N s/m].
+    """A contact's force on the object [N], and the decrease of the force's components
+    per velocity of the tip's centre [N s/m].
     """
 
     force: Point
@@ -96,8 +96,8 @@ def side_contact(
 class WedgedContact(NamedTuple):
     """A tip between its own side and another wall of a notch.
 
-    It touches the wall that alone keeps it out of both. If neither does, it sticks
-    between them.
+    If contact with one of the two walls alone keeps the tip out of both, the tip
+    touches that wall. Otherwise it sticks between them.
     """
 
     own: SideContact

@@ -52,8 +52,8 @@ class SideFace:
         return self._gap(self.side, tip, height)
 
     def wall(self, tip: Point, height: float) -> tuple[float, Point]:
-        """Gap and normal of the nearest wall that a tip may meet other than the face
-        itself. The gap is infinite if none is near.
+        """Gap and normal of the nearest wall that a tip may meet, apart from the face
+        itself. The gap is infinite if no wall is near.
         """
         if not self.walls:
             return NO_WALL

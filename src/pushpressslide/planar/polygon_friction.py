@@ -56,8 +56,8 @@ def friction_under(
     """Function that evaluates ``polygon_friction`` of a twist under a face, with or
     without its slope.
 
-    It is compiled only if numba is loaded already, as loading takes longer than a run
-    would gain. The numbers are the same to the last bit.
+    It is compiled only if numba is already loaded, because loading numba takes longer
+    than a run would gain. Both versions give the same numbers to the last bit.
     """
     plane = face.plane()
     edges = face.edges()

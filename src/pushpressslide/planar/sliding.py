@@ -33,7 +33,7 @@ def slide(
 def _resistance(
     vx: float, vy: float, w: float, friction: Friction, limit: float, sloped: bool
 ) -> Taken:
-    """Wrench that slides the object, and its slope, 0 if not requested."""
+    """Wrench that slides the object, and its slope, which is 0 if it is not requested."""
     if not sloped:
         wrench = friction.wrench((vx, vy, w), limit)
         return (*wrench, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

@@ -26,8 +26,8 @@ class Support:
     """Support under one object.
 
     The CoP follows from the load, but never leaves the base. The pressure (Winkler) is
-    computed once for each position of the CoP on a fine grid, and shifted to the true
-    CoP.
+    computed for the nearest CoP on a fine grid, once for each such CoP, and shifted to
+    the true CoP.
     """
 
     def __init__(self, shape: Shape, center_of_mass: Point) -> None:

@@ -78,10 +78,8 @@ class _Reach(NamedTuple):
     def touching(
         self, cop: Point, friction: float, dt: float
     ) -> SideContact | WedgedContact | TopContact | None:
-        """Possible contact of the tip at its face in a tick. None if it does not come
-        near the face.
-
-        None if it does not come near it.
+        """Possible contact of the tip at its face in a tick. None if the tip does not
+        come near the face.
         """
         x = self.place[0] - cop[0]
         y = self.place[1] - cop[1]
@@ -236,7 +234,7 @@ class World:
         command: TipCommand,
     ) -> _Reach:
         """The part of a tip's motion in a tick that is independent of the object's
-        motion. ``axis`` is that of B.
+        motion. ``axis`` is the direction of B's x axis.
         """
         X_WB = state.X_WB
         dt = self.dt
@@ -305,8 +303,11 @@ class World:
         return bool(edge_depths(shape, [X_WG], place, self._region)[0] < 0.0)
 
     def _carried(self, X_WB: Pose2, twist: Twist, falling: bool) -> tuple[Vector, bool]:
-        """Twist of an object on a wall that would move with ``twist``, and whether it
-        still falls. It rests on a fixed obstacle or in the opening, or moves on.
+        """Twist of an object on a wall that would otherwise move with ``twist``, and
+        whether the object is still falling.
+
+        The object either comes to rest on a fixed obstacle or in the opening, or keeps
+        its twist.
         """
         X_WG = X_WB.compose(self.task.object.X_GB.inverse())
         shape = self.task.object.shape
@@ -332,8 +333,8 @@ def _law(axis: Point, force: Point, damping: Point) -> TipLaw:
 
 
 def _damping(damping: float, stiffness: float, dt: float) -> float:
-    """Loss of a tip's force per velocity over a tick. Its spring is evaluated at the
-    end of the tick.
+    """Decrease of a tip's force per velocity over a tick. The tip's spring is evaluated
+    at the end of the tick.
     """
     total = damping + stiffness * dt
     return total if total > TIP_DRAG else TIP_DRAG

@@ -12,12 +12,12 @@ from pushpressslide.core.scene import Scene, arm_title
 
 
 def either_arm(scene: Scene, ends: Ends, choice: Choice) -> list[Choice]:
-    """A choice of one contact for each arm that may touch the object, the arm nearer to
-    the contact first.
+    """Copies of a choice of one contact, one for each arm that may touch the object,
+    the arm nearer to the contact first.
 
-    The arms share its path and its time, which are the object's. If there are two arms,
-    the label names the arm. A choice that the object itself rules out is returned
-    unchanged.
+    Path and time depend on the object alone, so that all copies share them. If there
+    are two arms, the label names the arm. A choice that is refused because of the
+    object is returned unchanged.
     """
     if len(scene.robots) == 1 or choice.refusal is not None:
         return [choice]

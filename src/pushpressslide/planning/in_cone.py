@@ -94,8 +94,8 @@ class ConeGoal:
     def path(self, cone: Cone, exact: Margin | None = None) -> TwistPath | None:
         """Path by twists well inside ``cone``, or None.
 
-        ``exact`` is the margin [rad] by the limit surface at the twist itself; the
-        margin of ``cone`` is taken at the direct twist.
+        ``exact`` gives the margin [rad] of a twist by the limit surface at that twist.
+        The margin of ``cone`` uses the limit surface at the direct twist.
         """
         for inside in PLANNED:
             paths = paths_in_cone(

@@ -1,4 +1,4 @@
-"""Pushes from the side that turn an object about a fixed point of it."""
+"""Pushes from the side that turn an object about a point fixed to it."""
 
 from __future__ import annotations
 

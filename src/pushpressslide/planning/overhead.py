@@ -1,6 +1,5 @@
-"""Estimated time of approach, touch and release.
-
-The estimate is the same for all modes, so that their motions are compared.
+"""Estimated time of approach, touch and release. It is the same for all modes, so that
+a comparison of modes depends on their motions alone.
 """
 
 from __future__ import annotations

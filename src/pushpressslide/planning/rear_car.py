@@ -84,11 +84,12 @@ def shortest_length(ends: Ends, drive: RearSteerDrive) -> float:
 def route(
     query: MotionQuery, drives: Mapping[float, RearSteerDrive]
 ) -> tuple[Route, bool]:
-    """Most comfortable path without a loop, and False; or a path with a loop, and True.
+    """Most comfortable path without a loop, and False; or, if every path has a loop, a
+    path with one, and True.
 
-    If every path has a loop, it is the one with the longest run-in, unless that is much
-    longer than the shortest. ``drives`` are those of the cars fitted to the paths,
-    keyed by how much harder than planned these turn.
+    Of the paths with a loop, the one with the longest run-in is taken unless it is much
+    longer than the shortest. ``drives`` holds the drives of the cars fitted to the
+    paths. Its keys tell how much harder than planned the paths turn.
     """
     routes = []
     radius = query.body.radius
@@ -137,7 +138,9 @@ def _routed(
 
 
 def planned_share(motion: Motion, harder: float) -> float:
-    """Fraction of the tightest curvature that a path ``harder`` than planned may use."""
+    """Fraction of the tightest curvature that a path may use: ``harder`` times the
+    planned fraction, at most 1.
+    """
     return min(1.0, harder * motion.curvature_margin)
 
 

@@ -21,8 +21,8 @@ def with_run_in(
     """Shortest path that ends with a straight line of ``run_in`` [m] and whose
     curvature [1/m] is between -right and left.
 
-    If paths exist that turn by ``turning`` [rad] in all, to within half a turn, only
-    these count: an arm whose plan goes round one way cannot go round the other.
+    Paths that turn by ``turning`` [rad] in all, to within half a turn, have priority:
+    an arm whose plan goes round in one sense cannot follow a path in the other.
     """
     start, goal = ends
     staging = advance(goal, 0.0, -run_in)
@@ -47,7 +47,9 @@ def longest_way(radius: float, direct: float) -> float:
 
 
 def loop_free_length(start: Pose2, goal: Pose2, curvature: float) -> float:
-    """Length limit [m] of a path of that ``curvature`` [1/m] without a loop."""
+    """Length [m] above which a path of at most this ``curvature`` [1/m] is taken to
+    contain a loop.
+    """
     return 1.15 * math.hypot(goal.x - start.x, goal.y - start.y) + 1.0 / curvature
 
 

@@ -25,8 +25,8 @@ def contact_height(scene: Scene, motion: Motion) -> float:
     """Height [m] of the contacts above the support, the same for all arms that may
     touch.
 
-    Low, since a push at height h moves the CoP by h mu_s, but with the wrists above the
-    object.
+    It is as low as possible with the wrists above the object, since a push at height h
+    moves the CoP by h mu_s.
     """
     return _height(scene, motion, _upright(scene))
 

@@ -11,8 +11,8 @@ TURN = 2.0 * math.pi
 
 
 def tool_load(query: MotionQuery, heading: float) -> tuple[float, float]:
-    """Drag [N] added by bodies that the object pushes, and the angle [rad] of
-    ``heading`` [rad] in B off the normal of a tool's pushing face.
+    """Drag [N] added by bodies that the object pushes, and the angle [rad] between
+    ``heading`` [rad] in B and the normal of a tool's pushing face.
 
     Every body that the object may push counts, as if all were pushed at once.
     """

@@ -48,7 +48,9 @@ def torque_figures(robots: Sequence[Robot], record: Record) -> dict[str, float |
 
 
 def speed_share(robots: Sequence[Robot], record: Record) -> float | None:
-    """Largest speed of any joint as a share of its limit. None without joints."""
+    """Largest speed of any joint as a share of its limit. None if the record has no
+    joints.
+    """
     shares = []
     for i, robot in enumerate(robots):
         v = record.arrays.get(f"joint_velocity_{i}")
@@ -59,7 +61,9 @@ def speed_share(robots: Sequence[Robot], record: Record) -> float | None:
 
 
 def joint_margin(robots: Sequence[Robot], record: Record) -> float | None:
-    """Smallest distance [rad] of a joint to its limits. None without joints."""
+    """Smallest distance [rad] of a joint to its limits. None if the record has no
+    joints.
+    """
     margins = []
     for i, robot in enumerate(robots):
         q = record.arrays.get(f"joint_position_{i}")

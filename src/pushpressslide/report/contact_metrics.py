@@ -153,10 +153,11 @@ def _mean(values: Array) -> float | None:
 
 
 def pivots(placements: Sequence[tuple[Plan, Record]]) -> list[dict[str, Any]]:
-    """Measured centre of rotation in B [m] of each placement that pins a point.
+    """Measured centre of rotation in B [m] of each placement that pins a point, with
+    three points of the plan for comparison.
 
-    Beside it, from the plan: the pinned point, the centre of pressure, and the virtual
-    axle about which the object would turn if the press did not hold it.
+    These are the pinned point, the centre of pressure, and the virtual axle about which
+    the object would turn if the press did not hold it.
     """
     out = []
     for placement, record in placements:

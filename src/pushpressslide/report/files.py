@@ -66,7 +66,7 @@ class Run:
 
     @property
     def begun(self) -> tuple[StageRun, ...]:
-        """The stages that were started, at least one."""
+        """The stages that were started. At least the first one was."""
         return _begun(self.stages)
 
     @property

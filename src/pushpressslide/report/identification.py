@@ -84,10 +84,11 @@ def write_identification(
 
 
 def predicted_rho(identification: Identification) -> tuple[float, float | None]:
-    """Values of rho [m] predicted from the layout: of the load, and of a rigid face.
+    """Two values of rho [m] predicted from the layout, one of the load and one of a
+    rigid face.
 
-    The load is that of the pins, or even on the base. The second is None on pins, which
-    have no rigid face.
+    The load is carried by the pins, or is even on the base. With pins there is no rigid
+    face, and the second value is None.
     """
     uniform = identification.push_set.uniform_pressure()
     expected = rho_pole(identification.push_set.static_pressure())

@@ -98,7 +98,7 @@ def _clearance_fault(figures: Mapping[str, Any]) -> Ending | None:
 
 
 def _moved_fault(task: Task, figures: Mapping[str, Any]) -> Ending | None:
-    """Fault that a body was moved which the task does not ask to move, or None."""
+    """Fault that a body was moved although the task does not ask for it, or None."""
     allowed = task.tolerance.bodies
     aimed = {"object", task.tool.body if task.tool is not None else "object"}
     aimed |= {obstacle.name for obstacle in task.obstacles if obstacle.may_move}

@@ -361,7 +361,7 @@ def _choice_part(stage: StagePlan) -> str:
 
 def search_part(search: Mapping[str, Any] | None) -> str:
     """Motions tried by a search over several motions, with the reason for dropping
-    each. Empty without a search.
+    each. Empty if there was no search.
     """
     if search is None:
         return ""

@@ -205,7 +205,7 @@ def _load(i: int, segment: Segment) -> float:
 
 
 def torques_figure(plan: Plan, record: Record) -> Figure | None:
-    """Joint torques as shares of their limits. None without joints."""
+    """Joint torques as shares of their limits. None if the record has no joints."""
     shares = _torque_shares(plan.task.robots, record)
     if not shares:
         return None

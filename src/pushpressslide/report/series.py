@@ -258,11 +258,12 @@ def surface_coordinates(body: ObjectModel, record: Record, contact: Contact) -> 
 
 
 def travel(points: Array, play: float = 0.0) -> Array:
-    """Cumulative distance (N,) travelled by ``points`` (N, k).
+    """Cumulative distance (N,) travelled by ``points`` (N, k), without jitter within
+    ``play`` [same unit].
 
-    Jitter within ``play`` [same unit] does not count. A follower is dragged along on a
-    string of length ``play``. Motion within that length does not move it. A long motion
-    loses ``play``, a reversal twice that.
+    The distance is that of a follower dragged on a string of length ``play``: a motion
+    within that length does not move it. So a long motion loses ``play``, and each
+    reversal loses twice as much.
     """
     distance = np.zeros(len(points))
     if len(points) == 0:
@@ -285,9 +286,9 @@ def travel(points: Array, play: float = 0.0) -> Array:
 def slip(plan: Plan, record: Record, index: int) -> Array:
     """Cumulative slip [m] (N,) of contact ``index`` along the surface.
 
-    Slip counts in phase "move" while the tip touches. Each period of unbroken contact
-    counts separately: the shift of the tip by a loss is no slip. Jitter below
-    ``SLIP_PLAY`` is not summed (see ``travel``). Rolling of the tip counts as slip.
+    Slip counts in phase "move" while the tip touches. A shift of the tip while contact
+    is lost does not count. Jitter below ``SLIP_PLAY`` is not summed (see ``travel``).
+    Rolling of the tip counts as slip.
     """
     normals, _ = contact_forces(plan, record)
     touching = in_phase(record, "move") & (normals[:, index] >= CONTACT_FORCE)

@@ -53,7 +53,9 @@ THOROUGH = IkSearch()
 
 @dataclass(frozen=True)
 class _Targets:
-    """Targets of k tips. Without rotations any turn about the axis is allowed."""
+    """Targets of k tips. If no rotations are given, the tip may turn freely about its
+    axis.
+    """
 
     positions: Array  # (k, 3) [m]
     axes: Array  # (k, 3) unit vectors of the tool

@@ -50,8 +50,8 @@ class Reach:
     q: Array  # (m, n) posture of that margin
 
     def replaced(self, rows: NDArray[np.intp], other: Reach) -> Reach:
-        """Copy with the entries at ``rows`` replaced by those of ``other``, which has
-        no other entries.
+        """Copy in which the entries at ``rows`` are replaced, in order, by all entries
+        of ``other``.
         """
         ok = self.ok.copy()
         joint_margin = self.joint_margin.copy()
@@ -171,7 +171,7 @@ class _PathReach:
     hardest: list[int]  # indices of the places that are looked at first
 
     def short(self, targets: Array) -> Array:
-        """The value ``short_by`` of the hardest places."""
+        """Shortfall [m] by ``short_by`` at the hardest places."""
         return short_by(self.kin, self.p[self.hardest], targets[self.hardest])
 
     def first_search(self, targets: Array) -> tuple[list[int], Reach]:
@@ -190,7 +190,9 @@ class _PathReach:
         return list(range(len(self.p))), everywhere
 
     def reached(self, targets: Array, *, patient: bool = False) -> bool:
-        """Whether all points are reached. With ``patient``, by a second search."""
+        """Whether all points are reached. With ``patient``, the hardest points are
+        searched a second time if the first search fails.
+        """
         found = self._look(targets)
         if patient:
             hardest = self.hardest
@@ -206,10 +208,10 @@ class _PathReach:
 
 def _some_hold(along: _PathReach, holds: list[Array], worst: int) -> tuple[bool, Reach]:
     """Whether one of ``holds`` reaches all points, and the reach of the ``worst`` point
-    by each.
+    by each hold.
 
-    Only holds that reach the worst point are tried on all points, the second time with
-    more patience.
+    Holds that miss the worst point are not tried on the other points. If no hold
+    succeeds, the search is repeated with more patience.
     """
     kin = along.kin
     axes = np.array([_axes(held)[worst] for held in holds])

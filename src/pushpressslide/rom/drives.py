@@ -256,7 +256,7 @@ class PinnedDrive(SurfaceDrive):
     @property
     def axle(self) -> Point:
         """Point [m] in B about which the push alone would turn the object, under a
-        press that loads it but does not hold it.
+        press that loads the object but does not hold it.
         """
         x, y = self.surface.center
         nx, ny = self.push_normal

@@ -149,8 +149,8 @@ class RearSteerCar:
         """Velocity [m/s] in B of the contact point when the VFA moves with ``speed``
         [m/s].
 
-        v (e + (1 + D^2/rho^2) tan(steering) t): the pusher's own angle is psi, larger
-        than the steering.
+        It is v (e + (1 + D^2/rho^2) tan(steering) t). So the pusher moves at an angle
+        psi from the heading axis that is larger than the steering.
         """
         e = self.axis
         k = (1.0 + (self.lever / self.rho) ** 2) * math.tan(steering)

@@ -227,7 +227,8 @@ def _too_near(
     """Refusal of a path on which ``what`` comes nearer to an obstacle than
     ``clearance`` [m], or None.
 
-    Near an end that is itself nearer than that, the limit is the gap at that end.
+    Near an end of the path at which the gap is smaller than that, the limit is the gap
+    at that end.
     """
     if not obstacles:
         return None

@@ -130,8 +130,9 @@ class LegSearch:
         self._radius = self.query.body.radius
 
     def know(self, choices: Sequence[Choice]) -> None:
-        """Take over the evaluated choices of the motion from start to goal. Modes that
-        cannot move the object at all are left out.
+        """Store the choices already evaluated for the motion from start to goal.
+
+        Modes that cannot move the object at all are left out of the search.
         """
         by_mode: dict[str, list[Choice]] = {}
         for choice in choices:
@@ -158,7 +159,7 @@ class LegSearch:
 
     @property
     def tried(self) -> SearchNotes:
-        """Summary of everything tried so far."""
+        """Summary of everything that the search has tried so far."""
         often = sorted(self._refused.values(), key=lambda motions: -motions.count)
         poses = len(self.poses) - 2
         return SearchNotes(poses, self.evaluated, tuple(often), tuple(self._dropped))
@@ -202,7 +203,9 @@ class LegSearch:
         return ()
 
     def _lead_on(self, here: Reached) -> None:
-        """Add the poses that one push can reach, if two motions may follow."""
+        """Add the poses that one push can reach from a node, if two more motions are
+        allowed.
+        """
         pose = here.node.pose
         if self.successors is None or pose in self._led_on:
             return

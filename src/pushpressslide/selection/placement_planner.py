@@ -57,7 +57,9 @@ class PlansAlone:
         del self.plans[count:]
 
     def after(self) -> PlansAlone:
-        """Empty planner."""
+        """New planner without placements, since a plant without arms has no state to
+        carry over.
+        """
         return PlansAlone()
 
 
@@ -103,10 +105,11 @@ def add_first(
     problems: Problems,
     tries: float = math.inf,
 ) -> bool:
-    """Add the first choice of a placement that has a joint path. True if there is one.
+    """Add the first choice of a placement that has a joint path. True if one has.
 
-    The refusals of the others are written into ``choices`` and ``problems``, and these
-    are not tried again. At most ``tries`` problems.
+    The refusals of the choices without a joint path are written into ``choices`` and
+    ``problems``; choices in ``problems`` are not tried again. At most ``tries``
+    problems are collected.
     """
     for i, choice in enumerate(choices):
         if not choice.segments or not (choice.feasible or force):
@@ -128,10 +131,10 @@ def add_first(
 def with_joint_paths(
     planner: PlacementPlanner, empty: Plan, choices: Sequence[Choice]
 ) -> list[Choice]:
-    """Choices of a task without legs, the feasible ones first. Those without joint
+    """Choices of a task without legs, the feasible ones first. Choices without joint
     paths are refused.
 
-    ``planner`` is an empty one, and is empty in the end.
+    ``planner`` has to be empty, and is left empty.
     """
     out = []
     for choice in choices:

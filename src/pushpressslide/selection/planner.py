@@ -74,8 +74,8 @@ def _refused(
 def gathered(choices: Sequence[Choice]) -> list[tuple[Choice, str]]:
     """Choices with their refusals, without repetition.
 
-    Refused choices of a mode with the same code are merged into the first, which states
-    how many more there are.
+    Choices of a mode that are refused with the same code are merged into the first,
+    which states the number of the others.
     """
     alike: dict[tuple[str, str], list[Choice]] = {}
     for i, choice in enumerate(choices):

@@ -86,9 +86,9 @@ def in_the_way(moment: Moment) -> list[str]:
 def spots(moment: Moment, body: str) -> list[Pose2]:
     """Poses X_WG to which ``body`` may be put aside, the best first.
 
-    They are on rings about it, within the workspace and reach, and clear of all other
-    bodies and of their remaining goals. Those that also keep clear of the others'
-    straight paths come first, then those that are nearer.
+    They are on rings about the body, within the workspace and reach, and clear of all
+    other bodies and of their remaining goals. Poses that also keep clear of the others'
+    straight paths come first; among equal ones the nearer come first.
     """
     here = moment.state.poses[body]
     stage = stage_task(moment.task, Stage(body, here), moment.state).query

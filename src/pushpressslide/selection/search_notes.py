@@ -38,6 +38,6 @@ class SearchNotes:
 
     @property
     def notes(self) -> dict[str, Any]:
-        """What a record keeps of it, by the keys of result.json."""
+        """The notes that a record keeps of the search, by the keys of result.json."""
         data = asdict(self)
         return {"judged" if key == "evaluated" else key: data[key] for key in data}

@@ -86,7 +86,7 @@ def evaluate_motion(
 
 
 def of_leg(choice: Choice, leg: int) -> Choice:
-    """The choice as one of a leg of its task."""
+    """The choice, marked as one for a given leg of its task."""
     segments = tuple(replace(segment, leg=leg) for segment in choice.segments)
     return replace(choice, leg=leg, segments=segments)
 
@@ -124,7 +124,9 @@ def _ranked(choices: list[Choice]) -> list[Choice]:
 
 
 def contact_squeeze(choice: Choice) -> float:
-    """Fraction of equal pushes of the contacts that cancel each other."""
+    """Fraction of the pushing forces that cancels if all side contacts push equally
+    hard.
+    """
     normals = [contact.normal for contact in choice.contacts if contact.kind == "side"]
     if not normals:
         return 0.0
@@ -161,8 +163,8 @@ def _select(
 
 
 def _by_tip(query: MotionQuery, mode: Mode[Any]) -> list[MotionQuery]:
-    """One query for each kind of tip with which ``mode`` may touch the object, that of
-    the nearer arm first.
+    """One query for each kind of tip with which ``mode`` may touch the object, the kind
+    of the nearer arm first.
 
     Arms with equal tips share the results that depend on the object alone.
     """

@@ -73,8 +73,9 @@ def solve(
 def solved(
     planner: PlacementPlanner, empty: Plan, enough: int, *, force: bool = False
 ) -> Solution:
-    """Solution, as by ``solve``, of the task of a plan that is ``empty`` so far. Its
-    ``restart`` is the state from which a started task goes on.
+    """Solution, as by ``solve``, of the task of a plan that is ``empty`` so far.
+
+    A task that was already started is continued from the plan's ``restart``.
     """
     clock = _Clock()
     try:

@@ -138,8 +138,8 @@ def estimate(task: Task, order: Sequence[Stage]) -> tuple[int, float]:
 def _orders(
     moment: Moment, asides: int, done: tuple[Stage, ...] = ()
 ) -> Iterator[tuple[Stage, ...]]:
-    """Yield orders that bring all bodies to their goals. ``asides`` bodies are put
-    aside on the way, each at most once.
+    """Yield orders that bring all bodies to their goals. In each, ``asides`` bodies are
+    put aside in between, each at most once.
     """
     moment = _visited(moment)
     if _all_there(moment):
@@ -216,7 +216,8 @@ def _shut_in(moment: Moment) -> str:
 
 
 class _OrderSearch:
-    """Planner of orders of stages that plans common first stages once.
+    """Planner of orders of stages. First stages that several orders have in common are
+    planned once.
 
     At first each stage has to be one motion. If no order succeeds, sequences of motions
     are searched for.

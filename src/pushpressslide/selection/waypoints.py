@@ -116,10 +116,8 @@ def waypoints(query: MotionQuery, free_paths: PathsTo) -> list[Pose2]:
 
 
 def push_successors(query: MotionQuery, free_paths: PathsTo, X: Pose2) -> list[Pose2]:
-    """Poses X_WG that one push by each face can reach from ``X``, straight or on an
-    arc.
-
-    Only free poses at which some arm reaches the object.
+    """Free poses X_WG that one push by each face can reach from ``X``, straight or on
+    an arc, and at which some arm reaches the object.
     """
     goal = free_paths.goal
     radius = ARC * query.body.radius
@@ -150,10 +148,8 @@ def push_axes(scene: Scene) -> list[float]:
 
 
 def _gates(path: Sequence[Pose2], axes: Sequence[float]) -> list[Pose2]:
-    """Via points of a path and the midpoints between them, with the object turned so
-    that it can be pushed along the path.
-
-    It is turned as little as possible.
+    """Via points of a path and the midpoints between them, with the object turned as
+    little as needed so that it can be pushed along the path.
     """
     middles = [between(*ends, 0.5) for ends in pairwise(path)]
     out = []
@@ -198,8 +194,8 @@ def _before(start: Pose2, goal: Pose2, axes: Sequence[float]) -> list[Pose2]:
 
 
 def _nearest(axes: Sequence[float], bearing: float) -> list[float]:
-    """The axes [rad] nearest to a bearing [rad], sorted by their angle to it. Their
-    number is at most that of a box's faces.
+    """Axes [rad] nearest to a bearing [rad], sorted by their angle to it; at most as
+    many as a box has faces.
     """
     off = [(abs(math.remainder(axis - bearing, 2.0 * math.pi)), axis) for axis in axes]
     return [axis for _, axis in sorted(off)[:SIDES]]
@@ -239,7 +235,7 @@ def _handed_over(query: MotionQuery, space: FreeSpace) -> list[Pose2]:
 
 
 def _poses_along(free_paths: PathsTo, poses: Sequence[Pose2]) -> list[Pose2]:
-    """Via poses of the paths from ``poses`` to the goal, in turn."""
+    """Via poses of the paths from ``poses`` to the goal, taken from each path in turn."""
     found = [free_paths.via_poses(X) for X in poses]
     each = [path[1:-1] for path in found if path is not None]
     return [X for row in zip_longest(*each) for X in row if X is not None]

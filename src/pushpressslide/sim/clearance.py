@@ -138,12 +138,12 @@ class DrakeClearance:
         )
 
     def _allowed_at_contact(self, radius: float) -> dict[GeometryId, float]:
-        """Allowed distance [m] of each shape that holds the tip to the body touched by
-        the tip's sphere.
+        """Allowed distance [m] to the touched body, for each shape that holds the tip
+        and is nearer to the contact than the clearance.
 
-        Only for shapes to which the sphere, of a ``radius`` [m], leaves less than the
-        clearance. The sphere touches with the half that faces away from them. The
-        distance it leaves is their smallest distance to that half.
+        The tip's sphere, of a ``radius`` [m], touches with the half that faces away
+        from these shapes. The allowed distance of a shape is the fraction ``ROD_ROOM``
+        of its smallest distance to that half.
         """
         tip = self._robot.tip_body
         holding = set(_shapes(self._plant, self._plant.GetBodiesWeldedTo(tip)))
@@ -215,8 +215,8 @@ class DrakeClearance:
         bodies: Mapping[str, Sequence[RigidTransform]],
         order: Callable[[Gap], float],
     ) -> Gap:
-        """The last of all gaps in ``order``, over the postures and poses of
-        ``least_in_space``.
+        """The gap with the greatest value of ``order`` among all gaps over the postures
+        and poses of ``least_in_space``.
         """
         out = NOTHING
         before = {name: self._pose(name) for name in bodies}
@@ -235,8 +235,8 @@ class DrakeClearance:
     def _allowance(
         self, near: SignedDistancePair, touching: Collection[GeometryId]
     ) -> float:
-        """Smallest allowed distance [m] of two shapes, if ``touching`` shapes touch the
-        object.
+        """Smallest allowed distance [m] between two shapes, when the ``touching``
+        shapes may touch the object.
         """
         between = {near.id_A, near.id_B}
         if not touching or between.isdisjoint(self._object_shapes):

@@ -163,7 +163,9 @@ class Knocker:
             self._enter_phase("leaving", t)
 
     def _motion(self, pose: Pose2, t: float) -> tuple[Point, float]:
-        """Velocity [m/s] and yaw rate [rad/s] of the object without the ball."""
+        """Velocity [m/s] and yaw rate [rad/s] of the object over the last tick, before
+        the ball touches it.
+        """
         if self._last is None:
             return (0.0, 0.0), 0.0
         before, last = self._last

@@ -37,7 +37,7 @@ class LayeredMesh:
 def layered_mesh(corners: tuple[Point, ...], height: float) -> LayeredMesh:
     """Mesh of a prism on a simple polygon, counter-clockwise [m].
 
-    Raises ValueError if the outline is too thin for an inner one.
+    Raises ValueError if the polygon is too thin to hold the inner outline of the mesh.
     """
     n = len(corners)
     depth, inner = _inner(corners, DEEPEST * height)

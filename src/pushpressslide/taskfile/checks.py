@@ -360,9 +360,8 @@ def _kinematics(robot: Robot, i: int, source: str) -> ArmKinematics:
 
 
 def shortfall(kin: ArmKinematics, robot: Robot, scene: Scene, X_WG: Pose2) -> float:
-    """Smallest shortfall [m] of a tip from the places where it could touch.
-
-    It is 0 if the tip reaches one.
+    """Distance [m] by which a tip misses the nearest place where it could touch the
+    object, 0 if it can reach one.
     """
     import numpy as np
 

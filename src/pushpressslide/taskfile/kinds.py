@@ -258,7 +258,9 @@ def section(
 
 
 def shorthand(kind: Kind, key: str) -> Kind:
-    """Kind of a section that may be given by one of its fields, a text."""
+    """Kind of a section that may also be written as a single text, the value of one of
+    its fields.
+    """
 
     def read(value: Any, place: Place) -> Any:
         """Read a section, or its one field."""

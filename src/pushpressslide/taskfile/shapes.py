@@ -1,4 +1,4 @@
-"""Shapes in the task file. A kind of shape is added here alone."""
+"""Shapes in the task file. A new kind of shape is added only in this file."""
 
 from __future__ import annotations
 

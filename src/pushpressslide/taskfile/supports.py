@@ -1,4 +1,6 @@
-"""Supports in the task file. A kind of support is added here, in one row."""
+"""Supports in the task file. A new kind of support needs only one more row in this
+file.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,7 @@
-"""Holonomic law limited to what the contacts hold: the pull towards the path is
-reduced, the path's own motion is not.
+"""Holonomic law limited to the wrenches that the contacts can give.
+
+If they cannot give the wanted wrench, the pull towards the path is reduced, but not the
+motion along the path.
 """
 
 from __future__ import annotations
@@ -17,10 +19,10 @@ SHARES = (1.0, 0.5, 0.2, 0.0)  # of the pull, that are tried
 
 
 class EasedTracker:
-    """Tracking law with its pull reduced to the largest fraction of ``SHARES`` that the
-    contacts can hold.
+    """Tracking law with its pull reduced to the largest fraction of ``SHARES`` for
+    which the contacts can give the wrench.
 
-    Without pull if they hold none.
+    If no fraction is small enough, there is no pull.
     """
 
     def __init__(

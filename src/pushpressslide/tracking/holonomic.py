@@ -115,7 +115,8 @@ class HolonomicTracker:
         """Twist driven by ``nearest`` in place of ``twist``, and its wrench on the
         surface.
 
-        It is slowed in the ratio by which it falls short of the ``wanted`` motion.
+        The twist is slowed by the ratio of the motion that it achieves to the
+        ``wanted`` motion.
         """
         surface = self._surface
         nearest = nearest.moved_to(surface.center)

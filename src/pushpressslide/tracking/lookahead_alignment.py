@@ -17,10 +17,8 @@ from pushpressslide.kernels.tracking import clipped, look_ahead_curvature
 
 @dataclass(frozen=True, slots=True)
 class LookAheadAlignment:
-    """The look-ahead law.
-
-    ``fixed`` is the paper's literal reading, a target that stays ``look_ahead`` beyond
-    the goal.
+    """The look-ahead law. With ``fixed`` it follows the paper literally: the target
+    stays ``look_ahead`` beyond the goal.
     """
 
     look_ahead: float  # [m] > 0

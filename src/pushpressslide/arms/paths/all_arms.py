@@ -1,6 +1,5 @@
-"""Joint paths of all arms of a plan, with clearance between two arms.
-
-If only one of them has a contact, the other waits out of its way.
+"""Joint paths of all arms of a plan, with clearance between two arms. If only one arm
+has a contact, the other waits out of its way.
 """
 
 from __future__ import annotations
@@ -46,8 +45,8 @@ FEW = 16  # joint paths of each arm, in a search over sequences of motions
 class Conflict:
     """Insufficient clearance between two arms.
 
-    A conflict in a later stage of the motion is greater, then one with a larger
-    distance.
+    Conflicts are ordered by ``stage``, those of one stage by ``distance``. A higher
+    value is greater.
     """
 
     stage: int  # 0: along the contacts; 1: in the approach
@@ -256,7 +255,7 @@ class _TwoArms:
         self, options: Sequence[Sequence[Solution]]
     ) -> tuple[list[Pair], float]:
         """Pairs of solutions with clearance at the start of the contacts, and the
-        largest distance [m], at most LOOK, of the others.
+        largest distance [m], at most LOOK, among the pairs without it.
         """
         left, right = options
         one, other = (
@@ -272,7 +271,8 @@ class _TwoArms:
     def _along(self, pair: Pair) -> float:
         """Smallest distance [m] between the arms at the touch and along the contacts.
 
-        A coarse check of every sixth sample decides if that is too small already.
+        A coarse check of every sixth sample comes first. If its distance is already too
+        small, it is the result.
         """
         touching = self._touching(pair)
         if touching < APART:
@@ -348,7 +348,9 @@ class _TwoArms:
     def _around(
         self, arm: int, solution: Solution, others: dict[int, Array]
     ) -> Solution | None:
-        """Move of an arm with an approach around ``others``, if there is one."""
+        """Move of an arm with an approach around ``others``, or None if no such
+        approach is found.
+        """
         care = solution.care
         path = path_of_move(
             self.problems[arm], solution.move, others=others, thorough=True, care=care

@@ -86,7 +86,9 @@ class Descent:
 
     @property
     def touch(self) -> Array:
-        """Postures (k, n) from near the object to the contact, evenly spaced."""
+        """Postures (k, n), evenly spaced, from the place near the object to the
+        contact.
+        """
         return self.retreat.q[: self.reached][::-1]
 
     def down(self, count: int) -> tuple[Array, float]:
@@ -195,8 +197,11 @@ class Approach:
         attitude: ToolAttitude,
         margin: float = DESCENT_MARGIN,
     ) -> tuple[Array, Array]:
-        """Postures (m, n) straight up from a place (3,), as high as possible or
-        necessary, and their heights (m,) [m] above it.
+        """Postures (m, n) of a motion straight up from a place (3,), and their heights
+        (m,) [m] above it.
+
+        The motion ends at the height that is needed, or at the highest one that the arm
+        can reach.
         """
         height = self._height(place)
         top = max(self.hover, height + LEAST_RISE)
@@ -373,8 +378,8 @@ def rest_to_rest(
 def led_in(
     paths: Sequence[JointPath], facts: Sequence[RobotFacts], postures: Sequence[Array]
 ) -> list[JointPath]:
-    """Path of each arm with a motion before it, from the arm's posture (n,) [rad] to
-    the start of the path.
+    """Path of each arm, preceded by a motion from the arm's posture (n,) [rad] to the
+    start of the path.
 
     These motions take the same time, so that the arms keep clear of each other as
     planned.

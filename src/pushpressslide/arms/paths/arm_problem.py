@@ -150,8 +150,8 @@ class ArmProblem:
     def contact_clearance(self, postures: Array) -> Gap:
         """Smallest gap of postures (k, n) along the contact.
 
-        Every fourth posture is checked first. If the gap of these is already too small,
-        it is the result.
+        Every fourth posture is checked first. If the smallest gap of these postures is
+        already too small, it is returned and the others are not checked.
         """
         coarse = self._along_contact(postures, GLANCE)
         return self._along_contact(postures, 1) if coarse.clear else coarse

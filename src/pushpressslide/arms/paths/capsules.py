@@ -58,10 +58,10 @@ def pair_distances(
 def _distances(
     one: Array, other: Array, radii: Array, other_radii: Array, look: float
 ) -> Array:
-    """Smallest distances (k,) [m], at most ``look``, of capsules about axes (k, m, 2,
-    3) and others.
+    """Smallest distances (k,) [m], at most ``look``, between two arms' capsules with
+    axes (k, m, 2, 3).
 
-    Either may be of a single posture.
+    Either arm may have a single posture, which is used for all k.
     """
     a, b = np.broadcast_arrays(one[:, :, None], other[:, None])
     reach = radii[:, None] + other_radii

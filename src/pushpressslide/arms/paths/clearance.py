@@ -25,12 +25,12 @@ class Gap:
 
     @property
     def clear(self) -> bool:
-        """Whether they keep their clearance."""
+        """Whether the two shapes keep their clearance."""
         return self.distance >= self.allowed
 
     @property
     def lack(self) -> float:
-        """Shortfall of the clearance [m], < 0 if it is kept."""
+        """Shortfall of the clearance [m], negative if the clearance is kept."""
         return self.allowed - self.distance
 
     @property

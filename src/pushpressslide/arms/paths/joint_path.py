@@ -246,7 +246,7 @@ def _waiting_path(
     force: bool,
     thorough: bool,
 ) -> JointPath | Miss:
-    """Path of an arm to its waiting posture. The other parameters are those of
+    """Path of an arm to its waiting posture. The other parameters are as in
     ``path_of_move``.
     """
     posture = move.posture.q[0]
@@ -302,15 +302,19 @@ def _joint_path(
 
 
 def _approach_clearance(problem: ArmProblem, model: Clearance, postures: Array) -> Gap:
-    """Tightest gap of the approach. A coarse check of every eighth posture decides if
-    that is too small already.
+    """Tightest gap of the approach.
+
+    A coarse check of every eighth posture comes first. If its gap is already too small,
+    it is the result.
     """
     coarse = problem.approach_clearance(model, postures[::GLANCE])
     return problem.approach_clearance(model, postures) if coarse.clear else coarse
 
 
 def _approach_miss(posture: Posture, descent: Descent, gap: Gap | None) -> Miss:
-    """Miss of a blocked approach, or, without a ``gap``, of a missing one."""
+    """Miss of an approach that is blocked by ``gap``, or without a ``gap`` of an
+    approach that was not found.
+    """
     if gap is None:
         reason = "the arm is stretched too far to feel for it"
         if not descent.retreat.ok:

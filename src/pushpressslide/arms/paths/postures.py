@@ -145,7 +145,7 @@ def tool_attitude(
 def continued_moves(
     kin: ArmKinematics, tip: TipPath, q: Array, axes: Matrix3, *, force: bool
 ) -> list[Move | Miss]:
-    """The one move along a tip path that starts in posture ``q`` (n,), or its miss."""
+    """The move along a tip path that starts in posture ``q`` (n,), or its miss."""
     attitude, yaw = tool_attitude(kin, q, axes)
     held = [(attitude, yaw - float(tip.yaws[0]))]
     allowed, misses = _followed(kin, tip, held, q[None], force)
@@ -330,7 +330,9 @@ def tool_options(
 
 
 def _offsets_behind(side: float, yaw: float, azimuths: Sequence[float]) -> Array:
-    """Yaw offsets at which a turning tool leans back from its contact."""
+    """Yaw offsets at which a tool that turns with the object leans back from its
+    contact.
+    """
     off = np.array(
         [
             [math.remainder(o + side + yaw - a, math.tau) for a in azimuths]

@@ -1,7 +1,7 @@
-"""Waiting posture of an arm without a contact while another moves the object.
+"""Waiting posture of an arm without a contact while another arm moves the object.
 
-It stays in place if that is out of the way; otherwise it is parked at its home posture,
-or elsewhere.
+The arm stays where it is if it is out of the way. Otherwise it is parked at its home
+posture or elsewhere.
 """
 
 from __future__ import annotations

@@ -69,8 +69,8 @@ def within_reach(
     """Placements of two contacts that two arms reach at start and goal, by the reach
     tables.
 
-    The filter applies to the many motions of a search over sequences; otherwise all
-    placements.
+    Only in a search over sequences, with its many motions, is the reach tested.
+    Otherwise all placements are returned.
     """
     if not query.from_search:
         return list(placements)
@@ -129,7 +129,9 @@ def driven_by_twists(
 
 
 def in_free_arms(scene: Scene, choice: Choice) -> list[Choice]:
-    """One choice for each assignment of its contacts to arms that do not cross."""
+    """One copy of the choice for each assignment of its contacts to arms that do not
+    cross.
+    """
     (segment,) = choice.segments
     length = segment.path.length
     poses = [segment.body_pose(share * length) for share in (0.0, 0.5, 1.0)]

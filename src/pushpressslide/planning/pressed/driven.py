@@ -67,7 +67,7 @@ class Press:
 
 
 def driven_choice(query: MotionQuery, mode: str, press: Press) -> Choice:
-    """Evaluate one press and direction, without the arm's reach."""
+    """Evaluate one press and direction, without a check of the arm's reach."""
     contact = press.contact
     how = "pushed" if press.backward else "pulled"
     if query.motion.vehicle == "pivot":
@@ -103,8 +103,10 @@ def driven_choice(query: MotionQuery, mode: str, press: Press) -> Choice:
 def _driven_segments(
     query: MotionQuery, mode: str, press: Press, vehicle: PressedVehicle
 ) -> tuple[float, tuple[Segment, ...]]:
-    """Drag of a tool [N], and the segments: a spin in place, or a drive. Raises
-    RefusedError if there are none.
+    """Drag [N] added by a body that the object pushes, and the segments: a spin in
+    place, or a drive.
+
+    Raises RefusedError if no segments can be planned.
     """
     if query.motion.vehicle == "pivot":
         pushed = _tool_drag(query, vehicle)
@@ -118,8 +120,8 @@ def _driven_segments(
 def _spin(
     query: MotionQuery, mode: str, contact: Contact, vehicle: PressedVehicle
 ) -> Segment:
-    """Segment that spins the object in place. Raises RefusedError if the goal is
-    elsewhere.
+    """Segment that spins the object in place. Raises RefusedError if the goal is not at
+    the object's position.
     """
     X_BV = vehicle.X_BV
     start, goal = (X_WB.compose(X_BV) for X_WB in query.body_ends)
@@ -202,8 +204,9 @@ def _route(
 
 
 def _tool_drag(query: MotionQuery, vehicle: PressedVehicle) -> float:
-    """Drag [N] added by a body that the object pushes. Raises RefusedError if the
-    object drives askew to its pushing face.
+    """Drag [N] added by a body that the object pushes.
+
+    Raises RefusedError if the object's heading is not square to its pushing face.
     """
     drag, skew = tool_load(query, vehicle.X_BV.yaw)
     if skew > margins.ASKEW:
@@ -221,8 +224,8 @@ def vehicle_choices(
     """For each contact and direction, the choice with the safest load that does not tip
     the object, planned for straight steering.
 
-    In a search over sequences, only the choices that head most nearly for the goal:
-    there are other motions.
+    A search over sequences has other motions to try: it gets only the choices whose
+    headings point most nearly to the goal.
     """
     directions = DIRECTIONS[query.motion.vehicle or "unicycle"]
     pairs = list(product(placements.contacts, directions))

@@ -239,20 +239,22 @@ def pause(motion: Motion) -> float:
 
 
 def narrow(body: ObjectModel, speed: float) -> float:
-    """Time [s] that a turn with little steering reserve has to save at ``speed`` [m/s]
-    to be preferred.
+    """Time [s] by which a turn with little steering reserve has to be quicker at
+    ``speed`` [m/s] to be preferred.
     """
     return margins.NARROW * body.radius / speed
 
 
 def straightest(body: ObjectModel) -> float:
-    """Curvature [1/m] below which a turn counts as straight, with a distant centre."""
+    """Curvature [1/m] below which a turn counts as straight. It is then replaced by a
+    turn about a distant centre.
+    """
     return margins.STRAIGHTEST / body.radius
 
 
 def _both_ways(turns: Sequence[PressedTurn], straight: float) -> list[PressedTurn]:
-    """The turns, and a copy bent to the other side of each with a curvature below
-    ``straight`` [1/m].
+    """The turns, and for each turn with a curvature below ``straight`` [1/m] a copy
+    that bends to the other side.
     """
     others = [turn for turn in turns if abs(turn.curvature) < straight]
     return [*turns, *(replace(turn, curvature=-turn.curvature) for turn in others)]
@@ -294,8 +296,10 @@ def _speed(speed: float, turn: PressedTurn) -> float:
 
 
 def as_driven(curvature: float, like: float, straight: float) -> float:
-    """Curvature [1/m] as driven: of at least ``straight`` [1/m], on the side of
-    ``like``. A straight turn has a distant centre.
+    """Curvature [1/m] of a turn as it is driven: at least ``straight`` [1/m] in size,
+    bent to the side of ``like``.
+
+    So a straight turn has a distant centre.
     """
     if abs(curvature) >= straight:
         return curvature

@@ -33,9 +33,10 @@ def manoeuvre_choices(
 ) -> list[Choice]:
     """Manoeuvres in the order of ``turning``, until ``enough`` are feasible.
 
-    First one per contact, then others, each by either arm, then the contacts that were
-    skipped. In a search over sequences, a contact that was out of reach is not tried
-    with other loads, and few are tried: there are other motions.
+    One manoeuvre for each contact comes first, then the others, each by either arm,
+    then the contacts that were skipped. A search over sequences has other motions to
+    try: it evaluates few manoeuvres, and does not try a contact that was out of reach
+    with other loads.
     """
     ends = query.body_ends
     X_WB, _ = ends
@@ -92,7 +93,7 @@ def _manoeuvres(
 def _still_reached(
     contacts: Sequence[Contact], tried: Sequence[Choice]
 ) -> list[Contact]:
-    """Contacts whose places were within reach in at least one trial, or not tried."""
+    """Contacts that were within reach in at least one trial, or that were not tried."""
     lost: dict[Point, bool] = {}
     for choice in tried:
         point = choice.contacts[0].point

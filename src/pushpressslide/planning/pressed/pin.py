@@ -23,7 +23,7 @@ def least_pin_load(
     dragged: Callable[[float], PinnedDrag], cap: float, uses: Sequence[float]
 ) -> float:
     """Smallest press load [N] that meets the strictest achievable friction utilisation
-    of ``uses``. It is ``cap`` [N] if none is met.
+    of ``uses``, or ``cap`` [N] if no utilisation is met.
 
     ``dragged`` maps a load [N] to the drag. Raises ValueError if the object tips.
     """

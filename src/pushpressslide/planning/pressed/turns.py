@@ -169,7 +169,9 @@ def _slides(presses: Sequence[Press], resolution: int) -> _Slides:
 
 
 def _firm(motion: Array, levers: Array) -> NDArray[np.bool_]:
-    """Whether the contact's motion turns with the force, from each angle to the next.
+    """Whether the direction of the contact's motion turns together with the force, for
+    each step from one angle to the next.
+
     ``levers`` is (m, 1) [m].
     """
     along = np.arctan2(motion[1] + motion[2] * levers, motion[0])
@@ -215,7 +217,7 @@ def _turn(table: TurnTable, column: int, press: Press) -> PressedTurn:
     """Turn of a table's only press at one angle."""
 
     def of_this_turn(quantity: Array) -> float:
-        """Entry of a table column for this turn."""
+        """Value of this turn in a column of the table."""
         return float(quantity[0, column])
 
     ex, ey = press.axis

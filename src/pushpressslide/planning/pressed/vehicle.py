@@ -179,8 +179,8 @@ def turns(car: Unicycle, tightest: float) -> list[float]:
 def backing_up(
     X_GB: Pose2, X_WB: Pose2, vehicle: PressedVehicle, then: Segment, distance: float
 ) -> Segment:
-    """Segment that backs up by ``distance`` [m] from ``X_WB``, straight and opposite to
-    ``then``, the next segment.
+    """Segment that backs up by ``distance`` [m] from ``X_WB``, straight and in the
+    direction opposite to that of the next segment, ``then``.
     """
     car = way_back(vehicle.press, not vehicle.car.backward)
     planned = then.drive

@@ -84,8 +84,8 @@ class ContactMarks:
         return next((c for c in touched if c.arm == arm), None)
 
     def push(self, arm: int, tick: int) -> Arrow:
-        """Force in the plane, over the object. That of a push begins at its contact,
-        the shear of a press at the tip's edge.
+        """Force in the plane, drawn above the object. The force of a push begins at its
+        contact, the shear force of a press at the tip's edge.
         """
         flat = np.array([*self._force(arm, tick)[:2], 0.0])
         ahead = flat / max(float(np.linalg.norm(flat)), 1e-9)

@@ -1,4 +1,6 @@
-"""Reduction of Meshcat's saved page, and insertion of our parts around its scene."""
+"""Reduction of Meshcat's saved page, and insertion of this package's parts around its
+scene.
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Visibility of a contact from a direction, with the bodies between it and the camera.
 
-All points and directions are along x, y and height of the support's frame.
+All points and directions are given along x, y and height of the support's frame.
 """
 
 from __future__ import annotations

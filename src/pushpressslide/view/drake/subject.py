@@ -102,7 +102,7 @@ def placement_at(playback: Playback, tick: int) -> Plan:
 
 
 def body_pose(playback: Playback, tick: int) -> Pose2:
-    """X_WB of the object that is moved by the placement at ``tick``."""
+    """Pose X_WB at ``tick`` of the object that the present placement moves."""
     return playback.vehicle_pose(tick).compose(
         Pose2(*map(float, playback.record.arrays["vehicle_frame"][tick])).inverse()
     )

@@ -131,8 +131,8 @@ def _compare_push(
 
 
 def presses(cases: int, seed: int) -> Figures:
-    """Differences between the results of ``two_press_allocator`` and the minimum
-    presses, and those of Clarabel.
+    """Differences of ``two_press_allocator`` and of the minimum presses from the
+    results of Clarabel.
 
     Counts, and the largest differences. ``wrench`` and ``disc`` are fractions of the
     larger friction disc's radius, ``shear`` is the excess of the antagonistic force

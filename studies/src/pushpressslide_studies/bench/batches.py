@@ -170,7 +170,7 @@ def _compared(
 
 
 def _in_python(run: Call) -> Call:
-    """A call without numba."""
+    """A call that runs in Python, as if numba were not installed."""
 
     def run_interpreted() -> object:
         with without_numba():

@@ -122,8 +122,8 @@ def ours(task: Task) -> PlannerResult:
 
 
 def _with_ompl(name: str, task: Task) -> PlannerResult:
-    """Time of an OMPL planner, and its result, for the face with the shortest push path
-    without the post.
+    """Time of an OMPL planner, and its result. The face is the one that would have the
+    shortest push path if there were no post.
     """
     from ompl import base as ob
     from ompl import geometric as og
@@ -210,5 +210,5 @@ def _row(what: str, results: Sequence[PlannerResult]) -> Row:
 
 
 def _middle(values: Sequence[float]) -> float | None:
-    """Median. None without values."""
+    """Median of some values, or None if there are none."""
     return float(np.median(values)) if values else None

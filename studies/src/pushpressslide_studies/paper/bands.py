@@ -18,7 +18,7 @@ PERIOD = 4e-3  # [s] of the control loop
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """Rule for one kind of claim."""
+    """Rule by which one kind of claim counts as reproduced."""
 
     kind: str
     asked: str  # what has to hold

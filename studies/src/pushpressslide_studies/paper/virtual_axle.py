@@ -315,7 +315,9 @@ def _figures_of_seen_axle(
 
 
 def _figures_at_height(press: Press) -> Iterator[PaperAxleFigure]:
-    """Axle with the drag at the top's height, on which the paper says nothing."""
+    """Axle of an object dragged at the height of its top, a case that the paper does
+    not treat.
+    """
     what = "the same, {}, drag at the top's height"
     yield PaperAxleFigure(what.format("pushed"), None, None, press.axle(math.pi))
     pulled = press.axle(0.0)

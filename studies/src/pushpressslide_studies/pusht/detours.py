@@ -56,11 +56,12 @@ def nearest_free(point: Point) -> Point:
 
 
 def free_space(X_WB: Pose2, start: Point, goal: Point) -> tuple[Point, ...]:
-    """Shortest path [px] in W round the T at a pose, without ``start``.
+    """Shortest path [px] in W round the T at a pose, without ``start``. Empty if there
+    is no path.
 
-    It begins at the free position nearest to the start if that lies next to the T, and
-    ends at the goal likewise. Empty if there is no path. It turns only at positions
-    that the pusher can be sent to.
+    If the start lies next to the T, the path begins at the nearest free position; the
+    goal is treated likewise. The path turns only at positions that the pusher can be
+    sent to.
     """
     first = X_WB.unapply(start)
     end = X_WB.unapply(goal)

@@ -126,7 +126,7 @@ def _triples(tried: Contacts) -> Array:
 
 
 def _placed(X_WB: Pose2, points: Array) -> Array:
-    """Points (m, 2) in W of points in B."""
+    """Points (m, 2) in W, from their positions in B."""
     c = math.cos(X_WB.yaw)
     s = math.sin(X_WB.yaw)
     placed: Array = points @ np.array([[c, s], [-s, c]])

@@ -120,7 +120,7 @@ def _touched(X_WB: Pose2, pusher: Pusher, state: State) -> State:
 
 
 def _target(X_WB: Pose2, pusher: Pusher, state: State) -> Point:
-    """Target of the pusher for this action. It waits without a plan."""
+    """Target of the pusher for this action. If there is no plan, the pusher waits."""
     if not state.plan.pushes:
         return pusher.position
     push = state.plan.pushes[0]

@@ -42,9 +42,8 @@ class Pusher:
         return last
 
     def action_to(self, target: Point) -> Point:
-        """Action that brings the pusher to ``target`` [px] at its end.
-
-        The end is linear in position, velocity and action.
+        """Action after which the pusher is at ``target`` [px]. The final position is
+        linear in position, velocity and action.
         """
         ax = _action(self.position[0], self.velocity[0], target[0])
         ay = _action(self.position[1], self.velocity[1], target[1])

@@ -2,8 +2,8 @@
 model.
 
 An episode ends with the first action after which the overlap is above 95 %. The last
-action should therefore be a stride onto the goal, instead of a creep over that
-threshold.
+action should therefore be a long one that ends at the goal, not a short one that just
+exceeds that threshold.
 """
 
 from __future__ import annotations
