@@ -16,6 +16,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import PushPressSlideError
 
 JointKind = Literal["revolute", "prismatic", "fixed"]
+ShapeKind = Literal["box", "cylinder", "capsule", "sphere", "mesh"]
 
 MODELS: tuple[str, ...] = ("panda", "iiwa7", "hand")
 """Names of the robots that the package describes itself."""
@@ -94,6 +95,7 @@ class JointFacts:
     torque_rate: float = math.inf  # [N m/s]; infinite if the maker states none
     gear_ratio: float = 1.0
     rotor_inertia: float = 0.0  # [kg m^2] at the motor ([kg] of a slide)
+    damping: float = 0.0  # [N m s/rad] or [N s/m]
 
 
 @dataclass(frozen=True)
@@ -106,6 +108,22 @@ class Capsule:
     p: tuple[float, float, float]
     q: tuple[float, float, float]
     radius: float
+
+
+@dataclass(frozen=True)
+class LinkShape:
+    """A shape of a link in a robot's file, for clearances or for pictures."""
+
+    link: str
+    kind: ShapeKind
+    # [m] box: sides; cylinder, capsule: radius, length along z; sphere: radius;
+    # mesh: scale of each axis
+    size: tuple[float, ...]
+    xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m] in the link's frame
+    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    solid: bool = True  # for clearances; False: only drawn
+    mesh: str = ""  # path of its file
+    color: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -122,6 +140,9 @@ class RobotFacts:
     capsules: tuple[Capsule, ...] = ()  # around the links, for clearances
     visuals: tuple[Mapping[str, Any], ...] = ()  # what is drawn, see models/*.yaml
     colors: Mapping[str, tuple[float, float, float]] | None = None
+    branches: tuple[JointFacts, ...] = ()  # fixed joints to links off the chain
+    shapes: tuple[LinkShape, ...] = ()  # of a file
+    notes: tuple[str, ...] = ()  # of a file: what is held, left out or assumed
 
     @cached_property
     def moving(self) -> tuple[JointFacts, ...]:

@@ -84,11 +84,12 @@ def _joint(joint: JointFacts) -> str:
     )
     if joint.kind == "fixed":
         return f'<joint name="{joint.name}" type="fixed">{frames}</joint>'
+    dynamics = f'<dynamics damping="{joint.damping!r}"/>' if joint.damping else ""
     keys = ("effort", "lower", "upper", "velocity")
     limit = " ".join(f'{key}="{getattr(joint, key)!r}"' for key in keys)
     return (
         f'<joint name="{joint.name}" type="{joint.kind}">{frames}<axis xyz="{numbers(joint.axis)}"/>'
-        f'<limit {limit} drake:acceleration="{joint.acceleration!r}"/></joint>'
+        f'<limit {limit} drake:acceleration="{joint.acceleration!r}"/>{dynamics}</joint>'
         f'<transmission name="{joint.name}_transmission">'
         "<type>transmission_interface/SimpleTransmission</type>"
         f'<joint name="{joint.name}"><hardwareInterface>EffortJointInterface</hardwareInterface></joint>'
@@ -102,7 +103,8 @@ def _filters(facts: RobotFacts) -> list[str]:
     construction.
     """
     chain = [facts.base, *(joint.child for joint in facts.joints)]
-    solid = [name for name in chain if any(c.link == name for c in facts.capsules)]
+    own = {c.link for c in facts.capsules} | {s.link for s in facts.shapes}
+    solid = [name for name in chain if name in own]
     out = []
     for i in range(max(1, len(solid) - 2)):
         members = "".join(f'<drake:member link="{name}"/>' for name in solid[i : i + 3])
@@ -120,7 +122,7 @@ def urdf_text(facts: RobotFacts, collision: bool = False) -> str:
     ``collision`` adds capsules for clearances.
     """
     body = [_link(facts, link, collision) for link in facts.links] + [
-        _joint(joint) for joint in facts.joints
+        _joint(joint) for joint in (*facts.joints, *facts.branches)
     ]
     if collision:
         body += _filters(facts)

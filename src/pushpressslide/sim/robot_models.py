@@ -38,6 +38,7 @@ from pushpressslide.core.task import Robot
 from pushpressslide.robots.description import read_description
 from pushpressslide.robots.facts import MODELS, TIP, TIP_MASS, RobotFacts, load_facts
 from pushpressslide.robots.urdf import urdf_text
+from pushpressslide.sim.link_shapes import add_shapes
 
 DRAKE_MODELS_VARIABLE = "PUSHPRESSSLIDE_DRAKE_MODELS"
 """Environment variable with the folder of a copy of Drake's models; if it is not set,
@@ -183,11 +184,15 @@ def _add_model(
         raise TaskError(field.source, "models", models, advice)
     parser = Parser(plant, model_name_prefix=f"robot_{field.index}")
     parser.SetAutoRenaming(True)
-    if field.model not in MODELS:
-        return _add_file(plant, parser, facts, field)
     if models == "drake_models" and field.model in DRAKE_MODELS:
         return _add_drake_model(parser, field)
-    (instance,) = parser.AddModelsFromString(urdf_text(facts, collision), "urdf")
+    try:
+        (instance,) = parser.AddModelsFromString(urdf_text(facts, collision), "urdf")
+    except RuntimeError as error:
+        reason = " ".join(str(error).split())[:200]
+        raise _file_error(field, f"Drake cannot load it: {reason}") from error
+    if plant.geometry_source_is_registered():
+        add_shapes(plant, instance, facts.shapes, collision)
     return instance
 
 
@@ -214,56 +219,6 @@ def _add_drake_model(parser: Parser, field: _ModelField) -> ModelInstanceIndex:
 def _file_error(field: _ModelField, reason: str) -> RobotFileError:
     """Error that a model's file cannot be used."""
     return RobotFileError(field.model, "", field.model, reason)
-
-
-def _add_file(
-    plant: MultibodyPlant, parser: Parser, facts: RobotFacts, field: _ModelField
-) -> ModelInstanceIndex:
-    """Add the one model of a file, with an actuator at each of its joints."""
-    path = Path(field.model)
-    packages = parser.package_map()
-    folders = path.resolve().parents
-    package = next((f for f in folders if (f / "package.xml").is_file()), None)
-    if package is not None and not packages.Contains(package.name):
-        packages.Add(package.name, str(package))
-    try:
-        instances = parser.AddModels(str(path))
-    except RuntimeError as error:
-        reason = " ".join(str(error).split())[:200]
-        raise _file_error(field, f"Drake cannot load it: {reason}") from error
-    if len(instances) != 1:
-        raise _file_error(field, f"give a file with one model, not {len(instances)}")
-    instance = instances[0]
-    _check_joints(plant, instance, facts, field)
-    actuators = [plant.get_joint_actuator(a) for a in plant.GetJointActuatorIndices()]
-    driven = {a.joint().name() for a in actuators if a.model_instance() == instance}
-    for fact in facts.moving:
-        if fact.name not in driven:
-            joint = plant.GetJointByName(fact.name, instance)
-            plant.AddJointActuator(fact.name, joint, fact.effort)
-    return instance
-
-
-def _check_joints(
-    plant: MultibodyPlant,
-    instance: ModelInstanceIndex,
-    facts: RobotFacts,
-    field: _ModelField,
-) -> None:
-    """Raise TaskError for a joint off the chain to the tip, or one that holds the base."""
-    wanted = {joint.name for joint in facts.moving}
-    for joint_index in plant.GetJointIndices(instance):
-        joint = plant.get_joint(joint_index)
-        name = joint.name()
-        if joint.num_velocities() and name not in wanted:
-            raise _file_error(
-                field,
-                f"its joint {name!r} does not lead to the tip frame; make it fixed",
-            )
-        if joint.parent_body() == plant.world_body():
-            raise _file_error(
-                field, f"its joint {name!r} holds it in the world; leave its base free"
-            )
 
 
 def _flange(

@@ -1,0 +1,117 @@
+"""Content of a robot's file, whatever its format: links, joints, frames and shapes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from pushpressslide.robots.facts import JointFacts, JointKind, LinkFacts, LinkShape
+from pushpressslide.robots.file_values import (
+    Triple,
+    UnfitValue,
+    moment,
+    number,
+    product,
+)
+
+KINDS: dict[str, JointKind] = {
+    "revolute": "revolute",
+    "continuous": "revolute",
+    "prismatic": "prismatic",
+    "fixed": "fixed",
+}
+MOVING = tuple(kind for kind in KINDS if kind != "fixed")
+INERTIA = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+TURNS = 2.0 * math.pi  # [rad] limit taken for a joint that turns without end
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A named frame on a link."""
+
+    name: str
+    parent: str
+    xyz: Triple
+    rpy: Triple
+
+
+@dataclass(frozen=True)
+class Description:
+    """Content of a robot's file."""
+
+    name: str | None
+    links: list[LinkFacts]
+    joints: list[JointFacts]
+    frames: list[Frame] = field(default_factory=list)
+    shapes: list[LinkShape] = field(default_factory=list)
+    mimics: dict[str, str] = field(default_factory=dict)  # followed joints, by name
+    # type of joints that cannot be driven, by name: floating, ball, ...
+    odd: dict[str, str] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+
+def kind_of(kind: str) -> JointKind:
+    """Kind of a joint's type. A type that cannot be driven counts as fixed."""
+    return KINDS.get(kind, "fixed")
+
+
+def inertia_of(
+    link: str, values: Mapping[str, str | None], missing: float
+) -> tuple[float, ...]:
+    """Inertia (6,) [kg m^2] of a link, ``missing`` for a moment that the file lacks.
+
+    Raises UnfitValue for a moment or product of inertia that no body can have.
+    """
+    out = []
+    for key in INERTIA:
+        diagonal = key[1] == key[2]
+        read = moment if diagonal else product
+        text = values.get(key)
+        default = missing if diagonal else 0.0
+        out.append(default if text is None else read(text, f"link {link!r}, {key}"))
+    return tuple(out)
+
+
+def limits_of(
+    name: str, kind: str, values: Mapping[str, str | None], negative: bool = False
+) -> dict[str, float]:
+    """Limits of a joint, with positions clipped to a few turns.
+
+    ``negative`` values mean no limit; so does a speed of 0, which is a common
+    placeholder.
+    """
+
+    def value(key: str, default: float) -> float:
+        """A limit, or the substitute for a missing one."""
+        text = values.get(key)
+        if text is None:
+            return default
+        place = f"joint {name!r}, limit {key}"
+        return number(text, place, "a number", lambda v: not math.isnan(v))
+
+    lower = value("lower", -TURNS)
+    upper = value("upper", TURNS)
+    if kind != "continuous" and lower > upper:
+        allowed = f"at most the upper one, {upper:g}"
+        raise UnfitValue(f"joint {name!r}, limit lower", lower, allowed)
+    if kind == "continuous" or lower == upper:
+        lower = -TURNS
+        upper = TURNS
+    lower = max(lower, -4.0 * TURNS)
+    upper = min(upper, 4.0 * TURNS)
+    velocity = value("velocity", math.inf)
+    effort = value("effort", math.inf)
+    if velocity <= 0.0:
+        velocity = math.inf
+    if negative and effort < 0.0:
+        effort = math.inf
+    return {"lower": lower, "upper": upper, "effort": effort, "velocity": velocity}
+
+
+def unit(axis: Triple, place: str) -> Triple:
+    """Direction of an axis. Raises UnfitValue for one without a direction."""
+    norm = math.hypot(*axis)
+    if not 0.0 < norm < math.inf:
+        raise UnfitValue(place, list(axis), "a direction, as 0 0 1")
+    return (axis[0] / norm, axis[1] / norm, axis[2] / norm)

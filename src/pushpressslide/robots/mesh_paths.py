@@ -1,0 +1,82 @@
+"""Paths of the meshes that a robot's file names, inside its own package or next to it."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+PACKAGE_PATHS = "ROS_PACKAGE_PATH"
+"""Environment variable with folders of packages."""
+HEIGHT = 8
+"""Folders above a file in which its package is looked for."""
+
+
+class MeshPaths:
+    """Finds the meshes of one file. Nothing outside its package, the packages next to
+    it and the named ones is read.
+    """
+
+    def __init__(self, file: Path, packages: Mapping[str, str] | None = None) -> None:
+        """Look around ``file``. ``packages`` are folders by name."""
+        self._folder = file.resolve().parent
+        self._named = {name: Path(path) for name, path in (packages or {}).items()}
+        above = list(self._folder.parents)[:HEIGHT]
+        self._above = [self._folder, *above]
+        root = next((f for f in self._above if (f / "package.xml").is_file()), None)
+        # a package may use the packages next to it; else meshes are near the file
+        self._root = root.parent if root else self._above[min(2, len(self._above) - 1)]
+
+    def find(self, uri: str) -> Path | None:
+        """Path of an existing file, or None."""
+        for path in self._candidates(uri):
+            whole = path.resolve()
+            if whole.is_file() and self._allowed(whole):
+                return whole
+        return None
+
+    def _candidates(self, uri: str) -> Iterator[Path]:
+        match = re.match(r"(package|model)://([^/]+)/(.*)", uri)
+        if match is None:
+            yield self._folder / uri.removeprefix("file://")
+            return
+        name, rest = match[2], match[3]
+        for folder in self._packages(name):
+            yield folder / rest
+
+    def _packages(self, name: str) -> Iterator[Path]:
+        """Folders that may be a package, the most certain first."""
+        if name in self._named:
+            yield self._named[name]
+        for folder in self._above:
+            if package_name(folder) == name:
+                yield folder
+        for folder in self._above:
+            if folder.name == name:
+                yield folder
+        for folder in self._above:
+            yield folder / name
+        for text in filter(None, os.environ.get(PACKAGE_PATHS, "").split(os.pathsep)):
+            place = Path(text)
+            yield place / name
+            if package_name(place) == name or place.name == name:
+                yield place
+
+    def _allowed(self, path: Path) -> bool:
+        """Whether a file is in the package, next to it, or in a named package."""
+        own = (self._root, *self._named.values())
+        given = filter(None, os.environ.get(PACKAGE_PATHS, "").split(os.pathsep))
+        places = [*own, *map(Path, given)]
+        return any(path.is_relative_to(place.resolve()) for place in places)
+
+
+def package_name(folder: Path) -> str | None:
+    """Name in a folder's package.xml. None if there is none."""
+    file = folder / "package.xml"
+    if not file.is_file():
+        return None
+    match = re.search(
+        r"<name>\s*([^<\s]+)\s*</name>", file.read_text("utf-8", "replace")
+    )
+    return match[1] if match else None
