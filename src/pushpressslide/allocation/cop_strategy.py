@@ -30,8 +30,9 @@ def safe_loads(
 
     The first of the friction utilisations ``uses`` that the cap allows is taken. If the
     contacts are opposite each other and balanced, the loads suffice for every twist,
-    otherwise they are the smallest for ``twist``. Loads that have to be raised keep
-    their ratio, or the fraction. ``presses(use)`` are the presses at that utilisation.
+    otherwise they are the smallest for ``twist``. Loads below ``lightest`` are raised
+    together: in their own ratio, or, if ``cop`` is a fraction, in the ratio that keeps
+    it. ``presses(use)`` are the presses at that utilisation.
     """
     left = presses(1.0).left
     right = presses(1.0).right

@@ -169,11 +169,11 @@ def can_turn_about(
     """Whether two pushes can turn an object to the left (or right) about ``center``
     [m], from the CoM.
 
-    To the left, the centres are the segment between the two corners, translated
-    anywhere into the quadrant x, y >= 0. To the right, they are its mirror image about
-    y = -x. Both regions are unbounded, disjoint, and joined only through infinity. With
-    ``friction`` above 1 an object can be turned about every point, without friction
-    about none.
+    To the left, the possible centres are the segment between the two
+    ``turning_corners``, and all its points displaced by any x, y >= 0. To the right,
+    they are the mirror image of this region about y = -x. Both regions are unbounded,
+    disjoint, and joined only through infinity. With ``friction`` above 1 an object can
+    be turned about every point, without friction about none.
     """
     if friction > 1.0:
         return True
@@ -194,13 +194,13 @@ def least_turning_radius(d: float, friction: float, rho: float) -> float:
 
 
 def translation_radii(d: float, friction: float, rho: float) -> tuple[float, float]:
-    """Distances [m] of the turning centres under a force along one normal, for friction
-    < 1.
+    """Distances [m] from the CoM to the turning centres when the net force is along one
+    normal, for friction < 1.
 
     With all friction at its limit they are K (1 + mu^2) / (mu (1 + mu)) and K (1 + mu)
-    / mu. Under a force along +x the object turns to the right about both centres, under
-    one along -y to the left. They are the correct values of the paper's d_min and
-    d_max. Infinite without friction.
+    / mu, with K = rho^2 / d. Under a force along +x the object turns to the right about
+    both centres, under one along -y to the left. They are the correct values of the
+    paper's d_min and d_max. Infinite without friction.
     """
     if friction == 0.0:
         return math.inf, math.inf

@@ -27,8 +27,9 @@ def wall_loads(
     each at least ``min_use`` [N].
 
     The first of the friction utilisations ``uses`` that the cap allows is taken.
-    ``presses(use)`` are the presses at that utilisation, on an object that its weight
-    does not press. Raises ValueError, with the deciding number, if the cap allows none.
+    ``presses(use)`` are the presses at that utilisation, on an object whose weight does
+    not press it against the support. Raises ValueError, with the deciding number, if
+    the cap allows none.
     """
     for use in uses:
         pair = presses(use)

@@ -136,8 +136,9 @@ def loop_over(
 ) -> Loop:
     """Loop of a kernel over the rows of tables.
 
-    The tables are nested like ``heads``, the figures of all rows like ``like``.
-    ``kinds`` gives NumPy's letter and the number of axes of each array.
+    Each table is nested like its item of ``heads``, the table of figures that all rows
+    share like ``like``. ``kinds`` gives NumPy's letter and the number of axes of each
+    array.
 
     numba caches compiled code beside this file, or in the user's cache, by the loop's
     name. The name holds a digest of all kernels, so that a change recompiles them.

@@ -103,12 +103,14 @@ def virtual_axles(
     shift: ArrayLike = 0.0,
 ) -> Array:
     """Virtual axles (..., 2) [m] in B of contacts on the ellipsoid, the same for every
-    force: rho^2/d beyond the centre of pressure, ``shift`` [m] towards the contact.
+    force.
 
-    ``contacts`` and ``cops`` (..., 2) [m] in B, ``rho`` (...) [m]; ``shift`` (...) is
-    the displacement of the centre of pressure by the drag of a press at a height, 0 for
-    a push (``mechanics.virtual_axle.axle_distance``, ``rom.unicycle.Unicycle``). Raises
-    ValueError for a contact at its centre of pressure.
+    An axle lies at rho^2/d - ``shift`` [m] from the centre of pressure, away from the
+    contact. ``contacts`` and ``cops`` (..., 2) [m] in B, ``rho`` (...) [m]; ``shift``
+    (...) [m] is the displacement of the centre of pressure by the drag of a press at a
+    height, 0 for a push (``mechanics.virtual_axle.axle_distance``,
+    ``rom.unicycle.Unicycle``). Raises ValueError for a contact at its centre of
+    pressure.
     """
     points, centers, length, ahead = figures(contacts, cops, rho, shift)
     check_last(points, (2,), "contacts")

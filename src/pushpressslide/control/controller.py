@@ -114,7 +114,7 @@ class Controller:
         ``number`` is the placement's index in the plan. ``gap`` [m] is the free path
         that the approach leaves before the touch (default: the task's). ``back`` [m] is
         the largest retreat of the tips at the end. ``execution`` may change the laws.
-        ``estimator`` makes an estimator of a query.
+        ``estimator`` makes the object's estimator from the placement's query.
         """
         self.back = min(margins.ARM.retreat, back)
         self.execution = execution

@@ -74,7 +74,9 @@ class Placement:
 
 
 def share_of_tolerance(pose: Pose2, goal: Pose2, tolerance: Tolerance) -> float:
-    """Error of an object at ``pose``, X_WG, from its goal, over the tolerance."""
+    """Error of an object at ``pose``, X_WG, from its goal, as a fraction of the
+    tolerance.
+    """
     off = math.dist(pose.position, goal.position) / tolerance.position
     turned = abs(wrap_angle(pose.yaw - goal.yaw)) / tolerance.yaw
     return max(off, turned)

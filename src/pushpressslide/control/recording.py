@@ -60,7 +60,7 @@ class _Noted(NamedTuple):
 class Recorder:
     """Collects the ticks of a run, and makes the arrays of its record at the end.
 
-    Work between two ticks would cost cold caches.
+    Arrays are not made between ticks, since the next tick would then find cold caches.
     """
 
     def __init__(self, plan: Plan) -> None:
@@ -78,7 +78,7 @@ class Recorder:
         return len(self._noted)
 
     def begin_placement(self, plan: Plan, number: int) -> None:
-        """Note the start of the placement of that ``number`` of ``plan``."""
+        """Note the start of placement ``number`` of ``plan``."""
         self._number += 1
         self._earlier = self._number - number
         self._plan = plan

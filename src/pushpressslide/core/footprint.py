@@ -72,8 +72,8 @@ def all_placed(shape: Shape, poses: Sequence[Pose2]) -> NDArray[np.object_]:
 def depth_beside(shape: Shape, X_WG: Pose2, opening: Opening, point: Point) -> float:
     """Depth [m] of a point in the part of a footprint outside an opening.
 
-    This part counts with its convex hull. The depth is negative outside, and infinite
-    if no part of the footprint is over the opening.
+    The convex hull of this part is used. The depth is negative outside the hull, and
+    infinite if no part of the footprint is over the opening.
     """
     from shapely import Point as Place
     from shapely import box
@@ -99,7 +99,7 @@ def edge_depths(
     """Depths (n,) [m] of points (n, 2) in W inside the tipping edge of a footprint at n
     ``poses`` X_WG on a region of W.
 
-    The carried part of the footprint counts with its convex hull. Depths are negative
+    The convex hull of the carried part of the footprint is used. Depths are negative
     beyond it, and infinite if the hull has no edge on the region's edge.
     """
     import numpy as np

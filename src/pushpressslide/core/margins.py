@@ -1,13 +1,13 @@
 """The one table of physical margins: distances to limits in plans and control, and
 thresholds for small, slow or off-path.
 
-If the physics is the object's, a margin is a plain number: a length over the object's
-radius (``ObjectModel.radius``) or over the tip's, a fraction of the friction, an angle,
-a time over a length by a speed. Margins that depend on the arm and its sensors have
-units and are in ``ArmMargins``: a small object makes no arm quicker. Quasi-static
-motions therefore scale. If every length is multiplied by k, the forces by any factor
-and the speeds by sqrt(k), those of the arm included, the plan is the same
-(tests/modes/test_scaling.py).
+A margin that concerns the physics of the object is dimensionless. It is an angle, a
+fraction of the friction, a length divided by the radius of the object
+(``ObjectModel.radius``) or of the tip, or a time divided by the time that a length
+takes at a speed. Margins that depend on the arm and its sensors have units and are in
+``ArmMargins``: a small object makes no arm quicker. Quasi-static motions therefore
+scale. If every length is multiplied by k, the forces by any factor and the speeds by
+sqrt(k), those of the arm included, the plan is the same (tests/modes/test_scaling.py).
 
 Numbers that only set the resolution of a computation stay where they are used.
 """

@@ -106,7 +106,7 @@ class Limits:
 @dataclass(frozen=True, slots=True)
 class Sensing:
     """Imperfections of each sensor: the object's pose, the tips by the joints, and the
-    contact forces. Noise is white: its standard deviation at every control period.
+    contact forces. Noise is white, drawn anew at every control period.
     """
 
     position_noise: float = setting(

@@ -126,8 +126,8 @@ class ArcPath:
         """Corrections of heading [rad] and curvature [1/m] at arc length ``s`` [m] for
         the path averaged over ``half`` [m] before and behind.
 
-        The curvature then has no jumps; the path itself moves by ``half`` squared times
-        the jump over 12, at most.
+        The curvature then has no jumps. The path itself moves by at most ``half``^2 /
+        12 times the jump of curvature.
         """
         return eased(s, half, self._bends)
 

@@ -339,7 +339,7 @@ class Scene:
         """Factor on a friction utilisation that allows for uncertain frictions.
 
         It is the ratio of the smallest contact friction to the largest support
-        friction, over the same ratio of the believed values.
+        friction, divided by the same ratio of the believed values.
         """
         return (1.0 - self.friction_error) / (1.0 + self.friction_error)
 

@@ -66,8 +66,8 @@ class Gains(NamedTuple):
 
 
 def gains(stiffness: float, damping: float, period: float) -> Gains:
-    """Gains over a tick of ``period`` [s] of a spring [N m/rad] and a damper
-    [N m s/rad], or [N/m] and [N s/m].
+    """Gains of a spring [N m/rad] and a damper [N m s/rad], or [N/m] and [N s/m], over
+    a tick of ``period`` [s].
     """
     return Gains(stiffness, damping, period * (damping + period * stiffness))
 
@@ -76,12 +76,13 @@ def held_for_a_tick(impedance: Impedance, M: Array) -> Array:
     """Torque (n,) [N m] of springs and dampers that is constant for a tick, on an arm
     of mass matrix ``M`` (n, n).
 
-    Take one of the arm's motions that the dampers do not couple, with a damper D on an
-    inertia m. In a tick of h it would take x = h D / m of the speed: more than all of
-    it from a light joint, which adds energy. Here it takes all of it at most, 1 / x of
-    its torque if x is above 1. Otherwise, as on a heavy arm that an object holds back,
-    it is the commanded damper. (The implicit Euler method, 1 / (1 + x), lets that arm
-    lag by a quarter more.) Springs count with their h^2 K / m.
+    Consider each motion of the arm that the dampers do not couple to others, with its
+    damper D and inertia m. A constant torque would change its speed in a tick of h by
+    the fraction x = h D / m. For a light joint x may be above 1: the motion would
+    reverse and gain energy. The torque is then divided by x, so that it just stops the
+    motion. If x is below 1, as on a heavy arm that an object holds back, it is the
+    commanded one. (The implicit Euler method, 1 / (1 + x), lets that arm lag by a
+    quarter more.) Springs add h^2 K / m to x.
     """
     torque, added = impedance
     _, exceeded = dpotrf(M - added)  # definite where every x is below 1
@@ -100,11 +101,12 @@ def unfelt(J: Array, JJt: Array) -> Unfelt:
     """Part of a joint torque that neither a force at the tip nor a large moment on the
     tool has to hold.
 
-    ``J`` (6, n) at the tip, rows [angular; linear], world axes; ``JJt`` (6, 6) is its
-    square. If the arm can hardly turn the tool, its joints are left to this torque:
+    ``J`` (6, n) at the tip, rows [angular; linear], world axes; ``JJt`` (6, 6) is J
+    J^T. If the arm can hardly turn the tool, its joints are left to this torque:
     nothing else damps them. The wrench that holds a torque is (J J^T)^-1 J torque, and
-    its force has to be zero. J_v torque = 0 is not enough, since a tip that is held
-    while a moment keeps the tool's attitude feels the force of this wrench.
+    the force in it has to be zero. J_v torque = 0 would not ensure that: if the tip is
+    held in place and a moment keeps the tool's attitude, the tip still exerts the force
+    of this wrench.
     """
     identity = np.eye(J.shape[1])
     turning = identity - J.T @ _solved(JJt + SOFTENING, J)

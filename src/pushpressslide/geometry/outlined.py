@@ -230,7 +230,9 @@ def _shifted(point: Point, origin: Point) -> Point:
 
 
 def _edge_place(index: int, edge: Edge, clearance: float, origin: Point) -> SidePlace:
-    """Place nearest to the line through B's origin along the normal."""
+    """Place on an edge for a contact, as near to the foot of the perpendicular from B's
+    origin as the ``clearance`` [m] from both corners allows.
+    """
     a = _shifted(edge.start, origin)
     length = edge.length
     normal = edge.normal

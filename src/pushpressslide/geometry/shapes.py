@@ -215,7 +215,7 @@ class Cylinder(Shape):
         )
 
     def depths(self, points: Array, origin: Point) -> Array:
-        """Depths (m,) of points (m, 2), over the radius."""
+        """Depths (m,) of points (m, 2), as fractions of the radius."""
         import numpy as np
 
         x, y = (points + np.array(origin)).T
@@ -244,7 +244,7 @@ class Cylinder(Shape):
         return math.hypot(*origin) + self.radius
 
     def gauge(self) -> Callable[[float, float], float]:
-        """Gauge function: the distance from the centre over the radius."""
+        """Gauge function: the distance from the centre, divided by the radius."""
         radius = self.radius
 
         def gauge(x: float, y: float) -> float:

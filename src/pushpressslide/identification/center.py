@@ -205,8 +205,8 @@ class CenterIdentifier:
     def _sums(
         self, windows: Sequence[Window], state: CenterState
     ) -> tuple[float, float, float, float, float]:
-        """Normal equations of two unknowns: the centre's offset over the lever, and the
-        axle's offset over its standard deviation as believed.
+        """Normal equations of two unknowns: the centre's offset divided by the lever,
+        and the axle's offset divided by its standard deviation as believed.
         """
         before = self._aside(state.before) / self._lever
         straight = self._prior + state.known

@@ -30,7 +30,7 @@ class FittedEllipsoid:
 
     @property
     def rho(self) -> float:
-        """Largest moment over ``max_force`` [m]."""
+        """Largest moment divided by ``max_force`` [m]."""
         return LENGTH / (self.max_force * math.sqrt(float(self.matrix[2, 2])))
 
     def directions(self, wrenches: Array, heights: Array) -> Array:

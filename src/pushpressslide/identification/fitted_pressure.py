@@ -55,8 +55,8 @@ class PressureModel:
         return self.slides(wrenches, heights)[0]
 
     def slides(self, wrenches: Array, heights: Array) -> tuple[Array, Array]:
-        """Unit directions (n, 3) and the mu N (n,) [N] that put each wrench on the
-        surface.
+        """Unit directions (n, 3) of sliding, and for each wrench the mu N (n,) [N] at
+        which it lies on the limit surface.
         """
         return slide(
             self.points, self.pushed_shares(wrenches, heights), self.radii, wrenches
@@ -94,11 +94,11 @@ def fit_pressure(pairs: Pairs, pressure: PressureSamples) -> PressureModel:
     """Model whose pressure and friction fit ``pairs``.
 
     ``pressure`` [N] is the one expected by statics. The pressure at rest is the
-    expected one times the exponential of a quadratic polynomial in the position: of all
-    distributions with the fitted first and second moments the nearest to the expected
-    one. Its five coefficients are fitted to the measured directions, with the ridge
-    toward zero that predicts each push best from the others. They are zero unless a
-    ridge is significantly better than the expected pressure. Friction is the median
+    expected one times the exponential of a quadratic polynomial in the position. Of all
+    distributions with the fitted first and second moments, this is the nearest to the
+    expected one. Its five coefficients are fitted to the measured directions, with the
+    ridge toward zero that predicts each push best from the others. They are zero unless
+    a ridge is significantly better than the expected pressure. Friction is the median
     over the pushes.
     """
     expected = static_model(pressure)

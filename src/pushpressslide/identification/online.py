@@ -85,10 +85,11 @@ class AxleIdentifier:
         """Bind to the heading axis at ``yaw`` [rad] in B.
 
         ``lever`` [m] is the contact's signed distance ahead of the centre of pressure
-        along that axis, ``cop`` [m] that centre's coordinate on it. The force at an
-        angle from it is drag / sqrt(1 + stiffness sin^2); (d / rho)^2 if not given.
-        ``off`` is the fraction of the axle's distance by which it has to differ from
-        its prediction. ``window`` [s] is the time over which a twist is taken.
+        along that axis, ``cop`` [m] that centre's coordinate on it. The contact force,
+        at an angle a from the axis, is drag / sqrt(1 + stiffness sin^2 a);
+        ``stiffness`` is (d / rho)^2 if not given. ``off`` is the fraction of the axle's
+        distance by which it has to differ from its prediction. ``window`` [s] is the
+        time over which a twist is taken.
         """
         self._window = window
         self._axis = (math.cos(yaw), math.sin(yaw))

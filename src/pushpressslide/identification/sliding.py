@@ -17,14 +17,14 @@ from pushpressslide.identification.pairs import LENGTH, unit
 def slide(
     points: Array, shares: Array, radii: Array, wrenches: Array
 ) -> tuple[Array, Array]:
-    """Unit directions (m, 3) of sliding, and the mu N (m,) [N] that put each wrench on
-    the surface.
+    """Unit directions (m, 3) of sliding, and for each wrench the mu N (m,) [N] at which
+    it lies on the limit surface.
 
-    ``points`` (n, 2) [m] and ``radii`` (n,) [m], > 0, of the loads; ``shares`` (m, n)
-    of the total load for each wrench; ``wrenches`` (m, 3) [N, N m], not zero. All about
-    the origin, directions as in ``Pairs``. The direction has the smallest friction
-    power among those with unit power of the wrench. It is found by Newton steps with a
-    line search, all wrenches at a time.
+    ``points`` (n, 2) [m] and ``radii`` (n,) [m], > 0, are those of the loads;
+    ``shares`` (m, n) of the total load for each wrench; ``wrenches`` (m, 3) [N, N m],
+    not zero. All about the origin, directions as in ``Pairs``. The direction has the
+    smallest friction power among those with unit power of the wrench. It is found by
+    Newton steps with a line search, for all wrenches at once.
     """
     size = np.linalg.norm(wrenches / (1.0, 1.0, LENGTH), axis=1)
     target = wrenches / (1.0, 1.0, LENGTH) / size[:, None]
@@ -61,7 +61,7 @@ class _Friction:
     shares: Array  # (m, n)
 
     def power(self, nu: Array) -> Array:
-        """Power (m,) over mu N of twists (m, 3)."""
+        """Power (m,) of the friction, divided by mu N, under twists (m, 3)."""
         total: Array = (self.shares * self._speeds(nu)[2]).sum(1)
         return total
 

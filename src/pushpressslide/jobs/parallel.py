@@ -43,11 +43,12 @@ def worker_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
 
 
 def _hushed(pool: ProcessPoolExecutor, ended: Event) -> None:
-    """Silence a pool that has ``ended`` about jobs that it can no longer hand out.
+    """Silence the errors of a pool, once it has ``ended``, about jobs that it can no
+    longer hand out.
 
     The pool's thread that hands out jobs may find the workers' pipe closed, and would
-    print this error with its traceback. Python has no public way to prevent that. The
-    thread reads its error function when it starts, so this function is replaced before
+    print that error with its traceback. Python has no public way to prevent this. The
+    thread reads its error function when it starts, so the function is replaced before
     the first job is submitted.
     """
     queue = getattr(pool, "_call_queue", None)

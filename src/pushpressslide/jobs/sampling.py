@@ -128,10 +128,10 @@ def random_task(base: Task, index: int, seed: int, draw: Draw = "ahead") -> Task
     Two thirds of the objects are boxes, a third triangular and hexagonal prisms;
     pressed objects may also be cylinders. One arm: start and goal are within
     ``ONE_ARM_REACH`` and ``AZIMUTH``, the goal up to ``BEARING`` off the object's x
-    axis. Some pressed objects have a given contact. Two arms: within ``TWO_ARM_REACH``
-    of both. One face, or two neighbours, face the robots within ``HEADING``; the goal
-    is up to ``BEARING`` off the direction of the push. Pressed objects go in any
-    direction.
+    axis. Some pressed objects have a given contact. Two arms: start and goal are within
+    ``TWO_ARM_REACH`` of both. The push, on one face or on two neighbouring ones, is
+    straight away from the robots to within ``HEADING``; the goal is up to ``BEARING``
+    off the direction of the push. Pressed objects go in any direction.
 
     In a cell with two arms tasks are drawn for both at once. If ``base`` names only
     one-arm modes, they are drawn for one of the arms, at random.

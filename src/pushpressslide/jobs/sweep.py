@@ -168,7 +168,7 @@ def _draw(
     rows: Rows,
     progress: Progress | None,
 ) -> int:
-    """Run samples until there are enough. Return the number that counts."""
+    """Run samples until enough of them count. Return the number of those that count."""
     running: set[Future[Row]] = set()
     numbers = count()
     drawn = _CompleteSamples(options, rows)

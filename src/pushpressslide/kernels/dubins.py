@@ -201,7 +201,7 @@ def middle_opening(half: float) -> float:
     """Angle [rad] from the line of centres to the middle circle's centre, < 0 if that
     circle cannot touch both.
 
-    ``half`` is half the distance of the centres over rl + rr.
+    ``half`` is half the distance of the centres, divided by rl + rr.
     """
     if not half <= 1.0 + ROUND_OFF:
         return -1.0

@@ -69,7 +69,7 @@ def velocity_of_sample(
 def friction_of_sample(
     twist: Twist, x: Column, y: Column, radius: Column, load: Column
 ) -> tuple[Column, Column, Column]:
-    """Wrench that makes a sample slide, over the friction. Zero at rest."""
+    """Wrench that makes a sample slide, divided by mu. Zero at rest."""
     w = twist[2]
     turn = radius * w
     px, py, speed = velocity_of_sample(twist, x, y, turn * turn)
@@ -127,7 +127,7 @@ def _wrench_loop(vx: float, vy: float, w: float, samples: Samples) -> Wrench:
 
 @compiled_as(_wrench_loop, sums=True)
 def wrench_of_samples(vx: float, vy: float, w: float, samples: Samples) -> Wrench:
-    """Wrench over the friction that drives a twist. The ``samples`` have the radius in
+    """Wrench that drives a twist, divided by mu. The ``samples`` have the radius in
     place of its square.
     """
     x, y, radius, load = np.asarray(samples)
@@ -177,8 +177,8 @@ def power_of_samples(twist: Twist, samples: Samples, blur: Blur) -> Power:
 
 @kernel
 def sampled_friction(vx: float, vy: float, w: float, samples: Samples) -> Friction:
-    """Friction of samples over load: the wrench of a power in which each sample's speed
-    is softened by ``CREEP``.
+    """Friction of samples whose loads are fractions of the total: the wrench of a power
+    in which each sample's speed is softened by ``CREEP``.
     """
     parts = power_of_samples((vx, vy, w), samples, (0.0, CREEP * CREEP))
     _, fx, fy, tau, xx, xy, xw, yy, yw, ww = parts
@@ -192,10 +192,11 @@ def exact_slide(
     """Twist that a wrench drives, with |(v, rho w)| = 1, and the factor by which the
     wrench exceeds the surface of mu N = 1.
 
-    NaN for a wrench that drives none. ``samples`` are over rho and load. It is the
-    twist of smallest friction power among those with unit power of the wrench (maximum
-    dissipation), which is the normal of the surface. If the surface has an edge or a
-    vertex there (pins), it is one of its normals.
+    NaN for a wrench that drives none. ``samples`` have places in units of rho, and
+    loads as fractions of the total. The twist is the one of smallest friction power
+    among those with unit power of the wrench (maximum dissipation), which is the normal
+    of the surface. If the surface has an edge or a vertex there (pins), it is one of
+    its normals.
     """
     rho, pinned = extent
     turn = tau / rho
@@ -229,7 +230,9 @@ def across(unit: Twist) -> tuple[Twist, Twist]:
 
 @kernel
 def twist_at(z: Vector, target: Twist, a: Twist, b: Twist) -> Twist:
-    """Twist of unit power of the unit wrench ``target`` at z."""
+    """Twist ``target`` + p a + q b at z = (p, q); each such twist has unit power under
+    the unit wrench ``target``.
+    """
     p, q = z
     return (
         target[0] + p * a[0] + q * b[0],

@@ -57,11 +57,12 @@ def slide(
 ) -> Triple:
     """Twist (m/s, rad/s) at which support and ``contacts`` balance, to 1e-9 of mu N.
 
-    ``guess`` is the twist of the previous tick; at rest the body creeps, by less than
-    ``CREEP`` times a few. Newton's method from the guess takes two steps with one slope
-    while no contact changes. If it fails, the body is released from rest, held back by
-    drag, until it moves in balance: this finds the motion that the body would take up.
-    Always ends, after ``TRIALS`` without balance.
+    ``guess`` is the twist of the previous tick; at rest the body creeps, by less than a
+    few times ``CREEP``. Newton's method starts from the guess. Close to balance, its
+    last two steps share one slope if no contact changes its status. If the method
+    fails, the body is released from rest, held back by drag, until it moves in balance:
+    this finds the motion that the body would take up. Always ends, after ``TRIALS``
+    without balance.
     """
     touched = False
     for contact in contacts:

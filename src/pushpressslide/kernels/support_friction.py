@@ -50,7 +50,7 @@ def softened(power: float, wrench: Wrench, slope: Slope) -> Friction:
 
 @kernel
 def ellipsoid_friction(vx: float, vy: float, w: float) -> Friction:
-    """Wrench and slope of a twist (v_x, v_y, rho w), the moment over rho."""
+    """Wrench and slope of a twist (v_x, v_y, rho w), the moment divided by rho."""
     inverse = 1.0 / sqrt(vx * vx + vy * vy + w * w + CREEP * CREEP)
     fx = vx * inverse
     fy = vy * inverse

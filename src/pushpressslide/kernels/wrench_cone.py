@@ -72,7 +72,7 @@ def span(a: Edge, b: Edge) -> Span:
 @kernel
 def nearest_parts(fx: float, fy: float, z: float, cone: Cone) -> Parts:
     """Coefficients of each edge in the cone's wrench nearest to one outside. ``z`` is
-    the moment over rho.
+    the moment divided by rho.
 
     That wrench lies on a facet, so it is the best of the four edges and their six
     pairs: least squares with coefficients >= 0, by enumeration.

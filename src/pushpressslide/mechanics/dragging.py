@@ -102,10 +102,10 @@ class DraggedBase:
 
         ``cops`` (m, 2) [m] are without drag; the moved ones must be inside the base.
         The pressure is found by Newton steps. The twist is that of the smallest
-        friction power among those with unit power of the force. The first steps go to
-        the ellipsoid that has the friction of the last twist, each of which lowers that
-        power. Then come Newton's steps if they lower it too; these alone if a coarser
-        base has settled first.
+        friction power among those with unit power of the force. Each of the first steps
+        takes the twist of an ellipsoid with the friction of the last twist, which
+        always lowers that power. Later steps are Newton's where these lower it too. If
+        a coarser base has already given a result, all steps are such later ones.
         """
         x, y = contacts.T
         direction = directions.T

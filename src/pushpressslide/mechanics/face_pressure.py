@@ -87,7 +87,7 @@ class FacePressure:
         return np.stack([x, y, tx, ty, lengths[real], middle, across, along])
 
     def series(self) -> tuple[complex, ...]:
-        """Coefficients of ``TERMS`` in the mean of |1 + k z| over the load, for a small
+        """Coefficients of ``TERMS`` in the load-weighted mean of |1 + k z|, for a small
         complex k and z = x + i y. Each coefficient stands for a term together with its
         conjugate.
         """
@@ -114,7 +114,7 @@ class FacePressure:
         return self._moment(1, 1).real
 
     def _moment(self, i: int, j: int) -> complex:
-        """Mean of z^i times its conjugate^j over the load.
+        """Load-weighted mean of z^i times its conjugate^j.
 
         The integral of a homogeneous function of degree n over a triangle with a corner
         at the origin follows from the integral along the opposite side.

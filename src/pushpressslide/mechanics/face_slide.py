@@ -27,7 +27,7 @@ Triple = tuple[float, float, float]
 
 
 class FaceSurface:
-    """Limit surface of a pressure, over its load and about its centre of pressure."""
+    """Limit surface of a pressure, per unit of its load, about its centre of pressure."""
 
     def __init__(self, face: FacePressure) -> None:
         """Precompute the edges, with rho as the unit of length."""

@@ -126,7 +126,9 @@ def exact_slide(
 
 
 def _slide(samples: PressureSamples, wrench: Wrench) -> tuple[Twist, float]:
-    """Direction of sliding, and the wrench over mu times the surface's."""
+    """Direction of sliding, and the friction mu at which the wrench lies on the limit
+    surface.
+    """
     extent, over_rho = slide_samples(samples)
     if extent[0] == 0.0:
         raise ValueError(

@@ -1,10 +1,11 @@
 """Pressure under a rigid flat face on an elastic support, highest at the rim.
 
 The contact problem of a rigid punch on an elastic half-space (Boussinesq; Johnson,
-"Contact Mechanics", 1985, section 3.4 and 5.9). The load distributes so that the
-support sinks as a plane under the whole face, each load sinking it by 1/distance. The
-elastic constants do not matter. A face that is harder than its support comes near it,
-and measured pushes of one agree (docs/uncertainty.md).
+"Contact Mechanics", 1985, section 3.4 and 5.9). Each point load sinks the support in
+proportion to 1/distance. The load is distributed so that the support under the whole
+face stays a plane. The elastic constants do not matter. A face harder than its support
+has nearly this pressure, and measured pushes of such a face agree with it
+(docs/uncertainty.md).
 """
 
 from __future__ import annotations

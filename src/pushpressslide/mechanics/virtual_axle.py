@@ -93,7 +93,9 @@ def sliding(
     """
 
     def slide(ratio: float, guess: Twist | None = None) -> Slide:
-        """Slide under the pressure moved by a force over the load."""
+        """Slide under a force that is ``ratio`` times the load, with the pressure as
+        this force moves it.
+        """
         shift = height * ratio
         moved = (cop[0] + shift * direction[0], cop[1] + shift * direction[1])
         face = face_at(moved)
@@ -108,7 +110,7 @@ def sliding(
 
 
 def _balanced(slide: Callable[[float, Twist | None], Slide], max_force: float) -> Slide:
-    """Slide with zero surplus, under a force over the load in [0, ``max_force``].
+    """Slide with zero surplus, for a ratio of force to load in [0, ``max_force``].
 
     Raises the ValueError of ``slide`` if the surplus is positive for every valid
     pressure.

@@ -150,8 +150,8 @@ class Mode(ABC, Generic[D]):
     reduced_model: ClassVar[str]
     tracking_point: ClassVar[str]
     evaluation_cost: ClassVar[int] = 1
-    """What it takes to judge a motion with whatever contacts, over that of a push from
-    behind, up to the limit that a search sets itself.
+    """Cost of evaluating a motion with any contacts, relative to a push from behind. A
+    search bounds the sum.
     """
     cop_steering: ClassVar[bool]
     # whether it can hold an object whose weight pulls it along the support
@@ -403,9 +403,9 @@ class Feasibility:
     """Evaluates choices one by one: whether the arms can follow the path, and whether
     it is clear.
 
-    After many choices out of reach, only the reach tables are used. After many blocked
-    choices the evaluation stops. In a search over sequences only the tables are used
-    for all choices.
+    After many choices out of reach, only the reach tables are used for the rest. After
+    many blocked choices the evaluation stops. In a search over sequences, every choice
+    is evaluated by the tables alone.
     """
 
     query: MotionQuery
@@ -453,7 +453,8 @@ class Feasibility:
 def arms_refusal(
     scene: Scene, limits: Limits, choice: Choice, quick: bool
 ) -> Refusal | None:
-    """Refusal of the path of a choice by time, workspace or reach of the tips, or None.
+    """Refusal of a choice whose path takes too long, leaves the workspace or is out of
+    a tip's reach, or None.
 
     With ``quick``, reach is looked up in the tables alone.
     """

@@ -75,10 +75,10 @@ class OrthogonalPush(TwistPushes):
     drives = (TwistDrive,)
 
     def candidates(self, query: MotionQuery) -> list[Candidate | Choice]:
-        """Best placements on every two faces, the quickest first.
+        """Best placements on each pair of faces, the quickest first.
 
-        Of equally quick ones, the one with the least force comes first, if it is well
-        inside its cone.
+        Among equally quick ones, a placement that needs less force comes first if its
+        forces are well inside their cones.
         """
         flat = [face for face in pushable(query.scene) if face.flat]
         if not flat:

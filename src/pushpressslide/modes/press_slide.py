@@ -230,7 +230,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     ) -> CenterIdentifier | None:
         """Online identifier of the CoM across the line to the contact.
 
-        None for a spin, for a press at the CoM, and for a given rho, the error of which
+        None for a spin, for a press at the CoM, and if rho is given, since its error
         may exceed the identifier's tolerance.
         """
         drive = self.drive_of(segment)

@@ -99,7 +99,8 @@ def push_twists(scene: Scene, motion: Motion, pushed: Sequence[Face]) -> Array:
     """Twists (n, 2, 8, 3) of the CoM under pushes on n faces at the sampled angles, to
     the left and to the right.
 
-    NaN from the angle on at which the object tips to either side.
+    Where a push to either side tips the object, the twists to both sides are NaN, at
+    that angle and at all larger ones.
     """
     count = sum(ANGLES)
     feet = np.repeat([face.foot for face in pushed], 2 * count, axis=0)

@@ -67,8 +67,8 @@ def staged_result(
 
     ``runs`` are the started stages and ``results`` their results. ``shortfall`` is the
     reason why one was not started. A figure of several stages is the sum, the worst or
-    the mean over the time in contact. Figures of a single motion stand with its stage
-    alone.
+    the mean over the time in contact. Figures that make sense only for a single motion
+    are given with its stage alone.
     """
     out: dict[str, Any] = dict.fromkeys(results[0])
     for name in ("schema", "engine", "seed", "time_step", "versions"):

@@ -189,8 +189,8 @@ class RobotFacts:
 
     @cached_property
     def armature(self) -> Array:
-        """Rotor inertia reflected to the joint (n,) [kg m^2], [kg] of slides: motor
-        side times gear ratio^2.
+        """Rotor inertias (n,) reflected to the joints, [kg m^2], or [kg] for slides:
+        the inertia on the motor's side times gear ratio^2.
         """
         return np.array([j.rotor_inertia * j.gear_ratio**2 for j in self.moving])
 

@@ -229,10 +229,11 @@ def solve_ik(
 ) -> IkSolution:
     """Posture with the largest joint margin for each target.
 
-    target_p: (3,) or (m, 3) [m] of the tip's centre in the world; attitude: one, with
-    tool_yaw [rad] scalar or (m,), None: free; or of each target its own, as axes (m, 3)
-    or rotations R_WT (m, 3, 3). q_seed: (n,), (s, n) or (m, s, n), None:
-    ``default_seeds``; joint_margin: [rad] to keep from every limit.
+    ``target_p`` (3,) or (m, 3) [m] is the tip's centre in the world. ``attitude`` is
+    one for all targets, with ``tool_yaw`` [rad], a scalar or (m,), or None for any yaw;
+    or an array with one for each target: axes (m, 3) or rotations R_WT (m, 3, 3).
+    ``q_seed`` is (n,), (s, n) or (m, s, n), or None for ``default_seeds``.
+    ``joint_margin`` [rad] is kept from every limit.
     """
     p = np.atleast_2d(np.asarray(target_p, dtype=np.float64))
     m = len(p)

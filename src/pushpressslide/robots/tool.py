@@ -1,11 +1,11 @@
-"""Tool attitude: its axis is constant in the support's frame, or turns with the object
-like its yaw.
+"""Tool attitude: the tool's axis is constant in the support's frame, or turns about the
+support's normal with the object.
 
 The tip frame T has its origin at the centre of the tip's sphere and its z axis along
 the tool, out of the flange. Frame S is the support's: x and y along the surface, z out
 of it towards the robots (on a table the world's axes; left-handed on a wall, see
 core/support_frame.py). An upright tool points along -z_S. The TOOL YAW is the angle,
-from x_S to y_S, of the tool's x axis projected on their plane.
+from x_S to y_S, of the tool's x axis projected on the plane of x_S and y_S.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ class ToolAttitude:
 
     In S the axis is (sin tilt cos azimuth, sin tilt sin azimuth, -cos tilt): the flange
     is displaced from the tip in the direction opposite to ``azimuth``. With ``turns``
-    this holds at tool yaw 0, and the whole tool turns in their plane with its yaw, as
-    if fixed to the object.
+    this holds at tool yaw 0, and the whole tool turns about z_S with its yaw, as if
+    fixed to the object.
 
     Raises PushPressSlideError for a tilt outside [0, pi/2).
     """

@@ -36,8 +36,9 @@ def edge_refusal(
     The supported part of the base carries the object while the centre of pressure is
     inside its convex hull, with a margin. Three points are checked: the centre of mass,
     which carries the load when the arms let go, the centre of pressure of the press,
-    and that of the drag. If the object starts nearer to the edge, it may be as near
-    there, and has its margin within ``margins.ARM.leaving`` [m] of path.
+    and that of the drag. If the object starts with less than the margin, that is
+    allowed at the start; the allowed distance then grows to the full margin while the
+    object moves ``margins.ARM.leaving`` [m] away.
     """
     from shapely import Polygon
 

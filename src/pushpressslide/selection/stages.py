@@ -1,10 +1,11 @@
 """Stages of a task of several goals: which body moves when and where, so that all end
 at their goals.
 
-The order is found by search. A body goes whose goal is free. If none can go, one that
-blocks another is put aside first. Orders with fewer stages are tried first, then those
-with shorter paths. All stages are planned before anything moves, each from the end
-state of the previous one. Plans of common first stages are reused between orders.
+The order is found by search. A body can go to its goal if the goal is free. If no body
+can go, one that blocks another is put aside first. Orders with fewer stages are tried
+first, then those with shorter paths. All stages are planned before anything moves, each
+from the end state of the previous one. Plans of common first stages are reused between
+orders.
 """
 
 from __future__ import annotations

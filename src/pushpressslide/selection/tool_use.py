@@ -123,10 +123,10 @@ def _straight_push(
 ) -> StraightPush:
     """Push that leaves ``body`` within the tolerance of ``target`` X_WO.
 
-    The face leaves the body square to the push. The directions given by the goal's yaw
-    and by its position may differ; the push takes a compromise. Raises TaskError if the
-    push has no length, the yaw is out of tolerance, or the body stands askew to the
-    push.
+    The pushing face aligns the body with the direction of the push. The directions
+    given by the goal's yaw and by its position may differ; the push takes a compromise.
+    Raises TaskError if the push has no length, the yaw is out of tolerance, or the body
+    stands askew to the push.
     """
     name = body.name
     distance = math.dist(body.pose.position, target.position)

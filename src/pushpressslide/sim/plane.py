@@ -9,8 +9,8 @@ about one part in a hundred, to restore the moment of friction.
 The half-space is the rigid body, since contact polygons lie on the rigid surface. On a
 rigid base tilted by a hundredth of a degree the polygon normals would tilt too. In a
 step of 4 ms the base then slides along them by a twentieth of its indentation. A solver
-that takes the friction from the load at the start of the step would answer with as much
-more friction.
+that takes the friction from the load at the start of the step would overestimate the
+friction by the same fraction.
 """
 
 from __future__ import annotations

@@ -233,11 +233,11 @@ def section(
     required = [key for key, field in fields.items() if field.absent is REQUIRED]
 
     def decode(value: Any) -> Any:
-        """Data of a plain value."""
+        """Make the data of a task from a plain value."""
         return make(**{names[k]: f.kind.decode(value[k]) for k, f in fields.items()})
 
     def encode(value: Any) -> Any:
-        """Plain value of data."""
+        """Make a plain value from the data of a task: the inverse of ``decode``."""
         values = take(value)
         return {
             key: field.kind.encode(values[names[key]])

@@ -33,7 +33,7 @@ class CarriedTracker:
         """Bind the law.
 
         ``weight`` [N] is in the plane, ``lever`` [m/N] the height of the tips above the
-        CoM over the load.
+        CoM, divided by the load.
         """
         self._X_BV = X_BV
         self._surface = surface

@@ -224,8 +224,8 @@ def vehicle_choices(
     """For each contact and direction, the choice with the safest load that does not tip
     the object, planned for straight steering.
 
-    A search over sequences has other motions to try: it gets only the choices whose
-    headings point most nearly to the goal.
+    A query from a search over sequences gets only the choices whose headings point most
+    nearly to the goal, since such a search has other motions to try.
     """
     directions = DIRECTIONS[query.motion.vehicle or "unicycle"]
     pairs = list(product(placements.contacts, directions))

@@ -34,9 +34,9 @@ def manoeuvre_choices(
     """Manoeuvres in the order of ``turning``, until ``enough`` are feasible.
 
     One manoeuvre for each contact comes first, then the others, each by either arm,
-    then the contacts that were skipped. A search over sequences has other motions to
-    try: it evaluates few manoeuvres, and does not try a contact that was out of reach
-    with other loads.
+    then the contacts that were skipped. For a query from a search over sequences, which
+    has other motions to try, few manoeuvres are evaluated, and a contact that was out
+    of reach is not tried with other loads.
     """
     ends = query.body_ends
     X_WB, _ = ends

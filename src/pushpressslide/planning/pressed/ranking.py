@@ -155,10 +155,11 @@ def _planned_turns(
     headings: NDArray[np.complex128],
     straight: float,
 ) -> _Turns:
-    """Every other turn about its centre, or every fourth if there are many.
+    """Turns of each press about their centres, at every other force angle of the table,
+    or at every fourth if there are many.
 
-    Turns of less curvature than ``straight`` [1/m] are taken about a distant centre on
-    either side.
+    Turns of less curvature than ``straight`` [1/m] are replaced by two about distant
+    centres, one on either side.
     """
     many = table.steerable[:, ::EVERY].sum(1, keepdims=True) > MANY
     stride = np.where(many, 2 * EVERY, EVERY)

@@ -3,14 +3,14 @@ heading axis.
 
 The axle is the point that a small change of the angle does not move sideways.
 
-The drag's height, and the pressure that it moves, put the virtual axle elsewhere for
-each angle. With v and w at an angle, and v' and w' their derivatives, a point q of the
-heading axis does not move across its motion if v_q x v_q' = 0. Along the axis this is
-linear in q. A path of q can be followed like a unicycle's under two conditions. Forces
-further off that angle must not slip q sideways, and the contact's motion must turn with
-the force. If the drag moves the axle beyond the contact it does not, and a tip whose
-motion is controlled leaves the object's turn to chance. Source: docs/mechanics.md,
-sections 1.2, 2 and 4.
+The virtual axle is at a different place for each angle, because the drag acts at a
+height and moves the pressure. With v and w at an angle, and v' and w' their
+derivatives, a point q of the heading axis does not move across its motion if v_q x v_q'
+= 0. Along the axis this is linear in q. A path of q can be followed like a unicycle's
+under two conditions. Forces further off that angle must not slip q sideways, and the
+contact's motion must turn with the force. The second condition fails if the drag moves
+the axle beyond the contact; a tip whose motion is controlled then leaves the object's
+turn to chance. Source: docs/mechanics.md, sections 1.2, 2 and 4.
 """
 
 from __future__ import annotations
@@ -190,9 +190,10 @@ def _free(
     side: int,
 ) -> Array:
     """Angle [rad] by which the force may be turned to one ``side`` (1 left, -1 right)
-    until the axle slips sideways.
+    before the axle slips sideways or the contact's motion no longer follows.
 
-    ``firm`` is between an angle and the next on that side.
+    ``firm`` tells for each angle whether the contact's motion turns with the force on
+    the step to the next angle on that side.
     """
     steps = np.zeros(steerable.shape)
     free = steerable

@@ -257,7 +257,7 @@ def truths(seed: int, out: Path) -> list[Row]:
 
 
 def start(seed: int, out: Path) -> list[Row]:
-    """Start programs, and compare with ``import numpy``."""
+    """Measure how long programs take to start, compared with ``import numpy``."""
     from pushpressslide_studies.bench.start import start as rows
 
     return rows()

@@ -183,7 +183,7 @@ def figure(rows: Sequence[Row]) -> Figure:
 
 
 def _decades(values: Sequence[float]) -> tuple[float, float]:
-    """Powers of ten about some values."""
+    """Powers of ten below and above all of some values."""
     low = math.floor(math.log10(min(values)))
     high = math.ceil(math.log10(max(values)))
     return 10.0**low, 10.0 ** max(high, low + 1)

@@ -47,7 +47,7 @@ class Case:
         return support_pressure(body.shape, 1.0, body.center_of_mass, cop, RESOLUTION)
 
     def relative(self, moving: Twist) -> float:
-        """Motion of the object relative to the finger, over the finger's speed. A
+        """Motion of the object relative to the finger, divided by the finger's speed. A
         rotation counts as motion of the object's rim.
         """
         wanted = self.twist.moved_to(moving.point)

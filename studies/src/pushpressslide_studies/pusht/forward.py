@@ -1,10 +1,11 @@
-"""Effect of one action on the T: the limit surface at each of its ten periods.
+"""Effect of one action on the T, by the limit surface in each of the action's ten
+periods.
 
 The pusher's path is exact. In each period the T makes the smallest motion that lets no
 contact come closer, measured by the limit surface's metric |v|^2 + rho^2 w^2; this is
-its motion under a frictionless push. Source of the constants and of the order in a
-period: the engine pymunk. It moves first by the velocities of the previous period, and
-separates overlapping bodies by a share of the overlap.
+its motion under a frictionless push. The constants and the order within a period are
+those of the engine pymunk. It first moves bodies by the velocities of the previous
+period, and separates overlapping bodies by a share of the overlap.
 """
 
 from __future__ import annotations
