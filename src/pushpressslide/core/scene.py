@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 from pushpressslide.core import margins
 from pushpressslide.core.checks import check_fields
 from pushpressslide.core.constants import GRAVITY
+from pushpressslide.core.errors import InputError
 from pushpressslide.core.field_spec import FRICTIONS, field_spec, setting
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.renamed import Renamed
@@ -156,9 +157,45 @@ class ObjectModel:
         return self.shape.farthest(self.center_of_mass)
 
 
+TIP_RADIUS = 0.02
+"""[m] of a tip by default."""
+TIP_LENGTH = 0.15
+"""[m] of the rod from the flange to a tip by default."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tip:
+    """A rod with a spherical tip on a link of a robot's file."""
+
+    link: str = field(metadata=field_spec("link or frame that carries it"))
+    xyz: tuple[float, float, float] = setting(
+        (0.0, 0.0, 0.0), "foot of the rod in the link's frame", "m", "[-2, 2]"
+    )
+    rpy: tuple[float, float, float] = setting(
+        (0.0, 0.0, 0.0),
+        "roll, pitch and yaw of the rod's frame in the link's; its z axis points out "
+        "of the flange",
+        "deg",
+        "[-360, 360]",
+    )
+    radius: float = setting(
+        TIP_RADIUS, "radius of the spherical tip", "m", "[0.002, 0.1]"
+    )
+    length: float = setting(
+        TIP_LENGTH, "distance from the foot to the tip's centre", "m", "[0, 0.5]"
+    )
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """One arm (or a free tip, ``hand``) and the pose of its base."""
+    """One arm (or a free tip, ``hand``) and the pose of its base.
+
+    A robot with a ``tip`` has its radius and its length as ``tip_radius`` and
+    ``tip_length``.
+    """
 
     model: str = field(
         metadata=field_spec(
@@ -172,20 +209,57 @@ class Robot:
     )
     base_yaw: float = 0.0  # [rad] in the file part of the base
     tip_frame: str | None = setting(
-        None, "frame at the tip's centre; required for a model given by its path"
+        None,
+        "frame at the tip's centre; a model given by its path needs this or tip",
     )
     tip_radius: float = setting(
-        0.02, "radius of the spherical tip", "m", "[0.002, 0.1]"
+        TIP_RADIUS, "radius of the spherical tip", "m", "[0.002, 0.1]"
     )
     tip_length: float = setting(
-        0.15,
+        TIP_LENGTH,
         "distance from the flange to the tip's centre, in the generated models",
         "m",
         "[0, 0.5]",
     )
+    tip: Tip | None = setting(
+        None,
+        "rod and tip on a link of a model given by its path, in place of tip_frame, "
+        "tip_radius and tip_length",
+    )
+    home: tuple[float, ...] | None = setting(
+        None,
+        "ready posture of a model given by its path, from the base to the tip; null: "
+        "found, with the tool down",
+        "deg",
+        "[-1440, 1440]",
+        count=(1, 16),
+    )
+    rotor_inertia: tuple[float, ...] | None = setting(
+        None,
+        "inertia of the rotors of a model given by its path, motor's times gear ratio "
+        "squared, from the base to the tip; null: that of the file, or 0.003 kg m^2 "
+        "for each N m of effort",
+        "kg m^2",
+        "[0, 1000]",
+        count=(1, 16),
+    )
+    packages: tuple[str, ...] = setting(
+        (), "folders with the packages that a model's meshes are in", count=(0, 16)
+    )
 
     def __post_init__(self) -> None:
         check_fields(self)
+        tip = self.tip
+        if tip is not None:
+            for name, default, own in (
+                ("tip_radius", TIP_RADIUS, tip.radius),
+                ("tip_length", TIP_LENGTH, tip.length),
+            ):
+                if getattr(self, name) not in (default, own):
+                    raise InputError(f"{name} and tip: give one of them")
+                object.__setattr__(self, name, own)
+            if self.tip_frame is not None:
+                raise InputError("tip_frame and tip: give one of them")
 
 
 @dataclass(frozen=True, slots=True)

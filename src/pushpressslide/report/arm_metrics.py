@@ -9,17 +9,14 @@ import numpy as np
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Robot
-from pushpressslide.robots.facts import MODELS, RobotFacts, load_facts
+from pushpressslide.robots.arm_files import robot_facts
+from pushpressslide.robots.facts import RobotFacts
 
 
-def robot_facts(robot: Robot) -> RobotFacts | None:
+def facts_if_readable(robot: Robot) -> RobotFacts | None:
     """Facts of a task's robot. None if its description cannot be read."""
-    if robot.model in MODELS:
-        return load_facts(robot.model)
-    from pushpressslide.robots.description import read_description
-
     try:
-        return read_description(robot.model, robot.tip_frame)
+        return robot_facts(robot)
     except (PushPressSlideError, OSError):
         return None
 
@@ -54,7 +51,7 @@ def speed_share(robots: Sequence[Robot], record: Record) -> float | None:
     shares = []
     for i, robot in enumerate(robots):
         v = record.arrays.get(f"joint_velocity_{i}")
-        facts = None if v is None or not len(v) else robot_facts(robot)
+        facts = None if v is None or not len(v) else facts_if_readable(robot)
         if v is not None and facts is not None and v.shape[1] == facts.size:
             shares.append(float((np.abs(v) / facts.velocity_limit).max()))
     return max(shares, default=None)
@@ -69,7 +66,7 @@ def joint_margin(robots: Sequence[Robot], record: Record) -> float | None:
         q = record.arrays.get(f"joint_position_{i}")
         if q is None or not len(q):
             continue
-        facts = robot_facts(robot)
+        facts = facts_if_readable(robot)
         if facts is not None and q.shape[1] == facts.size:
             margins.append(float(np.minimum(q - facts.lower, facts.upper - q).min()))
     return min(margins, default=None)

@@ -18,7 +18,7 @@ from pushpressslide.core.record import Record
 from pushpressslide.core.scene import arm_title
 from pushpressslide.core.task import Robot
 from pushpressslide.report import series, style
-from pushpressslide.report.arm_metrics import robot_facts
+from pushpressslide.report.arm_metrics import facts_if_readable
 from pushpressslide.report.axle_figures import axle_over_time
 from pushpressslide.report.plane import path_figure
 
@@ -236,7 +236,7 @@ def _torque_shares(robots: Sequence[Robot], record: Record) -> dict[int, Array]:
         torque = record.arrays.get(f"joint_torque_{i}")
         if torque is None:
             continue
-        facts = robot_facts(robot)
+        facts = facts_if_readable(robot)
         if facts is not None and facts.size == torque.shape[1]:
             shares[i] = 100.0 * torque / facts.effort_limit
     return shares

@@ -50,10 +50,10 @@ MOST_NOTES = 4  # of one kind, that are named
 
 
 def read_description(
-    model: str, tip_frame: str | None, packages: Mapping[str, str] | None = None
+    model: str, tip_frame: str | None, packages: Sequence[str] = ()
 ) -> RobotFacts:
     """Facts of the robot in a URDF or SDF file, with ``tip_frame`` as its flange and
-    its tip. ``packages`` are folders of meshes by their package's name.
+    its tip. ``packages`` are folders with packages of meshes.
 
     Raises PushPressSlideError, in one line, if the file is missing, or the tip frame is
     not named or missing. Raises RobotFileError, with link or joint, for values that no
@@ -69,10 +69,10 @@ def read_description(
     if tip_frame is None:
         raise PushPressSlideError(MISSING_TIP_FRAME)
     with _blaming(model):
-        return _facts(path, tip_frame, packages or {})
+        return _facts(path, tip_frame, packages)
 
 
-def _facts(path: Path, tip_frame: str, packages: Mapping[str, str]) -> RobotFacts:
+def _facts(path: Path, tip_frame: str, packages: Sequence[str]) -> RobotFacts:
     """Checked facts of an existing file."""
     read = read_urdf if path.suffix.lower() == ".urdf" else read_sdf
     whole = read(_root(path), path, packages)
@@ -102,6 +102,7 @@ def _facts(path: Path, tip_frame: str, packages: Mapping[str, str]) -> RobotFact
         branches=branches,
         shapes=tuple(shape for shape in description.shapes if shape.link in names),
         notes=tuple(notes),
+        from_file=True,
     )
 
 

@@ -143,6 +143,7 @@ class RobotFacts:
     branches: tuple[JointFacts, ...] = ()  # fixed joints to links off the chain
     shapes: tuple[LinkShape, ...] = ()  # of a file
     notes: tuple[str, ...] = ()  # of a file: what is held, left out or assumed
+    from_file: bool = False  # of a user, in place of the package's own facts
 
     @cached_property
     def moving(self) -> tuple[JointFacts, ...]:

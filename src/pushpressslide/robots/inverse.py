@@ -174,8 +174,8 @@ def damped_step(J: Array, e: Array, secondary: Array) -> Array:
 def default_seeds(kin: ArmKinematics, p: Array) -> Array:
     """Starting postures (m, s, n) for targets p (m, 3).
 
-    They are turned towards the targets, with elbow and wrist varied. A robot read from
-    a file has no ready posture: its starts are spread over the joint ranges.
+    They are turned towards the targets, with elbow and wrist varied. Those of a robot
+    read from a file, but for its ready posture, are spread over the joint ranges.
     """
     facts = kin.facts
     m = len(p)
@@ -184,18 +184,17 @@ def default_seeds(kin: ArmKinematics, p: Array) -> Array:
     span = np.minimum(facts.upper, 3.0) - np.maximum(facts.lower, -3.0)
     count = RANDOM_SEEDS + STRUCTURED_SEEDS
     random = np.maximum(facts.lower, -3.0) + span * (0.1 + 0.8 * rng.random((count, n)))
-    if not facts.links:
-        spread: Array = np.clip(
-            np.broadcast_to(random, (m, count, n)), facts.lower, facts.upper
-        )
-        return spread
-    seeds = np.concatenate([_structured_seeds(kin), random[:RANDOM_SEEDS]])
+    if facts.from_file:
+        seeds = np.concatenate([facts.home[None], random[1:]])
+    else:
+        seeds = np.concatenate([_structured_seeds(kin), random[:RANDOM_SEEDS]])
     out: Array = np.broadcast_to(seeds, (m, *seeds.shape)).copy()
     if facts.moving[0].kind == "revolute":
         azimuth = (
             np.arctan2(p[:, 1] - kin.base[1], p[:, 0] - kin.base[0]) - kin.base_yaw
         )
-        out[:, :STRUCTURED_SEEDS, 0] += (
+        turned = 1 if facts.from_file else STRUCTURED_SEEDS
+        out[:, :turned, 0] += (
             np.remainder(azimuth + math.pi, 2.0 * math.pi)[:, None] - math.pi
         )
     out = np.clip(out, facts.lower, facts.upper)

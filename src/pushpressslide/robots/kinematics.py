@@ -16,10 +16,8 @@ import numpy as np
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.facts import (
-    MODELS,
     TIP,
     RobotFacts,
-    load_facts,
     rotation_from_rpy,
 )
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
@@ -213,20 +211,16 @@ def arm_kinematics(robot: Robot) -> ArmKinematics:
     Raises PushPressSlideError for a model that is neither in ``facts.MODELS`` nor a
     readable URDF or SDF file.
     """
-    if robot.model in MODELS:
-        return _known(robot)
-    from pushpressslide.robots.description import read_description
+    from pushpressslide.robots.arm_files import changed_at
 
-    facts = read_description(robot.model, robot.tip_frame)
-    return ArmKinematics(facts, robot.base, robot.base_yaw, 0.0, robot.tip_radius)
+    return _known(robot, changed_at(robot))
 
 
 @lru_cache(maxsize=32)
-def _known(robot: Robot) -> ArmKinematics:
-    return ArmKinematics(
-        load_facts(robot.model),
-        robot.base,
-        robot.base_yaw,
-        robot.tip_length,
-        robot.tip_radius,
-    )
+def _known(robot: Robot, changed: int) -> ArmKinematics:
+    """Kinematics of a robot, cached until its file changes."""
+    from pushpressslide.robots.arm_files import robot_facts, rod_length
+
+    facts = robot_facts(robot)
+    length = rod_length(robot)
+    return ArmKinematics(facts, robot.base, robot.base_yaw, length, robot.tip_radius)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 PACKAGE_PATHS = "ROS_PACKAGE_PATH"
@@ -18,10 +18,11 @@ class MeshPaths:
     it and the named ones is read.
     """
 
-    def __init__(self, file: Path, packages: Mapping[str, str] | None = None) -> None:
-        """Look around ``file``. ``packages`` are folders by name."""
+    def __init__(self, file: Path, packages: Sequence[str] = ()) -> None:
+        """Look around ``file``. ``packages`` are packages, or folders with some."""
         self._folder = file.resolve().parent
-        self._named = {name: Path(path) for name, path in (packages or {}).items()}
+        given = filter(None, os.environ.get(PACKAGE_PATHS, "").split(os.pathsep))
+        self._given = [Path(text) for text in (*packages, *given)]
         above = list(self._folder.parents)[:HEIGHT]
         self._above = [self._folder, *above]
         root = next((f for f in self._above if (f / "package.xml").is_file()), None)
@@ -47,8 +48,6 @@ class MeshPaths:
 
     def _packages(self, name: str) -> Iterator[Path]:
         """Folders that may be a package, the most certain first."""
-        if name in self._named:
-            yield self._named[name]
         for folder in self._above:
             if package_name(folder) == name:
                 yield folder
@@ -57,17 +56,14 @@ class MeshPaths:
                 yield folder
         for folder in self._above:
             yield folder / name
-        for text in filter(None, os.environ.get(PACKAGE_PATHS, "").split(os.pathsep)):
-            place = Path(text)
+        for place in self._given:
             yield place / name
             if package_name(place) == name or place.name == name:
                 yield place
 
     def _allowed(self, path: Path) -> bool:
         """Whether a file is in the package, next to it, or in a named package."""
-        own = (self._root, *self._named.values())
-        given = filter(None, os.environ.get(PACKAGE_PATHS, "").split(os.pathsep))
-        places = [*own, *map(Path, given)]
+        places = (self._root, *self._given)
         return any(path.is_relative_to(place.resolve()) for place in places)
 
 

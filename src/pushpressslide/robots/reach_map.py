@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -182,13 +183,7 @@ def _reached_with_tilt(
 @lru_cache(maxsize=64)
 def _standing(robot: Robot) -> Robot:
     """The same robot with its base at the origin."""
-    return Robot(
-        robot.model,
-        (0.0, 0.0, 0.0),
-        tip_frame=robot.tip_frame,
-        tip_radius=robot.tip_radius,
-        tip_length=robot.tip_length,
-    )
+    return replace(robot, base=(0.0, 0.0, 0.0), base_yaw=0.0)
 
 
 @lru_cache(maxsize=64)

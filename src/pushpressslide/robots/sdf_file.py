@@ -5,7 +5,7 @@ their child link.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -45,7 +45,7 @@ from pushpressslide.robots.mesh_paths import MeshPaths
 NO_INERTIAL = 1.0  # [kg], [kg m^2] of a link without inertial, by the format's rule
 
 
-def read_sdf(root: Element, file: Path, packages: Mapping[str, str]) -> Description:
+def read_sdf(root: Element, file: Path, packages: Sequence[str]) -> Description:
     """Content of an SDF file.
 
     Raises UnfitValue for a value that no arm can have, and PushPressSlideError for a

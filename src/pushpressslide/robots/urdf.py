@@ -86,10 +86,14 @@ def _joint(joint: JointFacts) -> str:
         return f'<joint name="{joint.name}" type="fixed">{frames}</joint>'
     dynamics = f'<dynamics damping="{joint.damping!r}"/>' if joint.damping else ""
     keys = ("effort", "lower", "upper", "velocity")
-    limit = " ".join(f'{key}="{getattr(joint, key)!r}"' for key in keys)
+    values = {key: getattr(joint, key) for key in keys}
+    values["drake:acceleration"] = joint.acceleration
+    limit = " ".join(
+        f'{key}="{value!r}"' for key, value in values.items() if math.isfinite(value)
+    )
     return (
         f'<joint name="{joint.name}" type="{joint.kind}">{frames}<axis xyz="{numbers(joint.axis)}"/>'
-        f'<limit {limit} drake:acceleration="{joint.acceleration!r}"/>{dynamics}</joint>'
+        f"<limit {limit}/>{dynamics}</joint>"
         f'<transmission name="{joint.name}_transmission">'
         "<type>transmission_interface/SimpleTransmission</type>"
         f'<joint name="{joint.name}"><hardwareInterface>EffortJointInterface</hardwareInterface></joint>'
@@ -103,8 +107,7 @@ def _filters(facts: RobotFacts) -> list[str]:
     construction.
     """
     chain = [facts.base, *(joint.child for joint in facts.joints)]
-    own = {c.link for c in facts.capsules} | {s.link for s in facts.shapes}
-    solid = [name for name in chain if name in own]
+    solid = [name for name in chain if any(c.link == name for c in facts.capsules)]
     out = []
     for i in range(max(1, len(solid) - 2)):
         members = "".join(f'<drake:member link="{name}"/>' for name in solid[i : i + 3])
@@ -124,7 +127,7 @@ def urdf_text(facts: RobotFacts, collision: bool = False) -> str:
     body = [_link(facts, link, collision) for link in facts.links] + [
         _joint(joint) for joint in (*facts.joints, *facts.branches)
     ]
-    if collision:
+    if collision and facts.capsules:
         body += _filters(facts)
     head = f'<robot name="{facts.name}" xmlns:drake="http://drake.mit.edu">'
     return "\n".join(['<?xml version="1.0"?>', head, *body, "</robot>", ""])

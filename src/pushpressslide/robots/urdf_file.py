@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -29,7 +29,7 @@ from pushpressslide.robots.mesh_paths import MeshPaths
 GREY: Triple = (0.7, 0.7, 0.7)
 
 
-def read_urdf(root: Element, file: Path, packages: Mapping[str, str]) -> Description:
+def read_urdf(root: Element, file: Path, packages: Sequence[str]) -> Description:
     """Content of a URDF file.
 
     Raises UnfitValue for a value that no arm can have, and KeyError or ValueError for a

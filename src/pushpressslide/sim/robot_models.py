@@ -35,8 +35,8 @@ from pushpressslide.core.errors import (
     path_value,
 )
 from pushpressslide.core.task import Robot
-from pushpressslide.robots.description import read_description
-from pushpressslide.robots.facts import MODELS, TIP, TIP_MASS, RobotFacts, load_facts
+from pushpressslide.robots.arm_files import robot_facts, rod_length
+from pushpressslide.robots.facts import MODELS, TIP, TIP_MASS, RobotFacts
 from pushpressslide.robots.urdf import urdf_text
 from pushpressslide.sim.link_shapes import add_shapes
 
@@ -129,10 +129,9 @@ def add_robot(
     facts = _facts(robot, field)
     instance = _add_model(plant, field, facts, models, collision)
     base = _weld_base(plant, robot, facts, instance)
-    length = 0.0  # a model given by file contains its tip
-    inertia = SpatialInertia.Zero()
-    if robot.model in MODELS:
-        length = robot.tip_length
+    length = rod_length(robot)
+    inertia = SpatialInertia.Zero()  # a file with a tip frame contains its tip
+    if robot.model in MODELS or robot.tip is not None:
         inertia = _tip_inertia(length, robot.tip_radius)
     tip = _add_tip(plant, instance, facts, length, inertia)
     geometry = None
@@ -162,9 +161,7 @@ def _weld_base(
 def _facts(robot: Robot, field: _ModelField) -> RobotFacts:
     """Facts of a generated model, or those stated in its file."""
     try:
-        if robot.model in MODELS:
-            return load_facts(robot.model)
-        return read_description(robot.model, robot.tip_frame)
+        return robot_facts(robot)
     except RobotFileError:
         raise  # names the file itself
     except PushPressSlideError as error:

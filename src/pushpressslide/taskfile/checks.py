@@ -348,9 +348,10 @@ def _kinematics(robot: Robot, i: int, source: str) -> ArmKinematics:
     try:
         return arm_kinematics(robot)
     except MissingFrameError as error:
-        raise TaskError(
-            source, f"{field}.tip_frame", str(robot.tip_frame), str(error)
-        ) from error
+        key, name = "tip_frame", robot.tip_frame
+        if robot.tip is not None:
+            key, name = "tip.link", robot.tip.link
+        raise TaskError(source, f"{field}.{key}", str(name), str(error)) from error
     except RobotFileError:
         raise  # names the file itself
     except PushPressSlideError as error:

@@ -10,8 +10,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from pushpressslide.core.errors import TaskError, path_value
+from pushpressslide.core.errors import Shown, TaskError, path_value
 from pushpressslide.core.pose import Point
+from pushpressslide.core.scene import TIP_LENGTH, TIP_RADIUS
 from pushpressslide.core.task import ObjectModel, Obstacle, Robot, Task
 from pushpressslide.selection.tool_use import tool_use
 from pushpressslide.taskfile.checks import MODELS, check, wall_faults
@@ -116,6 +117,8 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
     refuse(source, shape_faults("object.shape", plain["object"]["shape"]))
     for i, body in enumerate(plain["obstacles"]):
         refuse(source, shape_faults(f"obstacles[{i}]", body))
+    for i, robot in enumerate(plain["robots"]):
+        refuse(source, _tip_faults(robot, f"robots[{i}]"))
     values = SCHEMA.decode(plain)
     body = values["object"]
     obstacles = values["obstacles"]
@@ -215,13 +218,34 @@ def _located(robot: Robot, folder: Path) -> Robot:
     """The robot with the full path of its model, if it is given by a path."""
     if robot.model in MODELS:
         return robot
-    return replace(robot, model=str((folder / robot.model).resolve()))
+    packages = tuple(str((folder / place).resolve()) for place in robot.packages)
+    model = str((folder / robot.model).resolve())
+    return replace(robot, model=model, packages=packages)
+
+
+def _tip_faults(robot: Mapping[str, Any], field: str) -> Iterator[Fault]:
+    """Yield fields of a robot that do not go with its ``tip``."""
+    tip = robot["tip"]
+    if tip is None:
+        return
+    allowed = "allowed: this or tip, not both"
+    if robot["tip_frame"] is not None:
+        yield f"{field}.tip_frame", robot["tip_frame"], allowed
+    for name, default in (("radius", TIP_RADIUS), ("length", TIP_LENGTH)):
+        value = robot[f"tip_{name}"]
+        if value not in (default, tip[name]):
+            yield f"{field}.tip_{name}", value, allowed
 
 
 def _model_faults(robot: Robot, folder: Path, field: str) -> Iterator[Fault]:
     path = folder / robot.model
     models = ", ".join(MODELS)
     if robot.model in MODELS:
+        for name in ("tip", "home", "rotor_inertia"):
+            if getattr(robot, name) is not None:
+                key = "home_deg" if name == "home" else name
+                allowed = "allowed: for a model given by its path"
+                yield f"{field}.{key}", Shown("given"), allowed
         return
     if path.suffix.lower() not in (".urdf", ".sdf"):
         paths = f"or the path of a .urdf or .sdf file; {nearest(robot.model, MODELS)}"
@@ -229,9 +253,12 @@ def _model_faults(robot: Robot, folder: Path, field: str) -> Iterator[Fault]:
     elif not path.is_file():
         allowed = f"no such file; allowed: {models} or a path"
         yield f"{field}.model", path_value(robot.model), allowed
-    elif robot.tip_frame is None:
-        allowed = "the name of the frame at the tip, as the model is given by path"
-        yield f"{field}.tip_frame", None, f"it is missing; allowed: {allowed}"
+    elif robot.tip_frame is None and robot.tip is None:
+        allowed = (
+            "a tip on a link of the file, as {link: tool0}, or tip_frame, the name of "
+            "the frame at the tip's centre; pps robot FILE lists the links"
+        )
+        yield f"{field}.tip", None, f"it is missing; allowed: {allowed}"
 
 
 def _workspace_faults(region: Mapping[str, Any]) -> Iterator[Fault]:

@@ -1,0 +1,213 @@
+"""Facts of a task's robot: the package's own, or those of a file completed by the task:
+tip, ready posture and rotors.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.errors import RobotFileError
+from pushpressslide.core.task import Robot
+from pushpressslide.robots.description import read_description
+from pushpressslide.robots.facts import (
+    MODELS,
+    JointFacts,
+    LinkFacts,
+    RobotFacts,
+    load_facts,
+)
+from pushpressslide.robots.kinematics import ArmKinematics
+
+TIP_LINK = "pps_tip_foot"
+"""Link that carries the rod of a ``tip``."""
+ROTOR = 0.003
+"""[kg m^2 / (N m)] rotor inertia of a joint without one, for each N m of its effort."""
+ROTOR_WITHOUT_LIMIT = 0.1
+"""[kg m^2] rotor inertia of a joint whose file states no effort."""
+ROTOR_OF_SLIDE = 5.0
+"""[kg] the same of a slide."""
+
+
+def robot_facts(robot: Robot) -> RobotFacts:
+    """Facts of a task's robot.
+
+    Raises PushPressSlideError for a model that is neither one of the package's nor a
+    readable file, and RobotFileError for a list of the task that does not fit the
+    file's joints.
+    """
+    if robot.model in MODELS:
+        return load_facts(robot.model)
+    unplaced = replace(robot, base=(0.0, 0.0, 0.0), base_yaw=0.0)
+    return _completed(unplaced, changed_at(robot))
+
+
+def changed_at(robot: Robot) -> int:
+    """Time [ns] of the last change of a robot's file, 0 if there is none."""
+    if robot.model in MODELS:
+        return 0
+    try:
+        return Path(robot.model).stat().st_mtime_ns
+    except OSError:
+        return 0  # the reader says what is wrong
+
+
+def rod_length(robot: Robot) -> float:
+    """Length [m] of the rod between flange and tip. A file with a tip frame contains its
+    rod.
+    """
+    own = robot.model in MODELS or robot.tip is not None
+    return robot.tip_length if own else 0.0
+
+
+@lru_cache(maxsize=32)
+def _completed(robot: Robot, changed: int) -> RobotFacts:
+    """Facts of a file, cached until the file changes."""
+    tip = robot.tip
+    frame = robot.tip_frame if tip is None else tip.link
+    facts = read_description(robot.model, frame, robot.packages)
+    if tip is not None:
+        mount = JointFacts(
+            f"{TIP_LINK}_mount", "fixed", facts.flange, TIP_LINK, tip.xyz, tip.rpy
+        )
+        facts = replace(
+            facts,
+            joints=(*facts.joints, mount),
+            links=(*facts.links, LinkFacts(TIP_LINK)),
+            flange=TIP_LINK,
+        )
+    facts = _with_rotors(facts, robot)
+    return _with_home(facts, robot)
+
+
+def _fitting(
+    values: tuple[float, ...], facts: RobotFacts, robot: Robot, name: str
+) -> tuple[float, ...]:
+    """The values of a field. Raises RobotFileError unless there is one for each joint."""
+    if len(values) != facts.size:
+        joints = ", ".join(joint.name for joint in facts.moving)
+        allowed = f"allowed: {facts.size} numbers, one for each of {joints}"
+        raise RobotFileError(robot.model, f"robots[].{name}", list(values), allowed)
+    return values
+
+
+def _with_rotors(facts: RobotFacts, robot: Robot) -> RobotFacts:
+    """Facts with a rotor for each joint: the task's, the file's or an assumed one."""
+    if robot.rotor_inertia is not None:
+        given = _fitting(robot.rotor_inertia, facts, robot, "rotor_inertia")
+        own = iter(given)
+        return replace(
+            facts,
+            joints=tuple(
+                joint
+                if joint.kind == "fixed"
+                else replace(joint, gear_ratio=1.0, rotor_inertia=next(own))
+                for joint in facts.joints
+            ),
+        )
+    without = [joint.name for joint in facts.moving if joint.rotor_inertia == 0.0]
+    if not without:
+        return facts
+    joints = tuple(
+        replace(joint, gear_ratio=1.0, rotor_inertia=_assumed_rotor(joint))
+        if joint.name in without
+        else joint
+        for joint in facts.joints
+    )
+    note = (
+        f"assumed: rotors of {ROTOR:g} kg m^2 for each N m of effort, as the file has "
+        "none (rotor_inertia)"
+    )
+    return replace(facts, joints=joints, notes=(*facts.notes, note))
+
+
+def _assumed_rotor(joint: JointFacts) -> float:
+    """Rotor inertia [kg m^2; kg] of a joint whose file has none."""
+    if joint.kind == "prismatic":
+        return ROTOR_OF_SLIDE
+    if math.isinf(joint.effort):
+        return ROTOR_WITHOUT_LIMIT
+    return ROTOR * joint.effort
+
+
+def _with_home(facts: RobotFacts, robot: Robot) -> RobotFacts:
+    """Facts with a ready posture: the task's, or one that is found."""
+    if robot.home is not None:
+        home = _fitting(robot.home, facts, robot, "home_deg")
+        for joint, angle in zip(facts.moving, home, strict=True):
+            if not joint.lower <= angle <= joint.upper:
+                low, high = math.degrees(joint.lower), math.degrees(joint.upper)
+                allowed = (
+                    f"allowed: in [{low:.4g}, {high:.4g}] for joint {joint.name!r}"
+                )
+                value = round(math.degrees(angle), 6)
+                raise RobotFileError(robot.model, "robots[].home_deg", value, allowed)
+        return replace(facts, home_posture=home)
+    found = ready_posture(facts, rod_length(robot))
+    return replace(facts, home_posture=tuple(found.tolist()))
+
+
+DRAWS = 4000
+"""Random postures by which an arm's reach is measured."""
+HEIGHTS = (0.15, 0.3, 0.45)
+DISTANCES = (0.4, 0.5, 0.6)
+"""Of the reach: places of the tip, over the workspace, that a posture is looked for at."""
+ENOUGH_MARGIN = 0.5
+"""[rad] joint margin above which more counts no more."""
+
+
+def ready_posture(facts: RobotFacts, length: float) -> Array:
+    """Posture (n,) with the tool down over the workspace in front of the base: the one
+    that is best conditioned and far from the joint limits.
+
+    An arm that cannot point its tool down gets the one of its random postures that
+    comes nearest to it. ``length`` [m] is that of the rod.
+    """
+    from pushpressslide.robots.inverse import solve_ik
+
+    rng = np.random.default_rng(0)
+    low = np.maximum(facts.lower, -math.pi)
+    high = np.minimum(facts.upper, math.pi)
+    q = low + (high - low) * rng.random((DRAWS, facts.size))
+    kin = ArmKinematics(replace(facts, home_posture=tuple(q[0])), tip_length=length)
+    R, p = kin.tip_pose(q)
+    reach = float(np.quantile(np.linalg.norm(p, axis=1), 0.98))
+    places = [(d * reach, 0.0, h * reach) for d in DISTANCES for h in HEIGHTS]
+    downward = -R[:, 2, 2]
+    seeds = q[np.argsort(-downward)[:24]]
+    if facts.moving[0].kind == "revolute":
+        seeds[:, 0] = np.clip(
+            seeds[:, 0] - np.arctan2(*kin.tip_pose(seeds)[1][:, 1::-1].T),
+            low[0],
+            high[0],
+        )
+    found = solve_ik(kin, np.array(places), q_seed=seeds)
+    good = found.converged
+    if not good.any():
+        out: Array = q[int(np.argmax(downward))]
+        return out
+    postures = found.q[good]
+    upright = _links_above(kin, postures)
+    if upright.any():
+        postures = postures[upright]
+    margin = np.minimum(kin.joint_margin(postures), ENOUGH_MARGIN)
+    J = kin.jacobian(postures)
+    J[:, 3:] /= reach
+    size = np.linalg.svd(J, compute_uv=False)[:, -1]
+    best: Array = postures[int(np.argmax(margin * size))]
+    return best
+
+
+def _links_above(kin: ArmKinematics, q: Array) -> NDArray[np.bool_]:
+    """Which postures (m, n) have all links from the second joint on above the base."""
+    poses = kin.link_poses(q)
+    links = [joint.child for joint in kin.facts.moving[1:]]
+    heights = np.array([poses[link][1][..., 2] for link in links])
+    out: NDArray[np.bool_] = np.all(heights > kin.base[2], axis=0)
+    return out
