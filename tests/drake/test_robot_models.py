@@ -359,5 +359,5 @@ def test_a_rod_on_a_link_of_a_file_is_built_and_reaches_as_far(tmp_path):
     tip = Tip("iiwa_link_7", (0.0, 0.01, 0.04), (0.1, 0.0, 0.3), 0.015, 0.2)
     robot = Robot(arm_file(tmp_path), (0.0, 0.1, 0.2), 0.4, tip=tip)
     assert_kinematics_agree(robot)
-    plant, instance, _, _ = build(robot)
+    _, instance, _, _ = build(robot)
     assert instance.tip_body.default_mass() > 0.0

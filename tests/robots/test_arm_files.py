@@ -58,7 +58,7 @@ def arm(*more: str, shapes: str = "") -> str:
             i=i, before=f"l{i - 1}", kind="revolute", z=height[i], roll=turned[i]
         )
         if i in (3, 4):  # along the link before
-            joint = joint.replace('xyz="0 0 0"', 'xyz="0.4 0 0"')
+            joint = joint.replace('xyz="0 0 0.0"', 'xyz="0.4 0 0"')
         out += [LINK.format(i=i, shapes=""), joint]
     return f'<robot name="arm">{"".join([*out, *more])}</robot>'
 
@@ -195,9 +195,13 @@ def test_the_ready_posture_of_the_task_is_taken(tmp_path: Path) -> None:
     model = written(tmp_path, arm())
     home = (0.1, -0.2, 0.3, -0.4, 0.5, -0.6)
     assert robot_facts(Robot(model, tip_frame="l6", home=home)).home_posture == home
-    with pytest.raises(RobotFileError, match=r"home_deg.*6 numbers, one for each of j1"):
+    with pytest.raises(
+        RobotFileError, match=r"home_deg.*6 numbers, one for each of j1"
+    ):
         robot_facts(Robot(model, tip_frame="l6", home=home[:5]))
-    with pytest.raises(RobotFileError, match=r"home_deg: 171.9.*in \[-166.2, 166.2\]"):
+    with pytest.raises(
+        RobotFileError, match=r"home_deg: 171.887.*in \[-166.2, 166.2\]"
+    ):
         robot_facts(Robot(model, tip_frame="l6", home=(3.0, *home[1:])))
 
 

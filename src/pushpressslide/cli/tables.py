@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     from pushpressslide.modes.base import Mode
 
 JOINT_PATHS = (
-    "Joint paths were not looked at; `pps select --joints` looks, as `pps run` does."
+    "Not checked: whether the arm's joints can follow. `pps select --joints` checks it, "
+    "and `pps run` in Drake does; it then takes another contact or a sequence."
 )
 """Of choices that were ranked without an engine."""
 

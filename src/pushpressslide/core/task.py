@@ -125,7 +125,12 @@ class Task:
     tolerance: Tolerance = setting(
         Tolerance(), "largest errors with which the goal counts as reached"
     )
-    obstacles: tuple[Obstacle, ...] = setting((), "bodies in the scene", count=(0, 32))
+    obstacles: tuple[Obstacle, ...] = setting(
+        (),
+        "bodies in the scene, each as {name: post, box: [0.06, 0.06, 0.2], "
+        "pose: {x: 0.6, y: 0.1}}",
+        count=(0, 32),
+    )
     tool: ToolUse | None = setting(
         None,
         "how the object pushes `goal.body`, where that is another body",

@@ -133,7 +133,7 @@ def drive_to_dict(drive: Drive) -> dict[str, Any]:
 
 def write_plans(task: Task, stages: Sequence[StagePlan], out: Path) -> list[Path]:
     """Write plan.json and the pictures of the plans to folder ``out``. Return the paths
-    of plan.json and of each stage's plan.png.
+    of plan.json and of the pictures.
     """
     data = write_whole(out / "plan.json", to_json(stages_to_dict(task, stages)))
     return [data, *write_plan_pictures(stages, out)]
@@ -141,7 +141,7 @@ def write_plans(task: Task, stages: Sequence[StagePlan], out: Path) -> list[Path
 
 def write_plan_pictures(stages: Sequence[StagePlan], out: Path) -> list[Path]:
     """Write plan.png, and legs.png for a plan of several motions, to folder ``out``.
-    Return the paths of the plan.png files.
+    Return the paths of the pictures.
 
     For several stages they are plan-1.png and so on.
     """
@@ -155,7 +155,8 @@ def write_plan_pictures(stages: Sequence[StagePlan], out: Path) -> list[Path]:
     for number, stage in enumerate(stages, start=1):
         which = f"-{number}" if len(stages) > 1 else ""
         if len(motions(stage.plan)) > 1:
-            write_whole(out / f"legs{which}.png", png(filmstrip(stage.plan)))
+            strip = png(filmstrip(stage.plan))
+            pictures.append(write_whole(out / f"legs{which}.png", strip))
         picture = png(plan_figure(stage.plan))
         pictures.append(write_whole(out / f"plan{which}.png", picture))
     return pictures

@@ -5,7 +5,7 @@ line.
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -128,6 +128,9 @@ def apply_overrides(data: dict[Any, Any], overrides: Sequence[str]) -> None:
         TaskError: an override without ``=``, an empty name, a value that is not YAML,
         an index out of range.
     """
+    if isinstance(overrides, str | Mapping):
+        reason = 'allowed: a list of texts, such as ["limits.time=30"]'
+        raise TaskError("overrides", "", str(overrides)[:80], reason)
     for override in overrides:
         source = f"--set {_flat(override)[:80]}"
         path, equals, text = override.partition("=")
