@@ -3,10 +3,10 @@
 A command does its heavy imports when it runs, so that help answers at once.
 """
 
-from pushpressslide.cli import commands, files, learning, many_runs
+from pushpressslide.cli import commands, files, learning, many_runs, robot
 from pushpressslide.cli.app import app
 
-__all__ = ["app", "commands", "files", "learning", "main", "many_runs"]
+__all__ = ["app", "commands", "files", "learning", "main", "many_runs", "robot"]
 
 
 def main() -> None:

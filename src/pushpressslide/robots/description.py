@@ -46,6 +46,8 @@ MISSING_TIP_FRAME = (
     "a model given by path needs tip, the tip's place on a link, or tip_frame, the "
     "name of the frame at the tip's centre"
 )
+BESIDE_ARM = r"(?i)finger|gripper|jaw|knuckle|hand_|camera|leg|wheel"
+"""Names of links that are not the end of an arm."""
 MOST_NOTES = 4  # of one kind, that are named
 
 
@@ -70,6 +72,35 @@ def read_description(
         raise PushPressSlideError(MISSING_TIP_FRAME)
     with _blaming(model):
         return _facts(path, tip_frame, packages)
+
+
+def last_link(model: str) -> str:
+    """Link at the end of the longest chain of moving joints of a URDF or SDF file, after
+    the fixed links that follow it.
+
+    Raises as ``read_description``.
+    """
+    path = Path(model)
+    if path.suffix.lower() not in (".urdf", ".sdf") or not path.is_file():
+        read_description(model, "")  # says what is wrong
+    with _blaming(model):
+        read = read_urdf if path.suffix.lower() == ".urdf" else read_sdf
+        whole = read(_root(path), path, ())
+        check_tree([link.name for link in whole.links], whole.joints)
+    by_child = {joint.child: joint for joint in whole.joints}
+
+    def depth(link: str) -> tuple[int, int]:
+        """Turning joints, and all joints, from the root to a link."""
+        turning = count = 0
+        while link in by_child:
+            joint = by_child[link]
+            turning += joint.kind == "revolute"
+            count += 1
+            link = joint.parent
+        return turning, count
+
+    names = [link.name for link in whole.links if not re.search(BESIDE_ARM, link.name)]
+    return max(names or [link.name for link in whole.links], key=depth)
 
 
 def _facts(path: Path, tip_frame: str, packages: Sequence[str]) -> RobotFacts:

@@ -1,0 +1,106 @@
+"""What a robot can do over a table: its reach, and its largest press and push."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.constants import GRAVITY
+from pushpressslide.robots.facts import rotation_from_rpy
+from pushpressslide.robots.inverse import solve_ik
+from pushpressslide.robots.kinematics import ArmKinematics
+
+STEP = 1e-5  # [rad; m] of the derivative of the potential energy
+POINTS = 15  # of a side of the grid over the table
+HEIGHT = 0.1  # [m] of the tip above the base's foot, as on a low object
+MARGIN = 0.05  # [rad] to the joint limits
+
+
+@dataclass(frozen=True)
+class Workspace:
+    """Places of the tip over a table, tool down, and the largest forces there."""
+
+    points: Array  # (k, 3) [m] in the base's frame
+    reached: NDArray[np.bool_]  # (k,)
+    # (k,) [N] down; NaN if the place is not reached, infinite without torque limits
+    press: Array
+    push: Array  # (k,) [N] in the worst horizontal direction
+
+
+def potential_energy(kin: ArmKinematics, q: Array) -> Array:
+    """Potential energy (...) [J] of the links in postures (..., n). The rod counts as
+    without mass.
+    """
+    poses = dict(kin.link_poses(q))
+    for joint in kin.facts.branches:
+        R, p = poses[joint.parent]
+        poses[joint.child] = (
+            R @ rotation_from_rpy(joint.rpy),
+            p + R @ np.array(joint.xyz),
+        )
+    total: Array = np.zeros(q.shape[:-1])
+    for link in kin.facts.links:
+        if link.mass > 0.0 and link.name in poses:
+            R, p = poses[link.name]
+            total = total + GRAVITY * link.mass * (p + R @ np.array(link.com))[..., 2]
+    return total
+
+
+def gravity_torque(kin: ArmKinematics, q: Array) -> Array:
+    """Torque (m, n) [N m] that holds the arm's own weight in postures (m, n)."""
+    out = np.empty_like(q)
+    for i in range(q.shape[-1]):
+        step = np.zeros(q.shape[-1])
+        step[i] = STEP
+        rise = potential_energy(kin, q + step) - potential_energy(kin, q - step)
+        out[..., i] = rise / (2.0 * STEP)
+    return out
+
+
+def largest_force(kin: ArmKinematics, q: Array, direction: Array) -> Array:
+    """Largest force (m,) [N] of the tip along a unit ``direction`` (3,) in the world that
+    the joints' torques allow in postures (m, n), besides the arm's weight.
+    """
+    effort = kin.facts.effort_limit
+    weight = gravity_torque(kin, q)
+    per_newton = kin.jacobian(q)[:, 3:].transpose(0, 2, 1) @ direction
+    with np.errstate(divide="ignore", invalid="ignore"):
+        left = (effort - np.sign(per_newton) * weight) / np.abs(per_newton)
+    left[np.isnan(left)] = np.inf
+    out: Array = np.maximum(left.min(axis=1), 0.0)
+    return out
+
+
+def workspace(kin: ArmKinematics, height: float = HEIGHT) -> Workspace:
+    """Workspace at a ``height`` [m] of the tip above the base's foot, for a base at the
+    origin.
+    """
+    reach = float(np.linalg.norm(kin.tip_pose(kin.facts.home)[1]))
+    side = np.linspace(-2.0 * reach, 2.0 * reach, POINTS)
+    x, y = np.meshgrid(side, side, indexing="ij")
+    points = np.stack([x.ravel(), y.ravel(), np.full(x.size, height)], axis=1)
+    found = solve_ik(kin, points, joint_margin=MARGIN)
+    ok = found.converged
+    press = np.full(len(points), np.nan)
+    push = np.full(len(points), np.nan)
+    if ok.any():
+        q = found.q[ok]
+        press[ok] = largest_force(kin, q, np.array([0.0, 0.0, -1.0]))
+        angles = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
+        along = [np.array([np.cos(a), np.sin(a), 0.0]) for a in angles]
+        push[ok] = np.min([largest_force(kin, q, u) for u in along], axis=0)
+    return Workspace(points, ok, press, push)
+
+
+def missing_limits(kin: ArmKinematics) -> Mapping[str, list[str]]:
+    """Joints without a limit of speed or effort, by the limit's name."""
+    out = {}
+    for name in ("velocity", "effort"):
+        without = [j.name for j in kin.facts.moving if np.isinf(getattr(j, name))]
+        if without:
+            out[name] = without
+    return out
