@@ -157,8 +157,9 @@ def plan(
         if loaded.goals:
             typer.echo(stage_text(number, stage.stage))
         _print_plan(stage)
-        typer.echo(pictures[number - 1])
-    typer.echo(f"{JOINT_PATHS}\n{data}")
+    typer.echo(JOINT_PATHS)
+    for path in (*pictures, data):
+        typer.echo(path)
 
 
 def _print_plan(stage: StagePlan) -> None:
