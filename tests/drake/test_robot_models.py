@@ -19,6 +19,7 @@ from pushpressslide.core.errors import RobotFileError, TaskError
 from pushpressslide.core.scene import Robot, Tip
 from pushpressslide.robots.facts import MODELS, TIP, TIP_MASS, load_facts
 from pushpressslide.robots.kinematics import arm_kinematics
+from pushpressslide.robots.sheet import gravity_torque
 from pushpressslide.robots.urdf import urdf_text
 from pushpressslide.sim.robot_models import (
     DRAKE_MODELS,
@@ -361,3 +362,13 @@ def test_a_rod_on_a_link_of_a_file_is_built_and_reaches_as_far(tmp_path):
     assert_kinematics_agree(robot)
     _, instance, _, _ = build(robot)
     assert instance.tip_body.default_mass() > 0.0
+
+
+def test_the_weight_of_an_arm_is_that_in_the_plant(tmp_path):
+    robot = Robot(arm_file(tmp_path), (0.0, 0.1, 0.2), 0.4, tip_frame="tcp")
+    plant, instance, context, _ = build(robot)
+    kin = arm_kinematics(robot)
+    for q in random_postures(kin.facts):
+        plant.SetPositions(context, instance.model_instance, q)
+        weight = -plant.CalcGravityGeneralizedForces(context)
+        np.testing.assert_allclose(gravity_torque(kin, q[None])[0], weight, atol=1e-4)

@@ -46,9 +46,9 @@ def test_the_arm_of_the_page_is_one_that_a_task_can_have(
     robot["model"] = str(tmp_path / robot["model"])
     task = pps.load_task("rear-push-rear", [f"robots={[robot]}"])
     assert pps.select(task)[0].feasible
-    with pytest.raises(pps.TaskError, match="iiwa_link_7, iiwa_flange, tcp"):
+    with pytest.raises(pps.TaskError, match="iiwa_link_7, iiwa_flange"):
         pps.load_task(
-            "rear-push-rear", [f"robots={[robot | {'tip_frame': 'nothing'}]}"]
+            "rear-push-rear", [f"robots={[robot | {'tip': {'link': 'nothing'}}]}"]
         )
 
 

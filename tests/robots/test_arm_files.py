@@ -138,7 +138,7 @@ def test_nothing_outside_the_package_is_read(tmp_path: Path) -> None:
     text = arm(shapes=MESH.format(role="visual", name="../../../../secret.stl"))
     facts = read_description(written(package / "urdf", text), "l6")
     assert facts.shapes == ()
-    assert "is not found" in facts.notes[0]
+    assert "not found" in facts.notes[0]
 
 
 def test_a_tip_stands_on_a_link_as_the_task_says(tmp_path: Path) -> None:

@@ -82,7 +82,18 @@ def task_of(name: str, sets: list[str] | None, mode: str | None = None) -> Task:
     from pushpressslide.taskfile.load import load_task
 
     only = [] if mode is None else [f"modes={json.dumps([mode])}"]
-    return load_task(name, [*(sets or ()), *only])
+    task = load_task(name, [*(sets or ()), *only])
+    _note_robots(task)
+    return task
+
+
+def _note_robots(task: Task) -> None:
+    """Say on stderr what is held, left out or assumed of robots given by files."""
+    from pushpressslide.robots.arm_files import robot_facts
+
+    for i, robot in enumerate(task.robots):
+        for note in robot_facts(robot).notes:
+            typer.echo(f"robots[{i}]: {note}", err=True)
 
 
 def print_json(value: Any) -> None:

@@ -31,7 +31,7 @@ from pushpressslide.robots.facts import (
     RobotFacts,
     rotation_from_rpy,
 )
-from pushpressslide.robots.file_data import KINDS, Description
+from pushpressslide.robots.file_data import KINDS, Description, physical
 from pushpressslide.robots.file_tree import (
     WORLD,
     check_masses,
@@ -122,10 +122,17 @@ def _facts(path: Path, tip_frame: str, packages: Sequence[str]) -> RobotFacts:
     check_masses(moving, description.joints, masses)
     branches, held = _branches(description, chain, base)
     names = {base, *(joint.child for joint in (*chain, *branches))}
-    notes = [*_named("held where it is: joint", held), *description.notes]
+    read_links = [link for link in description.links if link.name in names]
+    links = [physical(link) for link in read_links]
+    odd = [a.name for a, b in zip(links, read_links, strict=True) if a != b]
+    notes = [
+        *_named("held where it is: joint", held),
+        *_named("no body has such an inertia, the nearest is taken: link", odd),
+        *description.notes,
+    ]
     return RobotFacts(
         description.name or path.stem,
-        (*(link for link in description.links if link.name in names), *_frames(chain)),
+        (*links, *_frames(chain)),
         tuple(chain),
         base,
         tip_frame,
@@ -199,12 +206,12 @@ def _branches(
                 continue
             if joint.kind != "fixed" or joint.name in description.odd:
                 held.append(joint.name)
-            out.append(_held(joint))
+            out.append(_fixed_at_zero(joint))
             links.append(joint.child)
     return tuple(out), held
 
 
-def _held(joint: JointFacts) -> JointFacts:
+def _fixed_at_zero(joint: JointFacts) -> JointFacts:
     """A joint that is fixed at zero, or at its limit next to zero."""
     value = min(max(0.0, joint.lower), joint.upper)
     R = rotation_from_rpy(joint.rpy)
@@ -264,7 +271,7 @@ def _chain(description: Description, tip_frame: str) -> list[JointFacts]:
     """Joints from the root link to the tip frame."""
     chain: list[JointFacts] = []
     link = tip_frame
-    links = {one.name for one in description.links}
+    links = [one.name for one in description.links]
     for frame in description.frames:
         if frame.name == tip_frame:
             mount = f"{tip_frame}_mount"

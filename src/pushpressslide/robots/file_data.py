@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from pushpressslide.robots.facts import JointFacts, JointKind, LinkFacts, LinkShape
 from pushpressslide.robots.file_values import (
@@ -23,6 +25,8 @@ KINDS: dict[str, JointKind] = {
 }
 MOVING = tuple(kind for kind in KINDS if kind != "fixed")
 INERTIA = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+LEAST_GYRATION = 1e-3
+"""[m] of a link's radius of gyration."""
 TURNS = 2.0 * math.pi  # [rad] limit taken for a joint that turns without end
 
 
@@ -115,3 +119,39 @@ def unit(axis: Triple, place: str) -> Triple:
     if not 0.0 < norm < math.inf:
         raise UnfitValue(place, list(axis), "a direction, as 0 0 1")
     return (axis[0] / norm, axis[1] / norm, axis[2] / norm)
+
+
+Lost = list[tuple[str, str]]
+"""Shapes that are left out: the reason, and a name."""
+MOST_NAMES = 3
+
+
+def left_out(lost: Lost) -> list[str]:
+    """A note on the shapes that are left out, for each reason."""
+    by_reason: dict[str, list[str]] = {}
+    for reason, name in lost:
+        by_reason.setdefault(reason, []).append(name)
+    return [
+        f"left out: {len(names)} shapes, {reason}: {', '.join(names[:MOST_NAMES])}"
+        + (", ..." if len(names) > MOST_NAMES else "")
+        for reason, names in by_reason.items()
+    ]
+
+
+def physical(link: LinkFacts) -> LinkFacts:
+    """The link, its inertia changed as little as a body's has to be: principal moments
+    above zero, none larger than the sum of the others.
+    """
+    if link.mass == 0.0:
+        return link
+    ixx, iyy, izz, ixy, ixz, iyz = link.inertia
+    matrix = np.array(((ixx, ixy, ixz), (ixy, iyy, iyz), (ixz, iyz, izz)))
+    moments, axes = np.linalg.eigh(matrix)
+    least = LEAST_GYRATION**2 * link.mass
+    fitting = np.maximum(moments, least)
+    fitting[2] = min(fitting[2], fitting[0] + fitting[1])
+    if np.allclose(fitting, moments, rtol=1e-6, atol=0.0):
+        return link
+    own = axes @ np.diag(fitting) @ axes.T
+    inertia = (own[0, 0], own[1, 1], own[2, 2], own[0, 1], own[0, 2], own[1, 2])
+    return replace(link, inertia=tuple(map(float, inertia)))

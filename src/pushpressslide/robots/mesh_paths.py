@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 
 PACKAGE_PATHS = "ROS_PACKAGE_PATH"
@@ -76,3 +77,8 @@ def package_name(folder: Path) -> str | None:
         r"<name>\s*([^<\s]+)\s*</name>", file.read_text("utf-8", "replace")
     )
     return match[1] if match else None
+
+
+def readable(path: Path) -> bool:
+    """Whether the libraries at hand read a mesh of this format."""
+    return path.suffix.lower() != ".dae" or find_spec("collada") is not None

@@ -26,8 +26,10 @@ from pushpressslide.robots.file_data import (
     MOVING,
     Description,
     Frame,
+    Lost,
     inertia_of,
     kind_of,
+    left_out,
     limits_of,
     unit,
 )
@@ -40,7 +42,7 @@ from pushpressslide.robots.file_values import (
     place_of,
     triple,
 )
-from pushpressslide.robots.mesh_paths import MeshPaths
+from pushpressslide.robots.mesh_paths import MeshPaths, readable
 
 NO_INERTIAL = 1.0  # [kg], [kg m^2] of a link without inertial, by the format's rule
 
@@ -51,9 +53,10 @@ def read_sdf(root: Element, file: Path, packages: Sequence[str]) -> Description:
     Raises UnfitValue for a value that no arm can have, and PushPressSlideError for a
     layout that is not supported.
     """
-    model = root if root.tag == "model" else root.find("model")
-    if model is None:
-        raise PushPressSlideError("its SDF holds no model")
+    models = list(root.iter("model"))
+    if len(models) != 1:
+        raise PushPressSlideError(f"its SDF holds {len(models)} models; allowed: one")
+    model = models[0]
     links = model.findall("link")
     names = [link.attrib["name"] for link in links]
     poses = {
@@ -62,7 +65,7 @@ def read_sdf(root: Element, file: Path, packages: Sequence[str]) -> Description:
     }
     joints = model.findall("joint")
     paths = MeshPaths(file, packages)
-    lost: list[str] = []
+    lost: Lost = []
     kinds = {joint.attrib["name"]: joint.attrib["type"] for joint in joints}
     return Description(
         model.get("name"),
@@ -76,7 +79,7 @@ def read_sdf(root: Element, file: Path, packages: Sequence[str]) -> Description:
             if (axis := joint.find("axis")) is not None
         },
         {name: kind for name, kind in kinds.items() if kind not in KINDS},
-        lost,
+        left_out(lost),
     )
 
 
@@ -197,7 +200,7 @@ def _frame(frame: Element) -> Frame:
     return Frame(name, frame.get("attached_to") or "", xyz, rpy)
 
 
-def _shapes(link: Element, paths: MeshPaths, lost: list[str]) -> Iterator[LinkShape]:
+def _shapes(link: Element, paths: MeshPaths, lost: Lost) -> Iterator[LinkShape]:
     """Shapes of a link. Adds those that cannot be used to ``lost``."""
     name = link.attrib["name"]
     for holder in (*link.findall("collision"), *link.findall("visual")):
@@ -208,13 +211,14 @@ def _shapes(link: Element, paths: MeshPaths, lost: list[str]) -> Iterator[LinkSh
         shape = _shape(geometry[0], place)
         mesh = ""
         if shape is None:
-            lost.append(f"{holder.tag} {geometry[0].tag!r} of {name!r} is not known")
+            lost.append(("of an unknown kind", geometry[0].tag))
             continue
         if shape[0] == "mesh":
             uri = (geometry[0].findtext("uri") or "").strip()
             path = paths.find(uri)
-            if path is None:
-                lost.append(f"{holder.tag} mesh {uri!r} of {name!r} is not found")
+            if path is None or not readable(path):
+                reason = "not found" if path is None else "which pycollada reads"
+                lost.append((reason, uri))
                 continue
             mesh = str(path)
         xyz, rpy = _six(holder.findtext("pose") or "", place)

@@ -12,8 +12,10 @@ from pushpressslide.robots.file_data import (
     MOVING,
     Description,
     Frame,
+    Lost,
     inertia_of,
     kind_of,
+    left_out,
     limits_of,
     unit,
 )
@@ -24,7 +26,7 @@ from pushpressslide.robots.file_values import (
     place_of,
     triple,
 )
-from pushpressslide.robots.mesh_paths import MeshPaths
+from pushpressslide.robots.mesh_paths import MeshPaths, readable
 
 GREY: Triple = (0.7, 0.7, 0.7)
 
@@ -43,7 +45,7 @@ def read_urdf(root: Element, file: Path, packages: Sequence[str]) -> Description
         for material in root.findall("material")
     }
     rotors = dict(map(_rotor, root.findall("transmission")))
-    lost: list[str] = []
+    lost: Lost = []
     shapes = [shape for link in links for shape in _shapes(link, paths, colors, lost)]
     return Description(
         root.get("name"),
@@ -57,7 +59,7 @@ def read_urdf(root: Element, file: Path, packages: Sequence[str]) -> Description
             for joint in joints
             if joint.attrib["type"] not in KINDS
         },
-        lost,
+        left_out(lost),
     )
 
 
@@ -157,7 +159,7 @@ def _shapes(
     link: Element,
     paths: MeshPaths,
     colors: Mapping[str, Triple | None],
-    lost: list[str],
+    lost: Lost,
 ) -> Iterator[LinkShape]:
     """Shapes of a link. Adds meshes that are not found to ``lost``."""
     name = link.attrib["name"]
@@ -175,13 +177,14 @@ def _shapes(
         shape = _shape(geometry[0], place)
         mesh = ""
         if shape is None:
-            lost.append(f"{holder.tag} {geometry[0].tag!r} of {name!r} is not known")
+            lost.append(("of an unknown kind", geometry[0].tag))
             continue
         if shape[0] == "mesh":
             uri = geometry[0].get("filename") or ""
             path = paths.find(uri)
-            if path is None:
-                lost.append(f"{holder.tag} mesh {uri!r} of {name!r} is not found")
+            if path is None or not readable(path):
+                reason = "not found" if path is None else "which pycollada reads"
+                lost.append((reason, uri))
                 continue
             mesh = str(path)
         yield LinkShape(

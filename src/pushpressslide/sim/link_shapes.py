@@ -49,7 +49,7 @@ def add_shapes(
     that cannot be read are left out.
     """
     shapes = tuple(shapes)
-    drawn = {s.link for s in shapes if not s.solid and _drawn(s) is not None}
+    drawn = {s.link for s in shapes if not s.solid and _picture(s) is not None}
     for number, shape in enumerate(shapes):
         body = plant.GetBodyByName(shape.link, instance)
         X = RigidTransform(RollPitchYaw(shape.rpy), shape.xyz)
@@ -61,7 +61,7 @@ def add_shapes(
                 plant.RegisterCollisionGeometry(body, X, hull, name, properties)
         picture = None
         if not shape.solid or shape.link not in drawn:
-            picture = _drawn(shape)
+            picture = _picture(shape)
         if picture is not None:
             color = np.array([*(shape.color or ALUMINIUM), 1.0])
             plant.RegisterVisualGeometry(body, X, picture, f"{name}_visual", color)
@@ -87,7 +87,7 @@ def _primitive(shape: LinkShape) -> DrakeShape:
     return kinds[shape.kind](*shape.size)
 
 
-def _drawn(shape: LinkShape) -> DrakeShape | None:
+def _picture(shape: LinkShape) -> DrakeShape | None:
     """Shape that is drawn. None for a mesh that cannot be read or is too large."""
     if shape.kind != "mesh":
         return _primitive(shape)
