@@ -14,7 +14,7 @@ import yaml
 import pushpressslide as pps
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.pose import Pose2
-from pushpressslide.geometry.shapes import Box, Compound, MeshSolid, Part
+from pushpressslide.geometry.shapes import Box, Compound, MeshSolid, Part, Prism
 from pushpressslide.report.plan_files import plan_from_dict, plan_to_dict
 from pushpressslide.taskfile.load import dump_task, load_task, task_from_data
 from pushpressslide.taskfile.mesh_file import read_mesh
@@ -102,6 +102,28 @@ def test_every_format_gives_the_same_solid(tmp_path: Path, suffix: str) -> None:
     assert_is_box(read_mesh(written(box(), tmp_path / f"box.{suffix}"), 1.0))
 
 
+L_CORNERS = ((0, 0), (0.16, 0), (0.16, 0.06), (0.06, 0.06), (0.06, 0.16), (0, 0.16))
+
+
+@pytest.mark.parametrize("first", range(len(L_CORNERS)))
+def test_a_concave_face_of_many_corners_keeps_its_form(
+    tmp_path: Path, first: int
+) -> None:
+    count = len(L_CORNERS)
+    corners = L_CORNERS[first:] + L_CORNERS[:first]
+    text = "".join(f"v {x} {y} {z}\n" for z in (0.0, 0.05) for x, y in corners)
+    faces = [range(count, 0, -1), range(count + 1, 2 * count + 1)]
+    for i in range(count):
+        j = (i + 1) % count
+        faces.append((i + 1, j + 1, count + j + 1, count + i + 1))
+    text += "".join("f " + " ".join(map(str, face)) + "\n" for face in faces)
+    (tmp_path / "l.obj").write_text(text)
+    solid = read_mesh(str(tmp_path / "l.obj"), 1.0)
+    assert solid.polygon == L_CORNERS
+    exact = Prism(L_CORNERS, 0.05).centroid
+    assert solid.center == pytest.approx(exact, abs=1e-6)
+
+
 def gltf(folder: Path, mesh: trimesh.Trimesh) -> Path:
     """A glTF text with its buffers in files beside it."""
     for name, content in trimesh.exchange.gltf.export_gltf(mesh.scene()).items():
@@ -179,6 +201,14 @@ def test_a_cavity_is_refused_and_a_solid_that_is_inside_out_is_turned(
     turned = box()
     turned.invert()
     assert_is_box(read_mesh(written(turned, tmp_path / "turned.stl"), 1.0))
+
+
+def test_a_triangle_that_faces_the_other_way_is_refused(tmp_path: Path) -> None:
+    mesh = box()
+    mesh.faces[0] = mesh.faces[0][::-1]
+    file = written(trimesh.Trimesh(mesh.vertices, mesh.faces), tmp_path / "box.ply")
+    with pytest.raises(ValueError, match="do not all face outwards: at 3 edges"):
+        read_mesh(file, 1.0)
 
 
 def test_a_small_gap_is_filled(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ without a hole, all to within ``TOLERANCE``.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,13 +14,13 @@ from typing import TYPE_CHECKING
 from pushpressslide.geometry.shapes import MeshSolid
 from pushpressslide.geometry.united import DIGITS, bordered
 from pushpressslide.taskfile.mesh_count import SUFFIXES
+from pushpressslide.taskfile.mesh_face import covered
 from pushpressslide.taskfile.mesh_surface import GRID, closed_surface
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
     from shapely import Polygon
     from shapely.geometry.base import BaseGeometry as Area
+    from trimesh import Trimesh
 
     from pushpressslide.core.arrays import Array
 
@@ -59,20 +60,19 @@ def _read(path: str, scale: float, up: str, changed: int, size: int) -> MeshSoli
     from shapely import Polygon
 
     mesh = closed_surface(Path(path), scale, up)
-    low, high = (float(z) for z in mesh.bounds[:, 2])
     extent = float(max(mesh.extents))
-    height = high - low
+    height = float(mesh.extents[2])
     if height < TOLERANCE * extent:
         raise ValueError(f"its height {height:.3g} m is below 1 % of its size")
-    whole = _top_view(mesh.triangles, mesh.face_normals[:, 2] > 0.0, extent)
+    faces = _faces(mesh)
+    whole = faces.whole
     if not isinstance(whole, Polygon):
         raise ValueError("its footprint is not in one piece")
     if _holes(whole, extent):
         raise ValueError("its footprint has a hole")
-    for name, level in (("base", low), ("top", high)):
-        near = abs(mesh.triangles[:, :, 2] - level).max(axis=1) < TOLERANCE * height
-        _check_flat(name, _top_view(mesh.triangles, near, extent), whole, extent)
-    _check_upright(float(mesh.volume), _area_from_above(mesh.triangles) * height)
+    _check_flat("base", faces.base, whole, extent)
+    _check_flat("top", faces.top, whole, extent)
+    _check_upright(float(mesh.volume), faces.area * height)
     simple = Polygon(whole.exterior).simplify(DETAIL * extent)
     assert isinstance(simple, Polygon)
     border = bordered(simple)
@@ -88,30 +88,44 @@ def _read(path: str, scale: float, up: str, changed: int, size: int) -> MeshSoli
     return MeshSolid(path, scale, border.corners, height, center, up)
 
 
-def _area_from_above(triangles: Array) -> float:
-    """Area [m^2] of the triangles (m, 3, 3) that face up, in the view from above.
+@dataclass(frozen=True)
+class _Faces:
+    """Faces of a solid in the view from above."""
 
-    Where bodies overlap it counts once for each, as the volume does.
-    """
-    import numpy as np
-
-    u = triangles[:, 1] - triangles[:, 0]
-    v = triangles[:, 2] - triangles[:, 0]
-    area = 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
-    return float(np.maximum(area, 0.0).sum())
+    base: Area
+    top: Area
+    whole: Area
+    area: float  # [m^2] that faces up; where bodies overlap, once for each of them
 
 
-def _top_view(triangles: Array, mask: NDArray[np.bool_], extent: float) -> Area:
-    """Union of some triangles (m, 3, 3) in the view from above."""
+def _faces(mesh: Trimesh) -> _Faces:
+    """Base, top and all between them."""
     import numpy as np
     import shapely
 
-    flat = triangles[mask][:, :, :2]
-    u = flat[:, 1] - flat[:, 0]
-    v = flat[:, 2] - flat[:, 0]
-    area = 0.5 * np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
-    seen = flat[area > (GRID * extent) ** 2]
-    return shapely.union_all(shapely.polygons(seen), grid_size=GRID * extent)
+    low, high = mesh.bounds[:, 2]
+    grid = GRID * float(max(mesh.extents))
+    z = mesh.triangles[:, :, 2]
+    near = TOLERANCE * (high - low)
+    in_base = (z - low).max(axis=1) < near
+    in_top = (high - z).max(axis=1) < near
+    flat = mesh.triangles[:, :, :2]
+    areas = _signed_areas(flat)
+    rising = ~in_base & ~in_top & (areas > grid * grid)
+    base = covered(flat[in_base][:, ::-1], grid)
+    top = covered(flat[in_top], grid)
+    between = shapely.union_all(shapely.polygons(flat[rising]), grid_size=grid)
+    whole = shapely.union_all([base, top, between], grid_size=grid)
+    area = areas[in_top].sum() + np.maximum(areas[~in_base & ~in_top], 0.0).sum()
+    return _Faces(base, top, whole, float(area))
+
+
+def _signed_areas(triangles: Array) -> Array:
+    """Areas [m^2] of triangles (m, 3, 2), negative if they are clockwise."""
+    u = triangles[:, 1] - triangles[:, 0]
+    v = triangles[:, 2] - triangles[:, 0]
+    areas: Array = 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+    return areas
 
 
 def _holes(area: Polygon, extent: float) -> float:
