@@ -23,8 +23,9 @@ from pushpressslide.core.control import (
 )
 from pushpressslide.core.plan import JointPath
 from pushpressslide.execution.arm import ArmDynamics
+from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.robots.facts import RobotFacts, load_facts
-from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
+from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import ToolAttitude
 
 TASK = pps.load_task("rear-push-rear")

@@ -27,8 +27,8 @@ from pushpressslide.mechanics.friction import push_outcome
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 from pushpressslide.mechanics.pressure import support_pressure
 from pushpressslide.mechanics.rho import rho_fit
+from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.robots.facts import TIP_MASS, load_facts, rotation_from_rpy
-from pushpressslide.robots.kinematics import arm_kinematics
 
 pytest.importorskip("pydrake")  # for the search for joint paths
 

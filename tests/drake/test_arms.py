@@ -28,7 +28,7 @@ from pushpressslide.core.task import (
 )
 from pushpressslide.jobs.sampling import random_task
 from pushpressslide.planning import levers
-from pushpressslide.robots.kinematics import arm_kinematics
+from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.sim.arm_library import DRAKE
 from pushpressslide.sim.clearance import DrakeClearance
 from pushpressslide.sim.outline import arm_capsules

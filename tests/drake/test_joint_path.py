@@ -18,7 +18,7 @@ from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.sampling import random_task
-from pushpressslide.robots.kinematics import arm_kinematics
+from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.selection.solve import plan as make_plan
 from pushpressslide.sim.arm_library import DRAKE

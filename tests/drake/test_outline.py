@@ -5,7 +5,7 @@ import pytest
 
 from pushpressslide.arms.paths.capsules import _segment_distance, least_distance
 from pushpressslide.core.task import Robot
-from pushpressslide.robots.kinematics import arm_kinematics
+from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.sim.outline import arm_capsules
 
 

@@ -17,8 +17,8 @@ from pydrake.systems.framework import DiagramBuilder
 
 from pushpressslide.core.errors import RobotFileError, TaskError
 from pushpressslide.core.scene import Robot, Tip
+from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.robots.facts import MODELS, TIP, TIP_MASS, load_facts
-from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.robots.sheet import gravity_torque
 from pushpressslide.robots.urdf import urdf_text
 from pushpressslide.sim.robot_models import (

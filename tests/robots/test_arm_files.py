@@ -13,9 +13,8 @@ import pytest
 import pushpressslide as pps
 from pushpressslide.core.errors import InputError, RobotFileError, TaskError
 from pushpressslide.core.scene import Robot, Tip
-from pushpressslide.robots.arm_files import ROTOR, robot_facts
+from pushpressslide.robots.arm_files import ROTOR, arm_kinematics, robot_facts
 from pushpressslide.robots.description import read_description
-from pushpressslide.robots.kinematics import arm_kinematics
 
 LINK = (
     '<link name="l{i}"><inertial><origin xyz="0 0 0.1"/><mass value="2"/>'

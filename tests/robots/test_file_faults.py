@@ -13,8 +13,8 @@ import pytest
 import pushpressslide as pps
 from pushpressslide.core.errors import RobotFileError
 from pushpressslide.core.task import Robot
+from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.robots.description import read_description
-from pushpressslide.robots.kinematics import arm_kinematics
 
 LINK = (
     '<link name="l{i}"><inertial><origin xyz="0 0 0.1"/><mass value="2"/>'

@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.core.task import Robot
+from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.robots.facts import MODELS, TIP, load_facts
-from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
+from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import ToolAttitude
 
 SHARES = st.lists(st.floats(0.02, 0.98), min_size=7, max_size=7)

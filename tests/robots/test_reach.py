@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pushpressslide.core.task import Robot
-from pushpressslide.robots.kinematics import arm_kinematics
+from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.robots.reach import (
     REACH_MARGIN,
     Reach,

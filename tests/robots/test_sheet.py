@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from pushpressslide.cli import app
 from pushpressslide.core.scene import Robot
-from pushpressslide.robots.kinematics import arm_kinematics
+from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.robots.sheet import (
     gravity_torque,
     largest_force,

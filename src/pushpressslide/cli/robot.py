@@ -40,9 +40,9 @@ def robot(
     from pushpressslide.core.whole_file import write_whole
     from pushpressslide.report.robot_figure import robot_figure
     from pushpressslide.report.style import png
+    from pushpressslide.robots.arm_files import arm_kinematics
     from pushpressslide.robots.description import last_link
     from pushpressslide.robots.facts import MODELS
-    from pushpressslide.robots.kinematics import arm_kinematics
     from pushpressslide.robots.sheet import workspace
 
     if model in MODELS:

@@ -339,13 +339,17 @@ class Compound(Outlined):
 
 @dataclass(frozen=True)
 class MeshSolid(Outlined):
-    """An upright solid with a border read from a mesh, with the mesh's own frame as G."""
+    """An upright solid with a border read from a mesh.
+
+    G is the frame of the file, rotated so that its axis ``up`` points up.
+    """
 
     path: str  # of the file
     scale: float  # [m] of one unit of the file
     polygon: tuple[Point, ...]  # [m] corners in G, counter-clockwise
     height: float  # [m]
     center: Point  # [m] in G, centroid of the solid, from above
+    up: str = "z"  # axis of the file that points up: x, y, z, -x, -y or -z
 
     def __post_init__(self) -> None:
         check_positive(self.scale, "scale")
@@ -367,4 +371,5 @@ class MeshSolid(Outlined):
     def description(self) -> str:
         """Kind and size in words, in millimetres."""
         height = f"height {1e3 * self.height:g} mm"
-        return f"mesh on {len(self.polygon)} corners, {height}"
+        turned = "" if self.up == "z" else f", {self.up} of the file up"
+        return f"mesh on {len(self.polygon)} corners, {height}{turned}"

@@ -58,6 +58,22 @@ def changed_at(robot: Robot) -> int:
         return 0  # the reader says what is wrong
 
 
+def arm_kinematics(robot: Robot) -> ArmKinematics:
+    """Kinematics of a task's robot.
+
+    Raises as ``robot_facts``.
+    """
+    return _kinematics(robot, changed_at(robot))
+
+
+@lru_cache(maxsize=32)
+def _kinematics(robot: Robot, changed: int) -> ArmKinematics:
+    """Kinematics of a robot, cached until its file changes."""
+    facts = robot_facts(robot)
+    length = rod_length(robot)
+    return ArmKinematics(facts, robot.base, robot.base_yaw, length, robot.tip_radius)
+
+
 def rod_length(robot: Robot) -> float:
     """Length [m] of the rod between flange and tip. A file with a tip frame contains its
     rod.

@@ -16,7 +16,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal, literal
 from pushpressslide.core.scene import Scene
 from pushpressslide.core.support_frame import TABLE
-from pushpressslide.robots.kinematics import arm_kinematics
+from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.robots.reach import held_somehow_problem, short_by
 from pushpressslide.robots.reach_map import each_reached, surely_reached
 from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude

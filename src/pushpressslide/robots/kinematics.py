@@ -9,12 +9,11 @@ T's x axis in the world's horizontal plane.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
 from pushpressslide.core.arrays import Array
-from pushpressslide.core.task import Robot
 from pushpressslide.robots.facts import (
     TIP,
     RobotFacts,
@@ -203,24 +202,3 @@ class ArmKinematics:
         q = np.asarray(q, dtype=np.float64)
         out: Array = np.minimum(q - self.facts.lower, self.facts.upper - q).min(axis=-1)
         return out
-
-
-def arm_kinematics(robot: Robot) -> ArmKinematics:
-    """Kinematics of a task's robot.
-
-    Raises PushPressSlideError for a model that is neither in ``facts.MODELS`` nor a
-    readable URDF or SDF file.
-    """
-    from pushpressslide.robots.arm_files import changed_at
-
-    return _known(robot, changed_at(robot))
-
-
-@lru_cache(maxsize=32)
-def _known(robot: Robot, changed: int) -> ArmKinematics:
-    """Kinematics of a robot, cached until its file changes."""
-    from pushpressslide.robots.arm_files import robot_facts, rod_length
-
-    facts = robot_facts(robot)
-    length = rod_length(robot)
-    return ArmKinematics(facts, robot.base, robot.base_yaw, length, robot.tip_radius)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Robot
+from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.robots.inverse import (
     STRUCTURED_SEEDS,
     IkSearch,
@@ -17,7 +18,7 @@ from pushpressslide.robots.inverse import (
     default_seeds,
     solve_ik,
 )
-from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
+from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 
 REACH_MARGIN = 0.02

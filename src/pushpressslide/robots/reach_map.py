@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Robot
+from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.robots.inverse import default_seeds, solve_ik
-from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
+from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.reach import (
     HOPELESS,
     QUICK,

@@ -11,8 +11,8 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.scene import Scene
 from pushpressslide.modes import MODES
+from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.robots.contact_reach import contacts_reached
-from pushpressslide.robots.kinematics import arm_kinematics
 
 Able = NDArray[np.bool_]
 

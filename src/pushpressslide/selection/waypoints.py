@@ -30,7 +30,7 @@ from pushpressslide.planning.free_space import (
     same_pose,
 )
 from pushpressslide.planning.side_contacts import pushable
-from pushpressslide.robots.kinematics import arm_kinematics
+from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.robots.reach import reachable
 from pushpressslide.selection.clearance import base_discs
 from pushpressslide.selection.reach_screen import touching

@@ -14,7 +14,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from pushpressslide.arms.paths.capsules import ArmCapsules
 from pushpressslide.core.task import Robot
-from pushpressslide.robots.kinematics import arm_kinematics
+from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.sim.robot_models import add_robot
 
 

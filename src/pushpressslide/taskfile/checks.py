@@ -342,7 +342,7 @@ def check_reach(query: MotionQuery, body: ObjectModel) -> None:
 
 
 def _kinematics(robot: Robot, i: int, source: str) -> ArmKinematics:
-    from pushpressslide.robots.kinematics import arm_kinematics
+    from pushpressslide.robots.arm_files import arm_kinematics
 
     field = f"robots[{i}]"
     try:

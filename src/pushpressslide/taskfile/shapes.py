@@ -29,6 +29,7 @@ from pushpressslide.taskfile.kinds import (
     Field,
     Kind,
     array,
+    choice,
     nullable,
     number,
     point,
@@ -36,6 +37,7 @@ from pushpressslide.taskfile.kinds import (
     shorthand,
 )
 from pushpressslide.taskfile.mesh_file import read_mesh
+from pushpressslide.taskfile.mesh_surface import TURNS
 from pushpressslide.taskfile.place import Fault
 
 SAME_HEIGHT = 1e-6
@@ -113,13 +115,16 @@ _COMPOUND = replace(
 _MESH = shorthand(
     section(
         {
-            "path": Field(TEXT, "an OBJ or STL file, z up; relative to the task file"),
+            "path": Field(
+                TEXT, "an OBJ, STL, PLY or glTF file, relative to the task file"
+            ),
             "scale": Field(
                 number("m", "(0, 1000]"), "one unit of the file: 0.001 for mm", 1.0
             ),
+            "up": Field(choice(*TURNS), "axis of the file that points up", "z"),
         },
         read_mesh,
-        lambda solid: {"path": solid.path, "scale": solid.scale},
+        lambda solid: {"path": solid.path, "scale": solid.scale, "up": solid.up},
     ),
     "path",
 )
@@ -132,7 +137,12 @@ _ROWS: tuple[Row, ...] = (
         _COMPOUND,
         "union of upright parts of one height that touch; G is that of their poses",
     ),
-    ("mesh", MeshSolid, _MESH, "upright solid in a file; G is the file's own frame"),
+    (
+        "mesh",
+        MeshSolid,
+        _MESH,
+        "upright solid in a file; G is the file's frame with `up` as z",
+    ),
 )
 
 NAMES = tuple(row[0] for row in _ROWS)
@@ -180,7 +190,7 @@ def shape_faults(field: str, plain: Mapping[str, Any]) -> Iterator[Fault]:
     elif plain["mesh"]:
         mesh = plain["mesh"]
         try:
-            read_mesh(mesh["path"], mesh["scale"])
+            read_mesh(mesh["path"], mesh["scale"], mesh["up"])
         except ValueError as error:
             allowed = "allowed: a closed, upright solid on a flat base without a hole"
             yield f"{field}.mesh.path", path_value(mesh["path"]), f"{error}; {allowed}"

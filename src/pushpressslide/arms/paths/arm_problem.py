@@ -23,8 +23,9 @@ from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.scene import Robot
 from pushpressslide.planning.carried import carried_ways
 from pushpressslide.planning.side_contacts import before_contacts
+from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.robots.contact_reach import TURNING, tool_azimuths
-from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
+from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import ToolAttitude
 
 STEP = 0.015  # [m] of the object's path between samples

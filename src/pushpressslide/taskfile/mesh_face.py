@@ -1,0 +1,74 @@
+"""The area that triangles at one level cover, from the border that they leave.
+
+Programs split a concave face into a fan of triangles, some of which lie outside the face
+and are taken back by others that face the opposite way. Their common edges cancel.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from shapely.geometry.base import BaseGeometry as Area
+
+    from pushpressslide.core.arrays import Array
+
+MOST_EDGES = 20_000
+"""Of a border: that of a level face has few, that of a rough one a multiple."""
+
+
+def covered(triangles: Array, grid: float) -> Area:
+    """Points about which the triangles (m, 3, 2) wind counter-clockwise in sum.
+
+    Corners [m] are rounded to ``grid``. Raises ValueError for a border of too many
+    edges.
+    """
+    import numpy as np
+    import shapely
+
+    starts, ends, counts = _border(triangles, grid)
+    if len(starts) > MOST_EDGES:
+        found = f"{len(starts)} edges about what is level in it"
+        raise ValueError(f"it is not flat: {found}, allowed up to {MOST_EDGES}")
+    lines = shapely.linestrings(grid * np.stack((starts, ends), axis=1))
+    cells = shapely.get_parts(
+        shapely.polygonize([shapely.union_all(lines, grid_size=grid)])
+    )
+    cells = cells[shapely.area(cells) > grid * grid]
+    points = shapely.get_coordinates(shapely.point_on_surface(cells)) / grid
+    inside = [_winding(point, starts, ends, counts) > 0 for point in points]
+    return shapely.union_all(cells[inside], grid_size=grid)
+
+
+def _border(triangles: Array, grid: float) -> tuple[Array, Array, Array]:
+    """Starts (k, 2) and ends [grid] of the directed edges that do not cancel, and how
+    often each remains.
+    """
+    import numpy as np
+
+    places = np.round(triangles.reshape(-1, 2) / grid)
+    corners, number = np.unique(places, axis=0, return_inverse=True)
+    a, b, c = number.reshape(-1, 3).T
+    tails = np.concatenate((a, b, c))
+    heads = np.concatenate((b, c, a))
+    low = np.minimum(tails, heads)
+    keys = low * len(corners) + np.maximum(tails, heads)
+    keys, place = np.unique(keys, return_inverse=True)
+    sense = np.sign(heads - tails)
+    counts = np.bincount(place, weights=sense, minlength=len(keys))
+    rest = counts != 0.0
+    low, high = np.divmod(keys[rest], len(corners))
+    return corners[low], corners[high], counts[rest]
+
+
+def _winding(point: Array, starts: Array, ends: Array, counts: Array) -> float:
+    """Winding number of directed edges about a point that is on none of them."""
+    import numpy as np
+
+    edge = ends - starts
+    offset = point - starts
+    left = edge[:, 0] * offset[:, 1] > edge[:, 1] * offset[:, 0]
+    below = starts[:, 1] <= point[1]
+    upwards = below & (ends[:, 1] > point[1]) & left
+    downwards = ~below & (ends[:, 1] <= point[1]) & ~left
+    return float(np.sum(counts * upwards) - np.sum(counts * downwards))

@@ -1,0 +1,210 @@
+"""The surface in a mesh file: closed, in metres, with z up.
+
+Corners at one place are one corner, whatever normals, texture or material split them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pushpressslide.taskfile.mesh_count import check_count, check_triangles
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+    from trimesh import Trimesh
+
+    from pushpressslide.core.arrays import Array
+
+    Indices = NDArray[np.integer[Any]]
+
+GRID = 1e-6
+"""Of the solid's size, within which corners count as one."""
+SMALLEST = 0.005
+LARGEST = 10.0
+"""[m] of the longest side; the upper one as of a box."""
+FARTHEST = 1000.0
+"""[m] of a corner from the origin of the file's frame."""
+MOST_GAP_EDGES = 4
+"""Of a gap that is filled: its form leaves no doubt."""
+UNITS = (("millimetres", 0.001), ("metres", 1.0))
+"""Units for which a message asks, with their scale."""
+
+TURNS: Mapping[str, tuple[tuple[int, int, int], ...]] = {
+    "x": ((0, 0, -1), (0, 1, 0), (1, 0, 0)),
+    "y": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
+    "z": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    "-x": ((0, 0, 1), (0, 1, 0), (-1, 0, 0)),
+    "-y": ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
+    "-z": ((1, 0, 0), (0, -1, 0), (0, 0, -1)),
+}
+"""Shortest rotation that points an axis of the file up; a half turn is about x."""
+
+
+def closed_surface(file: Path, scale: float, up: str) -> Trimesh:
+    """Closed surface [m] in a file, its triangles counter-clockwise from outside.
+
+    Raises ValueError for a file that cannot be read or has no closed surface.
+    """
+    import numpy as np
+
+    check_count(file)
+    raw = _loaded(file)
+    check_triangles(len(raw.faces))
+    _check_size(raw, scale)
+    vertices = scale * np.asarray(raw.vertices) @ np.array(TURNS[up]).T
+    mesh = _filled(_merged(vertices, np.asarray(raw.faces)))
+    _check_winding(mesh)
+    return _outward(mesh)
+
+
+def _loaded(file: Path) -> Trimesh:
+    """Triangles of all meshes in a file, each at its place in the scene."""
+    import trimesh
+
+    try:
+        mesh = trimesh.load_mesh(str(file), process=False, skip_materials=True)
+    except Exception as error:  # whatever a broken file makes the reader raise
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise ValueError(f"it cannot be read: {reason[:120]}") from error
+    if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces):
+        raise ValueError("it holds no triangles")
+    return mesh
+
+
+def _check_size(mesh: Trimesh, scale: float) -> None:
+    """Raise ValueError for positions that are not finite or far away, and for a solid
+    larger or smaller than a task may hold.
+    """
+    import numpy as np
+
+    used = mesh.vertices[np.unique(mesh.faces)]
+    if not np.isfinite(used).all():
+        raise ValueError("a corner of it is no finite number")
+    far = float(np.abs(used).max())
+    # the largest places first: a difference of others may not be a number
+    if far > FARTHEST / scale:
+        raise ValueError(
+            f"a corner of it is {far * scale:.3g} m from its origin, allowed up to "
+            f"{FARTHEST:g} m: {_unit_question(far, scale)}"
+        )
+    sizes = np.ptp(used, axis=0)
+    longest = float(sizes.max())
+    if not SMALLEST <= scale * longest <= LARGEST:
+        lengths = " x ".join(f"{scale * length:.4g}" for length in sizes)
+        raise ValueError(
+            f"it is {lengths} m, allowed {SMALLEST:g} to {LARGEST:g} m on its longest "
+            f"side: {_unit_question(longest, scale)}"
+        )
+
+
+def _unit_question(length: float, scale: float) -> str:
+    """Question for the unit of a file, one of whose lengths is implausible."""
+    for unit, other in UNITS:
+        if other != scale and SMALLEST <= other * length <= LARGEST:
+            return f"in {unit}? give scale: {other:g}"
+    return f"is scale: {scale:g} right?"
+
+
+def _merged(vertices: Array, faces: Indices) -> Trimesh:
+    """Mesh with one vertex at each place, without the triangles that collapse."""
+    import numpy as np
+    from trimesh import Trimesh
+
+    extent = float(np.ptp(vertices[np.unique(faces)], axis=0).max())
+    digits = math.ceil(-math.log10(GRID * extent))
+    mesh = Trimesh(vertices, faces, process=False)
+    mesh.merge_vertices(digits_vertex=digits)
+    a, b, c = mesh.faces.T
+    mesh.update_faces((a != b) & (b != c) & (c != a))
+    return mesh
+
+
+def _filled(mesh: Trimesh) -> Trimesh:
+    """Mesh with its small gaps filled. Raises ValueError if it is still open."""
+    import numpy as np
+    from trimesh import Trimesh
+
+    if not len(_open_edges(mesh)):
+        return mesh
+    loops = [lp for lp in _loops(_open_edges(mesh)) if len(lp) <= MOST_GAP_EDGES]
+    fans = [(lp[0], lp[i + 1], lp[i]) for lp in loops for i in range(1, len(lp) - 1)]
+    if fans:
+        faces = np.vstack((mesh.faces, fans))
+        mesh = Trimesh(mesh.vertices, faces, process=False)
+    count = len(_open_edges(mesh))
+    if count:
+        raise ValueError(f"its surface is not closed: {count} edges are open")
+    return mesh
+
+
+def _open_edges(mesh: Trimesh) -> Indices:
+    """Edges (m, 2) of an odd number of triangles, in the sense of a triangle."""
+    import numpy as np
+
+    low, high = mesh.edges_sorted.T
+    keys = low * len(mesh.vertices) + high
+    _, place, counts = np.unique(keys, return_inverse=True, return_counts=True)
+    return np.asarray(mesh.edges[counts[place] % 2 == 1])
+
+
+def _loops(edges: Indices) -> list[list[int]]:
+    """Closed loops of directed edges; none where loops meet."""
+    follow = dict(edges.tolist())
+    if len(follow) < len(edges):
+        return []
+    loops = []
+    while follow:
+        start, end = follow.popitem()
+        loop = [start]
+        while end != start:
+            if end not in follow:
+                return []
+            loop.append(end)
+            end = follow.pop(end)
+        loops.append(loop)
+    return loops
+
+
+def _check_winding(mesh: Trimesh) -> None:
+    """Raise ValueError unless each edge is used as often one way as the other."""
+    import numpy as np
+
+    low, high = mesh.edges_sorted.T
+    _, place = np.unique(low * len(mesh.vertices) + high, return_inverse=True)
+    sense = np.where(mesh.edges[:, 0] == low, 1.0, -1.0)
+    count = int(np.count_nonzero(np.bincount(place, weights=sense)))
+    if count:
+        raise ValueError(
+            f"its triangles do not all face outwards: at {count} edges two neighbours "
+            "face opposite ways"
+        )
+
+
+def _outward(mesh: Trimesh) -> Trimesh:
+    """Mesh whose bodies all face outwards. Raises ValueError if some do not."""
+    import numpy as np
+    from trimesh.graph import connected_component_labels
+
+    bodies = np.zeros(len(mesh.faces), dtype=int)
+    if mesh.is_watertight:
+        pairs = mesh.face_adjacency
+        count = len(bodies)
+        bodies = connected_component_labels(  # type: ignore[no-untyped-call]
+            pairs, node_count=count
+        )
+    a, b, c = (mesh.triangles - mesh.vertices.mean(axis=0)).swapaxes(0, 1)
+    sixfold = np.einsum("ij,ij->i", a, np.cross(b, c))
+    volumes = np.bincount(bodies, weights=sixfold) / 6.0
+    if volumes.sum() < 0.0:
+        mesh.invert()
+        volumes = -volumes
+    inward = int(np.count_nonzero(volumes < -GRID * volumes.sum()))
+    if inward:
+        raise ValueError(
+            f"{inward} of its {len(volumes)} bodies face inwards, as cavities do"
+        )
+    return mesh
