@@ -84,6 +84,21 @@ def test_a_world_link_is_left_out(tmp_path: Path) -> None:
     assert "left out: link 'world' and joint fix" in facts.notes[0]
 
 
+def test_a_stand_that_moves_in_the_world_is_part_of_the_arm(tmp_path: Path) -> None:
+    slide = (
+        '<link name="world"/><joint name="rail" type="prismatic"><parent link="world"/>'
+        '<child link="l0"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="500"/>'
+        "</joint>"
+    )
+    kin = arm_kinematics(Robot(written(tmp_path, arm(slide)), tip=Tip("l6")))
+    assert kin.facts.moving[0].name == "rail"
+    assert kin.facts.size == 7
+    q = kin.facts.home.copy()
+    before = kin.tip_pose(q)[1]
+    q[0] += 0.2
+    np.testing.assert_allclose(kin.tip_pose(q)[1] - before, (0.0, 0.2, 0.0), atol=1e-12)
+
+
 def test_a_joint_of_an_odd_type_on_the_way_to_the_tip_is_refused(
     tmp_path: Path,
 ) -> None:

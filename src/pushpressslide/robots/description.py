@@ -48,6 +48,8 @@ MISSING_TIP_FRAME = (
 )
 BESIDE_ARM = r"(?i)finger|gripper|jaw|knuckle|hand_|camera|leg|wheel"
 """Names of links that are not the end of an arm."""
+GROUND = "pps_ground"
+"""Base of a robot whose first joints move its stand in the world."""
 MOST_NOTES = 4  # of one kind, that are named
 
 
@@ -159,15 +161,22 @@ def _named(what: str, names: Sequence[str]) -> list[str]:
 
 
 def _without_world(whole: Description) -> Description:
-    """The file without a link ``world`` that only holds the base."""
+    """The file without a link ``world`` that only holds the base. One that carries a
+    moving joint is the base, by another name.
+    """
     on_world = [joint for joint in whole.joints if joint.parent == WORLD]
-    moving = [joint.name for joint in on_world if joint.kind != "fixed"]
-    if moving:
-        raise PushPressSlideError(
-            f"its joint {moving[0]!r} holds it in the world; leave its base free"
-        )
     if not on_world:
         return whole
+    if any(joint.kind != "fixed" for joint in on_world):
+        links = [link for link in whole.links if link.name != WORLD]
+        return replace(
+            whole,
+            links=[LinkFacts(GROUND), *links],
+            joints=[
+                replace(joint, parent=GROUND) if joint.parent == WORLD else joint
+                for joint in whole.joints
+            ],
+        )
     names = ", ".join(joint.name for joint in on_world)
     note = f"left out: link 'world' and joint {names}; the task says where the base is"
     return replace(
