@@ -17,6 +17,7 @@ from typing import NamedTuple
 from pushpressslide.control.adaptation import Adaptation
 from pushpressslide.control.following import Following
 from pushpressslide.control.insertion import Insertion
+from pushpressslide.control.joint_pace import JointPace
 from pushpressslide.control.state import Instant, TipMemory
 from pushpressslide.control.tip_motion import ContactKeeping, Felt, TipMover, TipTask
 from pushpressslide.core import margins
@@ -50,6 +51,7 @@ class Law:
     tracks_joints: bool  # whether the joint reference is a function of time
     insertion: Insertion | None  # into an opening of the support
     waits: bool  # at the end of the last path, for the object to be seated or at rest
+    pace: JointPace | None = None  # within the joints' speed limits; None: no arms
 
     def step(
         self,
@@ -64,6 +66,8 @@ class Law:
         binding = following.binding
         segment = binding.segment
         speed = self.speed(following, instant.time)
+        if self.pace is not None:
+            speed = min(speed, self.pace.at(following.joint_progress(X_WB)))
 
         started = clock()
         guidance = binding.tracker.step(

@@ -32,6 +32,7 @@ from pushpressslide.control.cell import Applied, Cell, Truth
 from pushpressslide.control.controller import Controller
 from pushpressslide.control.estimator import Estimator, ObjectEstimator
 from pushpressslide.control.execution import USUAL, Execution
+from pushpressslide.control.joint_pace import joint_pace
 from pushpressslide.control.limits import ArmReading, Guard
 from pushpressslide.control.plant import Plant, cell_of
 from pushpressslide.control.recording import Recorder, Tick
@@ -430,6 +431,10 @@ class RunLoop:
             self.options.execution,
             self.options.estimator,
         )
+        limits = self.cell.arm_limits
+        if paths and len(limits) == len(paths):
+            pace = joint_pace(paths, limits)
+            self.controller.law = replace(self.controller.law, pace=pace)
         self.state = None
         self.expected = self._expected(time)
 
