@@ -144,10 +144,10 @@ class TwoPresses:
         the right contact.
 
         "balanced" is one half. "left" and "right" put the centre of pressure as near to
-        that contact as a turn on the spot allows. If the loads exceed the cap, the
-        ratio with the smallest loads is taken instead, with status "projected". If
-        these exceed it too, the loads are in this ratio at the cap, with status
-        "infeasible".
+        that contact as a turn on the spot allows. If the loads in this ratio exceed the
+        cap, those of ``for_least_press`` are taken instead, with status "projected". If
+        even these exceed the cap, their ratio is kept with the loads at the cap, and
+        the status is "infeasible".
         """
         found = self.in_ratio(share, twist, gravity)
         if found.status != "ok":

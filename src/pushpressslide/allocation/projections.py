@@ -118,7 +118,9 @@ class WrenchCone:
         )
 
     def nearest(self, fx: float, fy: float, tau: float) -> EdgeForces:
-        """Contact forces of the cone's wrench nearest to one outside the cone."""
+        """Contact forces of the wrench of the cone that is nearest to a given wrench
+        outside the cone.
+        """
         k1, k2, k3, k4 = nearest_parts(fx, fy, tau / self._rho, self._cone)
         a, b, c, d = self._cone[0]
         first = (k1 * a[0] + k2 * b[0], k1 * a[1] + k2 * b[1])

@@ -75,7 +75,7 @@ def _loads_at_limit(
     presses: Presses, cop: Cop, twist: Twist, allowed: float
 ) -> tuple[Refusal, list[Point]]:
     """Refusal of the loads, or None, and the loads [N] at the cap. Raises RefusedError
-    if no two tips can press so.
+    if two tips cannot press the object in this way.
     """
     pair = presses()
     mu_a = pair.contact_friction

@@ -82,10 +82,11 @@ class TwistCone:
         return out
 
     def angle(self, vx: float, vy: float, w: float) -> float:
-        """Angle [rad] of a twist's wrench from the cone: ``cone_margin`` inside, and
-        minus the angle to the cone's nearest wrench outside.
+        """Angle [rad] of a twist's wrench from the cone: ``cone_margin`` if it is
+        inside, otherwise minus the angle between it and the nearest wrench of the cone.
 
-        Outside, ``cone_margin`` itself is the angle to the plane of the nearest facet.
+        For a wrench outside the cone, ``cone_margin`` itself is the angle to the plane
+        of the nearest facet.
         """
         wanted = self.wrench(vx, vy, w)
         nearest = self.nearest(wanted)

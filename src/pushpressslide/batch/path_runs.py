@@ -84,7 +84,7 @@ class PathRuns(NamedTuple):
         return out
 
     def _noise(self, rng: np.random.Generator) -> Array:
-        """Noise of the poses in a block of ticks (width, 3 ticks). If the noise is
+        """Noise of the poses in a block of ticks, (width, 3 * ticks). If the noise is
         zero, a single row for all runs.
         """
         if not self.noise.any():

@@ -360,8 +360,11 @@ class Supervisor:
         return enter_phase(state._replace(following=following), "move", instant)
 
     def _arrived(self, following: Following, instant: Instant) -> bool:
-        """Whether a segment is over. In an opening, or held, it ends when the object
-        rests.
+        """Whether a segment is over.
+
+        The last one of a placement that ends in an opening, or with the object held, is
+        over only when the object rests, or at the latest ``SEAT_TIME`` after its
+        planned end.
         """
         left = following.left
         if following.ahead or not self.placement.waits:

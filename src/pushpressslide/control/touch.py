@@ -168,7 +168,7 @@ class TipTouch:
     ) -> TouchStep:
         """Press at ``place`` [m] with a rising force.
 
-        Contact was felt ``duration`` [s] ago, and still is if the object is ``here``.
+        Contact was first felt ``duration`` [s] ago; ``here``: it is felt at this tick.
         """
         normal = context.contact.direction(context.X_WB)
         force = self.force_of(context.contact)
@@ -213,10 +213,10 @@ class TipTouch:
 def _felt(
     memory: TipMemory, here: bool, context: TipContext, depth: float
 ) -> TipMemory:
-    """Time of the first contact and its depth [m], if the object is felt to be
-    ``here``.
+    """Memory with the time of the first contact and its depth [m], if the object is
+    felt at this tick (``here``).
 
-    A tip that lost it advances again from its position.
+    A tip that has lost contact advances again from its position.
     """
     felt = memory.felt
     time = context.time

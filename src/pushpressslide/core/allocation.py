@@ -1,5 +1,5 @@
-"""The result of an allocator: contact forces, their margin and a status. It never
-raises.
+"""The result of an allocator: contact forces, their margin and a status. A call of an
+allocator never raises.
 """
 
 from __future__ import annotations

@@ -80,7 +80,9 @@ class MissingPackageError(PushPressSlideError, ImportError):
 
 
 def path_value(path: str) -> str:
-    """A path as the value of a message: in full, unless no file can have it."""
+    """A path as the value of a message: in full, unless it is longer than any file's
+    path can be.
+    """
     return Shown(repr(path)) if len(path) <= LONGEST_PATH else path
 
 

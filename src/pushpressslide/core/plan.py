@@ -209,7 +209,7 @@ class Plan:
         return self.queries[self.segments[0].leg]
 
     def part(self, segment: Segment) -> Task:
-        """Task of a segment's leg. For plants; it goes with version 0.6."""
+        """Task of a segment's leg. For plants; to be removed in version 0.6."""
         import warnings
 
         warnings.warn("Plan.part: use Plan.queries", DeprecationWarning, stacklevel=2)

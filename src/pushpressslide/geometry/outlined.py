@@ -154,7 +154,9 @@ class Outlined(Shape):
         return self.depth((point[0] + origin[0], point[1] + origin[1])) >= margin
 
     def depths(self, points: Array, origin: Point) -> Array:
-        """Depths of points (m, 2) [m] in B inside the hull, in half widths."""
+        """Depths of points (m, 2) [m] in B inside the hull, in half widths of the hull
+        as by ``Shape.depths``.
+        """
         return self.hull.depths(points, origin)
 
     def chords(

@@ -169,9 +169,11 @@ class Shape:
         )
 
     def depths(self, points: Array, origin: Point) -> Array:
-        """Depths (m,) of points (m, 2) [m] in B inside the outline.
+        """Depths (m,) of points (m, 2) [m] in B inside the outline, as fractions of its
+        half width.
 
-        In half widths across the nearest edge; < 0 outside.
+        The depth inside each edge is divided by half the width of the outline across
+        that edge, and the smallest quotient is taken. It is < 0 outside.
         """
         import numpy as np
 

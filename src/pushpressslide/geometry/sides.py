@@ -47,7 +47,7 @@ class FlatSide:
         return gap, self.normal
 
     def foot(self, point: Point) -> Point:
-        """Nearest point of the line through the contact along the face."""
+        """Point nearest to ``point`` on the line along the face through the contact."""
         x, y = self.point
         nx, ny = self.normal
         across = (point[1] - y) * nx - (point[0] - x) * ny
@@ -85,7 +85,7 @@ class RoundSide:
         return gap, (x / distance, y / distance) if distance > 0.0 else self.normal
 
     def foot(self, point: Point) -> Point:
-        """Point of the circle in the same direction from its centre."""
+        """Point of the circle in the direction of ``point`` from its centre."""
         x = point[0] - self.center[0]
         y = point[1] - self.center[1]
         k = self.radius / math.hypot(x, y)

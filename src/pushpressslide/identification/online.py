@@ -87,9 +87,9 @@ class AxleIdentifier:
         ``lever`` [m] is the contact's signed distance ahead of the centre of pressure
         along that axis, ``cop`` [m] that centre's coordinate on it. The contact force,
         at an angle a from the axis, is drag / sqrt(1 + stiffness sin^2 a);
-        ``stiffness`` is (d / rho)^2 if not given. ``off`` is the fraction of the axle's
-        distance by which it has to differ from its prediction. ``window`` [s] is the
-        time over which a twist is taken.
+        ``stiffness`` is (d / rho)^2 if not given. An axle counts as identified only if
+        it differs from its prediction by the fraction ``off`` of its distance.
+        ``window`` [s] is the time over which a twist is taken.
         """
         self._window = window
         self._axis = (math.cos(yaw), math.sin(yaw))

@@ -172,7 +172,7 @@ def _tee(half: float, leg: float) -> tuple[Point, ...]:
 
 
 def _pose(rng: np.random.Generator, robots: Sequence[Robot], arms: int) -> Pose2:
-    """Draw a pose in reach of one of the robots, with two robots of either."""
+    """Draw a pose in reach of one of the robots; with two robots, of either at random."""
     robot = robots[int(rng.integers(len(robots)))]
     x, y, _ = robot.base
     r = float(rng.uniform(*REACH[arms]))

@@ -140,7 +140,9 @@ class _Planar:
     def placement_planner(
         self, force: bool, start: WorldState | None = None
     ) -> PlacementPlanner:
-        """A joint-path planner that only plans, without arms."""
+        """A placement planner that accepts any plan, since there are no arms that would
+        need joint paths.
+        """
         from pushpressslide.selection.placement_planner import PlansAlone
 
         return PlansAlone()

@@ -53,8 +53,8 @@ class Interrupt:
 
 @contextmanager
 def blocked_for_children() -> Iterator[None]:
-    """Hide Ctrl-C from processes that are started inside the block. If it is pressed
-    inside the block, it takes effect after it.
+    """Hide Ctrl-C from processes that are started inside the block. A Ctrl-C inside the
+    block takes effect at its end.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield

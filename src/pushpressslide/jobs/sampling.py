@@ -254,7 +254,7 @@ def _pushed_faces(base: Task, arms: int, rng: np.random.Generator) -> int:
     """Number of pushed faces, 0 if the object is pressed.
 
     The mode that ``base`` names decides it. If the mode is open, the number is drawn.
-    For a mode that no tasks are drawn for, it is 1 with one arm.
+    With one arm, it is 1 for a mode that no tasks are drawn for.
     """
     drawn = {
         name: mode.pushed_faces

@@ -93,8 +93,8 @@ def press_and_push(fx: float, fy: float, tau: float, push: Push, press: Press) -
 def shared(
     fx: float, fy: float, tau: float, push: Push, press: Press
 ) -> tuple[float, float, float, float, int]:
-    """Push along its normal and along the line [N], the press against the former alone
-    [N], and a status.
+    """Push along its normal and along the line [N], the press [N] that would go with
+    the first of these alone, and a status.
 
     The push is left out if it would have to pull.
     """

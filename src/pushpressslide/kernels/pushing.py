@@ -53,7 +53,10 @@ def cone_margin(force: Vector, normal: Vector, friction: float) -> float:
 
 @kernel
 def velocity_of_force(lever: Vector, rho: float, force: Vector) -> Vector:
-    """Velocity G f of the contact per unit of the CoP's velocity per force."""
+    """Vector G f along the velocity of the contact under a ``force`` f.
+
+    Its length is not a speed: on the same scale, the velocity of the CoP is f.
+    """
     k = cross(lever, force) / (rho * rho)
     return force[0] - k * lever[1], force[1] + k * lever[0]
 

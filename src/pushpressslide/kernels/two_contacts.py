@@ -228,7 +228,7 @@ def projected(
 
 @kernel
 def within(low: float, high: float, d: float, k: float) -> Vector:
-    """Part of an interval on one side of ``d``: above for k < 0."""
+    """Part of an interval on one side of ``d``: above it for k < 0, otherwise below."""
     if k < 0.0:
         return (d if d > low else low), high
     return low, (d if d < high else high)

@@ -71,11 +71,11 @@ def span(a: Edge, b: Edge) -> Span:
 
 @kernel
 def nearest_parts(fx: float, fy: float, z: float, cone: Cone) -> Parts:
-    """Coefficients of each edge in the cone's wrench nearest to one outside. ``z`` is
-    the moment divided by rho.
+    """Coefficients of the cone's edges whose sum is the wrench nearest to a given one
+    outside the cone. ``z`` is the moment divided by rho.
 
-    That wrench lies on a facet, so it is the best of the four edges and their six
-    pairs: least squares with coefficients >= 0, by enumeration.
+    The nearest wrench lies on a facet, so it is the best of the four edges and their
+    six pairs: least squares with coefficients >= 0, by enumeration.
     """
     a, b, c, d = cone[0]
     ons = (

@@ -93,8 +93,8 @@ class Pushing:
         return outcome(self.push, self.observations(), passed, over)
 
     def _touching(self, tips: Array) -> Array:
-        """Contact points (n, 2) [m] of the tips in the world; ``tips`` for those that
-        have passed their object.
+        """Contact points (n, 2) [m] of the tips in the world. For a tip that has passed
+        its object, the point in ``tips``.
         """
         poses, places, gaps = self._pushes
         nx, ny = self.push.normal

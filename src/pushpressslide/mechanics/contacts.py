@@ -68,7 +68,10 @@ def contact_mobility(lever: Point, rho: float) -> Matrix2:
 
 
 def velocity_of_force(lever: Point, rho: float, force: Point) -> Point:
-    """Velocity G f of the contact point per unit of the CoP's velocity per force [N]."""
+    """Vector G f along the velocity of the contact point under a ``force`` f [N].
+
+    Its length is not a speed: on the same scale, the velocity of the CoP is f.
+    """
     return pushing.velocity_of_force(lever, rho, force)
 
 

@@ -104,8 +104,9 @@ class DraggedBase:
         The pressure is found by Newton steps. The twist is that of the smallest
         friction power among those with unit power of the force. Each of the first steps
         takes the twist of an ellipsoid with the friction of the last twist, which
-        always lowers that power. Later steps are Newton's where these lower it too. If
-        a coarser base has already given a result, all steps are such later ones.
+        always lowers the friction power. Later steps are Newton steps wherever those
+        lower it too. If a coarser base has already given a result, there are only later
+        steps.
         """
         x, y = contacts.T
         direction = directions.T

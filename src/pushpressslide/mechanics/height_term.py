@@ -51,7 +51,9 @@ class DraggedSurface:
         return Twist(*dragged_twist(fx, fy, tau, self._figures), self.center)
 
     def wrenches(self, twists: Array) -> Array:
-        """``wrench`` (m, 3) about ``center`` for twists (m, 3) of it."""
+        """Wrenches (m, 3) about ``center`` for twists (m, 3) of ``center``, as by
+        ``wrench``.
+        """
         figures = self._figures
         rows = [dragged_wrench(vx, vy, w, figures) for vx, vy, w in twists.tolist()]
         return np.array(rows).reshape(-1, 3)

@@ -29,7 +29,7 @@ RESOLUTION = 8  # of the base
 
 
 class LinePush(NamedTuple):
-    """Load on a finger with which the object moves together with the finger."""
+    """Load on a finger if the object moves as one with it."""
 
     wrench: Wrench  # on the object, about the centre of pressure
     # |f_t| over mu f_n; inf where the finger would have to pull

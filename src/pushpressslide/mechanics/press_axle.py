@@ -177,10 +177,12 @@ class Press:
         return ahead, effective_wheelbase
 
     def pivot(self, left: bool) -> Point:
-        """Point of B [m] that stands still under a force across the heading axis.
+        """Point of B [m] that stands still while a force across the heading axis turns
+        the object.
 
-        The force is to the left or to the right of the contact. The drag's height moves
-        the point off the axis. Raises ValueError if the object tips.
+        With ``left`` the force points to the left of the axis, otherwise to the right.
+        The point is off the axis, since the drag acts at a height. Raises ValueError if
+        the object tips.
         """
         twist = self.twist(0.5 * math.pi if left else -0.5 * math.pi)
         return (-twist.vy / twist.w, twist.vx / twist.w)

@@ -150,10 +150,10 @@ def polygon_pressure(
     """Unilateral linear (Winkler) pressure on a simple ``polygon`` with the given CoP.
 
     Corners counter-clockwise [m]. The pressure is max(0, a + b . r): uniform for
-    ``cop`` None or at the centroid, linear over the whole face for a CoP near it, with
-    the far side lifted beyond (docs/mechanics.md, 1.2). Total ``load`` [N]. About 24
-    ``resolution``^2 samples, exact for moments up to the third. Raises ValueError for a
-    CoP outside the polygon's hull.
+    ``cop`` None or at the centroid, linear over the whole face for a CoP near the
+    centroid. For a CoP farther out, the opposite side lifts (docs/mechanics.md, 1.2).
+    Total ``load`` [N]. About 24 ``resolution``^2 samples, exact for moments up to the
+    third. Raises ValueError for a CoP outside the polygon's hull.
     """
     outline = tuple((float(x), float(y)) for x, y in polygon)
     if cop is None:

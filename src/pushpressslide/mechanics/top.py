@@ -25,9 +25,10 @@ def inside_top(body: ObjectModel, point: Point, margin: float) -> bool:
 
 def room_inside(body: ObjectModel, point: Point) -> float:
     """Depth [half widths] of a centre of pressure at ``point`` [m] inside the base's
-    convex hull, measured across the nearest edge.
+    convex hull.
 
-    If the depth is below 0, the object tips.
+    It is the smallest over the hull's edges, each with half the hull's width across
+    that edge as its unit. If the depth is below 0, the object tips.
     """
     return float(rooms_inside(body, np.array([point]))[0])
 

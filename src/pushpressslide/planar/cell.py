@@ -93,7 +93,7 @@ class PlanarPhysics:
         return "the object tips over: the centre of pressure has left what carries it"
 
     def prepare(self) -> PlacementPlanner:
-        """A joint-path planner that accepts any plan."""
+        """A placement planner that accepts any plan."""
         return PlansAlone()
 
     def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:

@@ -84,8 +84,8 @@ def side_contact(
     friction: float,
     dt: float,
 ) -> SideContact:
-    """Contact of a tip whose centre is at ``tip`` [m], ``gap`` [m] before the side
-    whose inward normal is the law's axis, in a tick of ``dt`` [s].
+    """Contact of a tip with its centre at ``tip`` [m], ``gap`` [m] before a side, in a
+    tick of ``dt`` [s]. The side's inward normal is the law's axis.
     """
     point, center, _, _, approach = compliant_tip.side_contact(
         tip, tip_radius, gap, law, friction, dt

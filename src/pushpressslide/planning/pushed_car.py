@@ -35,14 +35,15 @@ def pushed_cars(
     places: Sequence[tuple[Face, float]],
     synchronised: bool,
 ) -> list[PushedCar]:
-    """Reduced models, as believed, of contacts on each face, at a given distance [m] to
-    either side of the CoM's line.
+    """Reduced models, as believed, of two contacts on each face, at a given distance
+    [m] to either side of the CoM's line.
 
-    Pushes by normal forces alone make it a differential car. With ``synchronised``,
-    equal forces make it a rear-steer car (docs/mechanics.md, section 5). Axle and rho
-    are those of the exact surface, under the load that the push itself shifts, at the
-    fraction ``motion.curvature_margin`` of the force's range. The tightest curves are
-    no tighter than the object's. Raises ValueError if the object tips.
+    Pushes by normal forces alone make the object a differential car. With
+    ``synchronised``, equal forces make it a rear-steer car (docs/mechanics.md, section
+    5). Axle and rho are those of the exact surface, under the load that the push itself
+    shifts, at the fraction ``motion.curvature_margin`` of the force's range. The
+    tightest curves are no tighter than the object's. Raises ValueError if the object
+    tips.
     """
     if scene.rho is not None:
         shift = contact_height(scene, motion) * scene.support.friction

@@ -1,4 +1,4 @@
-"""The car that a push on one face drives, fitted to the exact limit surface."""
+"""The car that models a push on one face, fitted to the exact limit surface."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class FittedCar(NamedTuple):
 
 
 class FittedFace(NamedTuple):
-    """A face, and the cars that pushes on it drive."""
+    """A face, and the cars that model pushes on it."""
 
     face: Face
     cars: Mapping[float, FittedCar]  # of paths, by how hard; none if refused

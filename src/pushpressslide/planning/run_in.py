@@ -64,8 +64,8 @@ def gentlest(
     that fit.
 
     ``curvatures`` [1/m], the gentlest first; ``run_ins`` [m], the longest first.
-    ``longest`` [m] limits the length (default: ``room`` of the curvature). The shortest
-    path if nothing fits. ``turning`` [rad] as in ``with_run_in``.
+    ``longest`` [m] limits the length (default: ``loop_free_length`` of the curvature).
+    The shortest path if nothing fits. ``turning`` [rad] as in ``with_run_in``.
     """
     tightest = curvatures[-1]
     lower = run_ins[-1]

@@ -167,8 +167,8 @@ def drag_refusal(
 
 
 def push_refusal(push: float, limits: Limits, max_friction: float) -> Refusal | None:
-    """Refusal of a contact that pushes with up to ``push`` [N], next to another one, an
-    object of ``max_friction`` [N], or None.
+    """Refusal, or None, of a contact that together with another one pushes an object of
+    ``max_friction`` [N], with up to ``push`` [N].
     """
     limit = limits.planned_force
     squeeze = margins.SQUEEZE * max_friction

@@ -28,7 +28,9 @@ OUTCOME_FIELDS = (
 
 @dataclass(frozen=True, slots=True)
 class GoalError:
-    """Final pose of the body with the goal, relative to the goal. NaN if unknown."""
+    """Final pose, relative to the goal, of the body that the goal is for. NaN if
+    unknown.
+    """
 
     ahead: float = math.nan  # [m] along the goal's x axis
     left: float = math.nan  # [m] along the goal's y axis
@@ -113,7 +115,7 @@ def _moved_fault(task: Task, figures: Mapping[str, Any]) -> Ending | None:
 
 
 def goal_error(task: Task, record: Record) -> GoalError:
-    """Final pose of the body with the goal, relative to the goal."""
+    """Final pose, relative to the goal, of the body that the goal is for."""
     poses: Array | None = record.arrays.get("object_pose")
     goal = task.goal
     if task.tool is not None:
@@ -152,7 +154,7 @@ def _reason(
 
 
 def _final_place(task: Task, record: Record, error: GoalError) -> str:
-    """Text on the final position of the body with the goal."""
+    """Text on the final position of the body that the goal is for."""
     if task.tool is not None and f"body_{task.tool.body}" not in record.arrays:
         return (
             f"engine {record.engine} does not move {task.tool.body!r}: where it ends "

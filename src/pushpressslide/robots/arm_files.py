@@ -1,5 +1,5 @@
-"""Facts of a task's robot: the package's own, or those of a file completed by the task:
-tip, ready posture and rotors.
+"""Facts of a task's robot: the package's own, or those of a file, completed by the
+task's tip, ready posture and rotors.
 """
 
 from __future__ import annotations
@@ -221,7 +221,9 @@ def ready_posture(facts: RobotFacts, length: float) -> Array:
 
 
 def _links_above(kin: ArmKinematics, q: Array) -> NDArray[np.bool_]:
-    """Which postures (m, n) have all links from the second joint on above the base."""
+    """Mask of the postures (m, n) in which all links, from the second joint on, are
+    above the base.
+    """
     poses = kin.link_poses(q)
     links = [joint.child for joint in kin.facts.moving[1:]]
     heights = np.array([poses[link][1][..., 2] for link in links])

@@ -143,8 +143,9 @@ def tool_azimuths(
 ) -> tuple[float, ...]:
     """Azimuths [rad] to try for a tilted tool.
 
-    For a push they are behind the contact: straight and, within the limits of the face,
-    away from the arm. On top they are under the arm, or away from it.
+    The tip of a push leans along the face's inward normal, or from there, within the
+    limits of the face, away from the arm's base. The tip of a press leans away from the
+    base, or towards it.
     """
     x, y = X_WB.apply(contact.point)
     outward = math.atan2(y - base[1], x - base[0])

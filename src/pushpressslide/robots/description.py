@@ -92,7 +92,7 @@ def last_link(model: str) -> str:
     by_child = {joint.child: joint for joint in whole.joints}
 
     def depth(link: str) -> tuple[int, int]:
-        """Turning joints, and all joints, from the root to a link."""
+        """Numbers of turning joints, and of all joints, from the root to a link."""
         turning = count = 0
         while link in by_child:
             joint = by_child[link]
@@ -147,7 +147,7 @@ def _facts(path: Path, tip_frame: str, packages: Sequence[str]) -> RobotFacts:
 
 
 def _frames(chain: Sequence[JointFacts]) -> Iterator[LinkFacts]:
-    """A link without mass for a tip that is a frame."""
+    """Yield a massless link if the tip is a frame on a link."""
     if chain[-1].name == f"{chain[-1].child}_mount":
         yield LinkFacts(chain[-1].child)
 
@@ -188,7 +188,7 @@ def _without_world(whole: Description) -> Description:
 
 
 def _check_driven(chain: Sequence[JointFacts], odd: Mapping[str, str]) -> None:
-    """Raise UnfitValue for a joint on the chain of a kind that cannot be driven."""
+    """Raise UnfitValue for a joint on the chain whose kind cannot be driven."""
     for joint in chain:
         if joint.name in odd:
             allowed = f"{', '.join(KINDS)} on the way to the tip"
@@ -199,8 +199,8 @@ def _check_driven(chain: Sequence[JointFacts], odd: Mapping[str, str]) -> None:
 def _branches(
     description: Description, chain: Sequence[JointFacts], base: str
 ) -> tuple[tuple[JointFacts, ...], list[str]]:
-    """Joints to links off the chain, all of them fixed, and the names of those that are
-    held.
+    """Joints to the links off the chain, all turned into fixed ones, and the names of
+    those that the file does not fix.
     """
     below: dict[str, list[JointFacts]] = {}
     for joint in description.joints:

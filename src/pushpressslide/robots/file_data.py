@@ -139,8 +139,8 @@ def left_out(lost: Lost) -> list[str]:
 
 
 def physical(link: LinkFacts) -> LinkFacts:
-    """The link, its inertia changed as little as a body's has to be: principal moments
-    above zero, none larger than the sum of the others.
+    """The link with an inertia that a body can have, changed as little as needed:
+    principal moments above zero, none larger than the sum of the other two.
     """
     if link.mass == 0.0:
         return link

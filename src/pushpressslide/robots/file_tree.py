@@ -20,8 +20,8 @@ def few(names: Iterable[str]) -> str:
 
 
 def check_tree(links: Sequence[str], joints: Sequence[JointFacts]) -> None:
-    """Raise UnfitValue for a duplicate name, a joint to a missing link, a link of two
-    joints, and a loop.
+    """Raise UnfitValue for a duplicate name, a joint to a missing link, a link that is
+    the child of two joints, and a loop.
     """
     _check_names("link", links)
     _check_names("joint", [joint.name for joint in joints])

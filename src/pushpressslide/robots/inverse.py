@@ -36,10 +36,21 @@ class IkSolution:
     joint_margin: Array  # (m,) [rad] least distance to a joint limit
     converged: NDArray[np.bool_]  # (m,) target met and the wanted margin kept
 
+    def or_else(self, other: IkSolution) -> IkSolution:
+        """The solution, with that of ``other`` for the targets that are not met."""
+        own = self.converged
+        return IkSolution(
+            np.where(own[:, None], self.q, other.q),
+            np.where(own, self.position_residual, other.position_residual),
+            np.where(own, self.angle_residual, other.angle_residual),
+            np.where(own, self.joint_margin, other.joint_margin),
+            own | other.converged,
+        )
+
 
 @dataclass(frozen=True)
 class IkSearch:
-    """Effort limits of a search for a posture."""
+    """Limits on the work of a search for a posture."""
 
     iterations: int = 60
     # take the first posture found for a target, its margin as it is
@@ -174,8 +185,8 @@ def damped_step(J: Array, e: Array, secondary: Array) -> Array:
 def default_seeds(kin: ArmKinematics, p: Array) -> Array:
     """Starting postures (m, s, n) for targets p (m, 3).
 
-    They are turned towards the targets, with elbow and wrist varied. Those of a robot
-    read from a file, but for its ready posture, are spread over the joint ranges.
+    They are turned towards the targets, with elbow and wrist varied. For a robot read
+    from a file they are its ready posture, and others spread over the joint ranges.
     """
     facts = kin.facts
     m = len(p)
@@ -338,8 +349,9 @@ def _best(
 ) -> NDArray[np.intp]:
     """Rows of the best ``count`` postures of each target.
 
-    Of those that reach it the ones farthest from the joint limits are best, otherwise
-    the nearest ones. ``start_count`` consecutive rows belong to one target.
+    If postures reach the target, the best are those farthest from the joint limits,
+    otherwise those nearest to the target. ``start_count`` consecutive rows belong to
+    one target.
     """
     off = np.linalg.norm(e, axis=-1)
     score = np.where(off < NEARLY, kin.joint_margin(q), -off)

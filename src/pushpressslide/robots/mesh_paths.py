@@ -20,7 +20,9 @@ class MeshPaths:
     """
 
     def __init__(self, file: Path, packages: Sequence[str] = ()) -> None:
-        """Look around ``file``. ``packages`` are packages, or folders with some."""
+        """Look in the folders around ``file``. Each of ``packages`` is a package, or a
+        folder that holds packages.
+        """
         self._folder = file.resolve().parent
         given = filter(None, os.environ.get(PACKAGE_PATHS, "").split(os.pathsep))
         self._given = [Path(text) for text in (*packages, *given)]
@@ -80,5 +82,5 @@ def package_name(folder: Path) -> str | None:
 
 
 def readable(path: Path) -> bool:
-    """Whether the libraries at hand read a mesh of this format."""
+    """Whether the installed libraries read a mesh of this format."""
     return path.suffix.lower() != ".dae" or find_spec("collada") is not None

@@ -257,8 +257,8 @@ def short_by(kin: ArmKinematics, p: Array, targets: Array) -> Array:
 def _all_along(
     kin: ArmKinematics, p: Array, targets: Array, known: Sequence[int], there: Reach
 ) -> Reach:
-    """Reach of all points, searched from the postures ``there`` at the points
-    ``known``.
+    """Reach of all points, by a search from the postures ``there`` that were found at
+    the points ``known``.
     """
     nearest = np.linalg.norm(p[:, None] - p[known], axis=-1).argmin(axis=1)
     starts = there.q[nearest][:, None]
@@ -269,7 +269,8 @@ def _all_along(
 def _retried(
     kin: ArmKinematics, p: Array, targets: Array, reach: Reach, *, each: bool = False
 ) -> Reach:
-    """Reach after another search for failed points, which keeps off the limits.
+    """Reach after another search for the failed points, now with the joints kept off
+    their limits.
 
     Points farther from the shoulder than the stretched links are left out. With
     ``each`` all points are searched; otherwise the search stops once one is hopeless.

@@ -93,8 +93,8 @@ def surely_reached(
     points: Sequence[tuple[float, float, float]],
     holds: Sequence[ToolAttitude],
 ) -> bool:
-    """Whether one of ``holds`` brings a robot's tip to all ``points`` [m] in the world,
-    of one height, by the tables.
+    """Whether, by the tables, one of ``holds`` brings a robot's tip to all ``points``
+    [m] in the world, which are at one height.
 
     False if the tables do not cover them. The holds are about the world's axes, and do
     not turn with the object.
@@ -118,10 +118,10 @@ def surely_reached(
 
 
 def each_reached(robot: Robot, points: Array, azimuths: Array) -> NDArray[np.bool_]:
-    """Mask (m,) of ``points`` (m, 3) [m] in the world, of one height, that a robot's
-    tip reaches by the tables.
+    """Mask (m,) of the ``points`` (m, 3) [m] in the world, all at one height, that a
+    robot's tip reaches by the tables.
 
-    Its tool is upright, or leaned towards one of the point's ``azimuths`` (m, k) [rad].
+    The tool is upright, or leaned towards one of the point's ``azimuths`` (m, k) [rad].
     False if the tables do not cover a point.
     """
     out = np.full(len(points), False)
@@ -158,7 +158,7 @@ def _reached_with_tilt(
     bearing: Array,
     lean: Array,
 ) -> bool:
-    """Whether places (m,) are reached at neighbouring cells of a table."""
+    """Whether all places (m,) are reached, by the cells of a table next to each."""
     row = distance / STEP - 1.0
     low = np.floor(row).astype(int)
     if low.min() < 0 or low.max() + 1 >= len(DISTANCES):

@@ -32,8 +32,8 @@ class Workspace:
 
 
 def potential_energy(kin: ArmKinematics, q: Array) -> Array:
-    """Potential energy (...) [J] of the links in postures (..., n). The rod counts as
-    without mass.
+    """Potential energy (...) [J] of the links in postures (..., n). The rod is taken to
+    be massless.
     """
     poses = dict(kin.link_poses(q))
     for joint in kin.facts.branches:
@@ -62,8 +62,10 @@ def gravity_torque(kin: ArmKinematics, q: Array) -> Array:
 
 
 def largest_force(kin: ArmKinematics, q: Array, direction: Array) -> Array:
-    """Largest force (m,) [N] of the tip along a unit ``direction`` (3,) in the world that
-    the joints' torques allow in postures (m, n), besides the arm's weight.
+    """Largest force (m,) [N] of the tip along a unit ``direction`` (3,) in the world,
+    in postures (m, n).
+
+    The joints' torques have to hold the arm's own weight as well.
     """
     effort = kin.facts.effort_limit
     weight = gravity_torque(kin, q)

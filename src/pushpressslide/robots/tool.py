@@ -94,9 +94,10 @@ class ToolAttitude:
         return self._in_world(R_ST)
 
     def _in_world(self, R_ST: Array) -> Array:
-        """Turn the x and z axes of T, given in S, into the world.
+        """Rotation R_WT with the x and z axes of T that ``R_ST`` gives in S.
 
-        Its y axis follows, for either handedness of S.
+        In a left-handed S the y axis of T is reversed, so that the result is a
+        rotation.
         """
         if self.axes is WORLD_AXES:
             return R_ST
@@ -106,7 +107,9 @@ class ToolAttitude:
 
     @cached_property
     def _support_axes(self) -> tuple[Array, Array]:
-        """The axes of S as columns (3, 3), and the signs (3,) of those of T."""
+        """The axes of S in the world as columns (3, 3), and the signs (3,) by which the
+        axes of T are multiplied.
+        """
         axes = np.array(self.axes)
         return axes, np.array([1.0, round(float(np.linalg.det(axes))), 1.0])
 

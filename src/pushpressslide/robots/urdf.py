@@ -20,8 +20,8 @@ def numbers(values: Iterable[float]) -> str:
 def pose_between(
     p: Sequence[float], q: Sequence[float]
 ) -> tuple[tuple[float, ...], tuple[float, ...], float]:
-    """Midpoint (3,) [m], roll-pitch-yaw (3,) [rad] that turn z from p to q, and the
-    distance [m].
+    """Midpoint (3,) [m] of p and q, roll-pitch-yaw (3,) [rad] that point z from p
+    towards q, and their distance [m].
     """
     d = [float(b) - float(a) for a, b in zip(p, q, strict=True)]
     length = math.sqrt(sum(v * v for v in d))

@@ -140,12 +140,12 @@ def _joint(joint: Element, rotor: Mapping[str, float]) -> JointFacts:
 
 
 def attributes(element: Element | None) -> dict[str, str | None]:
-    """Attributes of an element, none of one that is missing."""
+    """Attributes of an element, or an empty dictionary if the element is missing."""
     return {} if element is None else dict(element.attrib)
 
 
 def _color(material: Element | None) -> Triple | None:
-    """Colour of a material that has its own."""
+    """Colour that a material element states, or None."""
     color = None if material is None else material.find("color")
     values = (color.get("rgba") or "").split()[:3] if color is not None else []
     try:

@@ -117,9 +117,9 @@ def obstacle_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | No
     """Refusal of ``poses`` X_WG along a path that come too near to an obstacle, or
     None.
 
-    A movable obstacle counts at its initial pose, so that it is not pushed along.
-    Obstacles that the object pushes, as a tool or along its path, may be touched by it,
-    and have to keep clear of the others.
+    A movable obstacle counts at its initial pose, so that it is not pushed along. An
+    obstacle that the object is to push, as a tool or just along its path, may be
+    touched by the object, but has to keep clear of the other obstacles.
     """
     tool = query.tool
     pushed = None
@@ -150,8 +150,8 @@ def tips_refusal(
     segments: Sequence[Segment],
     poses: Sequence[Pose2],
 ) -> Refusal | None:
-    """Refusal of ``poses`` X_WG at which a tip would touch an obstacle as high as its
-    contact, or None.
+    """Refusal of ``poses`` X_WG at which a tip would touch an obstacle tall enough to
+    reach it, or None.
 
     The ``yielding`` obstacles are pushed along.
     """
@@ -271,8 +271,8 @@ def allowed_gaps(
     """Smallest allowed gaps (n, k) [m] between a footprint at n ``poses`` X_WG and k
     polygons.
 
-    They are ``clearance`` [m]. If the footprint is nearer at one of its ``ends``, the
-    limit there is that gap, and it grows to the clearance within
+    They are ``clearance`` [m]. If the gap at one of the path's ``ends`` is smaller, it
+    is the allowed gap there, which grows to the clearance within
     ``margins.ARM.leaving`` [m].
     """
     at_ends = np.minimum(gaps(shape, ends, others), clearance)

@@ -1,4 +1,4 @@
-"""The best choice of every placement for which the arms have joint paths."""
+"""The best choice for every placement, among those with joint paths for the arms."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def prepared(
 
     ``choices`` are those of a plan that is ``empty`` so far, from the leg ``first`` on.
     With ``force``, infeasible choices are taken too if they have a path. Raises
-    InfeasibleTaskError if a placement has none.
+    InfeasibleTaskError if a placement has no choice that can be taken.
     """
     groups = [list(group) for _, group in groupby(choices, lambda c: c.leg)]
     for group in groups:

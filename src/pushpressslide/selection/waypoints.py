@@ -179,8 +179,8 @@ def _turned(start: Pose2, goal: Pose2, axes: Sequence[float]) -> list[Pose2]:
 
 
 def _before(start: Pose2, goal: Pose2, axes: Sequence[float]) -> list[Pose2]:
-    """Poses from which a straight push leads to the goal: near to it, and level with
-    the start.
+    """Poses from which a straight push leads to the goal: some close to it, and one as
+    far from it along the push as the start.
     """
     out = []
     bearing = math.atan2(goal.y - start.y, goal.x - start.x) - goal.yaw

@@ -1,5 +1,5 @@
-"""Shapes of a robot's file in a MultibodyPlant: meshes of any format by their hulls for
-clearances, and as they are for pictures.
+"""Shapes of a robot's links, from its file, in a MultibodyPlant: meshes of any format,
+by their convex hulls for clearances, and unchanged for pictures.
 """
 
 from __future__ import annotations
@@ -42,11 +42,11 @@ def add_shapes(
     shapes: Iterable[LinkShape],
     collision: bool,
 ) -> None:
-    """Register the shapes of the links of one robot: with ``collision`` those for
-    clearances, and always those that are drawn.
+    """Register the shapes of one robot's links: those that are drawn and, with
+    ``collision``, those for clearances.
 
-    A link without a shape that can be drawn is drawn by those for clearances. Meshes
-    that cannot be read are left out.
+    A link without a shape that can be drawn is drawn with its shapes for clearances.
+    Meshes that cannot be read are left out.
     """
     shapes = tuple(shapes)
     drawn = {s.link for s in shapes if not s.solid and _picture(s) is not None}
@@ -68,7 +68,7 @@ def add_shapes(
 
 
 def solid(shape: LinkShape) -> DrakeShape | None:
-    """Convex shape of a link. None for a mesh that cannot be read."""
+    """Convex shape of a link for clearances. None for a mesh that cannot be read."""
     if shape.kind != "mesh":
         return _primitive(shape)
     corners = hull_corners(shape.mesh)
@@ -116,7 +116,9 @@ def hull_corners(path: str) -> Array | None:
 
 @lru_cache(maxsize=128)
 def _wavefront(path: str) -> str | None:
-    """A mesh as the text of an OBJ file."""
+    """A mesh as the text of an OBJ file. None if it cannot be read or has too many
+    triangles.
+    """
     mesh = _mesh(path)
     if mesh is None or len(mesh.faces) > MOST_TRIANGLES:
         return None

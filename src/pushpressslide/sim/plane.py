@@ -253,7 +253,7 @@ def base_triangles(
 def _cut(
     corners: tuple[Point, ...], xs: Sequence[float], ys: Sequence[float]
 ) -> Sequence[Triangle]:
-    """Triangles of a cell, by the numbers of its corners."""
+    """Triangles of a cell, each given by indices of its corners."""
     if len(corners) != 4 or min(turns(corners)) < STRAIGHT:
         return triangles(corners)
     # the diagonal alternates, so that the base has no handedness

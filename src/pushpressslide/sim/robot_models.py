@@ -221,8 +221,10 @@ def _file_error(field: _ModelField, reason: str) -> RobotFileError:
 def _flange(
     plant: MultibodyPlant, instance: ModelInstanceIndex, facts: RobotFacts
 ) -> tuple[Frame, RigidTransform]:
-    """Frame of the flange and the flange's pose in it. A model without a flange frame
-    gives that of its parent link.
+    """Frame of the flange, and the flange's pose in that frame.
+
+    In a model that has no frame for the flange, the frame is that of the flange's
+    parent link.
     """
     if plant.HasFrameNamed(facts.flange, instance):
         return plant.GetFrameByName(facts.flange, instance), RigidTransform()
@@ -238,7 +240,7 @@ def _add_tip(
     length: float,
     inertia: SpatialInertia,
 ) -> RigidBody:
-    """Weld the tip's body to the flange, ``length`` [m] before it."""
+    """Weld the tip's body to the flange, ``length`` [m] along the flange's z axis."""
     flange, X_FlangeF = _flange(plant, instance, facts)
     X_FT = X_FlangeF @ RigidTransform([0.0, 0.0, length])
     tip = plant.AddRigidBody(TIP, instance, inertia)

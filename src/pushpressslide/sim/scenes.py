@@ -138,8 +138,8 @@ def _prism_inertia(corners: Array, height: float) -> UnitInertia:
 
 
 def grid_bounds(plan: Plan, tile: float) -> Bounds:
-    """Bounds of the planned positions of the object, with margin for errors, in whole
-    tiles of edge ``tile`` [m] for replans.
+    """Bounds of the planned positions of the object, with a margin for errors, and
+    another one for replans, in whole tiles of edge ``tile`` [m].
     """
     x_min, x_max, y_min, y_max = reached_bounds(plan, GRID_ROOM)
     reach = plan.task.object.shape.farthest((0.0, 0.0)) + GRID_ROOM

@@ -152,8 +152,8 @@ def obj_mesh(
     *,
     visual: bool = False,
 ) -> InMemoryMesh:
-    """A surface of ``faces``, counter-clockwise seen from outside, by the numbers of
-    ``vertices`` [m]. It has normals if it is to be ``visual``.
+    """A surface of ``faces``, each given by indices of ``vertices`` [m],
+    counter-clockwise seen from outside. It has normals if it is to be ``visual``.
     """
     lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices]
     for k, face in enumerate(faces):
@@ -397,7 +397,9 @@ def _prism_mesh(
     *,
     visual: bool = False,
 ) -> InMemoryMesh:
-    """Surface of a prism. ``caps`` are the polygons of its top, by numbers of corners."""
+    """Surface of a prism. ``caps`` are the polygons of its top, each given by indices
+    of ``corners``.
+    """
     n = len(corners)
     half = 0.5 * height
     vertices = [(x, y, -half) for x, y in corners] + [(x, y, half) for x, y in corners]

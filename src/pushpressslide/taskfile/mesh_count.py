@@ -1,4 +1,4 @@
-"""Triangles in a mesh file, counted before the file is read."""
+"""Triangles in a mesh file, counted before a mesh is made of it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,9 @@ GLTF_TRIANGLES = 4
 
 
 def check_count(file: Path) -> None:
-    """Raise ValueError for a file of too many triangles or bytes, before it is read."""
+    """Raise ValueError for a file of too many triangles or bytes, before a mesh is made
+    of it.
+    """
     check_triangles(_COUNTS[file.suffix.lower()](file))
     _check_bytes(file.stat().st_size)
 
@@ -58,7 +60,9 @@ def _obj(file: Path) -> int:
 
 
 def _stl(file: Path) -> int:
-    """Number of triangles, from the head of a binary file."""
+    """Number of triangles: from the head of a binary file, otherwise that of the facets
+    in the text.
+    """
     head = _head(file, STL_HEAD)
     count = int.from_bytes(head[-4:], "little")
     if file.stat().st_size == STL_HEAD + STL_TRIANGLE * count:
@@ -67,14 +71,14 @@ def _stl(file: Path) -> int:
 
 
 def _ply(file: Path) -> int:
-    """Number of faces in the head, each of which is one triangle or more."""
+    """Number of faces that the head states, each of which is one triangle or more."""
     head = _head(file, PLY_HEAD).partition(b"end_header")[0]
     found = re.search(rb"element\s+face\s+(\d{1,18})\b", head)
     return int(found[1]) if found else 0
 
 
 def _glb(file: Path) -> int:
-    """Number of triangles in the JSON text with which a GLB file begins."""
+    """Number of triangles that the JSON text at the start of a GLB file declares."""
     length = int.from_bytes(_head(file, GLB_HEAD)[-8:-4], "little")
     _check_bytes(length)
     return _declared(_head(file, GLB_HEAD + length)[GLB_HEAD:])
@@ -105,7 +109,9 @@ def _declared(text: bytes) -> int:
 
 
 def _of_primitive(part: Mapping[str, Any], tree: Mapping[str, Any]) -> int:
-    """Number of triangles in one primitive of a glTF mesh, rounded up."""
+    """Number of triangles in one primitive of a glTF mesh, an upper bound unless its
+    corners come in threes.
+    """
     corners = part.get("indices", part["attributes"]["POSITION"])
     count = int(tree["accessors"][corners]["count"])
     in_threes = part.get("mode", GLTF_TRIANGLES) == GLTF_TRIANGLES

@@ -1,7 +1,8 @@
-"""The area that triangles at one level cover, from the border that they leave.
+"""The area covered by triangles at one level, from the border that remains when their
+common edges cancel.
 
-Programs split a concave face into a fan of triangles, some of which lie outside the face
-and are taken back by others that face the opposite way. Their common edges cancel.
+Programs split a concave face into a fan of triangles, some of which lie outside the
+face and are taken back by others that face the opposite way.
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ MOST_EDGES = 20_000
 
 
 def covered(triangles: Array, grid: float) -> Area:
-    """Points about which the triangles (m, 3, 2) wind counter-clockwise in sum.
+    """Area of the points about which the winding numbers of the triangles (m, 3, 2) add
+    up to more than zero; counter-clockwise is positive.
 
     Corners [m] are rounded to ``grid``. Raises ValueError for a border of too many
     edges.
@@ -41,8 +43,8 @@ def covered(triangles: Array, grid: float) -> Area:
 
 
 def _border(triangles: Array, grid: float) -> tuple[Array, Array, Array]:
-    """Starts (k, 2) and ends [grid] of the directed edges that do not cancel, and how
-    often each remains.
+    """Starts (k, 2) and ends [grid] of the edges that do not cancel, and how often each
+    remains, < 0 in the reverse direction.
     """
     import numpy as np
 

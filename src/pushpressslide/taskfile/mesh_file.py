@@ -47,7 +47,9 @@ def read_mesh(path: str, scale: float, up: str = "z") -> MeshSolid:
 
 
 def _changed(file: Path) -> int:
-    """Time [ns] of the last change of a file, or of the buffers beside a glTF text."""
+    """Time [ns] of the last change of a file, or of the buffers beside it if it is a
+    glTF text.
+    """
     parts = [file]
     if file.suffix.lower() == ".gltf":
         parts += file.parent.glob("*.bin")
@@ -99,7 +101,7 @@ class _Faces:
 
 
 def _faces(mesh: Trimesh) -> _Faces:
-    """Base, top and all between them."""
+    """Base, top and whole footprint of a solid, and its area that faces up."""
     import numpy as np
     import shapely
 
@@ -152,9 +154,10 @@ def _check_flat(name: str, face: Area, whole: Polygon, extent: float) -> None:
 
 
 def _check_upright(volume: float, upright: float) -> None:
-    """Raise ValueError unless a volume [m^3] is that of upright prisms.
+    """Raise ValueError unless ``volume`` [m^3] is that of upright prisms.
 
-    It is below ``upright``, base area times height, if a body ends lower or leans in.
+    Theirs is ``upright``, the area that faces up times the full height. The volume is
+    smaller if a body ends lower or leans in.
     """
     if abs(volume - upright) > TOLERANCE * upright:
         raise ValueError(

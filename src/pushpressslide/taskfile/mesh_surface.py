@@ -1,6 +1,7 @@
 """The surface in a mesh file: closed, in metres, with z up.
 
-Corners at one place are one corner, whatever normals, texture or material split them.
+Corners at the same place are merged, even if the file keeps them apart for their
+normals, texture or material.
 """
 
 from __future__ import annotations
@@ -102,7 +103,9 @@ def _check_size(mesh: Trimesh, scale: float) -> None:
 
 
 def _unit_question(length: float, scale: float) -> str:
-    """Question for the unit of a file, one of whose lengths is implausible."""
+    """Question about the unit of a file, for a ``length`` that is implausible at this
+    ``scale``.
+    """
     for unit, other in UNITS:
         if other != scale and SMALLEST <= other * length <= LARGEST:
             return f"in {unit}? give scale: {other:g}"
@@ -142,7 +145,9 @@ def _filled(mesh: Trimesh) -> Trimesh:
 
 
 def _open_edges(mesh: Trimesh) -> Indices:
-    """Edges (m, 2) of an odd number of triangles, in the sense of a triangle."""
+    """Edges (m, 2) that belong to an odd number of triangles, each in the direction of
+    one of these.
+    """
     import numpy as np
 
     low, high = mesh.edges_sorted.T
@@ -152,7 +157,9 @@ def _open_edges(mesh: Trimesh) -> Indices:
 
 
 def _loops(edges: Indices) -> list[list[int]]:
-    """Closed loops of directed edges; none where loops meet."""
+    """Closed loops of directed edges. Empty if loops meet at a corner, or one does not
+    close.
+    """
     follow = dict(edges.tolist())
     if len(follow) < len(edges):
         return []
@@ -170,7 +177,9 @@ def _loops(edges: Indices) -> list[list[int]]:
 
 
 def _check_winding(mesh: Trimesh) -> None:
-    """Raise ValueError unless each edge is used as often one way as the other."""
+    """Raise ValueError unless the triangles use each edge equally often in both
+    directions.
+    """
     import numpy as np
 
     low, high = mesh.edges_sorted.T

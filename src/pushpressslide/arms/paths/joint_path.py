@@ -358,7 +358,8 @@ def _rolled(problem: ArmProblem, along: ContactPath, attitude: ToolAttitude) -> 
 
 
 def _candidates(problem: ArmProblem, force: bool) -> Iterator[Move | Miss]:
-    """Yield the moves along the contact, the preferred first, and the misses between.
+    """Yield the moves along the contact, the preferred first, and the misses in
+    between.
 
     Upright tools come before tilted ones, and stretched arms last.
     """

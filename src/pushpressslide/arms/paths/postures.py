@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import islice
 
 import numpy as np
@@ -16,7 +17,12 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.support_frame import Matrix3
 from pushpressslide.robots.continuation import Continuation, continuations
-from pushpressslide.robots.inverse import POSITION_TOLERANCE, IkSolution, solve_ik
+from pushpressslide.robots.inverse import (
+    POSITION_TOLERANCE,
+    IkSolution,
+    default_seeds,
+    solve_ik,
+)
 from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.reach import REACH_MARGIN
 from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
@@ -188,13 +194,20 @@ def moves(
 def _first_postures(
     kin: ArmKinematics, tip: TipPath, i: int, tools: Sequence[HeldTool]
 ) -> IkSolution:
-    """Postures at sample ``i`` of a tip path, one for each of b tool attitudes."""
+    """Postures at sample ``i`` of a tip path, one for each of b tool attitudes.
+
+    Of an arm given by a file, one that the ready posture leads to comes first: the
+    others may have the elbow below the table.
+    """
     yaw = tip.yaws[i]
     rotations = np.array([tool.rotation_at(yaw + offset) for tool, offset in tools])
+    rotations = rotations.reshape(-1, 3, 3)
     positions = np.tile(tip.positions[i], (len(tools), 1))
-    return solve_ik(
-        kin, positions, rotations.reshape(-1, 3, 3), joint_margin=JOINT_MARGIN
-    )
+    search = partial(solve_ik, kin, positions, rotations, joint_margin=JOINT_MARGIN)
+    if not kin.facts.from_file:
+        return search()
+    near = search(q_seed=default_seeds(kin, positions)[:, :1])
+    return near if near.converged.all() else near.or_else(search())
 
 
 def _followed(

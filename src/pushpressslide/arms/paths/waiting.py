@@ -22,7 +22,7 @@ PARKED = 8  # most postures to be parked in that are offered
 
 def waiting_moves(problem: ArmProblem, *, force: bool = False) -> Iterator[Move | Miss]:
     """Yield the postures in which an arm may wait, the preferred first, and the misses
-    between.
+    in between.
 
     Those with ample clearance come before those that are merely clear. With ``force``
     the last is the present posture, however bad.

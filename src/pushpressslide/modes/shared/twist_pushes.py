@@ -40,8 +40,8 @@ class TwistPushes(Mode[CarDrive | TwistDrive]):
     """A mode of two pushes whose segments may have a TwistDrive."""
 
     def tracker(self, query: MotionQuery, segment: Segment) -> Tracker:
-        """Holonomic law for a segment, with corrections inside the cone of a fraction
-        of the friction.
+        """Holonomic law for a segment, with corrections inside the cone that a fraction
+        of the friction gives.
         """
         drive = segment.drive
         assert isinstance(drive, TwistDrive)

@@ -261,17 +261,17 @@ def _both_ways(turns: Sequence[PressedTurn], straight: float) -> list[PressedTur
 
 
 def _run_ins(
-    scene: Scene, max_length: float, goal: Pose2, turns: Sequence[PressedTurn]
+    scene: Scene, max_speed: float, goal: Pose2, turns: Sequence[PressedTurn]
 ) -> list[_RunIn]:
-    """Run-ins along the straight turns that leave enough steering to correct, at up to
-    ``max_length`` [m/s].
+    """Run-ins along the straight turns that leave enough steering to correct, at a
+    speed of up to ``max_speed`` [m/s].
     """
     out = []
     for turn in turns:
         if _straight(turn) and min(-turn.right, turn.left) >= margins.CORRECTING:
-            speed = _speed(max_length, turn)
+            speed = _speed(max_speed, turn)
             path = ArcPath(turn.X_BV, ())
-            look_ahead = DrivenTurn(turn, path, goal, speed, max_length).look_ahead
+            look_ahead = DrivenTurn(turn, path, goal, speed, max_speed).look_ahead
             out += [_RunIn(turn, speed, k * look_ahead) for k in scene.run_ins]
     return out
 

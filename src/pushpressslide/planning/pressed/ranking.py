@@ -155,8 +155,8 @@ def _planned_turns(
     headings: NDArray[np.complex128],
     straight: float,
 ) -> _Turns:
-    """Turns of each press about their centres, at every other force angle of the table,
-    or at every fourth if there are many.
+    """Turns of each press about their centres, at every second force angle of the
+    table, or at every fourth if there are many.
 
     Turns of less curvature than ``straight`` [1/m] are replaced by two about distant
     centres, one on either side.

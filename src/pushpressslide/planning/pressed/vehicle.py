@@ -69,10 +69,10 @@ def pressed_vehicle(
     contact: Contact,
     backward: bool,
     angle: float,
-    max_length: float = math.inf,
+    max_angle: float = math.inf,
 ) -> PressedVehicle:
     """The object as a vehicle that turns by a force at ``angle`` [rad] and is steered
-    by at most ``max_length`` [rad].
+    by at most ``max_angle`` [rad].
 
     ``motion.vehicle`` says whether it turns on the spot. Raises ValueError, with the
     deciding number, if it tips.
@@ -90,7 +90,7 @@ def pressed_vehicle(
         )
         raise RefusedError(Refusal("tipping", text, lower, margins.TIPPING_MARGIN))
     steepest = min(
-        max_length, max(a for a, space in spaces if space >= margins.TIPPING_MARGIN)
+        max_angle, max(a for a, space in spaces if space >= margins.TIPPING_MARGIN)
     )
     if kind == "pivot":
         left = math.remainder(query.goal.yaw - query.start.yaw, 2.0 * math.pi) > 0.0

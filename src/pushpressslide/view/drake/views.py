@@ -112,8 +112,8 @@ def _tip_views(
 
 
 def _behind(subject: Subject, normal: Point) -> Array:
-    """Best direction (3,) to see a push along ``normal``, in the object's axes, to
-    either side behind its tip.
+    """Best direction (3,), in the object's axes, from which to see a push along
+    ``normal``: from behind its tip, to the left or to the right.
     """
     heading = math.atan2(normal[1], normal[0])
     costs = []

@@ -24,8 +24,8 @@ ALLOCATORS = ("jemalloc", "mimalloc")
 
 
 def memory() -> list[Row]:
-    """A row for each allocator: the wall time of a shipped task's run, and its ratio to
-    the C library's in the same round.
+    """A row for each memory allocator: the wall time of a shipped task's run, and its
+    ratio to that with the C library's allocator in the same round.
     """
     own: list[Record] = []
     others: dict[str, list[Record]] = {name: [] for name in ALLOCATORS}
@@ -46,7 +46,7 @@ def memory() -> list[Row]:
 
 
 def _row(name: str, records: Sequence[Record], own: Sequence[Record]) -> Row:
-    """Row of an allocator. The object's final pose is the same with all."""
+    """Row of a memory allocator. The object's final pose is the same with all."""
     x, y, _ = records[0].arrays["object_pose"][-1]
     pairs = zip(records, own, strict=True)
     return {
@@ -60,7 +60,7 @@ def _row(name: str, records: Sequence[Record], own: Sequence[Record]) -> Row:
 
 
 def _run_with(allocator: str) -> Record | str:
-    """Result of the run with an allocator, or the reason why there is none."""
+    """Result of the run with a memory allocator, or the reason why there is none."""
     library = find_library(allocator)
     if not sys.platform.startswith("linux") or library is None:
         return f"not found: lib{allocator}"

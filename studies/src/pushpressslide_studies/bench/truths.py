@@ -24,7 +24,7 @@ def truths(seed: int) -> list[Row]:
     """A row for each method: the time of a sample, its ratio to the compiled batch, and
     the seconds for ``SAMPLES`` of them.
 
-    Drawing the samples counts; the one planning does not.
+    The time includes drawing the samples, but not the one planning.
     """
     from pushpressslide.jobs.batched import planned
     from pushpressslide.taskfile.load import load_task

@@ -106,7 +106,9 @@ def _added(pushes: tuple[Push, ...], change: Array) -> tuple[Push, ...]:
 
 
 def _changed(pushes: tuple[Push, ...], change: Array) -> tuple[Push, ...]:
-    """Changed pushes on their faces, none backwards."""
+    """Pushes with ``change`` applied, each kept on its face, and none of them
+    backwards.
+    """
     return tuple(
         replace(
             push,

@@ -33,7 +33,8 @@ AIMS = 2  # corrections of a target by the forward model
 def stroke(X_WB: Pose2, pusher: Pusher, push: Push, hasty: bool) -> Point:
     """Target of the pusher for the next action of a push.
 
-    ``hasty``: any overlap above the threshold suffices.
+    ``hasty``: an action may end the episode with any overlap above the threshold,
+    otherwise only with a good one.
     """
     most = PUSH_STEP / push.pusher_ratio
     count = max(1, math.ceil(push.length / most - LONGER))
