@@ -18,6 +18,7 @@ from pushpressslide.core.task import Robot
 from pushpressslide.robots.description import read_description
 from pushpressslide.robots.facts import (
     MODELS,
+    TIP,
     JointFacts,
     LinkFacts,
     RobotFacts,
@@ -174,6 +175,8 @@ DRAWS = 4000
 HEIGHTS = (0.15, 0.3, 0.45)
 DISTANCES = (0.4, 0.5, 0.6)
 """Of the reach: places of the tip, over the workspace, that a posture is looked for at."""
+GROUPS = 8
+"""Searches from other starts, each of which takes the posture with the best margin."""
 ENOUGH_MARGIN = 0.5
 """[rad] joint margin above which more counts no more."""
 
@@ -203,12 +206,14 @@ def ready_posture(facts: RobotFacts, length: float) -> Array:
             low[0],
             high[0],
         )
-    found = solve_ik(kin, np.array(places), q_seed=seeds)
-    good = found.converged
-    if not good.any():
+    found = [
+        solve_ik(kin, np.array(places), q_seed=group)
+        for group in np.array_split(seeds, GROUPS)
+    ]
+    postures = np.concatenate([one.q[one.converged] for one in found])
+    if not len(postures):
         out: Array = q[int(np.argmax(downward))]
         return out
-    postures = found.q[good]
     upright = _links_above(kin, postures)
     if upright.any():
         postures = postures[upright]
@@ -221,11 +226,11 @@ def ready_posture(facts: RobotFacts, length: float) -> Array:
 
 
 def _links_above(kin: ArmKinematics, q: Array) -> NDArray[np.bool_]:
-    """Mask of the postures (m, n) in which all links, from the second joint on, are
-    above the base.
+    """Mask of the postures (m, n) in which all links, from the third joint on, are
+    above the tip.
     """
     poses = kin.link_poses(q)
-    links = [joint.child for joint in kin.facts.moving[1:]]
+    links = [joint.child for joint in kin.facts.moving[2:]]
     heights = np.array([poses[link][1][..., 2] for link in links])
-    out: NDArray[np.bool_] = np.all(heights > kin.base[2], axis=0)
+    out: NDArray[np.bool_] = np.all(heights > poses[TIP][1][..., 2], axis=0)
     return out
