@@ -31,20 +31,20 @@ SLOW = path(
 def test_the_fastest_joint_sets_the_pace_of_each_section() -> None:
     pace = joint_pace([SLOW], [limits(2.0, 1.0)])
     assert pace is not None
-    assert pace.at(0.5) == pytest.approx(SHARE * 20.0)
-    assert pace.at(2.5) == pytest.approx(SHARE * 2.0)
-    assert pace.at(1.5) == pace.at(2.5)  # a sample before the fast one
-    assert pace.at(3.5) == pace.at(2.5)  # and after it
-    assert pace.at(-1.0) == pace.at(0.5)
-    assert pace.at(9.0) == pace.at(3.5)
+    assert pace.speed_at(0.5) == pytest.approx(SHARE * 20.0)
+    assert pace.speed_at(2.5) == pytest.approx(SHARE * 2.0)
+    assert pace.speed_at(1.5) == pace.speed_at(2.5)  # a sample before the fast one
+    assert pace.speed_at(3.5) == pace.speed_at(2.5)  # and after it
+    assert pace.speed_at(-1.0) == pace.speed_at(0.5)
+    assert pace.speed_at(9.0) == pace.speed_at(3.5)
 
 
 def test_the_slower_of_two_arms_sets_the_pace() -> None:
     quick = path([[0.0, 0.0], [0.4, 0.0]], [0.0, 4.0])
     pace = joint_pace([SLOW, quick], [limits(2.0, 1.0), limits(0.5, 0.5)])
     assert pace is not None
-    assert pace.at(0.5) == pytest.approx(SHARE * 5.0)
-    assert pace.at(2.5) == pytest.approx(SHARE * 2.0)
+    assert pace.speed_at(0.5) == pytest.approx(SHARE * 5.0)
+    assert pace.speed_at(2.5) == pytest.approx(SHARE * 2.0)
 
 
 def test_an_arm_that_rests_sets_no_pace() -> None:

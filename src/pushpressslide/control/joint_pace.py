@@ -26,7 +26,7 @@ class JointPace:
     arc_length: tuple[float, ...]  # (k,) [m]
     speed: tuple[float, ...]  # (k - 1,) [m/s] between two of them
 
-    def at(self, progress: float) -> float:
+    def speed_at(self, progress: float) -> float:
         """Largest speed [m/s] at an arc length ``progress`` [m]."""
         i = bisect_right(self.arc_length, progress) - 1
         return self.speed[min(max(i, 0), len(self.speed) - 1)]
@@ -47,7 +47,7 @@ def joint_pace(
         return found[0]
     places = sorted({s for pace in found for s in pace.arc_length})
     middles = [0.5 * (a + b) for a, b in pairwise(places)]
-    speeds = tuple(min(pace.at(s) for pace in found) for s in middles)
+    speeds = tuple(min(pace.speed_at(s) for pace in found) for s in middles)
     return JointPace(tuple(places), speeds)
 
 

@@ -67,7 +67,7 @@ class Law:
         segment = binding.segment
         speed = self.speed(following, instant.time)
         if self.pace is not None:
-            speed = min(speed, self.pace.at(following.joint_progress(X_WB)))
+            speed = min(speed, self.pace.speed_at(following.joint_progress(X_WB)))
 
         started = clock()
         guidance = binding.tracker.step(

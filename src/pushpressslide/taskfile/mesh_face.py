@@ -63,14 +63,14 @@ def _border(triangles: Array, grid: float) -> tuple[Array, Array, Array]:
     return corners[low], corners[high], counts[rest]
 
 
-def _winding(point: Array, starts: Array, ends: Array, counts: Array) -> float:
+def _winding(point: Array, tails: Array, heads: Array, counts: Array) -> float:
     """Winding number of directed edges about a point that is on none of them."""
     import numpy as np
 
-    edge = ends - starts
-    offset = point - starts
+    edge = heads - tails
+    offset = point - tails
     left = edge[:, 0] * offset[:, 1] > edge[:, 1] * offset[:, 0]
-    below = starts[:, 1] <= point[1]
-    upwards = below & (ends[:, 1] > point[1]) & left
-    downwards = ~below & (ends[:, 1] <= point[1]) & ~left
+    below = tails[:, 1] <= point[1]
+    upwards = below & (heads[:, 1] > point[1]) & left
+    downwards = ~below & (heads[:, 1] <= point[1]) & ~left
     return float(np.sum(counts * upwards) - np.sum(counts * downwards))
