@@ -31,6 +31,7 @@ from pushpressslide.control.estimator import (
 from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.following import Following, Prediction
 from pushpressslide.control.insertion import Insertion
+from pushpressslide.control.joint_pace import JointPace
 from pushpressslide.control.law import Decision, Law
 from pushpressslide.control.placement import Placement, share_of_tolerance
 from pushpressslide.control.state import (
@@ -291,6 +292,10 @@ class Controller:
                 measurement.tips[contact.arm].force, direction
             )
         return forces
+
+    def keep_pace(self, pace: JointPace | None) -> None:
+        """Follow paths no faster than ``pace``."""
+        self.law = replace(self.law, pace=pace)
 
     def filtered_pose(self, state: ControllerState) -> Pose2:
         """Filtered X_WG at the last tick."""

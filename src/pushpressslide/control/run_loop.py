@@ -432,9 +432,9 @@ class RunLoop:
             self.options.estimator,
         )
         limits = self.cell.arm_limits
-        if paths and len(limits) == len(paths):
-            pace = joint_pace(paths, limits)
-            self.controller.law = replace(self.controller.law, pace=pace)
+        own = isinstance(self.controller, Controller)
+        if own and paths and len(limits) == len(paths):
+            self.controller.keep_pace(joint_pace(paths, limits))
         self.state = None
         self.expected = self._expected(time)
 
