@@ -28,8 +28,6 @@ from pushpressslide.robots.file_values import (
 )
 from pushpressslide.robots.mesh_paths import MeshPaths, readable
 
-GREY: Triple = (0.7, 0.7, 0.7)
-
 
 def read_urdf(root: Element, file: Path, packages: Sequence[str]) -> Description:
     """Content of a URDF file.

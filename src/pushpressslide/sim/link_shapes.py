@@ -32,8 +32,6 @@ from pushpressslide.robots.facts import LinkShape
 ALUMINIUM = (0.78, 0.79, 0.81)
 MOST_TRIANGLES = 100_000
 """Of a mesh that is drawn."""
-MOST_CORNERS = 64
-"""Of a hull for clearances."""
 
 
 def add_shapes(
@@ -54,9 +52,9 @@ def add_shapes(
         body = plant.GetBodyByName(shape.link, instance)
         X = RigidTransform(RollPitchYaw(shape.rpy), shape.xyz)
         name = f"{shape.link}_{number}"
-        if shape.solid:
+        if shape.solid and collision:
             hull = solid(shape)
-            if hull is not None and collision:
+            if hull is not None:
                 properties = ProximityProperties()
                 plant.RegisterCollisionGeometry(body, X, hull, name, properties)
         picture = None

@@ -131,9 +131,10 @@ def _filled(mesh: Trimesh) -> Trimesh:
     import numpy as np
     from trimesh import Trimesh
 
-    if not len(_open_edges(mesh)):
+    edges = _open_edges(mesh)
+    if not len(edges):
         return mesh
-    loops = [lp for lp in _loops(_open_edges(mesh)) if len(lp) <= MOST_GAP_EDGES]
+    loops = [lp for lp in _loops(edges) if len(lp) <= MOST_GAP_EDGES]
     fans = [(lp[0], lp[i + 1], lp[i]) for lp in loops for i in range(1, len(lp) - 1)]
     if fans:
         faces = np.vstack((mesh.faces, fans))
