@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from xml.etree.ElementTree import Element
 
 import numpy as np
 
@@ -53,6 +54,12 @@ class Description:
     # type of joints that cannot be driven, by name: floating, ball, ...
     odd: dict[str, str] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
+
+
+def mimicked(holder: Element) -> str:
+    """Name of the joint that a joint mimics, empty for none."""
+    mimic = holder.find("mimic")
+    return "" if mimic is None else mimic.get("joint") or "another joint"
 
 
 def kind_of(kind: str) -> JointKind:

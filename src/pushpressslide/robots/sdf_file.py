@@ -31,6 +31,7 @@ from pushpressslide.robots.file_data import (
     kind_of,
     left_out,
     limits_of,
+    mimicked,
     unit,
 )
 from pushpressslide.robots.file_tree import few
@@ -74,19 +75,13 @@ def read_sdf(root: Element, file: Path, packages: Sequence[str]) -> Description:
         [_frame(frame) for frame in model.findall("frame")],
         [shape for link in links for shape in _shapes(link, paths, lost)],
         {
-            joint.attrib["name"]: _mimicked(axis)
+            joint.attrib["name"]: mimicked(axis)
             for joint in joints
             if (axis := joint.find("axis")) is not None
         },
         {name: kind for name, kind in kinds.items() if kind not in KINDS},
         left_out(lost),
     )
-
-
-def _mimicked(axis: Element) -> str:
-    """Name of the joint that an axis mimics, empty for none."""
-    mimic = axis.find("mimic")
-    return "" if mimic is None else mimic.get("joint") or "another joint"
 
 
 def _pose(element: Element, place: str) -> tuple[Array, Array]:

@@ -17,6 +17,7 @@ from pushpressslide.robots.file_data import (
     kind_of,
     left_out,
     limits_of,
+    mimicked,
     unit,
 )
 from pushpressslide.robots.file_values import (
@@ -51,7 +52,7 @@ def read_urdf(root: Element, file: Path, packages: Sequence[str]) -> Description
         [_joint(joint, rotors.get(joint.attrib["name"], {})) for joint in joints],
         [_frame(frame) for frame in root.findall("frame")],
         shapes,
-        {joint.attrib["name"]: _mimicked(joint) for joint in joints},
+        {joint.attrib["name"]: mimicked(joint) for joint in joints},
         {
             joint.attrib["name"]: joint.attrib["type"]
             for joint in joints
@@ -69,12 +70,6 @@ def _frame(frame: Element) -> Frame:
         place_of(frame.get("xyz"), f"frame {name!r}, xyz"),
         triple(frame.get("rpy"), f"frame {name!r}, rpy"),
     )
-
-
-def _mimicked(holder: Element) -> str:
-    """Name of the joint that a joint mimics, empty for none."""
-    mimic = holder.find("mimic")
-    return "" if mimic is None else mimic.get("joint") or "another joint"
 
 
 def _link(link: Element) -> LinkFacts:
