@@ -86,9 +86,7 @@ def last_link(model: str) -> str:
     if path.suffix.lower() not in (".urdf", ".sdf") or not path.is_file():
         read_description(model, "")  # says what is wrong
     with _blaming(model):
-        read = read_urdf if path.suffix.lower() == ".urdf" else read_sdf
-        whole = read(_root(path), path, ())
-        check_tree([link.name for link in whole.links], whole.joints)
+        whole = _content(path, ())
     by_child = {joint.child: joint for joint in whole.joints}
 
     def depth(link: str) -> tuple[int, int]:
@@ -105,12 +103,17 @@ def last_link(model: str) -> str:
     return max(names or [link.name for link in whole.links], key=depth)
 
 
+def _content(path: Path, packages: Sequence[str]) -> Description:
+    """Content of an existing file, its links and joints checked to be one tree."""
+    read = read_urdf if path.suffix.lower() == ".urdf" else read_sdf
+    content = read(_root(path), path, packages)
+    check_tree([link.name for link in content.links], content.joints)
+    return content
+
+
 def _facts(path: Path, tip_frame: str, packages: Sequence[str]) -> RobotFacts:
     """Checked facts of an existing file."""
-    read = read_urdf if path.suffix.lower() == ".urdf" else read_sdf
-    whole = read(_root(path), path, packages)
-    check_tree([link.name for link in whole.links], whole.joints)
-    description = _without_world(whole)
+    description = _without_world(_content(path, packages))
     chain = _chain(description, tip_frame)
     base = chain[0].parent if chain else tip_frame
     moving = [joint for joint in chain if joint.kind != "fixed"]
