@@ -22,6 +22,7 @@ from pushpressslide.identification.parameter_estimates import (
     NOTHING,
     ParameterEstimates,
 )
+from pushpressslide.mechanics.faces import side_of
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Measured
 from pushpressslide.planning.swept import swept
@@ -181,9 +182,7 @@ def _at_speed(segments: Sequence[Segment], profile: SpeedProfile) -> Replan:
 def sides_of(body: ObjectModel, contacts: Sequence[Contact]) -> tuple[Side | None, ...]:
     """Side of ``body`` that each contact is on. None for one on its top."""
     return tuple(
-        body.shape.side(contact.point, contact.normal, body.center_of_mass)
-        if contact.kind == "side"
-        else None
+        side_of(body, contact) if contact.kind == "side" else None
         for contact in contacts
     )
 

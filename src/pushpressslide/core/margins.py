@@ -27,6 +27,16 @@ LEAST_LEVER = 0.25
 """Radii of the object: the least lever of a push about a pinned point. With less, what
 the push's place is wrong by matters more than the push.
 """
+SIDE_LEAN = 0.35
+"""Tangent of a pushed side's lean over the tip's friction: the friction that is left in
+the plane is a tenth smaller at most.
+"""
+ROD_RADIUS = 0.008
+"""[m] of the steel rod between flange and tip."""
+ROD_SHARE = 0.4
+"""Of the tip's radius, at most, for its rod: that of a small tip must not come near to
+what the tip touches.
+"""
 SURE_LEVER = 4.0
 """Times the distance by which the centre of mass may be elsewhere: the least lever of a
 press that steers. With that the heading is wrong by a quarter of a radian at most, which
@@ -441,6 +451,16 @@ class ArmMargins:
 
 ARM = ArmMargins()
 """Those of the shipped arms."""
+
+
+def side_lean(friction: float) -> float:
+    """Lean [rad] of a side up to which a tip of a ``friction`` pushes it."""
+    return math.atan(SIDE_LEAN * friction)
+
+
+def rod_radius(tip_radius: float) -> float:
+    """Radius [m] of the rod that holds a tip."""
+    return min(ROD_RADIUS, ROD_SHARE * tip_radius)
 
 
 def inset(tip_radius: float) -> float:

@@ -38,6 +38,11 @@ class Edge:
             self.start[1] + share * (self.end[1] - self.start[1]),
         )
 
+    def points(self, count: int) -> list[Point]:
+        """Evenly spaced points, both ends among them."""
+        step = self.length / (count - 1)
+        return [self.point_at(i * step) for i in range(count)]
+
     def transformed(self, X: Pose2) -> Edge:
         """The edge in the frame in which its own frame has the pose ``X``."""
         return Edge(X.apply(self.start), X.apply(self.end))
@@ -52,12 +57,22 @@ class Arc:
     start: float  # [rad] direction of its first point from the centre
     sweep: float  # [rad] > 0, counter-clockwise
 
+    @property
+    def length(self) -> float:
+        """Length [m]."""
+        return self.radius * self.sweep
+
     def point_at(self, angle: float) -> Point:
         """Point in the direction ``angle`` [rad] from the centre."""
         return (
             self.center[0] + self.radius * math.cos(angle),
             self.center[1] + self.radius * math.sin(angle),
         )
+
+    def points(self, count: int) -> list[Point]:
+        """Evenly spaced points, both ends among them."""
+        step = self.sweep / (count - 1)
+        return [self.point_at(self.start + i * step) for i in range(count)]
 
     @property
     def whole(self) -> bool:

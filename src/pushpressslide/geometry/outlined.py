@@ -29,7 +29,7 @@ from pushpressslide.geometry.sides import (
     SidePlace,
     on_arc,
 )
-from pushpressslide.geometry.touchable import free_space, touchable
+from pushpressslide.geometry.touchable import Touchable, free_space, touchable
 
 if TYPE_CHECKING:
     from shapely import Polygon
@@ -181,12 +181,16 @@ class Outlined(Shape):
         """Gauge of the hull."""
         return self.hull.gauge()
 
+    def touchable(self, tip_radius: float) -> tuple[Touchable, ...]:
+        """Parts of the border that a tip can touch."""
+        return touchable(self.border, tip_radius)
+
     def side_places(
         self, clearance: float, tip_radius: float, origin: Point
     ) -> tuple[SidePlace, ...]:
         """Places on the touchable part of each side, several on an arc."""
         out: list[SidePlace] = []
-        for found in touchable(self.border, tip_radius):
+        for found in self.touchable(tip_radius):
             part = found.side
             if isinstance(part, Edge):
                 out.append(_edge_place(found.index, part, clearance, origin))

@@ -21,9 +21,7 @@ def convex_pieces(corners: Polygon) -> tuple[Polygon, ...]:
     """
     if is_convex(corners):
         return (corners,)
-    pieces: list[Polygon] = [
-        (corners[a], corners[b], corners[c]) for a, b, c in triangles(corners)
-    ]
+    pieces = _triangles(corners)
     merged = _merged_once(pieces)
     while merged is not None:
         pieces = merged
@@ -35,15 +33,20 @@ def triangles(corners: Polygon) -> list[tuple[int, int, int]]:
     """Triangulation of a simple polygon by corner indices, each triangle
     counter-clockwise.
     """
+    number = {corner: i for i, corner in enumerate(corners)}
+    return [(number[a], number[b], number[c]) for a, b, c in _triangles(corners)]
+
+
+def _triangles(corners: Polygon) -> list[tuple[Point, ...]]:
+    """Triangles that make up a polygon, or an area within a ring that touches itself."""
     import shapely
 
-    made = shapely.constrained_delaunay_triangles(shapely.Polygon(corners))
-    number = {corner: i for i, corner in enumerate(corners)}
-    out = []
-    for triangle in shapely.get_parts(shapely.orient_polygons(made)):
-        a, b, c = (number[(x, y)] for x, y in triangle.exterior.coords[:-1])
-        out.append((a, b, c))
-    return out
+    area = shapely.make_valid(shapely.Polygon(corners), method="structure")
+    made = [
+        shapely.constrained_delaunay_triangles(part) for part in shapely.get_parts(area)
+    ]
+    parts = shapely.get_parts(shapely.orient_polygons(made))
+    return [tuple((x, y) for x, y in part.exterior.coords[:-1]) for part in parts]
 
 
 def _merged_once(polygons: list[Polygon]) -> list[Polygon] | None:

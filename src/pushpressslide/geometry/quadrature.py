@@ -18,6 +18,7 @@ from pushpressslide.core.pose import Point
 from pushpressslide.geometry.pieces import convex_pieces
 from pushpressslide.geometry.polygon import convex_hull, is_convex
 
+ROUNDING = 1e-9  # of an area
 DISC_CORNERS = 64  # of the polygon that stands for a disc where a part of it lifts
 
 # Symmetric six-point triangle rule, exact to degree 4 (Strang and Fix 1973):
@@ -28,7 +29,7 @@ _RULE = ((0.445948490915965, 0.223381589678011), (0.091576213509771, 0.109951743
 def as_polygon(corners: Sequence[Point]) -> Array:
     """Corners as an array (n, 2).
 
-    Raises ValueError unless simple and counter-clockwise.
+    Raises ValueError unless counter-clockwise, round each point once.
     """
     polygon = np.array(corners, dtype=np.float64)
     if (
@@ -48,7 +49,7 @@ def as_polygon(corners: Sequence[Point]) -> Array:
     if (
         size == 0.0
         or not moments(polygon)[0] > 1e-12 * size**2
-        or (concave and not _is_simple(polygon))
+        or (concave and not _covers_once(polygon))
     ):
         raise ValueError(
             "polygon must not cross itself, be counter-clockwise, and have an area"
@@ -56,10 +57,17 @@ def as_polygon(corners: Sequence[Point]) -> Array:
     return polygon
 
 
-def _is_simple(polygon: Array) -> bool:
-    from shapely import Polygon
+def _covers_once(polygon: Array) -> bool:
+    """Whether a ring goes round each of its points once. It may touch itself, as the
+    bridges to the holes of an area do.
+    """
+    from shapely import Polygon, make_valid
 
-    return bool(Polygon(polygon).is_valid)
+    area = Polygon(polygon)
+    if area.is_valid:
+        return True
+    covered = make_valid(area, method="structure").area
+    return bool(abs(covered - moments(polygon)[0]) < ROUNDING * covered)
 
 
 @lru_cache(maxsize=64)

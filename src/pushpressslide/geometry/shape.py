@@ -92,8 +92,35 @@ class Shape:
 
     @property
     def hull(self) -> Shape:
-        """The upright body on the convex hull of the footprint, which decides tipping."""
+        """The upright body on the convex hull of the base, which decides tipping."""
         return self
+
+    @property
+    def top_height(self) -> float:
+        """Height [m] of the level patch on top that a tip can press."""
+        return self.height
+
+    def section(self, height: float, lean: float = 0.5 * math.pi) -> Shape:
+        """The body as a tip at a ``height`` [m] meets it, without sides that lean by
+        more than ``lean`` [rad]. Upright bodies are the same at every height.
+        """
+        return self
+
+    def least_lean(self, tip_radius: float) -> float:
+        """Lean [rad] of the most upright side that a tip meets: 0 for an upright body."""
+        return 0.0
+
+    def side_height(
+        self, wanted: float, bounds: tuple[float, float], tip_radius: float, lean: float
+    ) -> float:
+        """Height [m] at which a tip can touch the side: ``wanted`` for an upright
+        body.
+        """
+        return wanted
+
+    def base_depth(self, point: Point) -> float:
+        """Depth [m] of a point in G inside the base. Negative outside."""
+        return self.depth(point)
 
     @property
     def centroid(self) -> Point:
@@ -290,7 +317,7 @@ class Shape:
         """
         from pushpressslide.geometry import quadrature
 
-        return quadrature.base_rule(self.corners, resolution)
+        return quadrature.base_rule(self.base_corners, resolution)
 
     def pressure(self, cop: Point, resolution: int) -> tuple[Array, Array, Array]:
         """Points and areas as by ``base_rule``, and pressures (m,) there.
@@ -300,7 +327,7 @@ class Shape:
         """
         from pushpressslide.geometry import quadrature
 
-        return quadrature.polygon_pressure(self.corners, cop, resolution)
+        return quadrature.polygon_pressure(self.base_corners, cop, resolution)
 
     def _edges(self) -> zip[tuple[Point, Point]]:
         corners = self.corners

@@ -350,6 +350,7 @@ class MeshSolid(Outlined):
     height: float  # [m]
     center: Point  # [m] in G, centroid of the solid, from above
     up: str = "z"  # axis of the file that points up: x, y, z, -x, -y or -z
+    note: str = ""  # what stands for the surface in the file, and why
 
     def __post_init__(self) -> None:
         check_positive(self.scale, "scale")

@@ -18,7 +18,7 @@ from pushpressslide.geometry.border import Arc, Border, BorderSide, Edge
 
 if TYPE_CHECKING:
     from shapely import LineString
-    from shapely import Polygon as Area
+    from shapely.geometry.base import BaseGeometry as Area
 
 SLACK = 1e-4  # of the tip's radius, by which it may overlap: rounding, and chords
 QUADRANT = 64  # chords of a quarter of an offset corner
@@ -37,13 +37,17 @@ class Touchable:
 
 
 @lru_cache(maxsize=64)
-def touchable(border: Border, tip_radius: float) -> tuple[Touchable, ...]:
+def touchable(
+    border: Border, tip_radius: float, around: Area | None = None
+) -> tuple[Touchable, ...]:
     """Parts of a border that a tip of ``tip_radius`` [m] can touch. A tip of zero
     radius touches all.
+
+    ``around`` is a region that its centre cannot enter besides.
     """
     if tip_radius == 0.0:
         return tuple(Touchable(i, side) for i, side in enumerate(border.sides))
-    blocked = _blocked(border, tip_radius, closed=True)
+    blocked = _blocked(border, tip_radius, closed=True, around=around)
     out = []
     for index, side in enumerate(border.sides):
         if isinstance(side, Edge):
@@ -73,16 +77,20 @@ def free_space(border: Border, point: Point, normal: Point, tip_radius: float) -
 
 
 @lru_cache(maxsize=64)
-def _blocked(border: Border, tip_radius: float, closed: bool) -> Area:
+def _blocked(
+    border: Border, tip_radius: float, closed: bool, around: Area | None = None
+) -> Area:
     """Forbidden region of the tip's centre. With ``closed``, notches that the tip
     cannot enter are included.
     """
-    from shapely import Polygon, prepare
+    from shapely import Polygon, prepare, union
 
     swollen = Polygon(border.corners).buffer(
         (1.0 - SLACK) * tip_radius, quad_segs=QUADRANT
     )
-    area = Polygon(swollen.exterior) if closed else swollen
+    area: Area = Polygon(swollen.exterior) if closed else swollen
+    if around is not None:
+        area = union(area, around)
     prepare(area)
     return area
 

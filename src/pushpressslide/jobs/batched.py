@@ -42,6 +42,7 @@ from pushpressslide.kernels.path_run import (
     Touch,
 )
 from pushpressslide.kernels.tracking import stanley_law
+from pushpressslide.mechanics.faces import side_of
 from pushpressslide.planning.rear_car_fit import looked_at, push_twists
 from pushpressslide.planning.side_contacts import pushable
 from pushpressslide.rom.drives import RearSteerDrive
@@ -162,7 +163,7 @@ def _pushed_car(plan: Plan) -> tuple[RearSteerDrive, ArcPath]:
     (segment,) = plan.segments
     (contact,) = segment.contacts
     body = task.scene.body
-    side = body.shape.side(contact.point, contact.normal, body.center_of_mass)
+    side = side_of(body, contact)
     if not isinstance(side, FlatSide):
         raise _refused("a push on a round side", "pushes on flat faces")
     if not task.scene.carried(task.goal) or any(task.scene.weight_along):
@@ -206,7 +207,7 @@ def _touch(plan: Plan) -> Touch:
     told = task.scene
     (contact,) = plan.contacts
     body = told.body
-    side = body.shape.side(contact.point, contact.normal, body.center_of_mass)
+    side = side_of(body, contact)
     assert isinstance(side, FlatSide)
     radius = task.robots[contact.arm].tip_radius
     tip, _ = contact.tip_place(radius)
@@ -237,7 +238,7 @@ def _base(plan: Plan) -> tuple[float, float, float, float]:
     scene = plan.query.scene
     motion = plan.query.motion
     face = min(
-        pushable(scene, motion.face),
+        pushable(scene, contact.height, motion.face),
         key=lambda f: math.dist(
             (*f.foot, *f.normal), (*contact.point, *contact.normal)
         ),

@@ -84,9 +84,10 @@ def choice(query: MotionQuery, face: int | None = None) -> Choice:
     """
     index = query.motion.face if face is None else face
     asked = replace(query, motion=replace(query.motion, face=index))
-    choices = [
-        one for candidate in MODE.candidates(asked) for one in candidate.make(True)
-    ]
+    choices: list[Choice] = []
+    for candidate in MODE.candidates(asked):
+        found = [candidate] if isinstance(candidate, Choice) else candidate.make(True)
+        choices += found
     feasible = [one for one in choices if one.segments]
     if not feasible:
         reason = "; ".join(str(one.refusal) for one in choices) or "it has no face"

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
+from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, turned_left
 from pushpressslide.core.task import ObjectModel
+from pushpressslide.geometry.sides import Side
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,19 +33,22 @@ class Face:
 
 
 def faces(
-    body: ObjectModel, corner_clearance: float, tip_radius: float = 0.0
+    body: ObjectModel,
+    corner_clearance: float,
+    tip_radius: float = 0.0,
+    height: float = 0.0,
+    lean: float = 0.5 * math.pi,
 ) -> tuple[Face, ...]:
-    """Faces of ``body`` that a tip of ``tip_radius`` [m] can touch. A tip of zero
-    radius can touch all.
+    """Faces of ``body`` that a tip of ``tip_radius`` [m] can touch at a ``height`` [m],
+    with a lean of up to ``lean`` [rad]. A tip of zero radius can touch all.
 
     If a part of a face is blocked, each of the remaining parts counts as a face.
     Contacts stay ``corner_clearance`` [m] away from the corners, or at the middle of an
     edge that is too short for that.
     """
     out = []
-    for place in body.shape.side_places(
-        corner_clearance, tip_radius, body.center_of_mass
-    ):
+    side = body.shape.section(height, lean)
+    for place in side.side_places(corner_clearance, tip_radius, body.center_of_mass):
         foot = place.point
         normal = place.normal
         left = turned_left(normal)
@@ -52,6 +58,12 @@ def faces(
         flat = place.ends is not None
         out.append(Face(place.index, foot, normal, offset, depth, ends, flat))
     return tuple(out)
+
+
+def side_of(body: ObjectModel, contact: Contact) -> Side:
+    """Side of ``body`` that a ``contact`` is on."""
+    section = body.shape.section(contact.height)
+    return section.side(contact.point, contact.normal, body.center_of_mass)
 
 
 def room_ahead(body: ObjectModel, face: Face) -> float:

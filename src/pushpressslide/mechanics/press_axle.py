@@ -79,7 +79,7 @@ class Press:
         """Displacement h mu_s [m] of the CoP along the force when a force at the top
         drags the object straight.
         """
-        return self.body.shape.height * self.friction
+        return self.body.shape.top_height * self.friction
 
     @property
     def half_diagonal(self) -> float:
@@ -112,7 +112,7 @@ class Press:
         """
         if self.rho is not None:
             return self._ellipsoid_twist(self.rho, angle)
-        height = self.body.shape.height
+        height = self.body.shape.top_height
         return dragged_twist(
             self.pressure,
             self.friction,
@@ -138,7 +138,7 @@ class Press:
         the support's plane. Raises ValueError if the object tips.
         """
         if height is None:
-            height = self.body.shape.height
+            height = self.body.shape.top_height
         at = axle_with_height(
             self.pressure, self.friction, self.cop, self.contact, height, angle
         )

@@ -134,7 +134,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
         left, right = (contact.load for contact in contacts)
         refusal = placed.refusal
         if refusal is None:
-            cause = f"drag at {query.body.shape.height:.3f} m tips the object"
+            cause = f"drag at {query.body.shape.top_height:.3f} m tips the object"
             refusal = tipping_refusal(cause, drag.tipping_margin)
         allowed = scene.friction_uses[-1]
         if refusal is None and utilisation > allowed:

@@ -51,6 +51,7 @@ from pushpressslide.planning.side_contacts import (
     least_distance,
     push_refusal,
     pushable,
+    untouchable,
 )
 from pushpressslide.robots.contact_reach import UNKNOWN
 from pushpressslide.rom.drives import ORIGIN, TwistDrive
@@ -80,7 +81,11 @@ class OrthogonalPush(TwistPushes):
         Among equally quick ones, a placement that needs less force comes first if its
         forces are well inside their cones.
         """
-        flat = [face for face in pushable(query.scene) if face.flat]
+        height = contact_height(query.scene, query.motion)
+        pushed = pushable(query.scene, height)
+        if not pushed:
+            return [Choice(self.name, refusal=untouchable(query.scene, height))]
+        flat = [face for face in pushed if face.flat]
         if not flat:
             text = "there are no flat faces for two pushes"
             return [Choice(self.name, refusal=Refusal("no_faces", text))]

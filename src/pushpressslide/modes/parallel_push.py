@@ -63,7 +63,7 @@ from pushpressslide.planning.segments import (
     run_time,
     segment,
 )
-from pushpressslide.planning.side_contacts import contact_height, pushable
+from pushpressslide.planning.side_contacts import contact_height, pushable, untouchable
 from pushpressslide.robots.contact_reach import UNKNOWN
 from pushpressslide.rom.drives import ORIGIN, CarDrive, TwistDrive
 from pushpressslide.rom.pushed_car import PushedCar
@@ -95,11 +95,14 @@ class ParallelPush(TwistPushes):
         """One candidate for each pair of contacts on each face."""
         scene = query.scene
         motion = query.motion
-        flat = [face for face in pushable(scene, motion.face) if face.flat]
+        height = contact_height(scene, motion)
+        pushed = pushable(scene, height, motion.face)
+        if not pushed:
+            return [Choice(self.name, refusal=untouchable(scene, height))]
+        flat = [face for face in pushed if face.flat]
         if not flat:
             text = "there is no flat face for two tips side by side"
             return [Choice(self.name, refusal=Refusal("no_faces", text))]
-        height = contact_height(scene, motion)
         placed = [
             (face, contacts)
             for face in flat

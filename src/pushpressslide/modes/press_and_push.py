@@ -77,7 +77,9 @@ class PressAndPush(Mode[PinnedDrive]):
         except RefusedError as error:
             return [Choice(self.name, refusal=error.refusal)]
         turn = math.remainder(query.goal.yaw - query.start.yaw, 2.0 * math.pi)
-        places = levers(query.scene, pin, math.copysign(1.0, turn), query.motion.face)
+        height = contact_height(query.scene, query.motion)
+        side = math.copysign(1.0, turn)
+        places = levers(query.scene, pin, side, height, query.motion.face)
         if not places:
             text = "no face has a lever of {allowed:mm.0f} about the pressed point"
             least = margins.LEAST_LEVER * query.body.radius
@@ -100,7 +102,7 @@ class PressAndPush(Mode[PinnedDrive]):
         for each assignment of the two contacts to the arms.
         """
         scene = query.scene
-        top = query.body.shape.height
+        top = query.body.shape.top_height
         height = contact_height(scene, query.motion)
         press = Contact(0, "top", turn.pin, ORIGIN, top)
         push = Contact(1, "side", lever.point, lever.face.normal, height)

@@ -242,7 +242,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         scene = query.scene
         car = drive.car
         reach = math.dist(drive.X_BV.position, car.cop)
-        height = scene.body.shape.height
+        height = scene.body.shape.top_height
         return CenterIdentifier(
             drive.X_BV,
             contact.point,

@@ -40,7 +40,11 @@ from pushpressslide.planning.segments import (
     run_time,
     segment,
 )
-from pushpressslide.planning.side_contacts import lone_contact_height, pushable
+from pushpressslide.planning.side_contacts import (
+    lone_contact_height,
+    pushable,
+    untouchable,
+)
 from pushpressslide.rom.drives import ORIGIN, RearSteerDrive
 from pushpressslide.tracking.rear_car import RearPushTracker
 from pushpressslide.tracking.rear_stanley import rear_stanley
@@ -65,7 +69,7 @@ class RearPush(Mode[RearSteerDrive]):
         arm = scene.arms[0]
         return [
             Contact(arm, "side", face.foot, face.normal, height)
-            for face in pushable(scene, query.motion.face)
+            for face in pushable(scene, height, query.motion.face)
         ]
 
     def least_time(self, query: MotionQuery) -> float:
@@ -81,8 +85,11 @@ class RearPush(Mode[RearSteerDrive]):
         ]
         return min(lengths, default=math.inf) / query.motion.speed
 
-    def candidates(self, query: MotionQuery) -> list[Candidate]:
+    def candidates(self, query: MotionQuery) -> list[Candidate | Choice]:
         """One candidate per face."""
+        height = lone_contact_height(query.scene, query.motion)
+        if not pushable(query.scene, height):
+            return [Choice(self.name, refusal=untouchable(query.scene, height))]
         return [
             Candidate(0.0, partial(self._push, query, fitted), contacts=(contact,))
             for fitted, contact in zip(
@@ -101,7 +108,9 @@ class RearPush(Mode[RearSteerDrive]):
         height = lone_contact_height(scene, query.motion)
         contact = Contact(scene.arms[0], "side", face.foot, face.normal, height)
         label = f"face {face.index}"
-        if scene.body.shape.edges and not face.flat:  # an arc, in one direction
+        if (
+            scene.body.shape.section(height).edges and not face.flat
+        ):  # an arc, in one direction
             label += f" at {describe_points([face.foot])}"
         choice = Choice(self.name, label, (contact,))
         refusal = contact_refusal(query, face, height)
@@ -231,7 +240,8 @@ class RearPush(Mode[RearSteerDrive]):
         # a tip that rolls round a round side takes the normal along
         planned_at = segment.contacts[0].point
         com = query.body.center_of_mass
-        side = query.body.shape.side(planned_at, contact.normal, com)
+        section = query.body.shape.section(contact.height)
+        side = section.side(planned_at, contact.normal, com)
         contact = replace(contact, normal=side.normal_at(contact.point))
         old = planned.car
         try:

@@ -76,7 +76,7 @@ class Top:
 
     def gap(self, tip: Point, height: float) -> tuple[float, Point]:
         """Gap and normal, which has no component in the plane."""
-        gap = height - self.tip_radius - self.shape.height
+        gap = height - self.tip_radius - self.shape.top_height
         above = gap > -PASSED and self.shape.holds(tip, 0.0, self.origin)
         return gap if above else math.inf, (0.0, 0.0)
 
@@ -87,9 +87,9 @@ class Top:
 
 def face_of(body: ObjectModel, contact: Contact, tip_radius: float) -> Face:
     """Face of ``body`` that carries a ``contact``, for a tip of ``tip_radius`` [m]."""
-    shape = body.shape
     if contact.kind == "top":
-        return Top(shape, body.center_of_mass, tip_radius)
+        return Top(body.shape, body.center_of_mass, tip_radius)
+    shape = body.shape.section(contact.height)
     contacted = (contact.point, contact.normal, body.center_of_mass)
     side = shape.side(*contacted)
     return SideFace(side, shape.walls(*contacted), shape.height, tip_radius)

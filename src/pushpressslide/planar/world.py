@@ -274,7 +274,7 @@ class World:
         the horizontal forces of the previous one.
         """
         own = self.own_load
-        top = self.task.object.shape.height
+        top = self.task.object.shape.top_height
         presses = [reach.press for reach in reaches]
         load = total_load(own, presses)
         if load == 0.0:

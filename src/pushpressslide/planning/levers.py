@@ -24,17 +24,17 @@ class Lever:
 
 
 def levers(
-    scene: Scene, pivot: Point, side: float, face: int | None = None
+    scene: Scene, pivot: Point, side: float, height: float, face: int | None = None
 ) -> list[Lever]:
-    """Places to push that turn the object to ``side`` (1 left, -1 right) about
-    ``pivot`` [m] in B, the longest lever first.
+    """Places to push at a ``height`` [m] that turn the object to ``side`` (1 left, -1
+    right) about ``pivot`` [m] in B, the longest lever first.
 
     With ``face``, only places on the face with that index.
     """
     body = scene.body
     inset = scene.inset
     out = []
-    for candidate in pushable(scene, face):
+    for candidate in pushable(scene, height, face):
         points = [candidate.foot]
         if candidate.flat:
             right, left = candidate.ends

@@ -60,7 +60,7 @@ def _placed(query: MotionQuery, points: Pair, farthest: float) -> PlacedPair:
     if arms == (1, 0):
         points = (points[1], points[0])
     contacts = tuple(
-        Contact(arm, "top", point, ORIGIN, body.shape.height)
+        Contact(arm, "top", point, ORIGIN, body.shape.top_height)
         for arm, point in enumerate(points)
     )
     return PlacedPair(contacts, path, arms is None, _refusal(query.scene, points))

@@ -50,7 +50,9 @@ class FittedFace(NamedTuple):
 @lru_cache(maxsize=64)
 def fitted_faces(scene: Scene, motion: Motion) -> tuple[FittedFace, ...]:
     """Faces that can be pushed, with their cars."""
-    pushed = pushable(scene, motion.face)
+    pushed = pushable(scene, lone_contact_height(scene, motion), motion.face)
+    if not pushed:
+        return ()
     twists = push_twists(scene, motion, pushed)
     return tuple(
         fitted_face(scene, motion, face, pair)

@@ -38,7 +38,7 @@ def lone_contact_height(scene: Scene, motion: Motion) -> float:
     leans back with its wrist behind.
     """
     body = scene.body
-    slack = body.shape.depth(body.center_of_mass)
+    slack = body.shape.base_depth(body.center_of_mass)
     # [m] up to which it surely stands, whatever way it is pushed
     stands = margins.PUSH_STANDS * slack / max(scene.support.friction, 1e-9)
     upright = _upright(scene)
@@ -59,8 +59,11 @@ def _height(scene: Scene, motion: Motion, min_height: float) -> float:
     radius = max(robot.tip_radius for robot in scene.tips)
     arm = margins.ARM
     low = max(radius + arm.tool_gap, min_height)
-    inside = min(max(low, min(arm.low, 0.5 * height)), height - 0.5 * radius)
-    return max(inside, radius + arm.table_gap)
+    lowest = radius + arm.table_gap
+    highest = height - 0.5 * radius
+    inside = max(min(max(low, min(arm.low, 0.5 * height)), highest), lowest)
+    lean = margins.side_lean(scene.contact_friction)
+    return scene.body.shape.side_height(inside, (lowest, highest), radius, lean)
 
 
 def least_distance(scene: Scene) -> float:
@@ -75,14 +78,30 @@ def side_contact(arm: int, face: Face, left: float, height: float) -> Contact:
     return Contact(arm, "side", on_face(face, left), face.normal, height)
 
 
-def pushable(scene: Scene, index: int | None = None) -> list[Face]:
-    """Faces of the object that the tips can touch, with contacts clear of their
-    corners.
+def pushable(scene: Scene, height: float, index: int | None = None) -> list[Face]:
+    """Faces of the object that the tips can touch at a ``height`` [m], with contacts
+    clear of their corners.
 
     With ``index``, only the face with that index.
     """
-    found = faces(scene.body, scene.inset, scene.tip_radius)
+    lean = margins.side_lean(scene.contact_friction)
+    found = faces(scene.body, scene.inset, scene.tip_radius, height, lean)
     return [face for face in found if index in (None, face.index)]
+
+
+def untouchable(scene: Scene, height: float) -> Refusal:
+    """Refusal of pushing a side that the tips can touch nowhere at a ``height`` [m]."""
+    section = scene.body.shape.section(height)
+    lean = section.least_lean(scene.tip_radius)
+    allowed = margins.side_lean(scene.contact_friction)
+    if lean <= allowed:
+        text = "no part of the side at {figure:mm.0f} can be touched"
+        return Refusal("no_faces", text, height, None, "m")
+    text = (
+        f"its sides lean by {{figure:deg.0f}} at {1e3 * height:.0f} mm, where a tip "
+        "would lift or wedge it, allowed up to {allowed:deg.0f} with the tip's friction"
+    )
+    return Refusal("leaning", text, lean, allowed, "rad")
 
 
 def before_contacts(
@@ -120,7 +139,8 @@ def room_before(
         return wanted
     radius = scene.robots[contact.arm].tip_radius
     origin = scene.body.X_GB.position
-    path = scene.body.shape.free_space(contact.point, contact.normal, radius, origin)
+    side = scene.body.shape.section(contact.height)
+    path = side.free_space(contact.point, contact.normal, radius, origin)
     return min(wanted, max(path - clearance, 0.5 * path))
 
 

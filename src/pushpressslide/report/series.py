@@ -16,6 +16,7 @@ from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import ObjectModel
+from pushpressslide.mechanics.faces import side_of
 
 Mask = NDArray[np.bool_]
 
@@ -252,7 +253,7 @@ def surface_coordinates(body: ObjectModel, record: Record, contact: Contact) -> 
     y = -s * dx + c * dy  # in G; B has the same axes
     if contact.kind == "top":
         return np.stack([x, y], axis=1)
-    side = body.shape.side(contact.point, contact.normal, body.center_of_mass)
+    side = side_of(body, contact)
     along = side.coordinates(x - body.center_of_mass[0], y - body.center_of_mass[1])
     return np.stack([along, tip[:, 2]], axis=1)
 

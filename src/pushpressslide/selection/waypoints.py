@@ -29,7 +29,7 @@ from pushpressslide.planning.free_space import (
     between,
     same_pose,
 )
-from pushpressslide.planning.side_contacts import pushable
+from pushpressslide.planning.side_contacts import lone_contact_height, pushable
 from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.robots.reach import reachable
 from pushpressslide.selection.clearance import base_discs
@@ -100,7 +100,7 @@ def waypoints(query: MotionQuery, free_paths: PathsTo) -> list[Pose2]:
     path = free_paths.via_poses(query.start)
     if path is None:
         return []
-    axes = push_axes(query.scene)
+    axes = push_axes(query)
     handed_over = _handed_over(query, free_paths.space)
     kinds = (
         handed_over,
@@ -123,7 +123,7 @@ def push_successors(query: MotionQuery, free_paths: PathsTo, X: Pose2) -> list[P
     radius = ARC * query.body.radius
     out = []
     bearing = math.atan2(goal.y - X.y, goal.x - X.x) - X.yaw
-    for axis in _nearest(push_axes(query.scene), bearing):
+    for axis in _nearest(push_axes(query), bearing):
         heading = X.yaw + axis
         c = math.cos(heading)
         s = math.sin(heading)
@@ -142,9 +142,11 @@ def _on_arc(X: Pose2, heading: float, radius: float, turn: float) -> Pose2:
     return Pose2(x, y, X.yaw + turn)
 
 
-def push_axes(scene: Scene) -> list[float]:
+def push_axes(query: MotionQuery) -> list[float]:
     """Directions [rad] in G along which a push on one face goes straight."""
-    return [math.atan2(-y, -x) for face in pushable(scene) for x, y in [face.foot]]
+    height = lone_contact_height(query.scene, query.motion)
+    pushed = pushable(query.scene, height)
+    return [math.atan2(-face.foot[1], -face.foot[0]) for face in pushed]
 
 
 def _gates(path: Sequence[Pose2], axes: Sequence[float]) -> list[Pose2]:

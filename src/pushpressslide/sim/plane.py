@@ -36,6 +36,8 @@ from pydrake.multibody.tree import BodyIndex, RigidBody
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.geometry import quadrature
+from pushpressslide.geometry.areas import joined_ring, polygons
+from pushpressslide.geometry.mesh_body import MeshBody
 from pushpressslide.geometry.pieces import convex_pieces, triangles
 from pushpressslide.geometry.polygon import turns
 from pushpressslide.geometry.shapes import Shape
@@ -51,6 +53,7 @@ Triangle = tuple[int, int, int]
 
 CELLS = 6.0  # across a base where it is narrow
 FINE = 12  # of the rule that tells a base's mean distance from its middle
+BASE_DETAIL = 0.005  # of a base's breadth, left out of the outline of a patch
 MOST_CELLS = 16  # along a base, however long it is
 # share of a base by which its top is smaller: what the support cuts from sides that lean
 # inwards gives way without a force, and is no constraint
@@ -130,16 +133,17 @@ def base_meshes(
     """Convex parts of a ``shape`` in tetrahedra, with ``cells`` across a narrow base.
     ``up`` is -1 if the shape's z axis points into the support, as on a wall.
     """
-    counts = _cell_counts(shape, cells)
-    x_min, x_max, y_min, y_max = shape.bounds(Pose2())
+    ring = _base_ring(shape) if isinstance(shape, MeshBody) else _outline(shape)
+    bounds = shape.bounds(Pose2())
+    if isinstance(shape, MeshBody):
+        bounds = shape.hull.bounds(Pose2())
+    counts = _cell_counts(bounds, shape.breadth, cells)
+    x_min, x_max, y_min, y_max = bounds
     xs = np.linspace(x_min, x_max, counts[0] + 1).tolist()
     ys = np.linspace(y_min, y_max, counts[1] + 1).tolist()
     half = 0.5 * shape.height
     middle = softness(shape) - half
-    parts = [
-        base_triangles(_turning(part), xs, ys)
-        for part in convex_pieces(_outline(shape))
-    ]
+    parts = [base_triangles(_turning(part), xs, ys) for part in convex_pieces(ring)]
     return [_prism(part, half, middle, up) for part in _widened(parts)]
 
 
@@ -173,17 +177,34 @@ def _outline(shape: Shape) -> tuple[Point, ...]:
     return tuple((x, y) for x, y in whole.exterior.coords[:-1])
 
 
+def _base_ring(shape: MeshBody) -> tuple[Point, ...]:
+    """Corners [m] of one ring about the patches of a base, each with few corners and
+    its own area.
+    """
+    import shapely
+    from shapely import affinity
+
+    patches = []
+    for patch in polygons(shape.base):
+        simple = patch.simplify(BASE_DETAIL * shape.breadth)
+        grown = math.sqrt(patch.area / simple.area)
+        patches.append(affinity.scale(simple, grown, grown, origin="centroid"))
+    return joined_ring(shapely.union_all(patches))
+
+
 def _turning(corners: tuple[Point, ...]) -> tuple[Point, ...]:
     """Corners at which the border changes direction."""
     by = zip(corners, turns(corners), strict=True)
     return tuple(corner for corner, turn in by if turn > STRAIGHT)
 
 
-def _cell_counts(shape: Shape, cells: float) -> tuple[int, int]:
+def _cell_counts(
+    bounds: tuple[float, float, float, float], breadth: float, cells: float
+) -> tuple[int, int]:
     """Numbers of cells along x and y: more along a long side, but longer ones."""
-    x_min, x_max, y_min, y_max = shape.bounds(Pose2())
+    x_min, x_max, y_min, y_max = bounds
     nx, ny = (
-        min(MOST_CELLS, round(cells * math.sqrt(width / shape.breadth)))
+        min(MOST_CELLS, round(cells * math.sqrt(width / breadth)))
         for width in (x_max - x_min, y_max - y_min)
     )
     return nx, ny

@@ -28,6 +28,7 @@ from pydrake.multibody.tree import (
     WeldJoint,
 )
 
+from pushpressslide.core import margins
 from pushpressslide.core.errors import (
     PushPressSlideError,
     RobotFileError,
@@ -49,10 +50,6 @@ DRAKE_MODELS = {
     "panda": "package://drake_models/franka_description/urdf/panda_arm.urdf",
     "iiwa7": "package://drake_models/iiwa_description/sdf/iiwa7_no_collision.sdf",
 }
-# [m] of the steel rod between flange and sphere, and at most of the sphere's radius: the
-# rod of a small tip must not come near to what the tip touches
-ROD_RADIUS = 0.008
-ROD_SHARE = 0.4
 TIP_JOINT = f"{TIP}_joint"
 STEEL = (0.55, 0.57, 0.60, 1.0)
 RUBBER = (0.12, 0.12, 0.13, 1.0)
@@ -139,7 +136,9 @@ def add_robot(
         if collision and tip_properties is None:
             tip_properties = ProximityProperties()
         if length > 0.0:
-            _add_rod(plant, tip, length, rod_radius(robot.tip_radius), collision)
+            _add_rod(
+                plant, tip, length, margins.rod_radius(robot.tip_radius), collision
+            )
         geometry = _add_sphere(plant, tip, robot.tip_radius, tip_properties)
         _add_pedestal(plant, robot, facts, index)
     name = plant.GetModelInstanceName(instance)
@@ -254,16 +253,12 @@ def _tip_inertia(length: float, radius: float) -> SpatialInertia:
     """
     rod = TIP_MASS * 2.0 / 3.0
     ball = TIP_MASS / 3.0
-    cylinder = UnitInertia.SolidCylinder(rod_radius(radius), length, [0.0, 0.0, 1.0])
+    rod = margins.rod_radius(radius)
+    cylinder = UnitInertia.SolidCylinder(rod, length, [0.0, 0.0, 1.0])
     unit = cylinder.ShiftFromCenterOfMass([0.0, 0.0, 0.5 * length])
     inertia = SpatialInertia(rod, [0.0, 0.0, -0.5 * length], unit)
     inertia += SpatialInertia.SolidSphereWithMass(ball, radius)
     return inertia
-
-
-def rod_radius(tip_radius: float) -> float:
-    """Radius [m] of the rod that holds a tip."""
-    return min(ROD_RADIUS, ROD_SHARE * tip_radius)
 
 
 def _add_rod(
@@ -280,7 +275,7 @@ def _add_rod(
     rod = Cylinder(radius, length)
     plant.RegisterVisualGeometry(tip, X_TRod, rod, "tip_rod_visual", STEEL)
     X_TCollar = RigidTransform([0.0, 0.0, 0.006 - length])
-    collar = Cylinder(3.0 * ROD_RADIUS, 0.012)
+    collar = Cylinder(3.0 * margins.ROD_RADIUS, 0.012)
     plant.RegisterVisualGeometry(tip, X_TCollar, collar, "tip_collar_visual", STEEL)
     if collision:
         capsule = Capsule(radius, length)

@@ -39,6 +39,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.support_frame import TABLE, SupportFrame
+from pushpressslide.geometry.mesh_body import MeshBody
 from pushpressslide.geometry.polygon import counter_clockwise
 from pushpressslide.sim.contact import solve_contacts
 from pushpressslide.sim.convert import rigid_transform
@@ -55,7 +56,7 @@ from pushpressslide.sim.surfaces import (
     rigid_properties,
     support_grid,
     tip_modulus,
-    touched_shape,
+    touched_shapes,
 )
 
 # [m] the object starts this deep in the support, so that it is in contact at once
@@ -98,10 +99,14 @@ def solid_inertia(body: model.ObjectModel) -> SpatialInertia:
     """Inertia of a solid of uniform density about its frame.
 
     The frame is G in the plane and at half height. The solid is shifted to the body's
-    CoM.
+    CoM, at half height unless it comes from a mesh.
     """
     shape = body.shape
-    if isinstance(shape, model.Box):
+    raised = 0.0
+    if isinstance(shape, MeshBody):
+        unit = UnitInertia(*shape.solid.inertia)
+        raised = shape.solid.center[2] - 0.5 * shape.height
+    elif isinstance(shape, model.Box):
         unit = UnitInertia.SolidBox(*shape.size)
     elif isinstance(shape, model.Cylinder):
         unit = UnitInertia.SolidCylinder(shape.radius, shape.height, [0.0, 0.0, 1.0])
@@ -109,7 +114,7 @@ def solid_inertia(body: model.ObjectModel) -> SpatialInertia:
         unit = _prism_inertia(np.array(shape.corners), shape.height)
     central = SpatialInertia(body.mass, [0.0, 0.0, 0.0], unit)
     com = body.center_of_mass
-    return central.Shift([-com[0], -com[1], 0.0])
+    return central.Shift([-com[0], -com[1], -raised])
 
 
 def _prism_inertia(corners: Array, height: float) -> UnitInertia:
@@ -269,8 +274,10 @@ def add_object(
     shape = body.shape
     added = plant.AddRigidBody("object", default_model_instance(), solid_inertia(body))
     X = RigidTransform()
-    touched, properties = touched_shape(shape, friction, mesh_size(shape), modulus)
-    plant.RegisterCollisionGeometry(added, X, touched, "object", properties)
+    touched = touched_shapes(shape, friction, mesh_size(shape), modulus)
+    for i, (piece, properties) in enumerate(touched):
+        name = f"object_{i}" if i else "object"
+        plant.RegisterCollisionGeometry(added, X, piece, name, properties)
     drawn = drawn_shape(shape)
     plant.RegisterVisualGeometry(added, X, drawn, "object_visual", OBJECT_COLOR)
     return added
@@ -326,7 +333,7 @@ def _add_obstacle(
         body = plant.AddRigidBody(name, instance, solid_inertia(solid))
         plant.SetDefaultFloatingBaseBodyPose(body, X)
         X = RigidTransform()
-        touched = [touched_shape(shape, friction, 0.25 * smallest)]
+        touched = touched_shapes(shape, friction, 0.25 * smallest)
     else:
         body = plant.world_body()
         # Drake takes a mesh that tips touch in points as its hull

@@ -31,9 +31,11 @@ from pushpressslide.core import task as model
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.pose import Point
 from pushpressslide.core.support_frame import TABLE
+from pushpressslide.geometry.mesh_body import MeshBody
 from pushpressslide.geometry.pieces import convex_pieces, triangles
 from pushpressslide.geometry.polygon import signed_area
 from pushpressslide.sim.layered_mesh import layered_mesh
+from pushpressslide.sim.mesh_shapes import convex_parts, drawn_mesh, touched_pieces
 
 # [Pa] the indentation stays below 0.1 mm at the loads of a 3 kg object
 HYDROELASTIC_MODULUS = 1.0e7
@@ -322,6 +324,8 @@ def drawn_shape(shape: model.Shape) -> DrakeShape:
         return Box(*shape.size)
     if isinstance(shape, model.Cylinder):
         return Cylinder(shape.radius, shape.height)
+    if isinstance(shape, MeshBody):
+        return drawn_mesh(shape)
     if shape.convex:
         return _convex_prism(shape.corners, shape.height)
     caps = triangles(shape.corners)
@@ -330,6 +334,8 @@ def drawn_shape(shape: model.Shape) -> DrakeShape:
 
 def convex_shapes(shape: model.Shape) -> list[DrakeShape]:
     """Drake's shapes whose union is an object, in the frame of ``drawn_shape``."""
+    if isinstance(shape, MeshBody):
+        return list(convex_parts(shape))
     if shape.convex:
         return [drawn_shape(shape)]
     return [
@@ -354,25 +360,37 @@ def tip_modulus(shape: model.Shape, radius: float, force: float) -> float:
     return max(HYDROELASTIC_MODULUS, needed)
 
 
-def touched_shape(
+def touched_shapes(
     shape: model.Shape,
     friction: float,
     resolution: float,
     modulus: float = HYDROELASTIC_MODULUS,
-) -> tuple[DrakeShape, ProximityProperties]:
-    """Drake's contact shape of an object, and its properties from
+) -> list[tuple[DrakeShape, ProximityProperties]]:
+    """Drake's contact shapes of an object, and their properties from
     ``compliant_properties``, in the frame of ``drawn_shape``.
 
-    A concave object has a volume mesh. Its modulus is chosen so that it yields as much
-    as a convex object of the same thickness.
+    A concave object has a volume mesh, a body from a mesh has several pieces. Each has
+    a modulus with which it yields as much as a convex object of the same thickness.
     """
+    if isinstance(shape, MeshBody):
+        own = softness(shape)
+        return [
+            (
+                piece.shape,
+                compliant_properties(
+                    friction, resolution, piece.thickness / own * modulus
+                ),
+            )
+            for piece in touched_pieces(shape)
+        ]
     if shape.convex:
-        return drawn_shape(shape), compliant_properties(friction, resolution, modulus)
+        properties = compliant_properties(friction, resolution, modulus)
+        return [(drawn_shape(shape), properties)]
     outline = without_details(shape.corners)
     layered = layered_mesh(outline, shape.height)
     share = layered.depth / softness(shape)
     properties = compliant_properties(friction, resolution, share * modulus)
-    return layered.mesh.drake(), properties
+    return [(layered.mesh.drake(), properties)]
 
 
 def without_details(corners: tuple[Point, ...]) -> tuple[Point, ...]:

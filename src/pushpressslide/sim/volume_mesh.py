@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pydrake.common import MemoryFile
 from pydrake.geometry import InMemoryMesh, Mesh
@@ -20,6 +20,11 @@ class VolumeMesh:
 
     vertices: tuple[Vector3, ...]
     tetrahedra: tuple[Tetrahedron, ...]
+
+    def raised(self, height: float) -> VolumeMesh:
+        """The mesh raised by a height [m]."""
+        raised = tuple((x, y, z + height) for x, y, z in self.vertices)
+        return replace(self, vertices=raised)
 
     def vtk(self) -> str:
         """The mesh as the text of a VTK file."""

@@ -25,13 +25,32 @@ def covered(triangles: Array, grid: float) -> Area:
     Corners [m] are rounded to ``grid``. Raises ValueError for a border of too many
     edges.
     """
-    import numpy as np
-    import shapely
-
     starts, ends, counts = _border(triangles, grid)
     if len(starts) > MOST_EDGES:
         found = f"{len(starts)} edges about what is level in it"
         raise ValueError(f"it is not flat: {found}, allowed up to {MOST_EDGES}")
+    return _within(starts, ends, counts, grid)
+
+
+def enclosed(tails: Array, heads: Array, grid: float) -> Area:
+    """Area to the left of directed edges from ``tails`` to ``heads`` (m, 2) [m] that
+    close, with the corners rounded to ``grid``.
+    """
+    import numpy as np
+
+    starts = np.round(tails / grid)
+    ends = np.round(heads / grid)
+    real = (starts != ends).any(axis=1)
+    return _within(starts[real], ends[real], np.ones(np.count_nonzero(real)), grid)
+
+
+def _within(starts: Array, ends: Array, counts: Array, grid: float) -> Area:
+    """Area of positive winding numbers about directed edges (k, 2) [grid], each as
+    often as ``counts`` (k,) says.
+    """
+    import numpy as np
+    import shapely
+
     lines = shapely.linestrings(grid * np.stack((starts, ends), axis=1))
     cells = shapely.get_parts(
         shapely.polygonize([shapely.union_all(lines, grid_size=grid)])

@@ -1,12 +1,13 @@
-"""A mesh file as an upright solid: its footprint, its height, its centre of mass.
+"""A mesh file as a body that stands on its base.
 
-The base and the top must be flat, the sides upright, and the footprint connected and
-without a hole, all to within ``TOLERANCE``.
+If base and top are flat, the sides upright, and the footprint connected and without a
+hole, all to within ``TOLERANCE``, it is an upright solid. Any other body has outlines
+of its own for base, side and top.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +16,7 @@ from pushpressslide.geometry.shapes import MeshSolid
 from pushpressslide.geometry.united import DIGITS, bordered
 from pushpressslide.taskfile.mesh_count import SUFFIXES
 from pushpressslide.taskfile.mesh_face import covered
+from pushpressslide.taskfile.mesh_outlines import read_outlines
 from pushpressslide.taskfile.mesh_surface import GRID, closed_surface
 
 if TYPE_CHECKING:
@@ -33,10 +35,10 @@ MOST_CORNERS = 256
 
 
 def read_mesh(path: str, scale: float, up: str = "z") -> MeshSolid:
-    """Solid in a file with units of ``scale`` [m], whose axis ``up`` is vertical.
+    """Body in a file with units of ``scale`` [m], whose axis ``up`` is vertical.
 
-    Raises ValueError, with the cause, for a file that cannot be read and for a solid
-    that does not stand upright on a flat base without a hole.
+    Raises ValueError, with the cause, for a file that cannot be read and for a body
+    that has no base.
     """
     file = Path(path)
     if file.suffix.lower() not in SUFFIXES:
@@ -44,6 +46,11 @@ def read_mesh(path: str, scale: float, up: str = "z") -> MeshSolid:
     if not file.is_file():
         raise ValueError("no such file")
     return _read(path, scale, up, _changed(file), file.stat().st_size)
+
+
+def surface_of(solid: MeshSolid) -> Trimesh:
+    """Closed surface [m] of a body from a file, with z up."""
+    return closed_surface(Path(solid.path), solid.scale, solid.up).mesh
 
 
 def _changed(file: Path) -> int:
@@ -58,20 +65,36 @@ def _changed(file: Path) -> int:
 
 @lru_cache(maxsize=16)
 def _read(path: str, scale: float, up: str, changed: int, size: int) -> MeshSolid:
-    """Solid in a file, cached until the file changes."""
-    from shapely import Polygon
-
-    mesh = closed_surface(Path(path), scale, up)
+    """Body in a file, cached until the file changes."""
+    surface = closed_surface(Path(path), scale, up)
+    mesh = surface.mesh
     extent = float(max(mesh.extents))
     height = float(mesh.extents[2])
     if height < TOLERANCE * extent:
         raise ValueError(f"its height {height:.3g} m is below 1 % of its size")
+    try:
+        solid = _upright(mesh, path, scale, up)
+    except _UprightError:
+        solid = read_outlines(mesh, path, scale, up)
+    return replace(solid, note=surface.note)
+
+
+class _UprightError(Exception):
+    """A mesh is no upright solid, with the reason."""
+
+
+def _upright(mesh: Trimesh, path: str, scale: float, up: str) -> MeshSolid:
+    """Upright solid in a mesh. Raises _UprightError if it is none."""
+    from shapely import Polygon
+
+    extent = float(max(mesh.extents))
+    height = float(mesh.extents[2])
     faces = _faces(mesh)
     whole = faces.whole
     if not isinstance(whole, Polygon):
-        raise ValueError("its footprint is not in one piece")
+        raise _UprightError("its footprint is not in one piece")
     if _holes(whole, extent):
-        raise ValueError("its footprint has a hole")
+        raise _UprightError("its footprint has a hole")
     _check_flat("base", faces.base, whole, extent)
     _check_flat("top", faces.top, whole, extent)
     _check_upright(float(mesh.volume), faces.area * height)
@@ -80,7 +103,7 @@ def _read(path: str, scale: float, up: str, changed: int, size: int) -> MeshSoli
     border = bordered(simple)
     if len(border.corners) > MOST_CORNERS:
         count = len(border.corners)
-        raise ValueError(
+        raise _UprightError(
             f"its outline has {count} corners, allowed up to {MOST_CORNERS}"
         )
     center = (
@@ -114,8 +137,11 @@ def _faces(mesh: Trimesh) -> _Faces:
     flat = mesh.triangles[:, :, :2]
     areas = _signed_areas(flat)
     rising = ~in_base & ~in_top & (areas > grid * grid)
-    base = covered(flat[in_base][:, ::-1], grid)
-    top = covered(flat[in_top], grid)
+    try:
+        base = covered(flat[in_base][:, ::-1], grid)
+        top = covered(flat[in_top], grid)
+    except ValueError as error:
+        raise _UprightError(str(error)) from error
     between = shapely.union_all(shapely.polygons(flat[rising]), grid_size=grid)
     whole = shapely.union_all([base, top, between], grid_size=grid)
     area = areas[in_top].sum() + np.maximum(areas[~in_base & ~in_top], 0.0).sum()
@@ -139,14 +165,14 @@ def _holes(area: Polygon, extent: float) -> float:
 
 
 def _check_flat(name: str, face: Area, whole: Polygon, extent: float) -> None:
-    """Raise ValueError unless a face covers the whole footprint in one plane."""
+    """Raise _UprightError unless a face covers the whole footprint in one plane."""
     from shapely import Polygon
 
     if not isinstance(face, Polygon) or face.is_empty or _holes(face, extent):
-        raise ValueError(f"its {name} is not flat: it is no whole face in one plane")
+        raise _UprightError(f"its {name} is not flat: it is no whole face in one plane")
     off = float(whole.exterior.hausdorff_distance(face.exterior))
     if off > TOLERANCE * extent:
-        raise ValueError(
+        raise _UprightError(
             f"its {name} is not flat, or its sides not upright: in one plane it ends "
             f"{off * 1e3:.3g} mm inside the outline, allowed "
             f"{TOLERANCE * extent * 1e3:.3g} mm"
@@ -154,13 +180,13 @@ def _check_flat(name: str, face: Area, whole: Polygon, extent: float) -> None:
 
 
 def _check_upright(volume: float, upright: float) -> None:
-    """Raise ValueError unless ``volume`` [m^3] is that of upright prisms.
+    """Raise _UprightError unless ``volume`` [m^3] is that of upright prisms.
 
     Theirs is ``upright``, the area that faces up times the full height. The volume is
     smaller if a body ends lower or leans in.
     """
     if abs(volume - upright) > TOLERANCE * upright:
-        raise ValueError(
+        raise _UprightError(
             f"its sides are not upright: its volume is {volume / upright:.3f} of that "
             f"of its footprint times its height, allowed within {TOLERANCE:g} of 1"
         )

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -45,10 +46,18 @@ TURNS: Mapping[str, tuple[tuple[int, int, int], ...]] = {
 """Shortest rotation that points an axis of the file up; a half turn is about x."""
 
 
-def closed_surface(file: Path, scale: float, up: str) -> Trimesh:
-    """Closed surface [m] in a file, its triangles counter-clockwise from outside.
+@dataclass(frozen=True)
+class Surface:
+    """A closed surface with z up, its triangles counter-clockwise from outside."""
 
-    Raises ValueError for a file that cannot be read or has no closed surface.
+    mesh: Trimesh  # [m]
+    note: str = ""  # what stands for the file's own surface, and why
+
+
+def closed_surface(file: Path, scale: float, up: str) -> Surface:
+    """Closed surface in a file, or its convex hull if the surface is not closed.
+
+    Raises ValueError for a file that cannot be read or holds no solid.
     """
     import numpy as np
 
@@ -57,9 +66,24 @@ def closed_surface(file: Path, scale: float, up: str) -> Trimesh:
     check_triangles(len(raw.faces))
     _check_size(raw, scale)
     vertices = scale * np.asarray(raw.vertices) @ np.array(TURNS[up]).T
-    mesh = _filled(_merged(vertices, np.asarray(raw.faces)))
-    _check_winding(mesh)
-    return _outward(mesh)
+    merged = _merged(vertices, np.asarray(raw.faces))
+    try:
+        mesh = _filled(merged)
+        _check_winding(mesh)
+    except ValueError as error:
+        return Surface(_hull(merged), f"its convex hull is taken: {error}")
+    return Surface(_outward(mesh))
+
+
+def _hull(mesh: Trimesh) -> Trimesh:
+    """Convex hull of a mesh. Raises ValueError if it is flat."""
+    from scipy.spatial import QhullError
+
+    try:
+        hull: Trimesh = mesh.convex_hull
+    except QhullError as error:
+        raise ValueError("it is flat") from error
+    return hull
 
 
 def _loaded(file: Path) -> Trimesh:
@@ -195,8 +219,9 @@ def _check_winding(mesh: Trimesh) -> None:
 
 
 def _outward(mesh: Trimesh) -> Trimesh:
-    """Mesh whose bodies all face outwards. Raises ValueError if some do not."""
+    """Mesh whose bodies all face outwards, without the cavities inside them."""
     import numpy as np
+    from trimesh import Trimesh
     from trimesh.graph import connected_component_labels
 
     bodies = np.zeros(len(mesh.faces), dtype=int)
@@ -212,9 +237,27 @@ def _outward(mesh: Trimesh) -> Trimesh:
     if volumes.sum() < 0.0:
         mesh.invert()
         volumes = -volumes
-    inward = int(np.count_nonzero(volumes < -GRID * volumes.sum()))
-    if inward:
-        raise ValueError(
-            f"{inward} of its {len(volumes)} bodies face inwards, as cavities do"
-        )
-    return mesh
+    inward = volumes < -GRID * volumes.sum()
+    if not inward.any():
+        return mesh
+    cavities = [
+        body for body in np.flatnonzero(inward) if _is_inside(mesh, bodies, int(body))
+    ]
+    turned = mesh.faces.copy()
+    turned[inward[bodies]] = turned[inward[bodies]][:, ::-1]
+    kept = ~np.isin(bodies, cavities)
+    return Trimesh(mesh.vertices, turned[kept], process=False)
+
+
+def _is_inside(mesh: Trimesh, bodies: Indices, body: int) -> bool:
+    """Whether a body lies within the bounds of another one."""
+    import numpy as np
+
+    corners = mesh.triangles
+    own = corners[bodies == body].reshape(-1, 3)
+    for other in np.unique(bodies):
+        about = corners[bodies == other].reshape(-1, 3)
+        inside = (own.min(axis=0) >= about.min(axis=0)).all()
+        if other != body and inside and (own.max(axis=0) <= about.max(axis=0)).all():
+            return True
+    return False

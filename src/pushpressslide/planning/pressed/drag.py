@@ -52,7 +52,7 @@ def held_drag(
 
     Raises ValueError if the object tips.
     """
-    height = scene.body.shape.height
+    height = scene.body.shape.top_height
     twist = path.initial_twist(point)
     load = scene.weight_on + sum(contact.load for contact in contacts)
     surface, cop = dragged_ellipsoid(

@@ -94,7 +94,7 @@ def press_placements(query: MotionQuery) -> PressPlacements:
     if not places:
         text = "the top has no place {allowed:mm.0f} inside its edges"
         raise RefusedError(Refusal("off_top", text, None, scene.inset, "m"))
-    height = query.body.shape.height
+    height = query.body.shape.top_height
     arm = scene.arms[0]
     contacts = tuple(Contact(arm, "top", place, ORIGIN, height) for place in places)
     return PressPlacements(contacts, tuple(loads))

@@ -84,7 +84,7 @@ def pressed_vehicle(
     lower = spaces[0][1]
     if lower < margins.TIPPING_MARGIN:
         text = (
-            f"drag at {query.body.shape.height:.3f} m tips it: the centre of pressure "
+            f"drag at {query.body.shape.top_height:.3f} m tips it: the centre of pressure "
             "comes within {figure:.2f} half widths of the base's edge, allowed "
             "{allowed:g}"
         )
