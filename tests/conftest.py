@@ -1,12 +1,14 @@
 """Settings of the whole suite, and runs made by hand whose figures are known in advance."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from itertools import compress
 
 import numpy as np
 import pytest
+import trimesh
 from hypothesis import settings
 
 from pushpressslide.core.control import PHASES
@@ -16,14 +18,108 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Box, ObjectModel, Robot, Task
 from pushpressslide.core.twist_path import TwistPath
+from pushpressslide.geometry.mesh_body import MeshBody
 from pushpressslide.mechanics.height_term import DraggedSurface
 from pushpressslide.rom.drives import HeldDrive, RearSteerDrive
 from pushpressslide.rom.rear_steer_car import RearSteerCar
+from pushpressslide.taskfile.mesh_file import read_mesh
 
 WITH_DRAKE = ("drake", "view/test_replay.py")
 """Files that import Drake at their top; without it they are left out."""
 
 collect_ignore = list(WITH_DRAKE) if find_spec("pydrake") is None else []
+
+
+def _turned(profile: list[tuple[float, float]], sections: int = 48):
+    """Mesh of a solid of revolution; radius and height [m] of its profile."""
+    return trimesh.creation.revolve(np.array(profile), sections=sections)
+
+
+def _brick(size: tuple[float, float, float], at: tuple[float, float, float]):
+    transform = trimesh.transformations.translation_matrix(at)
+    return trimesh.creation.box(size, transform=transform)
+
+
+def _chamfered() -> trimesh.Trimesh:
+    """Box of 120 x 80 x 50 mm with chamfers of 4 mm at base and top."""
+    rings = ((0.0, 0.004), (0.004, 0.0), (0.046, 0.0), (0.05, 0.004))
+    corners = [
+        (sx * (0.06 - inset), sy * (0.04 - inset), z)
+        for z, inset in rings
+        for sx in (-1, 1)
+        for sy in (-1, 1)
+    ]
+    return trimesh.convex.convex_hull(np.array(corners))
+
+
+def _mug() -> trimesh.Trimesh:
+    """Mug of 80 mm with a handle along x that begins 14 mm above the table."""
+    wall = [(0, 0), (0.04, 0), (0.04, 0.09), (0.036, 0.09), (0.036, 0.005), (0, 0.005)]
+    return trimesh.util.concatenate(
+        [
+            _turned(wall),
+            _brick((0.03, 0.012, 0.012), (0.052, 0.0, 0.075)),
+            _brick((0.03, 0.012, 0.012), (0.052, 0.0, 0.02)),
+            _brick((0.012, 0.012, 0.067), (0.066, 0.0, 0.0475)),
+        ]
+    )
+
+
+def _stool() -> trimesh.Trimesh:
+    """Plate of 180 x 120 x 40 mm on four feet of 20 x 20 x 30 mm."""
+    feet = [
+        _brick((0.02, 0.02, 0.03), (x, y, 0.015))
+        for x in (-0.07, 0.07)
+        for y in (-0.04, 0.04)
+    ]
+    return trimesh.util.concatenate([_brick((0.18, 0.12, 0.04), (0, 0, 0.05)), *feet])
+
+
+def _lying() -> trimesh.Trimesh:
+    """Bottle of 70 mm that lies along y."""
+    turn = trimesh.transformations.rotation_matrix(0.5 * math.pi, (1, 0, 0))
+    return trimesh.creation.cylinder(0.035, 0.2, sections=40, transform=turn)
+
+
+STANDING = {
+    "chamfered": _chamfered,
+    "cup": lambda: _turned(
+        [(0, 0), (0.03, 0), (0.04, 0.1), (0.036, 0.1), (0.027, 0.004), (0, 0.004)]
+    ),
+    "bowl": lambda: _turned(
+        [
+            (0, 0),
+            (0.03, 0),
+            (0.03, 0.004),
+            (0.07, 0.05),
+            (0.066, 0.05),
+            (0.026, 0.01),
+            (0, 0.01),
+        ]
+    ),
+    "ring": lambda: trimesh.creation.annulus(0.04, 0.06, 0.03, sections=48),
+    "mug": _mug,
+    "stool": _stool,
+    "lying": _lying,
+    "ball": lambda: trimesh.creation.icosphere(3, 0.05),
+}
+"""Meshes of bodies that are no upright prisms."""
+
+
+@pytest.fixture(scope="session")
+def standing(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], MeshBody]:
+    """Return bodies from ``STANDING`` by name, read from a file."""
+    folder = tmp_path_factory.mktemp("standing")
+
+    def body(name: str) -> MeshBody:
+        file = folder / f"{name}.stl"
+        if not file.exists():
+            STANDING[name]().export(file)
+        solid = read_mesh(str(file), 1.0)
+        assert isinstance(solid, MeshBody)
+        return solid
+
+    return body
 
 
 @pytest.fixture(scope="session")

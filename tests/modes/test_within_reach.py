@@ -43,7 +43,7 @@ def test_out_of_reach_nothing_is_worked_out(
 def test_what_is_left_is_what_two_arms_reach_one_each() -> None:
     scene = SEARCHED.scene
     height = contact_height(scene, SEARCHED.motion)
-    faces = [face for face in pushable(scene) if face.flat]
+    faces = [face for face in pushable(scene, 0.04) if face.flat]
     placements = []
     for face, other in pairwise((*faces, faces[0])):
         placements += side_by_side(scene, face, height)

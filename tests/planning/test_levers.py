@@ -32,7 +32,7 @@ def scene_of(body: ObjectModel) -> Scene:
 def test_every_lever_turns_to_the_side_that_was_asked_the_longest_first(
     body, held, side: float
 ) -> None:
-    found = levers(scene_of(body), held, side)
+    found = levers(scene_of(body), held, side, 0.04)
     assert found
     for lever in found:
         turn = cross(
@@ -50,13 +50,17 @@ def test_every_lever_turns_to_the_side_that_was_asked_the_longest_first(
 
 def test_a_face_can_be_asked_for() -> None:
     held = (-0.16, 0.225)
-    assert {lever.face.index for lever in levers(scene_of(BOX), held, 1.0, 3)} == {3}
-    assert len({lever.face.index for lever in levers(scene_of(BOX), held, 1.0)}) > 1
+    assert {
+        lever.face.index for lever in levers(scene_of(BOX), held, 1.0, 0.04, 3)
+    } == {3}
+    assert (
+        len({lever.face.index for lever in levers(scene_of(BOX), held, 1.0, 0.04)}) > 1
+    )
 
 
 def test_a_point_held_at_the_middle_of_a_cylinder_leaves_no_lever() -> None:
     body = ObjectModel(Cylinder(0.2, 0.1), 1.0, (0.0, 0.0))
-    assert levers(scene_of(body), (0.0, 0.0), 1.0) == []
+    assert levers(scene_of(body), (0.0, 0.0), 1.0, 0.04) == []
 
 
 def test_depth_is_measured_to_the_nearest_edge() -> None:

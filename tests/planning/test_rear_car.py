@@ -39,7 +39,7 @@ TASK = load_task(
     "rear-push-rear", ["object.shape.box=[0.3, 0.06, 0.3]", "support.friction=0.5"]
 )
 BASE = TASK.scene
-NARROW = next(face for face in pushable(BASE) if face.normal[0] > 0.9)
+NARROW = next(face for face in pushable(BASE, 0.04) if face.normal[0] > 0.9)
 # of a triangle that points to -y, with its centre of mass to the left of the middle
 TRIANGLE = ((0.1, 0.05), (-0.1, 0.05), (0.0, -0.12))
 
@@ -87,8 +87,8 @@ def test_an_object_and_its_mirror_image_tip_alike(height: float) -> None:
         BASE.body, shape=Prism(TRIANGLE, 0.25), center_of_mass=(-0.004, 0.003)
     )
     image = mirrored(body)
-    ours = {f.normal: f for f in pushable(scene(body))}
-    for face in pushable(scene(image)):
+    ours = {f.normal: f for f in pushable(scene(body), 0.04)}
+    for face in pushable(scene(image), 0.04):
         nx, ny = face.normal
         twin = min(ours, key=lambda n: math.hypot(n[0] + nx, n[1] - ny))
         a = car_angle(image, face, height)
@@ -147,7 +147,7 @@ def test_the_planned_turn_of_a_car_is_the_objects(
 ) -> None:
     """On the exact limit surface, also of a thin bar pushed across its length."""
     pushed = scene(replace(BASE.body, shape=Box(size)))
-    face = next(face for face in pushable(pushed) if face.normal[0] > 0.9)
+    face = next(face for face in pushable(pushed, 0.04) if face.normal[0] > 0.9)
     car, shift = fitted_to(pushed, face, harder)
     assert car.bounds is not None
     turn = planned_share(TASK.motion, harder) * car.bounds[1]
@@ -159,7 +159,7 @@ def test_the_planned_turn_of_a_car_is_the_objects(
 def test_a_long_bar_pushed_at_its_end_turns_more_than_its_car_never_less() -> None:
     """Its axle is farther ahead than its curvature says: the longer of both is stable."""
     pushed = scene(replace(BASE.body, shape=Box((0.3, 0.06, 0.06))))
-    face = next(face for face in pushable(pushed) if face.normal[0] > 0.9)
+    face = next(face for face in pushable(pushed, 0.04) if face.normal[0] > 0.9)
     car, shift = fitted_to(pushed, face)
     assert car.bounds is not None
     turn = planned_share(TASK.motion, 1.0) * car.bounds[1]
@@ -172,7 +172,7 @@ def test_a_contact_beside_the_centre_of_mass_turns_farther_to_one_side() -> None
     """Each side is looked at up to its own edge of the cone."""
     body = replace(BASE.body, shape=Box((0.12, 0.2, 0.08)), center_of_mass=(0.0, 0.02))
     pushed = scene(body)
-    face = next(face for face in pushable(pushed) if face.normal[0] > 0.9)
+    face = next(face for face in pushable(pushed, 0.04) if face.normal[0] > 0.9)
     face = replace(face, foot=(face.foot[0], -0.02), offset=-0.02)
     car, _ = fitted_to(pushed, face)
     right, left = car.bounds or (0.0, 0.0)
@@ -189,7 +189,7 @@ def test_a_way_with_a_loop_ends_on_the_longest_run_in_that_is_no_great_detour() 
     """To a goal beside and behind the object every way has a loop."""
     sets = ["goal={x: 0.3, y: -0.1, yaw_deg: 0}", "motion.face=3", "limits.legs=1"]
     task = load_task("rear-push-rear", sets)
-    face = next(face for face in pushable(task.scene) if face.index == 3)
+    face = next(face for face in pushable(task.scene, 0.04) if face.index == 3)
     drives = {}
     for harder in HARDER:
         car, shift = fitted_to(task.scene, face, harder)

@@ -297,30 +297,10 @@ def test_what_is_no_shape_is_refused_in_one_line(
         assert part in line, line
 
 
-def cone() -> trimesh.Trimesh:
-    return trimesh.creation.cone(0.05, 0.08)
-
-
-def slanted() -> trimesh.Trimesh:
-    """Return a box whose top is pushed aside by 5 mm."""
-    mesh = trimesh.creation.box((0.1, 0.1, 0.1))
-    mesh.vertices[mesh.vertices[:, 2] > 0.0, 0] += 0.005
-    return mesh
-
-
-def waisted() -> trimesh.Trimesh:
-    """Return a turned solid that is thinner half way up."""
-    profile = [(0, 0), (0.05, 0), (0.04, 0.05), (0.05, 0.1), (0, 0.1)]
-    return trimesh.creation.revolve(np.array(profile), sections=48)
-
-
 def tilted() -> trimesh.Trimesh:
+    """Return a box that stands on an edge, with its centre of mass beside it."""
     turn = trimesh.transformations.rotation_matrix(0.1, [1, 0, 0])
     return trimesh.creation.box((0.1, 0.1, 0.1), transform=turn)
-
-
-def pipe() -> trimesh.Trimesh:
-    return trimesh.creation.annulus(0.03, 0.05, 0.06)
 
 
 def pair() -> trimesh.Trimesh:
@@ -329,29 +309,23 @@ def pair() -> trimesh.Trimesh:
     return trimesh.util.concatenate([one, other])
 
 
-def open_can() -> trimesh.Trimesh:
-    mesh = trimesh.creation.cylinder(0.05, 0.1)
-    faces = mesh.faces[mesh.face_normals[:, 2] < 0.5]
-    return trimesh.Trimesh(mesh.vertices, faces, process=False)
+def flat() -> trimesh.Trimesh:
+    return trimesh.Trimesh([(0, 0, 0), (0.1, 0, 0), (0, 0.1, 0)], [(0, 1, 2)])
 
 
 @pytest.mark.parametrize(
     ("mesh", "words"),
     [
-        (cone, "its top is not flat"),
-        (slanted, "sides not upright"),
-        (waisted, "its sides are not upright"),
-        (tilted, "its base is not flat"),
-        (pipe, "its footprint has a hole"),
+        (tilted, "it tips over"),
         (pair, "its footprint is not in one piece"),
-        (open_can, "its surface is not closed"),
+        (flat, "its height 0 m is below 1 %"),
     ],
 )
-def test_a_mesh_that_is_no_upright_solid_is_refused(
+def test_a_mesh_of_no_body_that_stands_is_refused(
     mesh, words: str, tmp_path: Path
 ) -> None:
     line = refusal({"mesh": written(mesh(), tmp_path / "solid.stl")})
-    assert "object.shape.mesh.path" in line
+    assert "object.shape" in line
     assert words in line
 
 

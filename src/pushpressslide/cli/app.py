@@ -83,14 +83,19 @@ def task_of(name: str, sets: list[str] | None, mode: str | None = None) -> Task:
 
     only = [] if mode is None else [f"modes={json.dumps([mode])}"]
     task = load_task(name, [*(sets or ()), *only])
-    _note_robots(task)
+    _note_files(task)
     return task
 
 
-def _note_robots(task: Task) -> None:
-    """Say on stderr what is held, left out or assumed of robots given by files."""
+def _note_files(task: Task) -> None:
+    """Say on stderr what is held, left out or assumed of robots and meshes in files."""
     from pushpressslide.robots.arm_files import robot_facts
 
+    shapes = {"object": task.object.shape}
+    shapes |= {f"obstacles[{i}]": body.shape for i, body in enumerate(task.obstacles)}
+    for field, shape in shapes.items():
+        if shape.note:
+            typer.echo(f"{field}: {shape.note}", err=True)
     for i, robot in enumerate(task.robots):
         for note in robot_facts(robot).notes:
             typer.echo(f"robots[{i}]: {note}", err=True)

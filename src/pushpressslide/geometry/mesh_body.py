@@ -20,7 +20,7 @@ from pushpressslide.geometry.polygon import convex_hull, counter_clockwise
 from pushpressslide.geometry.rounded import rounded_border
 from pushpressslide.geometry.shape import Shape
 from pushpressslide.geometry.shapes import MeshSolid
-from pushpressslide.geometry.touchable import Touchable, touchable
+from pushpressslide.geometry.touchable import Touchable, total_length, touchable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -139,9 +139,22 @@ class MeshBody(MeshSolid):
         return False
 
     @property
+    def base_area(self) -> float:
+        """Area [m^2] of what touches the support."""
+        return float(self.base.area)
+
+    @property
     def top_height(self) -> float:
         """Height [m] of the level patch on top."""
         return self.height if self.top is None else self.top.height
+
+    @cached_property
+    def pressed_inside(self) -> bool:
+        """Whether the level patch on top is the floor of a hollow."""
+        if self.top is None:
+            return False
+        around = [band.foot for band in self.bands if band.low > self.top.height]
+        return any(filled(area).covers(self.top.area) for area in around)
 
     @property
     def description(self) -> str:
@@ -288,10 +301,6 @@ class Section(Outlined):
         )
         return math.atan(max(ahead, 0.0) / near)
 
-    def touchable_length(self, tip_radius: float) -> float:
-        """Length [m] of the border that a tip can touch."""
-        return sum(part.side.length for part in self.touchable(tip_radius))
-
 
 def _depths(area: Area, points: Sequence[Point]) -> Array:
     """Depths (m,) [m] of points inside an area. Negative outside."""
@@ -321,7 +330,7 @@ def _side_height(
     step = max(high - low, 0.0) / HEIGHTS
     heights = [wanted, *(low + step * i for i in range(HEIGHTS + 1))]
     lengths: Mapping[float, float] = {
-        height: _section(body, height, lean).touchable_length(tip_radius)
+        height: total_length(_section(body, height, lean).touchable(tip_radius))
         for height in heights
     }
     enough = ENOUGH * max(lengths.values())

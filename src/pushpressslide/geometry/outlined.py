@@ -29,7 +29,7 @@ from pushpressslide.geometry.sides import (
     SidePlace,
     on_arc,
 )
-from pushpressslide.geometry.touchable import Touchable, free_space, touchable
+from pushpressslide.geometry.touchable import free_space
 
 if TYPE_CHECKING:
     from shapely import Polygon
@@ -180,10 +180,6 @@ class Outlined(Shape):
     def gauge(self) -> Callable[[float, float], float]:
         """Gauge of the hull."""
         return self.hull.gauge()
-
-    def touchable(self, tip_radius: float) -> tuple[Touchable, ...]:
-        """Parts of the border that a tip can touch."""
-        return touchable(self.border, tip_radius)
 
     def side_places(
         self, clearance: float, tip_radius: float, origin: Point

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from pushpressslide.core.pose import Point, cross
 from pushpressslide.geometry.border import Arc, Border, BorderSide, Edge
+from pushpressslide.geometry.polygon import distance_to_segment
 
 MOST_TURN = math.radians(25.0)
 """Between neighbouring chords of an arc: those of a circle with 15 corners."""
@@ -21,6 +22,8 @@ ROUND = 0.02
 """Of an arc's radius, by which its corners may miss it."""
 ALIKE = 0.1
 """Relative difference of the radii at two corners of one arc."""
+FLAT = 5e-6
+"""[m] by which a corner stands out from the line of its neighbours."""
 SHORTEST = 2e-3
 """[m] of an arc."""
 
@@ -33,12 +36,13 @@ class _Circle:
 
 def rounded_border(corners: tuple[Point, ...]) -> Border:
     """Border of a polygon, counter-clockwise [m], with its runs of chords as arcs."""
+    corners = _without_flat_corners(corners)
     n = len(corners)
     radii = [
         _radius(corners[i - 1], corners[i], corners[(i + 1) % n]) for i in range(n)
     ]
     whole = _fitted(corners)
-    if whole is not None and all(_alike(radius, whole.radius) for radius in radii):
+    if whole is not None and all(_are_equal(radius, whole.radius) for radius in radii):
         start = _direction(whole, corners[0])
         circle = Arc(whole.center, whole.radius, start, 2.0 * math.pi)
         return Border(corners, (circle,))
@@ -46,6 +50,20 @@ def rounded_border(corners: tuple[Point, ...]) -> Border:
     corners = corners[first:] + corners[:first]
     radii = radii[first:] + radii[:first]
     return Border(corners, tuple(_sides(corners, radii)))
+
+
+def _without_flat_corners(corners: tuple[Point, ...]) -> tuple[Point, ...]:
+    """Corners without those in the middle of a straight line."""
+    kept = list(corners)
+    i = 0
+    while i < len(kept) and len(kept) > 3:
+        before = kept[i - 1]
+        after = kept[(i + 1) % len(kept)]
+        if distance_to_segment(kept[i], before, after) < FLAT:
+            del kept[i]
+        else:
+            i += 1
+    return tuple(kept)
 
 
 def _sides(corners: tuple[Point, ...], radii: Sequence[float]) -> list[BorderSide]:
@@ -73,7 +91,7 @@ def _run_end(radii: Sequence[float], first: int) -> int:
     """Index of the corner at which an arc ends whose first inner corner is ``first``."""
     n = len(radii)
     i = first
-    while i < n and _alike(radii[i], radii[min(first, n - 1)]):
+    while i < n and _are_equal(radii[i], radii[min(first, n - 1)]):
         i += 1
     return i
 
@@ -81,10 +99,10 @@ def _run_end(radii: Sequence[float], first: int) -> int:
 def _first_sharp(radii: Sequence[float]) -> int:
     """A corner that is inside no arc, or 0."""
     n = len(radii)
-    return next((i for i in range(n) if not _alike(radii[i], radii[i - 1])), 0)
+    return next((i for i in range(n) if not _are_equal(radii[i], radii[i - 1])), 0)
 
 
-def _alike(one: float, other: float) -> bool:
+def _are_equal(one: float, other: float) -> bool:
     if math.isinf(one) or math.isinf(other):
         return False
     return abs(one - other) <= ALIKE * other

@@ -16,6 +16,7 @@ from pushpressslide.core.pose import Point, Pose2, cross, turned_left
 from pushpressslide.geometry.border import Border, border_of
 from pushpressslide.geometry.polygon import centroid, distance_to_segment
 from pushpressslide.geometry.sides import ON_FACE, FlatSide, Side, SidePlace
+from pushpressslide.geometry.touchable import Touchable, touchable
 
 if TYPE_CHECKING:
     from shapely import Polygon
@@ -67,6 +68,13 @@ class Shape:
         def description(self) -> str:
             """Kind and size in words, in millimetres."""
 
+        @property
+        def note(self) -> str:
+            """What stands for the surface in a file, and why. Empty for most shapes."""
+
+    else:
+        note = ""
+
     @property
     def corners(self) -> tuple[Point, ...]:
         """Corners of the footprint in G, counter-clockwise [m]. Empty for a round one.
@@ -106,6 +114,10 @@ class Shape:
         """
         return self
 
+    def touchable(self, tip_radius: float) -> tuple[Touchable, ...]:
+        """Parts of the border that a tip can touch."""
+        return touchable(self.border, tip_radius)
+
     def least_lean(self, tip_radius: float) -> float:
         """Lean [rad] of the most upright side that a tip meets: 0 for an upright body."""
         return 0.0
@@ -143,6 +155,11 @@ class Shape:
         """Distance [m] from the middle to the farthest point of the outline."""
         middle = self.middle
         return max(math.dist(middle, corner) for corner in self.corners)
+
+    @property
+    def base_area(self) -> float:
+        """Area [m^2] of what touches the support."""
+        return float(self.placed(Pose2()).area)
 
     @property
     def half_width(self) -> float:

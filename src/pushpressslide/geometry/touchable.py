@@ -9,6 +9,7 @@ the notch is behind it.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -56,6 +57,11 @@ def touchable(
             parts = [*_arc_parts(side, tip_radius, blocked)]
         out += [Touchable(index, part) for part in parts]
     return tuple(out)
+
+
+def total_length(parts: Iterable[Touchable]) -> float:
+    """Length [m] of parts of a border."""
+    return sum(part.side.length for part in parts)
 
 
 def free_space(border: Border, point: Point, normal: Point, tip_radius: float) -> float:

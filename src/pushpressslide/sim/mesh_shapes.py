@@ -35,12 +35,12 @@ CONVEX = 0.995
 """Share of its convex hull's area that a convex cross-section has at least."""
 MOST_DRAWN = 100_000
 """Triangles of a body that is drawn as it is."""
-INSIDE = 1e-3
-"""[m] of a patch on top below the highest point, that lies inside the body."""
+STEP = 4e-3
+"""[m] between outlines that count as one, of a body that is pressed inside."""
 
 
 @dataclass(frozen=True)
-class Piece:
+class SolidPart:
     """A part of a body that tips touch."""
 
     shape: DrakeShape
@@ -48,18 +48,18 @@ class Piece:
 
 
 @lru_cache(maxsize=8)
-def touched_pieces(body: MeshBody) -> tuple[Piece, ...]:
+def touched_parts(body: MeshBody) -> tuple[SolidPart, ...]:
     """Pieces of a body for hydroelastic contact with tips, with z zero at half height."""
-    return tuple(_pieces(body, layered=True))
+    return tuple(_solid_parts(body, layered=True))
 
 
 @lru_cache(maxsize=8)
 def convex_parts(body: MeshBody) -> tuple[DrakeShape, ...]:
     """Convex shapes whose union is a body, with z zero at half height."""
-    return tuple(piece.shape for piece in _pieces(body, layered=False))
+    return tuple(part.shape for part in _solid_parts(body, layered=False))
 
 
-def _pieces(body: MeshBody, layered: bool) -> Iterator[Piece]:
+def _solid_parts(body: MeshBody, layered: bool) -> Iterator[SolidPart]:
     middle = 0.5 * body.height
     for run in _runs(_solid_bands(body)):
         low = run[0].low - middle
@@ -67,19 +67,33 @@ def _pieces(body: MeshBody, layered: bool) -> Iterator[Piece]:
         if _is_convex(run[0]):
             yield _frustum(_ring(run[0].foot), _ring(run[-1].head), low, high)
             continue
-        for polygon in polygons(run[0].section(run[0].low).simplify(DETAIL)):
+        detail = STEP / 4.0 if body.pressed_inside else DETAIL
+        for polygon in polygons(run[0].foot.simplify(detail)):
             yield from _upright(polygon, low, high, layered)
 
 
 def _solid_bands(body: MeshBody) -> list[Band]:
-    """Bands of a body with their holes filled, unless a tip presses inside."""
-    top = body.top
-    if top is not None and top.height < body.height - INSIDE:
-        return list(body.bands)
+    """Bands of a body with their holes filled, or few bands with open ones if a tip
+    presses inside.
+    """
+    if body.pressed_inside:
+        return _few(body.bands)
     return [
         replace(band, foot=filled(band.foot), head=filled(band.head))
         for band in body.bands
     ]
+
+
+def _few(bands: Sequence[Band]) -> list[Band]:
+    """Bands joined where their outlines differ by less than ``STEP``."""
+    out: list[Band] = []
+    for band in bands:
+        last = out[-1] if out else None
+        if last is None or last.foot.hausdorff_distance(band.head) > STEP:
+            out.append(band)
+        else:
+            out[-1] = Band(last.low, band.high, last.foot, band.head)
+    return out
 
 
 def _is_convex(band: Band) -> bool:
@@ -135,17 +149,21 @@ def _ring(area: Area) -> tuple[Point, ...]:
 
 def _frustum(
     foot: Sequence[Point], head: Sequence[Point], low: float, high: float
-) -> Piece:
+) -> SolidPart:
     corners = [(x, y, low) for x, y in foot] + [(x, y, high) for x, y in head]
-    return Piece(_convex(corners), _thickness(foot, high - low))
+    return SolidPart(_convex(corners), _thickness(foot, high - low))
 
 
 def _upright(
     polygon: Polygon, low: float, high: float, layered: bool
-) -> Iterator[Piece]:
+) -> Iterator[SolidPart]:
     """A concave part between two heights: one layered piece, or several convex ones."""
     ring = joined_ring(polygon)
     height = high - low
+    if polygon.area >= CONVEX * polygon.convex_hull.area:
+        ring = _ring(polygon)
+        yield _frustum(ring, ring, low, high)
+        return
     if layered and not polygon.interiors:
         try:
             made = layered_mesh(ring, height)
@@ -153,7 +171,7 @@ def _upright(
             pass  # too thin for one
         else:
             middle = 0.5 * (low + high)
-            yield Piece(made.mesh.raised(middle).drake(), made.depth)
+            yield SolidPart(made.mesh.raised(middle).drake(), made.depth)
             return
     for corners in convex_pieces(ring):
         yield _frustum(corners, corners, low, high)

@@ -53,7 +53,7 @@ Triangle = tuple[int, int, int]
 
 CELLS = 6.0  # across a base where it is narrow
 FINE = 12  # of the rule that tells a base's mean distance from its middle
-BASE_DETAIL = 0.005  # of a base's breadth, left out of the outline of a patch
+BASE_DETAIL = 0.01  # of the breadth of a base's hull, left out of a patch's outline
 MOST_CELLS = 16  # along a base, however long it is
 # share of a base by which its top is smaller: what the support cuts from sides that lean
 # inwards gives way without a force, and is no constraint
@@ -134,10 +134,9 @@ def base_meshes(
     ``up`` is -1 if the shape's z axis points into the support, as on a wall.
     """
     ring = _base_ring(shape) if isinstance(shape, MeshBody) else _outline(shape)
-    bounds = shape.bounds(Pose2())
-    if isinstance(shape, MeshBody):
-        bounds = shape.hull.bounds(Pose2())
-    counts = _cell_counts(bounds, shape.breadth, cells)
+    whole = shape.hull if isinstance(shape, MeshBody) else shape
+    bounds = whole.bounds(Pose2())
+    counts = _cell_counts(bounds, whole.breadth, cells)
     x_min, x_max, y_min, y_max = bounds
     xs = np.linspace(x_min, x_max, counts[0] + 1).tolist()
     ys = np.linspace(y_min, y_max, counts[1] + 1).tolist()
@@ -186,7 +185,8 @@ def _base_ring(shape: MeshBody) -> tuple[Point, ...]:
 
     patches = []
     for patch in polygons(shape.base):
-        simple = patch.simplify(BASE_DETAIL * shape.breadth)
+        detail = min(BASE_DETAIL * shape.hull.breadth, 0.25 * shape.breadth)
+        simple = patch.simplify(detail)
         grown = math.sqrt(patch.area / simple.area)
         patches.append(affinity.scale(simple, grown, grown, origin="centroid"))
     return joined_ring(shapely.union_all(patches))

@@ -35,7 +35,7 @@ from pushpressslide.geometry.mesh_body import MeshBody
 from pushpressslide.geometry.pieces import convex_pieces, triangles
 from pushpressslide.geometry.polygon import signed_area
 from pushpressslide.sim.layered_mesh import layered_mesh
-from pushpressslide.sim.mesh_shapes import convex_parts, drawn_mesh, touched_pieces
+from pushpressslide.sim.mesh_shapes import convex_parts, drawn_mesh, touched_parts
 
 # [Pa] the indentation stays below 0.1 mm at the loads of a 3 kg object
 HYDROELASTIC_MODULUS = 1.0e7
@@ -376,12 +376,12 @@ def touched_shapes(
         own = softness(shape)
         return [
             (
-                piece.shape,
+                part.shape,
                 compliant_properties(
-                    friction, resolution, piece.thickness / own * modulus
+                    friction, resolution, part.thickness / own * modulus
                 ),
             )
-            for piece in touched_pieces(shape)
+            for part in touched_parts(shape)
         ]
     if shape.convex:
         properties = compliant_properties(friction, resolution, modulus)

@@ -199,12 +199,26 @@ def _body_faults(
     body: ObjectModel,
     obstacles: Sequence[Obstacle],
 ) -> Iterator[Fault]:
+    hull = body.shape.hull
+    if centers["object"] is None and hull.depth(body.shape.centroid) <= 0.0:
+        x, y = body.shape.centroid
+        off = -1e3 * hull.depth((x, y))
+        place = Shown(
+            f"its centre of mass ({x:.3g}, {y:.3g}) m, {off:.3g} mm outside its base"
+        )
+        yield (
+            "object.shape",
+            place,
+            "it tips over; allowed: a body that stands, or give center_of_mass",
+        )
     for section, center in centers.items():
         if center is None:
             continue
         depth = body.shape.hull.depth(center)
         if depth <= 0.0:
-            allowed = f"a point inside the footprint's convex hull, here {-depth:.4g} m outside"
+            allowed = (
+                f"a point inside the base's convex hull, here {-depth:.4g} m outside"
+            )
             yield f"{section}.center_of_mass", list(center), f"allowed: {allowed}"
     names = ["object"]
     for i, obstacle in enumerate(obstacles):

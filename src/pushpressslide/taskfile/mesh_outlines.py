@@ -27,6 +27,8 @@ BASE_HEIGHTS = (5e-4, 1e-3)
 """Height above the lowest point up to which a face is part of the base: this share of the
 body's height, between these two [m].
 """
+CRUMBS = 0.01
+"""Share of a footprint that may lie apart from the rest."""
 MOST_CORNERS = 256
 """Of the outline seen from above."""
 LEVELS = 40
@@ -50,7 +52,8 @@ SMALLEST_PATCH = 0.004
 def read_outlines(mesh: Trimesh, path: str, scale: float, up: str) -> MeshBody:
     """Body in a closed surface [m] with z up.
 
-    Raises ValueError for a body that rests on a point or a line.
+    Raises ValueError for bodies side by side, and for one that rests on a point or a
+    line.
     """
     low, high = (float(z) for z in mesh.bounds[:, 2])
     grid = DETAIL * 1e-3 * float(max(mesh.extents))
@@ -58,7 +61,9 @@ def read_outlines(mesh: Trimesh, path: str, scale: float, up: str) -> MeshBody:
     triangles[:, :, 2] -= low
     bands = _bands(triangles, high - low, grid)
     detail = DETAIL * float(max(mesh.extents))
-    corners = _outline(largest(_seen_from_above(bands)), detail)
+    footprint = _seen_from_above(bands)
+    _check_connected(footprint)
+    corners = _outline(largest(footprint), detail)
     moments = _moments(bands)
     return MeshBody(
         path,
@@ -72,6 +77,14 @@ def read_outlines(mesh: Trimesh, path: str, scale: float, up: str) -> MeshBody:
         top=_top(triangles, bands, grid, detail),
         solid=moments,
     )
+
+
+def _check_connected(footprint: Area) -> None:
+    """Raise ValueError unless nearly all of a body is in one piece, seen from above."""
+    rest = 1.0 - largest(footprint).area / footprint.area
+    if rest > CRUMBS:
+        count = len(list(polygons(footprint)))
+        raise ValueError(f"its footprint is not in one piece: {count} bodies apart")
 
 
 def _outline(area: Polygon, detail: float) -> tuple[Point, ...]:
@@ -96,7 +109,7 @@ def _bands(triangles: Array, height: float, grid: float) -> tuple[Band, ...]:
         bands += _band_pieces(triangles, low, high, grid)
     out: list[Band] = []
     for band in bands:
-        if out and _alike(out[-1], band):
+        if out and _are_one(out[-1], band):
             out[-1] = Band(out[-1].low, band.high, out[-1].foot, out[-1].head)
         else:
             out.append(band)
@@ -143,7 +156,7 @@ def _off(one: Area, other: Area) -> float:
     return float(shapely.distance(corners, other.boundary).max())
 
 
-def _alike(one: Band, other: Band) -> bool:
+def _are_one(one: Band, other: Band) -> bool:
     """Whether two bands are parts of one upright band."""
     parts = ((one.foot, one.head), (one.foot, other.foot), (one.foot, other.head))
     limit = 0.5 * STEP

@@ -141,7 +141,7 @@ _ROWS: tuple[Row, ...] = (
         "mesh",
         MeshSolid,
         _MESH,
-        "upright solid in a file; G is the file's frame with `up` as z",
+        "body in a file that stands on its base; G is the file's frame with `up` as z",
     ),
 )
 
@@ -178,7 +178,7 @@ def located(plain: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 def shape_faults(field: str, plain: Mapping[str, Any]) -> Iterator[Fault]:
     """Yield errors of fields that hold a shape: several kinds, a polygon that crosses
-    itself, parts that are not connected, a mesh that is not an upright solid.
+    itself, parts that are not connected, a mesh of no body that stands.
     """
     given = [name for name in NAMES if plain[name] is not None]
     if len(given) != 1:
@@ -192,7 +192,7 @@ def shape_faults(field: str, plain: Mapping[str, Any]) -> Iterator[Fault]:
         try:
             read_mesh(mesh["path"], mesh["scale"], mesh["up"])
         except ValueError as error:
-            allowed = "allowed: a closed, upright solid on a flat base without a hole"
+            allowed = "allowed: one body that stands on its base"
             yield f"{field}.mesh.path", path_value(mesh["path"]), f"{error}; {allowed}"
 
 

@@ -1,0 +1,118 @@
+"""``pps object``: what of an object touches the support, and where tips may touch it."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from pushpressslide.cli.app import app, print_json
+from pushpressslide.cli.options import Json
+
+if TYPE_CHECKING:
+    from pushpressslide.core.task import Task
+    from pushpressslide.planning.object_sheet import ObjectSheet
+
+
+@app.command(name="object")
+def object_(
+    file: Annotated[str, typer.Argument(help="A mesh, or a task.")],
+    scale: Annotated[float, typer.Option(help="One unit of the mesh [m].")] = 1.0,
+    up: Annotated[str, typer.Option(help="Axis of the mesh that points up.")] = "z",
+    radius: Annotated[float, typer.Option(help="Radius of the tip [m].")] = 0.02,
+    friction: Annotated[float, typer.Option(help="Of the tip.")] = 0.5,
+    support: Annotated[float, typer.Option(help="Friction of the support.")] = 0.35,
+    out: Annotated[Path, typer.Option(help="Folder of the picture.")] = Path("runs"),
+    as_json: Json = False,
+) -> None:
+    """Show an object: base, side and top, and where tips may push and press.
+
+    A task brings its own tips and frictions.
+    """
+    from pushpressslide.core.whole_file import write_whole
+    from pushpressslide.planning.object_sheet import object_sheet
+    from pushpressslide.report.object_figure import object_figure
+    from pushpressslide.report.style import png
+
+    task = _task_of(file, scale, up, (radius, friction, support))
+    sheet = object_sheet(task.scene, task.motion)
+    data = sheet_data(task, sheet)
+    folder = out / f"object-{Path(file).stem}"
+    folder.mkdir(parents=True, exist_ok=True)
+    figure = object_figure(task.scene, sheet)
+    picture = write_whole(folder / "object.png", png(figure))
+    if as_json:
+        print_json({**data, "picture": str(picture)})
+        return
+    _print(data)
+    typer.echo(picture)
+
+
+def _task_of(file: str, scale: float, up: str, tip: tuple[float, float, float]) -> Task:
+    """Task with the object of a file. A mesh is given a table and one arm."""
+    from pushpressslide.taskfile.load import load_task, task_from_data
+    from pushpressslide.taskfile.mesh_count import SUFFIXES
+
+    if Path(file).suffix.lower() not in SUFFIXES:
+        return load_task(file)
+    radius, friction, support = tip
+    mesh = {"path": str(Path(file).resolve()), "scale": scale, "up": up}
+    data = {
+        "name": "object",
+        "object": {"shape": {"mesh": mesh}, "mass": 1.0},
+        "start": {"x": 0.45, "y": 0.0},
+        "goal": {"x": 0.45, "y": 0.1},
+        "support": {"friction": support},
+        "contact": {"friction": friction},
+        "robots": [{"model": "panda", "tip_radius": radius}],
+    }
+    return task_from_data(data, file)
+
+
+def sheet_data(task: Task, sheet: ObjectSheet) -> dict[str, Any]:
+    """What ``pps object`` says, as plain data."""
+    body = task.scene.body
+    return {
+        "shape": body.shape.description,
+        "note": body.shape.note,
+        "height": body.shape.height,
+        "center_of_mass": list(body.center_of_mass),
+        "base_area": sheet.base_area,
+        "base_size": list(sheet.base_size),
+        "standing": sheet.standing,
+        "push": sheet.no_push is None,
+        "no_push": None if sheet.no_push is None else str(sheet.no_push),
+        "push_height": sheet.push_height,
+        "touched_share": sheet.touched_share,
+        "lean_deg": math.degrees(sheet.lean),
+        "press_height": sheet.press_height,
+    }
+
+
+def _print(data: dict[str, Any]) -> None:
+    """Print what was found, in text."""
+    length, width = (1e3 * value for value in data["base_size"])
+    x, y = (1e3 * value for value in data["center_of_mass"])
+    typer.echo(data["shape"])
+    if data["note"]:
+        typer.echo(f"note:   {data['note']}")
+    typer.echo(
+        f"base:   {length:.0f} x {width:.0f} mm, {1e4 * data['base_area']:.1f} cm^2"
+    )
+    standing = 1e3 * data["standing"]
+    typer.echo(
+        f"centre: ({x:.1f}, {y:.1f}) mm, {standing:.1f} mm inside the base's hull"
+    )
+    height = 1e3 * data["push_height"]
+    if data["push"]:
+        share = 100.0 * data["touched_share"]
+        lean = f"leaning by {data['lean_deg']:.0f} deg"
+        typer.echo(f"push:   at {height:.0f} mm, {share:.0f} % of the side, {lean}")
+    else:
+        typer.echo(f"push:   no: {data['no_push']}")
+    if data["press_height"] is None:
+        typer.echo("press:  no: no level place on top is large enough for the tip")
+    else:
+        typer.echo(f"press:  at {1e3 * data['press_height']:.0f} mm")
