@@ -79,6 +79,8 @@ def sheet_data(task: Task, sheet: ObjectSheet) -> dict[str, Any]:
         "note": body.shape.note,
         "height": body.shape.height,
         "center_of_mass": list(body.center_of_mass),
+        "base": sheet.base_kind,
+        "base_patches": sheet.base_patches,
         "base_area": sheet.base_area,
         "base_size": list(sheet.base_size),
         "standing": sheet.standing,
@@ -88,6 +90,7 @@ def sheet_data(task: Task, sheet: ObjectSheet) -> dict[str, Any]:
         "touched_share": sheet.touched_share,
         "lean_deg": math.degrees(sheet.lean),
         "press_height": sheet.press_height,
+        "press_radius": sheet.press_radius,
     }
 
 

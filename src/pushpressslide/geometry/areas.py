@@ -42,6 +42,18 @@ def largest(area: Area) -> Polygon:
     return shapely.Polygon(found.exterior)
 
 
+def inner_radius(area: Area | None) -> float:
+    """Radius [m] of the largest disc in an area. 0 without one."""
+    import shapely
+
+    if area is None:
+        return 0.0
+    radii = [
+        float(shapely.maximum_inscribed_circle(part).length) for part in polygons(area)
+    ]
+    return max(radii, default=0.0)
+
+
 def joined_ring(area: Area) -> Ring:
     """Corners [m] of one ring about an area, counter-clockwise.
 

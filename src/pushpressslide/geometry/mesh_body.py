@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
-from pushpressslide.core.margins import rod_radius
+from pushpressslide.core.margins import inset, rod_radius
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.geometry.areas import filled, joined_ring, largest
 from pushpressslide.geometry.border import Border, BorderSide
@@ -31,6 +31,10 @@ if TYPE_CHECKING:
 
 ENOUGH = 0.5
 """Share of the largest touchable length, from which a height serves as well."""
+JOINT = 1e-3
+"""[m] between two sides that go on from one to the next."""
+WALL_ROOM = 2.0
+"""Of a place's margin to the edges of its patch: its distance to the walls beside it."""
 HEIGHT_DIGITS = 3
 """Decimal places [m] of a section's height."""
 HEIGHTS = 24
@@ -80,6 +84,14 @@ class Patch:
 
     area: Area  # [m^2] in G
     height: float  # [m]
+    walls: Area  # [m^2] in G, of what stands above it
+
+    def inside(self, margin: float) -> Area:
+        """Region of the patch ``margin`` [m] inside its edges, and a tip's radius and
+        more beside the walls.
+        """
+        free = self.area.buffer(-margin, join_style="mitre")
+        return free.difference(self.walls.buffer(WALL_ROOM * margin))
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +119,10 @@ class MeshBody(MeshSolid):
         return isinstance(other, MeshBody) and self._key == other._key
 
     def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
         return hash(self._key)
 
     @property
@@ -171,15 +187,16 @@ class MeshBody(MeshSolid):
         """Extent [m] of the base from B's origin along a unit vector."""
         return self.hull.extent(direction, origin)
 
+    def has_top(self, margin: float) -> bool:
+        """Whether the level patch on top has a place ``margin`` [m] inside its edges."""
+        return not _inside_top(self, margin).is_empty
+
     def holds(self, point: Point, margin: float, origin: Point) -> bool:
         """Whether ``point`` [m] in B is ``margin`` [m] inside the level patch on top."""
         from shapely import Point as Place
 
         place = Place(point[0] + origin[0], point[1] + origin[1])
-        area = None if self.top is None else self.top.area
-        if area is None or not area.covers(place):
-            return False
-        return bool(area.boundary.distance(place) >= margin)
+        return self.top is not None and bool(_inside_top(self, margin).covers(place))
 
     def chords(
         self, direction: Point, margin: float, origin: Point
@@ -192,7 +209,7 @@ class MeshBody(MeshSolid):
 
         if self.top is None:
             return ()
-        inner = self.top.area.buffer(-margin, join_style="mitre")
+        inner = _inside_top(self, margin)
         end = (origin[0] + FAR * direction[0], origin[1] + FAR * direction[1])
         inside = get_parts(LineString([origin, end]).intersection(inner))
         start = Place(origin)
@@ -280,9 +297,12 @@ class Section(Outlined):
             return touchable(self.border, tip_radius)
         around = self.body.obstruction(self.level, tip_radius)
         parts = touchable(self.border, tip_radius, around.buffer(-BESIDE * tip_radius))
-        return tuple(
+        upright = [
             part for part in parts if self.side_lean(part.side, tip_radius) <= self.lean
-        )
+        ]
+        shortest = 2.0 * inset(tip_radius)
+        runs = [run for run in _runs(upright) if total_length(run) >= shortest]
+        return tuple(part for run in runs for part in run)
 
     def least_lean(self, tip_radius: float) -> float:
         """Lean [rad] of the most upright side that a tip meets."""
@@ -302,6 +322,24 @@ class Section(Outlined):
         return math.atan(max(ahead, 0.0) / near)
 
 
+def _runs(parts: Sequence[Touchable]) -> list[list[Touchable]]:
+    """Parts of a border, counter-clockwise, in runs that go on from one to the next."""
+    runs: list[list[Touchable]] = []
+    for part in parts:
+        if runs and _meet(runs[-1][-1], part):
+            runs[-1].append(part)
+        else:
+            runs.append([part])
+    if len(runs) > 1 and _meet(runs[-1][-1], runs[0][0]):
+        runs[0] = runs.pop() + runs[0]
+    return runs
+
+
+def _meet(one: Touchable, other: Touchable) -> bool:
+    gap = math.dist(one.side.points(2)[-1], other.side.points(2)[0])
+    return gap < JOINT
+
+
 def _depths(area: Area, points: Sequence[Point]) -> Array:
     """Depths (m,) [m] of points inside an area. Negative outside."""
     import numpy as np
@@ -311,6 +349,18 @@ def _depths(area: Area, points: Sequence[Point]) -> Array:
     away = shapely.distance(places, area.boundary)
     out: Array = np.where(shapely.covers(area, places), away, -away)
     return out
+
+
+@lru_cache(maxsize=64)
+def _inside_top(body: MeshBody, margin: float) -> Area:
+    """Region of the level patch on top in which a tip can press."""
+    import shapely
+
+    if body.top is None:
+        return shapely.Polygon()
+    inside = body.top.inside(margin)
+    shapely.prepare(inside)
+    return inside
 
 
 @lru_cache(maxsize=256)

@@ -108,6 +108,10 @@ class Shape:
         """Height [m] of the level patch on top that a tip can press."""
         return self.height
 
+    def has_top(self, margin: float) -> bool:
+        """Whether a level patch on top has a place ``margin`` [m] inside its edges."""
+        return self.inner_radius >= margin
+
     def section(self, height: float, lean: float = 0.5 * math.pi) -> Shape:
         """The body as a tip at a ``height`` [m] meets it, without sides that lean by
         more than ``lean`` [rad]. Upright bodies are the same at every height.

@@ -16,6 +16,7 @@ from pushpressslide.core.scene import Scene
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.mechanics.top import inside_top, top_places
 from pushpressslide.mechanics.wall import lean, lean_press
+from pushpressslide.planning.hollow import hollow_refusal
 from pushpressslide.planning.side_contacts import assignments
 from pushpressslide.rom.drives import ORIGIN
 
@@ -106,6 +107,9 @@ def _pairs(query: MotionQuery) -> list[Pair]:
 
 def _refusal(scene: Scene, points: Pair) -> Refusal | None:
     """Refusal of two contacts at any loads, or None."""
+    deep = hollow_refusal(scene)
+    if deep is not None:
+        return deep
     inset = scene.inset
     if not all(inside_top(scene.body, p, inset - ROUNDING) for p in points):
         text = "the contacts must be {allowed:mm.0f} inside the object's top"

@@ -17,7 +17,7 @@ from pushpressslide.geometry.united import DIGITS, bordered
 from pushpressslide.taskfile.mesh_count import SUFFIXES
 from pushpressslide.taskfile.mesh_face import covered
 from pushpressslide.taskfile.mesh_outlines import read_outlines
-from pushpressslide.taskfile.mesh_surface import GRID, closed_surface
+from pushpressslide.taskfile.mesh_surface import GRID, read_surface
 
 if TYPE_CHECKING:
     from shapely import Polygon
@@ -26,8 +26,10 @@ if TYPE_CHECKING:
 
     from pushpressslide.core.arrays import Array
 
-TOLERANCE = 0.01
+TOLERANCE = 0.003
 """Of the solid's size: how far base, top and sides may be from an upright prism's."""
+FLATTEST = 0.01
+"""Height of a body over its size."""
 DETAIL = 1e-3
 """Of the solid's size: corners that stand out by less are left out of the outline."""
 MOST_CORNERS = 256
@@ -49,8 +51,8 @@ def read_mesh(path: str, scale: float, up: str = "z") -> MeshSolid:
 
 
 def surface_of(solid: MeshSolid) -> Trimesh:
-    """Closed surface [m] of a body from a file, with z up."""
-    return closed_surface(Path(solid.path), solid.scale, solid.up).mesh
+    """Surface [m] of a body from a file, with z up."""
+    return read_surface(Path(solid.path), solid.scale, solid.up).mesh
 
 
 def _changed(file: Path) -> int:
@@ -66,17 +68,20 @@ def _changed(file: Path) -> int:
 @lru_cache(maxsize=16)
 def _read(path: str, scale: float, up: str, changed: int, size: int) -> MeshSolid:
     """Body in a file, cached until the file changes."""
-    surface = closed_surface(Path(path), scale, up)
+    surface = read_surface(Path(path), scale, up)
     mesh = surface.mesh
     extent = float(max(mesh.extents))
     height = float(mesh.extents[2])
-    if height < TOLERANCE * extent:
+    if height < FLATTEST * extent:
         raise ValueError(f"its height {height:.3g} m is below 1 % of its size")
+    if surface.fault:
+        solid = read_outlines(surface, path, scale, up)
+        note = f"{surface.fault}; its outline is taken at each height, without holes"
+        return replace(solid, note=note)
     try:
-        solid = _upright(mesh, path, scale, up)
+        return _upright(mesh, path, scale, up)
     except _UprightError:
-        solid = read_outlines(mesh, path, scale, up)
-    return replace(solid, note=surface.note)
+        return read_outlines(surface, path, scale, up)
 
 
 class _UprightError(Exception):

@@ -8,25 +8,30 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from pushpressslide.core.pose import Point
-from pushpressslide.geometry.areas import filled, joined_ring, largest, polygons
+from pushpressslide.geometry.areas import (
+    filled,
+    inner_radius,
+    joined_ring,
+    largest,
+    polygons,
+)
 from pushpressslide.geometry.mesh_body import Band, MeshBody, Patch, SolidMoments
 from pushpressslide.geometry.polygon import counter_clockwise
-from pushpressslide.taskfile.mesh_face import covered, enclosed
+from pushpressslide.taskfile.mesh_slices import Slices, slices_of
+from pushpressslide.taskfile.mesh_surface import Surface
 
 if TYPE_CHECKING:
     from shapely import Polygon
     from shapely.geometry.base import BaseGeometry as Area
-    from trimesh import Trimesh
 
     from pushpressslide.core.arrays import Array
 
-DETAIL = 1e-3
-"""Of the solid's size: corners that stand out by less are left out of an outline."""
-BASE_SHARE = 0.01
-BASE_HEIGHTS = (5e-4, 1e-3)
-"""Height above the lowest point up to which a face is part of the base: this share of the
-body's height, between these two [m].
+BASE_HEIGHTS = (2e-4, 1e-3)
+"""[m] above the lowest point up to which a face is part of the base: the larger one for a
+body that would not stand on what is that level.
 """
+NEAR = 0.01
+"""Of the body's height: levels that are one level."""
 CRUMBS = 0.01
 """Share of a footprint that may lie apart from the rest."""
 MOST_CORNERS = 256
@@ -41,40 +46,34 @@ END = 0.02
 """Of a band's height: distance of its outlines from its ends."""
 LEVEL = math.radians(2.0)
 """Slope of a patch on top that counts as level."""
-WALL_ROOM = 0.015
-"""[m] between a patch on top and what stands above it, for a tip and its rod."""
-MOST_DEPTH = 0.05
-"""[m] below the highest point of a patch that is pressed: the tip's rod is not long."""
+ENOUGH = 0.5
+"""Of the radius of the largest disc in a patch, for a higher one to be pressed."""
 SMALLEST_PATCH = 0.004
 """[m] of the radius of the largest disc in a patch."""
 
 
-def read_outlines(mesh: Trimesh, path: str, scale: float, up: str) -> MeshBody:
-    """Body in a closed surface [m] with z up.
+def read_outlines(surface: Surface, path: str, scale: float, up: str) -> MeshBody:
+    """Body in a surface.
 
     Raises ValueError for bodies side by side, and for one that rests on a point or a
     line.
     """
-    low, high = (float(z) for z in mesh.bounds[:, 2])
-    grid = DETAIL * 1e-3 * float(max(mesh.extents))
-    triangles = mesh.triangles.copy()
-    triangles[:, :, 2] -= low
-    bands = _bands(triangles, high - low, grid)
-    detail = DETAIL * float(max(mesh.extents))
+    slices = slices_of(surface)
+    bands = _bands(slices)
     footprint = _seen_from_above(bands)
     _check_connected(footprint)
-    corners = _outline(largest(footprint), detail)
     moments = _moments(bands)
+    center = moments.center[:2]
     return MeshBody(
         path,
         scale,
-        corners,
-        high - low,
-        moments.center[:2],
+        _outline(largest(footprint), slices.detail),
+        slices.height,
+        center,
         up,
         bands=bands,
-        base=_base(triangles, bands, grid, detail),
-        top=_top(triangles, bands, grid, detail),
+        base=_base(slices, center),
+        top=_top(slices, bands),
         solid=moments,
     )
 
@@ -102,11 +101,11 @@ def _seen_from_above(bands: Sequence[Band]) -> Area:
     return filled(shapely.union_all(sections))
 
 
-def _bands(triangles: Array, height: float, grid: float) -> tuple[Band, ...]:
+def _bands(slices: Slices) -> tuple[Band, ...]:
     """Bands from the support to the top, as few as the outlines allow."""
     bands: list[Band] = []
-    for low, high in pairwise(_levels(triangles, height)):
-        bands += _band_pieces(triangles, low, high, grid)
+    for low, high in pairwise(_levels(slices)):
+        bands += _thin_bands(slices, low, high)
     out: list[Band] = []
     for band in bands:
         if out and _are_one(out[-1], band):
@@ -116,31 +115,30 @@ def _bands(triangles: Array, height: float, grid: float) -> tuple[Band, ...]:
     return tuple(out)
 
 
-def _levels(triangles: Array, height: float) -> list[float]:
+def _levels(slices: Slices) -> list[float]:
     """Heights [m] between which the body is cut: those of its corners, or an even
     division if there are too many.
     """
     import numpy as np
 
-    levels = np.unique(np.round(triangles[:, :, 2] / height, 3)) * height
+    height = slices.height
+    levels = np.unique(np.round(slices.triangles[:, :, 2] / height, 3)) * height
     if len(levels) > LEVELS:
         levels = np.linspace(0.0, height, LEVELS)
     return [float(z) for z in levels]
 
 
-def _band_pieces(
-    triangles: Array, low: float, high: float, grid: float
-) -> Iterator[Band]:
+def _thin_bands(slices: Slices, low: float, high: float) -> Iterator[Band]:
     """Bands between two heights, thin where the outline changes with the height."""
     end = END * (high - low)
-    foot = _section(triangles, low + end, grid)
-    head = _section(triangles, high - end, grid)
+    foot = slices.section(low + end)
+    head = slices.section(high - end)
     if foot.is_empty or head.is_empty:
         return
     change = max(_off(foot, head), _off(head, foot))
     count = min(max(1, math.ceil(change / STEP)), FINEST)
     heights = [low + (high - low) * i / count for i in range(count + 1)]
-    sections = [_section(triangles, z, grid) for z in heights[1:-1]]
+    sections = [slices.section(z) for z in heights[1:-1]]
     feet = [foot, *sections]
     heads = [*sections, head]
     for (a, b), one, other in zip(pairwise(heights), feet, heads, strict=True):
@@ -163,99 +161,51 @@ def _are_one(one: Band, other: Band) -> bool:
     return all(_off(a, b) < limit and _off(b, a) < limit for a, b in parts)
 
 
-def _section(triangles: Array, height: float, grid: float) -> Area:
-    """Cross-section of a closed surface at a height that is none of its corners'."""
-    import numpy as np
+def _base(slices: Slices, center: Point) -> Area:
+    """Area of the faces that rest on the support, in G. It is the first of those within
+    ``BASE_HEIGHTS`` on which the body stands, or the largest of them.
 
-    corners = triangles[:, :, 2]
-    cut = (corners.min(axis=1) < height) & (corners.max(axis=1) > height)
-    kept = triangles[cut]
-    above = kept[:, :, 2] > height
-    tails = _crossings(kept, above & ~np.roll(above, -1, axis=1), height)
-    heads = _crossings(kept, ~above & np.roll(above, -1, axis=1), height)
-    return _simple(enclosed(tails, heads, grid), 1e3 * grid)
-
-
-def _crossings(triangles: Array, edge: Array, height: float) -> Array:
-    """Points (m, 2) at which one edge of each triangle crosses a height."""
-    import numpy as np
-
-    rows, first = np.nonzero(edge)
-    a = triangles[rows, first]
-    b = triangles[rows, (first + 1) % 3]
-    share = (height - a[:, 2]) / (b[:, 2] - a[:, 2])
-    points: Array = a[:, :2] + share[:, None] * (b[:, :2] - a[:, :2])
-    return points
-
-
-def _simple(area: Area, detail: float) -> Area:
-    """The area without small parts and details."""
-    import shapely
-
-    kept = [
-        part.simplify(detail) for part in polygons(area) if part.area > detail * detail
-    ]
-    return shapely.union_all(kept)
-
-
-def _base(triangles: Array, bands: Sequence[Band], grid: float, detail: float) -> Area:
-    """Area of the faces that rest on the support, in G.
-
-    Raises ValueError if they have none.
+    Raises ValueError if there is none.
     """
-    height = max(band.high for band in bands)
-    least, most = BASE_HEIGHTS
-    limit = min(max(BASE_SHARE * height, least), most)
-    resting = triangles[:, :, 2].max(axis=1) < limit
-    area = _covered(triangles[resting][:, ::-1, :2], grid, detail)
-    if area.is_empty:
-        area = _simple(_section(triangles, limit, grid), detail)
-    if area.is_empty:
+    from shapely import Point as Place
+
+    areas = [slices.resting(height) for height in BASE_HEIGHTS]
+    areas = [area for area in areas if not area.is_empty]
+    if not areas:
         raise ValueError("it rests on a point or on an edge")
-    return area
+    place = Place(center)
+    firm = [area for area in areas if area.convex_hull.contains(place)]
+    return firm[0] if firm else areas[-1]
 
 
-def _covered(triangles: Array, grid: float, detail: float) -> Area:
-    """Area that triangles (m, 3, 2) cover. Empty if it is too rough to tell."""
-    from shapely import Polygon
-
-    try:
-        return _simple(covered(triangles, grid), detail)
-    except ValueError:
-        return Polygon()
-
-
-def _top(
-    triangles: Array, bands: Sequence[Band], grid: float, detail: float
-) -> Patch | None:
-    """Level patch on top with the largest disc in it, or None if there is none."""
+def _top(slices: Slices, bands: Sequence[Band]) -> Patch | None:
+    """Highest level patch on top that is hardly smaller than the largest one, or None
+    if there is none.
+    """
     import numpy as np
     import shapely
 
+    triangles = slices.triangles
     normal = np.cross(
         triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
     )
     size = np.linalg.norm(normal, axis=1)
     level = (size > 0.0) & (normal[:, 2] > math.cos(LEVEL) * size)
     heights = triangles[:, :, 2].mean(axis=1)
-    best: Patch | None = None
-    most = SMALLEST_PATCH
-    highest = max(band.high for band in bands)
-    near = BASE_SHARE * highest
-    level &= heights > highest - MOST_DEPTH
+    found: list[tuple[float, Patch]] = []
+    near = NEAR * slices.height
     for height in _clusters(heights[level], near):
         chosen = level & (np.abs(heights - height) <= near)
-        area = _covered(triangles[chosen][:, :, :2], grid, detail)
+        area = slices.covered(triangles[chosen])
         above = [b for b in bands if b.low > height - near and b.high > height + near]
-        walls = [
-            shapely.union(band.foot, band.head).buffer(WALL_ROOM) for band in above
-        ]
-        area = _simple(area.difference(shapely.union_all(walls)), detail)
-        radius = _inner_radius(area)
-        if radius > most:
-            most = radius
-            best = Patch(area, float(height))
-    return best
+        walls = shapely.union_all([area for b in above for area in (b.foot, b.head)])
+        area = slices.simple(area.difference(walls))
+        radius = inner_radius(area)
+        found.append((radius, Patch(area, height, walls)))
+    most = max((radius for radius, _ in found), default=0.0)
+    if most < SMALLEST_PATCH:
+        return None
+    return next(patch for radius, patch in found if radius >= ENOUGH * most)
 
 
 def _clusters(heights: Array, near: float) -> list[float]:
@@ -265,16 +215,6 @@ def _clusters(heights: Array, near: float) -> list[float]:
         if not out or out[-1] - height > near:
             out.append(height)
     return out
-
-
-def _inner_radius(area: Area) -> float:
-    """Radius [m] of the largest disc in an area."""
-    import shapely
-
-    radii = [
-        float(shapely.maximum_inscribed_circle(part).length) for part in polygons(area)
-    ]
-    return max(radii, default=0.0)
 
 
 def _moments(bands: Sequence[Band]) -> SolidMoments:

@@ -48,14 +48,16 @@ TURNS: Mapping[str, tuple[tuple[int, int, int], ...]] = {
 
 @dataclass(frozen=True)
 class Surface:
-    """A closed surface with z up, its triangles counter-clockwise from outside."""
+    """A surface with z up. If it is closed, its triangles are counter-clockwise from
+    outside.
+    """
 
     mesh: Trimesh  # [m]
-    note: str = ""  # what stands for the file's own surface, and why
+    fault: str = ""  # why it is not closed
 
 
-def closed_surface(file: Path, scale: float, up: str) -> Surface:
-    """Closed surface in a file, or its convex hull if the surface is not closed.
+def read_surface(file: Path, scale: float, up: str) -> Surface:
+    """Surface in a file, closed if that is possible.
 
     Raises ValueError for a file that cannot be read or holds no solid.
     """
@@ -71,19 +73,8 @@ def closed_surface(file: Path, scale: float, up: str) -> Surface:
         mesh = _filled(merged)
         _check_winding(mesh)
     except ValueError as error:
-        return Surface(_hull(merged), f"its convex hull is taken: {error}")
+        return Surface(merged, str(error))
     return Surface(_outward(mesh))
-
-
-def _hull(mesh: Trimesh) -> Trimesh:
-    """Convex hull of a mesh. Raises ValueError if it is flat."""
-    from scipy.spatial import QhullError
-
-    try:
-        hull: Trimesh = mesh.convex_hull
-    except QhullError as error:
-        raise ValueError("it is flat") from error
-    return hull
 
 
 def _loaded(file: Path) -> Trimesh:

@@ -13,6 +13,7 @@ from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.twist_path import screw
 from pushpressslide.mechanics.top import inside_top
 from pushpressslide.planning.held_twist import tipping_refusal
+from pushpressslide.planning.hollow import hollow_refusal
 from pushpressslide.planning.pressed.drag import PinnedDrag
 
 HALVINGS = 8  # of the interval of presses
@@ -89,6 +90,9 @@ def pin_of(query: MotionQuery) -> Point:
                 "{figure:mm.1f} apart, allowed {allowed:mmg}"
             )
             raise RefusedError(Refusal("pin_moves", text, distances, allowed, "m"))
+    deep = hollow_refusal(query.scene)
+    if deep is not None:
+        raise RefusedError(deep)
     inset = query.scene.inset
     if not inside_top(body, pin, inset):
         text = (

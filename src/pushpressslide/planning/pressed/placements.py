@@ -14,6 +14,7 @@ from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.scene import Scene
 from pushpressslide.mechanics.pressing import least_lever, press_lever, press_loads
 from pushpressslide.mechanics.top import inside_top, top_places
+from pushpressslide.planning.hollow import hollow_refusal
 from pushpressslide.planning.tool_drag import tool_load
 from pushpressslide.rom.drives import ORIGIN
 
@@ -94,6 +95,9 @@ def press_placements(query: MotionQuery) -> PressPlacements:
     if not places:
         text = "the top has no place {allowed:mm.0f} inside its edges"
         raise RefusedError(Refusal("off_top", text, None, scene.inset, "m"))
+    deep = hollow_refusal(scene)
+    if deep is not None:
+        raise RefusedError(deep)
     height = query.body.shape.top_height
     arm = scene.arms[0]
     contacts = tuple(Contact(arm, "top", place, ORIGIN, height) for place in places)

@@ -1,0 +1,20 @@
+"""Presses on the floor of a hollow body: the tip's rod must be long enough."""
+
+from __future__ import annotations
+
+from pushpressslide.core import margins
+from pushpressslide.core.refusal import Refusal
+from pushpressslide.core.scene import Scene
+
+
+def hollow_refusal(scene: Scene) -> Refusal | None:
+    """Refusal of presses on a floor that the shortest rod does not reach with its hand
+    above the body, or None.
+    """
+    shape = scene.body.shape
+    deep = shape.height - shape.top_height
+    rod = min(robot.tip_length for robot in scene.tips) - margins.ARM.wrist_gap
+    if deep <= max(rod, 0.0):
+        return None
+    text = "the place to press is {figure:mm.0f} down inside it, the rod allows {allowed:mm.0f}"
+    return Refusal("hollow", text, deep, rod, "m")

@@ -1,0 +1,118 @@
+"""Cross-sections and level faces of a surface in a mesh file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from pushpressslide.geometry.areas import filled, polygons
+from pushpressslide.taskfile.mesh_face import covered, enclosed
+from pushpressslide.taskfile.mesh_surface import Surface
+
+if TYPE_CHECKING:
+    from shapely.geometry.base import BaseGeometry as Area
+
+    from pushpressslide.core.arrays import Array
+
+DETAIL = 1e-3
+"""Of the solid's size: corners that stand out by less are left out of an outline."""
+GRID = 1e-3
+"""Of ``DETAIL``, to which corners are rounded."""
+DANGLING = 0.05
+"""Share of a cross-section's lines that may belong to no closed loop."""
+
+
+@dataclass(frozen=True)
+class Slices:
+    """A surface that stands on the plane of height zero, to be cut at any height."""
+
+    triangles: Array  # (m, 3, 3) [m]
+    height: float  # [m]
+    detail: float  # [m]
+    closed: bool
+
+    @property
+    def grid(self) -> float:
+        """Length [m] to which corners are rounded."""
+        return GRID * self.detail
+
+    def section(self, height: float) -> Area:
+        """Cross-section at a height that is none of the corners'.
+
+        That of a surface that is not closed has no holes.
+        """
+        import numpy as np
+
+        corners = self.triangles[:, :, 2]
+        cut = (corners.min(axis=1) < height) & (corners.max(axis=1) > height)
+        kept = self.triangles[cut]
+        above = kept[:, :, 2] > height
+        tails = _crossings(kept, above & ~np.roll(above, -1, axis=1), height)
+        heads = _crossings(kept, ~above & np.roll(above, -1, axis=1), height)
+        if self.closed:
+            return self.simple(enclosed(tails, heads, self.grid))
+        return self.simple(_looped(tails, heads, self.grid))
+
+    def resting(self, height: float) -> Area:
+        """Area of the faces that lie below a height, or else the cross-section there."""
+        low = self.triangles[:, :, 2].max(axis=1) < height
+        area = self.covered(self.triangles[low][:, ::-1])
+        return self.section(height) if area.is_empty else area
+
+    def covered(self, triangles: Array) -> Area:
+        """Area that triangles (m, 3, 3), counter-clockwise from above, cover. Empty if
+        they are too rough to tell.
+        """
+        from shapely import Polygon
+
+        try:
+            return self.simple(covered(triangles[:, :, :2], self.grid))
+        except ValueError:
+            return Polygon()
+
+    def simple(self, area: Area) -> Area:
+        """An area without small parts and details."""
+        import shapely
+
+        small = self.detail * self.detail
+        kept = [
+            part.simplify(self.detail) for part in polygons(area) if part.area > small
+        ]
+        return shapely.union_all(kept)
+
+
+def slices_of(surface: Surface) -> Slices:
+    """Slices of a surface, raised or lowered to stand on the plane of height zero."""
+    mesh = surface.mesh
+    low, high = (float(z) for z in mesh.bounds[:, 2])
+    triangles = mesh.triangles.copy()
+    triangles[:, :, 2] -= low
+    detail = DETAIL * float(max(mesh.extents))
+    return Slices(triangles, high - low, detail, not surface.fault)
+
+
+def _crossings(triangles: Array, edge: Array, height: float) -> Array:
+    """Points (m, 2) at which one edge of each triangle crosses a height."""
+    import numpy as np
+
+    rows, first = np.nonzero(edge)
+    a = triangles[rows, first]
+    b = triangles[rows, (first + 1) % 3]
+    share = (height - a[:, 2]) / (b[:, 2] - a[:, 2])
+    points: Array = a[:, :2] + share[:, None] * (b[:, :2] - a[:, :2])
+    return points
+
+
+def _looped(tails: Array, heads: Array, grid: float) -> Area:
+    """Area within the loops of some lines, or their convex hull if they do not close."""
+    import numpy as np
+    import shapely
+
+    lines = shapely.union_all(
+        shapely.linestrings(np.stack((tails, heads), axis=1)), grid_size=grid
+    )
+    cells, cuts, dangles, _ = shapely.polygonize_full([lines])
+    loose = shapely.length(cuts) + shapely.length(dangles)
+    if loose > DANGLING * shapely.length(lines):
+        return lines.convex_hull
+    return filled(shapely.union_all(shapely.get_parts(cells), grid_size=grid))
