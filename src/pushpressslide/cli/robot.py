@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 @app.command()
 def robot(
     model: Annotated[
-        str, typer.Argument(help="panda, iiwa7, hand, or a URDF or SDF file.")
+        str, typer.Argument(help="A shipped arm, as ur5e, or a URDF or SDF file.")
     ],
     link: Annotated[
         str | None,
@@ -36,13 +36,12 @@ def robot(
 
     Prints the robots: lines of a task, and draws ready posture and workspace.
     """
-    from pushpressslide.core.scene import Robot, Tip
+    from pushpressslide.core.scene import MODELS, Robot, Tip
     from pushpressslide.core.whole_file import write_whole
     from pushpressslide.report.robot_figure import robot_figure
     from pushpressslide.report.style import png
     from pushpressslide.robots.arm_files import arm_kinematics
     from pushpressslide.robots.description import last_link
-    from pushpressslide.robots.facts import MODELS
     from pushpressslide.robots.sheet import workspace
 
     if model in MODELS:

@@ -157,6 +157,17 @@ class ObjectModel:
         return self.shape.farthest(self.center_of_mass)
 
 
+MODELS: tuple[str, ...] = (
+    "panda",
+    "iiwa7",
+    "ur5e",
+    "ur10",
+    "xarm7",
+    "fr3",
+    "gen3",
+    "hand",
+)
+"""Robots that the package describes itself; ``hand`` is a tip without an arm."""
 TIP_RADIUS = 0.02
 """[m] of a tip by default."""
 TIP_LENGTH = 0.15
@@ -199,7 +210,7 @@ class Robot:
 
     model: str = field(
         metadata=field_spec(
-            "panda, iiwa7, hand (a free force-controlled tip), or the path of a URDF "
+            f"{', '.join(MODELS)} (a free force-controlled tip), or the path of a URDF "
             "or SDF file"
         )
     )

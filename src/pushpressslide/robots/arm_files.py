@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import RobotFileError
+from pushpressslide.core.scene import MODELS
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.description import read_description
 from pushpressslide.robots.facts import (
-    MODELS,
     TIP,
     JointFacts,
     LinkFacts,

@@ -25,6 +25,7 @@ from pushpressslide.core.errors import (
     RobotFileError,
     Shown,
 )
+from pushpressslide.core.scene import MODELS
 from pushpressslide.robots.facts import (
     JointFacts,
     LinkFacts,
@@ -66,7 +67,7 @@ def read_description(
     path = Path(model)
     if path.suffix.lower() not in (".urdf", ".sdf"):
         raise PushPressSlideError(
-            "choose panda, iiwa7, hand, or the path of a .urdf or .sdf file"
+            f"choose {', '.join(MODELS)}, or the path of a .urdf or .sdf file"
         )
     if not path.is_file():
         raise PushPressSlideError("there is no such file")
@@ -145,7 +146,7 @@ def _facts(path: Path, tip_frame: str, packages: Sequence[str]) -> RobotFacts:
         branches=branches,
         shapes=tuple(shape for shape in description.shapes if shape.link in names),
         notes=tuple(notes),
-        from_file=True,
+        home_first=True,
     )
 
 

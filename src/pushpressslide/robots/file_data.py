@@ -26,8 +26,8 @@ KINDS: dict[str, JointKind] = {
 }
 MOVING = tuple(kind for kind in KINDS if kind != "fixed")
 INERTIA = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-LEAST_GYRATION = 1e-3
-"""[m] of a link's radius of gyration."""
+LEAST_GYRATION = 5e-4
+"""[m] of a link's radius of gyration; that of the last link of Franka's FR3 is 9e-4."""
 TURNS = 2.0 * math.pi  # [rad] limit taken for a joint that turns without end
 
 

@@ -55,9 +55,6 @@ REACH_SLACK = 0.02
 ROUNDING = 1e-6
 """[m] by which a contact may be nearer to the edge."""
 
-MODELS = ("panda", "iiwa7", "hand")
-"""Robot models that come with the package."""
-
 
 def check(
     query: MotionQuery, body: ObjectModel, true_start: Pose2, *, staged: bool = False

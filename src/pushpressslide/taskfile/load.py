@@ -12,10 +12,10 @@ from typing import Any
 
 from pushpressslide.core.errors import Shown, TaskError, path_value
 from pushpressslide.core.pose import Point
-from pushpressslide.core.scene import TIP_LENGTH, TIP_RADIUS
+from pushpressslide.core.scene import MODELS, TIP_LENGTH, TIP_RADIUS
 from pushpressslide.core.task import ObjectModel, Obstacle, Robot, Task
 from pushpressslide.selection.tool_use import tool_use
-from pushpressslide.taskfile.checks import MODELS, check, wall_faults
+from pushpressslide.taskfile.checks import check, wall_faults
 from pushpressslide.taskfile.dump import dump_task, task_data
 from pushpressslide.taskfile.goals import check_goals, goals_faults
 from pushpressslide.taskfile.gone import without_gone
