@@ -201,11 +201,9 @@ def ready_posture(facts: RobotFacts, length: float) -> Array:
     downward = -R[:, 2, 2]
     seeds = q[np.argsort(-downward)[:24]]
     if facts.moving[0].kind == "revolute":
-        seeds[:, 0] = np.clip(
-            seeds[:, 0] - np.arctan2(*kin.tip_pose(seeds)[1][:, 1::-1].T),
-            low[0],
-            high[0],
-        )
+        bearing = np.arctan2(*kin.tip_pose(seeds)[1][:, 1::-1].T)
+        ahead = seeds[:, 0] - (kin.turning or 1.0) * bearing
+        seeds[:, 0] = np.clip(ahead, low[0], high[0])
     found = [
         solve_ik(kin, np.array(places), q_seed=group)
         for group in np.array_split(seeds, GROUPS)

@@ -32,7 +32,7 @@ from pushpressslide.robots.facts import (
     RobotFacts,
     rotation_from_rpy,
 )
-from pushpressslide.robots.file_data import KINDS, Description, physical
+from pushpressslide.robots.file_data import KINDS, Description, physical, rpy_of
 from pushpressslide.robots.file_tree import (
     WORLD,
     check_masses,
@@ -40,7 +40,7 @@ from pushpressslide.robots.file_tree import (
     check_tree,
 )
 from pushpressslide.robots.file_values import UnfitValue
-from pushpressslide.robots.sdf_file import read_sdf, rpy_of
+from pushpressslide.robots.sdf_file import read_sdf
 from pushpressslide.robots.urdf_file import read_urdf
 
 MISSING_TIP_FRAME = (

@@ -205,7 +205,8 @@ def default_seeds(kin: ArmKinematics, p: Array) -> Array:
             np.arctan2(p[:, 1] - kin.base[1], p[:, 0] - kin.base[0]) - kin.base_yaw
         )
         turned = 1 if facts.home_first else STRUCTURED_SEEDS
-        out[:, :turned, 0] += (
+        sense = kin.turning or 1.0
+        out[:, :turned, 0] += sense * (
             np.remainder(azimuth + math.pi, 2.0 * math.pi)[:, None] - math.pi
         )
     out = np.clip(out, facts.lower, facts.upper)
