@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 @app.command()
 def robot(
     model: Annotated[
-        str, typer.Argument(help="A shipped arm, as ur5e, or a URDF or SDF file.")
+        str, typer.Argument(help="A shipped arm, as ur5e, or a URDF, SDF or MJCF file.")
     ],
     link: Annotated[
         str | None,

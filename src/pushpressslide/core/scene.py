@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from pushpressslide.core import margins
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 FIT = 1e-6  # [m] by which what just fits an opening may be larger
 LEDGE_GAP = 2e-3  # [m] to a ledge below it at which an object counts as lying on it
 Value = TypeVar("Value")
+
 
 ArmName = Literal["left", "right"]
 ARM_NAMES: tuple[ArmName, ...] = ("left", "right")
@@ -168,10 +170,18 @@ MODELS: tuple[str, ...] = (
     "hand",
 )
 """Robots that the package describes itself; ``hand`` is a tip without an arm."""
+FILES = (".urdf", ".sdf", ".xml", ".mjcf")
+"""Endings of a robot's file; URDF and MJCF may both be XML."""
+PATHS = "the path of a URDF, SDF or MJCF file (.urdf, .sdf, .xml)"
 TIP_RADIUS = 0.02
 """[m] of a tip by default."""
 TIP_LENGTH = 0.15
 """[m] of the rod from the flange to a tip by default."""
+
+
+def is_robot_file(path: Path) -> bool:
+    """Whether a path ends as a robot's file does."""
+    return path.suffix.lower() in FILES
 
 
 @dataclass(frozen=True, slots=True)
@@ -210,8 +220,8 @@ class Robot:
 
     model: str = field(
         metadata=field_spec(
-            f"{', '.join(MODELS)} (a free force-controlled tip), or the path of a URDF "
-            "or SDF file"
+            f"{', '.join(MODELS)} (a free force-controlled tip), or the path of a "
+            "URDF, SDF or MJCF file"
         )
     )
     # [m] position in the world

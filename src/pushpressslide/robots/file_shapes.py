@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
+from typing import Any
 from xml.etree.ElementTree import Element
 
 from pushpressslide.robots.facts import LinkShape, ShapeKind
@@ -103,3 +105,17 @@ def length(text: str, place: str) -> float:
     """Length [m] of a shape. Raises UnfitValue for one that no shape has."""
     allowed = "a number [m] above 0"
     return number(text, place, allowed, lambda value: 0.0 < value < 1e3)
+
+
+@lru_cache(maxsize=128)
+def read_mesh(path: str) -> Any | None:
+    """Triangles of a file. None if it cannot be read."""
+    import trimesh
+
+    try:
+        mesh = trimesh.load(path, force="mesh", process=False)
+    except Exception:
+        return None
+    if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces):
+        return None
+    return mesh

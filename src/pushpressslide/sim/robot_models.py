@@ -1,5 +1,5 @@
 """Robots in a MultibodyPlant, each with a tip for contact: generated, Drake's own, or
-from a URDF or SDF file.
+from a file.
 """
 
 from __future__ import annotations

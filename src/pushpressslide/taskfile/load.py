@@ -12,7 +12,13 @@ from typing import Any
 
 from pushpressslide.core.errors import Shown, TaskError, path_value
 from pushpressslide.core.pose import Point
-from pushpressslide.core.scene import MODELS, TIP_LENGTH, TIP_RADIUS
+from pushpressslide.core.scene import (
+    MODELS,
+    PATHS,
+    TIP_LENGTH,
+    TIP_RADIUS,
+    is_robot_file,
+)
 from pushpressslide.core.task import ObjectModel, Obstacle, Robot, Task
 from pushpressslide.selection.tool_use import tool_use
 from pushpressslide.taskfile.checks import check, wall_faults
@@ -247,9 +253,10 @@ def _model_faults(robot: Robot, folder: Path, field: str) -> Iterator[Fault]:
                 allowed = "allowed: for a model given by its path"
                 yield f"{field}.{key}", Shown("given"), allowed
         return
-    if path.suffix.lower() not in (".urdf", ".sdf"):
-        paths = f"or the path of a .urdf or .sdf file; {nearest(robot.model, MODELS)}"
-        yield f"{field}.model", robot.model, f"allowed: {models}, {paths}"
+    if not is_robot_file(path):
+        near = nearest(robot.model, MODELS)
+        allowed = f"allowed: {models}, or {PATHS}; {near}"
+        yield f"{field}.model", robot.model, allowed
     elif not path.is_file():
         allowed = f"no such file; allowed: {models} or a path"
         yield f"{field}.model", path_value(robot.model), allowed
