@@ -37,11 +37,10 @@ IIWA = File(BULLET, "pybullet_data/kuka_iiwa/model.urdf", "lbr_iiwa_link_7", 7)
 KINOVA = File(
     ERD, f"{DATA}/kinova_description/robots/kinova.urdf", "j2s6s200_end_effector", 6
 )
-PUSHING = [UR5E, XARM7, PANDA, UR5, IIWA]
+PUSHING = [UR5E, XARM7, PANDA, UR5, IIWA, KINOVA]
 UR = f"{DATA}/ur_description/urdf"
 READ = [
     *PUSHING,
-    KINOVA,
     File("airo-models 0.0.12", "airo_models/arms/ur3e/ur3e.urdf", "tool0", 6),
     File(ERD, f"{UR}/ur3_robot.urdf", "tool0", 6),
     File(ERD, f"{UR}/ur3_gripper.urdf", "tool0", 6),
