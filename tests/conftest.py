@@ -1,10 +1,13 @@
 """Settings of the whole suite, and runs made by hand whose figures are known in advance."""
 
 import math
+import os
+import sysconfig
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from itertools import compress
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -120,6 +123,25 @@ def standing(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], MeshBo
         return solid
 
     return body
+
+
+PUBLIC_ARMS = "PUSHPRESSSLIDE_PUBLIC_ARMS"
+"""Environment variable with folders of unpacked wheels, in place of installations."""
+
+
+@pytest.fixture(scope="session")
+def public_file() -> Callable[[str, str], Path]:
+    """Return a function: the path of a package's file, or a skip by its name."""
+
+    def path_of(package: str, path: str) -> Path:
+        unpacked = filter(None, os.environ.get(PUBLIC_ARMS, "").split(os.pathsep))
+        for place in (*unpacked, sysconfig.get_paths()["purelib"]):
+            whole = Path(place) / path
+            if whole.is_file():
+                return whole
+        pytest.skip(f"{package} is not installed")
+
+    return path_of
 
 
 @pytest.fixture(scope="session")

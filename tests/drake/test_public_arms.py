@@ -1,13 +1,8 @@
-"""Arm files as public packages ship them, unedited but for a tip in the task.
-
-A package that is not installed is skipped by its name. PUBLIC_ARMS names folders with
-unpacked wheels, in place of an installation.
-"""
+"""Arm files as public packages ship them, unedited but for a tip in the task."""
 
 from __future__ import annotations
 
-import os
-import sysconfig
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,7 +14,7 @@ from pushpressslide.core.errors import RobotFileError
 from pushpressslide.core.scene import Robot, Tip
 from pushpressslide.robots.arm_files import arm_kinematics
 
-PUBLIC_ARMS = "PUSHPRESSSLIDE_PUBLIC_ARMS"
+PublicFile = Callable[[str, str], Path]
 
 
 class File(NamedTuple):
@@ -42,11 +37,10 @@ IIWA = File(BULLET, "pybullet_data/kuka_iiwa/model.urdf", "lbr_iiwa_link_7", 7)
 KINOVA = File(
     ERD, f"{DATA}/kinova_description/robots/kinova.urdf", "j2s6s200_end_effector", 6
 )
-PUSHING = [UR5E, XARM7, PANDA, UR5, IIWA]
+PUSHING = [UR5E, XARM7, PANDA, UR5, IIWA, KINOVA]
 UR = f"{DATA}/ur_description/urdf"
 READ = [
     *PUSHING,
-    KINOVA,
     File("airo-models 0.0.12", "airo_models/arms/ur3e/ur3e.urdf", "tool0", 6),
     File(ERD, f"{UR}/ur3_robot.urdf", "tool0", 6),
     File(ERD, f"{UR}/ur3_gripper.urdf", "tool0", 6),
@@ -81,19 +75,11 @@ def named(file: File) -> str:
     return f"{Path(file.path).stem}-{file.package.split()[0]}"
 
 
-def path_of(file: File) -> Path:
-    """The file, or a skip with the package's name."""
-    unpacked = filter(None, os.environ.get(PUBLIC_ARMS, "").split(os.pathsep))
-    for place in (*unpacked, sysconfig.get_paths()["purelib"]):
-        path = Path(place) / file.path
-        if path.is_file():
-            return path
-    pytest.skip(f"{file.package} is not installed")
-
-
 @pytest.mark.parametrize("file", READ, ids=map(named, READ))
-def test_a_public_arm_is_read_with_a_ready_posture(file: File) -> None:
-    kin = arm_kinematics(Robot(str(path_of(file)), tip=Tip(file.link)))
+def test_a_public_arm_is_read_with_a_ready_posture(
+    public_file: PublicFile, file: File
+) -> None:
+    kin = arm_kinematics(Robot(str(public_file(*file[:2])), tip=Tip(file.link)))
     assert kin.facts.size == file.joints
     assert kin.joint_margin(kin.facts.home) >= 0.0
     assert (kin.facts.armature > 0.0).all()
@@ -101,16 +87,18 @@ def test_a_public_arm_is_read_with_a_ready_posture(file: File) -> None:
 
 
 @pytest.mark.parametrize("file", READ, ids=map(named, READ))
-def test_a_link_that_is_not_there_is_refused_in_one_line(file: File) -> None:
-    robot = Robot(str(path_of(file)), tip=Tip("no_such_link"))
+def test_a_link_that_is_not_there_is_refused_in_one_line(
+    public_file: PublicFile, file: File
+) -> None:
+    robot = Robot(str(public_file(*file[:2])), tip=Tip("no_such_link"))
     with pytest.raises((RobotFileError, pps.PushPressSlideError)) as caught:
         arm_kinematics(robot)
     assert "no_such_link" in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
-def test_an_arm_without_masses_is_refused_in_one_line() -> None:
-    robot = Robot(str(path_of(MASSLESS)), tip=Tip(MASSLESS.link))
+def test_an_arm_without_masses_is_refused_in_one_line(public_file: PublicFile) -> None:
+    robot = Robot(str(public_file(*MASSLESS[:2])), tip=Tip(MASSLESS.link))
     with pytest.raises(RobotFileError, match="'panda_link1', mass: 0 kg") as caught:
         arm_kinematics(robot)
     assert "\n" not in str(caught.value)
@@ -119,10 +107,12 @@ def test_an_arm_without_masses_is_refused_in_one_line() -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("task", ["rear-push-rear", "press-slide", "book"])
 @pytest.mark.parametrize("file", PUSHING, ids=map(named, PUSHING))
-def test_a_public_arm_does_what_the_shipped_arms_do(file: File, task: str) -> None:
+def test_a_public_arm_does_what_the_shipped_arms_do(
+    public_file: PublicFile, file: File, task: str
+) -> None:
     length = pps.load_task(task).robots[0].tip_length
     tip = f"{{link: {file.link}, length: {length}}}"
-    robot = f"robots=[{{model: {path_of(file)}, tip: {tip}}}]"
+    robot = f"robots=[{{model: {public_file(*file[:2])}, tip: {tip}}}]"
     record = pps.run(pps.load_task(task, [robot]), engine="drake")
     assert record.success, record.reason_text
     assert record.figures["final_position_error"] < 2e-3

@@ -12,7 +12,7 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.core.errors import InputError, RobotFileError, TaskError
-from pushpressslide.core.scene import Robot, Tip
+from pushpressslide.core.scene import JointLimits, Robot, Tip
 from pushpressslide.robots.arm_files import ROTOR, arm_kinematics, robot_facts
 from pushpressslide.robots.description import read_description
 
@@ -251,3 +251,69 @@ def test_a_changed_file_is_read_again(tmp_path: Path) -> None:
 
     os.utime(path, ns=(changed, changed))
     assert robot_facts(robot).moving[0].effort == 50.0
+
+
+def test_limits_by_a_joints_name_take_the_place_of_those_of_the_file(
+    tmp_path: Path,
+) -> None:
+    path = written(tmp_path, arm())
+    limits = (JointLimits("j2", (-1.0, 1.5), 0.7, 60.0), JointLimits("j4", speed=1.5))
+    facts = robot_facts(Robot(path, tip=Tip("l6"), limits=limits))
+    _, second, _, fourth, _, _ = facts.moving
+    assert (second.lower, second.upper) == (-1.0, 1.5)
+    assert (second.velocity, second.effort) == (0.7, 60.0)
+    assert (fourth.lower, fourth.velocity, fourth.effort) == (-2.9, 1.5, 100.0)
+    assert second.rotor_inertia == pytest.approx(60.0 * ROTOR)
+
+
+def test_limits_of_a_slide_are_in_metres(tmp_path: Path) -> None:
+    text = arm().replace('"revolute"', '"prismatic"', 1)
+    limit = JointLimits("j1", (math.radians(0.1), math.radians(0.6)), math.radians(0.2))
+    facts = robot_facts(Robot(written(tmp_path, text), tip=Tip("l6"), limits=(limit,)))
+    slide = facts.moving[0]
+    figures = (slide.lower, slide.upper, slide.velocity)
+    assert figures == pytest.approx((0.1, 0.6, 0.2))
+
+
+def test_gear_ratios_multiply_the_motors_inertia_and_friction_is_damping(
+    tmp_path: Path,
+) -> None:
+    path = written(tmp_path, arm())
+    robot = Robot(
+        path,
+        tip=Tip("l6"),
+        rotor_inertia=(1e-4,) * 6,
+        gear_ratio=(100.0,) * 6,
+        joint_friction=(0.5,) * 6,
+    )
+    facts = robot_facts(robot)
+    np.testing.assert_allclose(facts.armature, 1.0)
+    assert {joint.damping for joint in facts.moving} == {0.5}
+
+
+@pytest.mark.parametrize(
+    ("limits", "message"),
+    [
+        ((JointLimits("elbow"),), r"limits\[\]\.joint: 'elbow'.*j1, j2"),
+        ((JointLimits("j1", (1.0, -1.0)),), "lower < upper"),
+    ],
+)
+def test_limits_that_fit_no_joint_are_refused(tmp_path, limits, message) -> None:
+    robot = Robot(written(tmp_path, arm()), tip=Tip("l6"), limits=limits)
+    with pytest.raises(RobotFileError, match=message):
+        robot_facts(robot)
+
+
+def test_a_file_without_limits_is_refused_with_the_lines_that_fill_them(
+    tmp_path: Path,
+) -> None:
+    path = written(tmp_path, arm().replace('effort="100" velocity="2"', "", 1))
+    base = f"model: {path}, tip: {{link: l6}}"
+    with pytest.raises(TaskError, match=r"robots\[0\]\.limits") as caught:
+        pps.load_task("rear-push-rear", [f"robots=[{{{base}}}]"])
+    asked = "[{joint: j1, speed_deg_s: ..., torque: ...}]"
+    assert asked in str(caught.value)
+    filled = asked.replace("s: ...", "s: 115").replace("e: ...", "e: 100")
+    task = pps.load_task("rear-push-rear", [f"robots=[{{{base}, limits: {filled}}}]"])
+    (limit,) = task.robots[0].limits or ()
+    assert limit.speed == pytest.approx(math.radians(115.0))

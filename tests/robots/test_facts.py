@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.scene import MODELS
 from pushpressslide.robots.facts import (
-    MODELS,
     exact_angle,
     load_facts,
     rotation_from_rpy,
@@ -50,9 +50,11 @@ def test_the_tool_points_down_in_the_home_posture(name):
     assert rotation[2, 2] < -0.9999
 
 
-def test_only_the_panda_limits_the_rate_of_its_torques():
-    assert np.all(load_facts("panda").torque_rate_limit == 1000.0)
-    assert np.all(np.isinf(load_facts("iiwa7").torque_rate_limit))
+def test_only_the_franka_arms_limit_the_rate_of_their_torques():
+    limits = {name: load_facts(name).torque_rate_limit for name in MODELS}
+    assert np.all(limits.pop("panda") == 1000.0)
+    assert np.all(limits.pop("fr3") == 1000.0)
+    assert all(np.isinf(limit).all() for limit in limits.values())
 
 
 def test_the_rotors_of_the_first_panda_joints_weigh_as_published():
@@ -70,5 +72,5 @@ def test_rounded_quarter_turns_are_made_exact_and_other_angles_left_alone():
 
 
 def test_an_unknown_robot_is_refused_with_the_known_ones():
-    with pytest.raises(PushPressSlideError, match="panda, iiwa7, hand"):
+    with pytest.raises(PushPressSlideError, match=r"panda, iiwa7, .*hand"):
         load_facts("ur5")

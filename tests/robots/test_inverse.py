@@ -5,9 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from pushpressslide.core.scene import MODELS
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.continuation import continuation, continuations
-from pushpressslide.robots.facts import MODELS, load_facts
+from pushpressslide.robots.facts import load_facts
 from pushpressslide.robots.inverse import (
     IkSearch,
     axis_error,

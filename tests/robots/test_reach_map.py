@@ -17,6 +17,7 @@ ARMS = [
     Robot("panda", (0.0, 0.0, 0.0)),
     Robot("panda", (0.2, -0.3, 0.1), base_yaw=1.0, tip_length=0.1),
     Robot("iiwa7", (0.0, 0.4, 0.0), base_yaw=-0.5),
+    Robot("gen3", (0.0, 0.1, 0.0), base_yaw=0.5),  # its first axis points down
 ]
 
 

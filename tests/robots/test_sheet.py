@@ -18,6 +18,7 @@ from pushpressslide.robots.sheet import (
     potential_energy,
     workspace,
 )
+from pushpressslide.robots.urdf import urdf_text
 
 KIN = arm_kinematics(Robot("panda"))
 
@@ -64,6 +65,21 @@ def test_the_command_says_it_and_draws_it(tmp_path: Path) -> None:
     data = json.loads(result.stdout)
     assert data["missing"] == {}
     assert data["press"][0] > 50.0
+
+
+def test_the_line_for_the_task_holds_what_the_command_was_given(tmp_path: Path) -> None:
+    given = ["robot", "panda", "--length", "0.1", "--out", str(tmp_path), "--json"]
+    data = json.loads(CliRunner().invoke(app, given).stdout)
+    assert data["robots"] == "robots: [{model: panda, tip_length: 0.1}]"
+    facts = KIN.facts
+    path = tmp_path / "panda.urdf"
+    text = urdf_text(facts).replace('velocity="2.175"', "", 1)
+    path.write_text(text)
+    given = ["robot", str(path), "--radius", "0.01", "--out", str(tmp_path), "--json"]
+    data = json.loads(CliRunner().invoke(app, given).stdout)
+    tip = "tip: {link: panda_link8, radius: 0.01}"
+    limits = "limits: [{joint: panda_joint1, speed_deg_s: ...}]"
+    assert data["robots"] == f"robots: [{{model: {path}, {tip}, {limits}}}]"
 
 
 def test_a_file_that_is_not_there_is_refused_in_one_line(tmp_path: Path) -> None:

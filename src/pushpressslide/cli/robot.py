@@ -13,6 +13,7 @@ from pushpressslide.cli.options import Json
 from pushpressslide.cli.text import print_text
 
 if TYPE_CHECKING:
+    from pushpressslide.core.scene import Robot
     from pushpressslide.robots.facts import RobotFacts
     from pushpressslide.robots.kinematics import ArmKinematics
     from pushpressslide.robots.sheet import Workspace
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 @app.command()
 def robot(
     model: Annotated[
-        str, typer.Argument(help="panda, iiwa7, hand, or a URDF or SDF file.")
+        str, typer.Argument(help="A shipped arm, as ur5e, or a URDF, SDF or MJCF file.")
     ],
     link: Annotated[
         str | None,
@@ -36,23 +37,16 @@ def robot(
 
     Prints the robots: lines of a task, and draws ready posture and workspace.
     """
-    from pushpressslide.core.scene import Robot, Tip
     from pushpressslide.core.whole_file import write_whole
     from pushpressslide.report.robot_figure import robot_figure
     from pushpressslide.report.style import png
     from pushpressslide.robots.arm_files import arm_kinematics
-    from pushpressslide.robots.description import last_link
-    from pushpressslide.robots.facts import MODELS
     from pushpressslide.robots.sheet import workspace
 
-    if model in MODELS:
-        own = Robot(model, tip_radius=radius, tip_length=length)
-    else:
-        tip = Tip(link or last_link(model), radius=radius, length=length)
-        own = Robot(str(Path(model).resolve()), tip=tip)
+    own = _robot(model, link, radius, length)
     kin = arm_kinematics(own)
     space = workspace(kin)
-    data = sheet_data(kin, space, model, own.tip.link if own.tip else None)
+    data = sheet_data(kin, space, robot_lines(own, model, kin.facts))
     folder = out / f"robot-{Path(model).stem}"
     folder.mkdir(parents=True, exist_ok=True)
     picture = write_whole(folder / "robot.png", png(robot_figure(kin, space)))
@@ -63,9 +57,39 @@ def robot(
     typer.echo(picture)
 
 
-def sheet_data(
-    kin: ArmKinematics, space: Workspace, model: str, link: str | None
-) -> dict[str, Any]:
+def _robot(model: str, link: str | None, radius: float, length: float) -> Robot:
+    """The robot of a task that the command describes."""
+    from pushpressslide.core.scene import MODELS, Robot, Tip
+    from pushpressslide.robots.description import last_link
+
+    if model in MODELS:
+        return Robot(model, tip_radius=radius, tip_length=length)
+    tip = Tip(link or last_link(model), radius=radius, length=length)
+    return Robot(str(Path(model).resolve()), tip=tip)
+
+
+def robot_lines(robot: Robot, model: str, facts: RobotFacts) -> str:
+    """The ``robots`` of a task file with this robot, its ``model`` as it was given."""
+    from pushpressslide.core.scene import MODELS, TIP_LENGTH, TIP_RADIUS
+    from pushpressslide.robots.sheet import limits_to_fill
+
+    prefix = "" if robot.tip is not None else "tip_"
+    tip = [] if robot.tip is None else [f"link: {robot.tip.link}"]
+    for name, value, default in (
+        ("radius", robot.tip_radius, TIP_RADIUS),
+        ("length", robot.tip_length, TIP_LENGTH),
+    ):
+        if value != default:
+            tip.append(f"{prefix}{name}: {value:g}")
+    words = [f"model: {model}"]
+    words += tip if robot.tip is None else [f"tip: {{{', '.join(tip)}}}"]
+    limits = "" if model in MODELS else limits_to_fill(facts)
+    if limits:
+        words.append(f"limits: {limits}")
+    return f"robots: [{{{', '.join(words)}}}]"
+
+
+def sheet_data(kin: ArmKinematics, space: Workspace, lines: str) -> dict[str, Any]:
     """What ``pps robot`` says, as plain data."""
     import numpy as np
 
@@ -75,7 +99,6 @@ def sheet_data(
     reached = space.points[space.reached]
     distances = np.hypot(*reached.T[:2]) if len(reached) else np.zeros(1)
     home = [round(math.degrees(a), 1) for a in facts.home]
-    tip = "" if link is None else f", tip: {{link: {link}}}"
     return {
         "name": facts.name,
         "joints": [
@@ -92,12 +115,12 @@ def sheet_data(
         ],
         "mass": sum(one.mass for one in facts.links),
         "home_deg": home,
-        "missing": dict(missing_limits(kin)),
+        "missing": dict(missing_limits(facts)),
         "notes": list(facts.notes),
         "reach": [float(distances.min()), float(distances.max())],
         "press": _range(space.press),
         "push": _range(space.push),
-        "robots": f"robots: [{{model: {model}{tip}}}]",
+        "robots": lines,
     }
 
 
@@ -127,7 +150,7 @@ def _print(facts: RobotFacts, data: dict[str, Any]) -> None:
             f"{joint['name'][:27]:28}{limits:>18}{speed:>13}{effort:>12}{joint['rotor']:>14.3g}"
         )
     for name, joints in data["missing"].items():
-        print_text(f"missing: limit of {name} of {', '.join(joints)}", 0)
+        print_text(f"missing: {name} of {', '.join(joints)} (limits)", 0)
     for note in data["notes"]:
         print_text(note, 0)
     near, far = data["reach"]

@@ -68,7 +68,7 @@ def field_rules(kind: Any) -> tuple[tuple[str, str, str], ...]:
                 allowed = POSITIVE
             elif least == 0.0:
                 allowed = NOT_NEGATIVE
-        rules.append((one.name, "rad" if unit == "deg" else unit, allowed))
+        rules.append((one.name, unit.replace("deg", "rad"), allowed))
     return tuple(rules)
 
 

@@ -8,8 +8,10 @@ has them.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal, TypeVar
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from pushpressslide.core import margins
 from pushpressslide.core.checks import check_fields
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
 FIT = 1e-6  # [m] by which what just fits an opening may be larger
 LEDGE_GAP = 2e-3  # [m] to a ledge below it at which an object counts as lying on it
 Value = TypeVar("Value")
+
 
 ArmName = Literal["left", "right"]
 ARM_NAMES: tuple[ArmName, ...] = ("left", "right")
@@ -157,10 +160,29 @@ class ObjectModel:
         return self.shape.farthest(self.center_of_mass)
 
 
+MODELS: tuple[str, ...] = (
+    "panda",
+    "iiwa7",
+    "ur5e",
+    "ur10",
+    "xarm7",
+    "fr3",
+    "gen3",
+    "hand",
+)
+"""Robots that the package describes itself; ``hand`` is a tip without an arm."""
+FILES = (".urdf", ".sdf", ".xml", ".mjcf")
+"""Endings of a robot's file; URDF and MJCF may both be XML."""
+PATHS = "the path of a URDF, SDF or MJCF file (.urdf, .sdf, .xml)"
 TIP_RADIUS = 0.02
 """[m] of a tip by default."""
 TIP_LENGTH = 0.15
 """[m] of the rod from the flange to a tip by default."""
+
+
+def is_robot_file(path: Path) -> bool:
+    """Whether a path ends as a robot's file does."""
+    return path.suffix.lower() in FILES
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,6 +212,50 @@ class Tip:
 
 
 @dataclass(frozen=True, slots=True)
+class JointLimits:
+    """Limits of one joint, in place of those of its file or where that has none."""
+
+    joint: str = field(metadata=field_spec("name of the joint"))
+    position: tuple[float, float] | None = setting(
+        None,
+        "lower and upper end of its range, of a slide in m; null: those of the file",
+        "deg",
+        "[-1440, 1440]",
+    )
+    speed: float | None = setting(
+        None,
+        "largest speed, of a slide in m/s; null: that of the file",
+        "deg/s",
+        "(0, 10000]",
+        key="speed_deg_s",
+    )
+    torque: float | None = setting(
+        None,
+        "largest torque, of a slide its force in N; null: that of the file",
+        "N m",
+        "(0, 100000]",
+    )
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+def doubled_by_tip(
+    robot: Mapping[str, Any], radius: float, length: float
+) -> str | None:
+    """Name of a robot's field that its tip, with a ``radius`` and a ``length`` [m],
+    states as well. None if there is none.
+    """
+    if robot["tip_frame"] is not None:
+        return "tip_frame"
+    if robot["tip_radius"] not in (TIP_RADIUS, radius):
+        return "tip_radius"
+    if robot["tip_length"] not in (TIP_LENGTH, length):
+        return "tip_length"
+    return None
+
+
+@dataclass(frozen=True, slots=True)
 class Robot:
     """One arm (or a free tip, ``hand``) and the pose of its base.
 
@@ -199,8 +265,8 @@ class Robot:
 
     model: str = field(
         metadata=field_spec(
-            "panda, iiwa7, hand (a free force-controlled tip), or the path of a URDF "
-            "or SDF file"
+            f"{', '.join(MODELS)} (a free force-controlled tip), or the path of a "
+            "URDF, SDF or MJCF file"
         )
     )
     # [m] position in the world
@@ -236,11 +302,33 @@ class Robot:
     )
     rotor_inertia: tuple[float, ...] | None = setting(
         None,
-        "inertia of the rotors of a model given by its path, motor's times gear ratio "
-        "squared, from the base to the tip; null: that of the file, or 0.003 kg m^2 "
-        "for each N m of effort",
+        "inertia of the rotors of a model given by its path, from the base to the tip; "
+        "without gear_ratio the motor's times gear ratio squared; null: that of the "
+        "file, or 0.003 kg m^2 for each N m of effort",
         "kg m^2",
         "[0, 1000]",
+        count=(1, 16),
+    )
+    gear_ratio: tuple[float, ...] | None = setting(
+        None,
+        "gear ratios of a model given by its path, from the base to the tip, of which "
+        "the square multiplies the inertia of a rotor; null: those of the file, or 1",
+        "",
+        "(0, 10000]",
+        count=(1, 16),
+    )
+    joint_friction: tuple[float, ...] | None = setting(
+        None,
+        "viscous friction of the joints of a model given by its path, from the base to "
+        "the tip, in Drake; null: that of the file",
+        "N m s/rad",
+        "[0, 10000]",
+        count=(1, 16),
+    )
+    limits: tuple[JointLimits, ...] | None = setting(
+        None,
+        "limits of joints of a model given by its path, in place of those of the file; "
+        "required for what it lacks",
         count=(1, 16),
     )
     packages: tuple[str, ...] = setting(
@@ -251,15 +339,13 @@ class Robot:
         check_fields(self)
         tip = self.tip
         if tip is not None:
-            for name, default, own in (
-                ("tip_radius", TIP_RADIUS, tip.radius),
-                ("tip_length", TIP_LENGTH, tip.length),
-            ):
-                if getattr(self, name) not in (default, own):
-                    raise InputError(f"{name} and tip: give one of them")
-                object.__setattr__(self, name, own)
-            if self.tip_frame is not None:
-                raise InputError("tip_frame and tip: give one of them")
+            names = ("tip_frame", "tip_radius", "tip_length")
+            stated = {name: getattr(self, name) for name in names}
+            doubled = doubled_by_tip(stated, tip.radius, tip.length)
+            if doubled is not None:
+                raise InputError(f"{doubled} and tip: give one of them")
+            object.__setattr__(self, "tip_radius", tip.radius)
+            object.__setattr__(self, "tip_length", tip.length)
 
 
 @dataclass(frozen=True, slots=True)

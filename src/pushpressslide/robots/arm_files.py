@@ -8,16 +8,17 @@ import math
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import RobotFileError
+from pushpressslide.core.scene import MODELS, JointLimits
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.description import read_description
 from pushpressslide.robots.facts import (
-    MODELS,
     TIP,
     JointFacts,
     LinkFacts,
@@ -34,6 +35,12 @@ ROTOR_WITHOUT_LIMIT = 0.1
 """[kg m^2] rotor inertia of a joint whose file states no effort."""
 ROTOR_OF_SLIDE = 5.0
 """[kg] the same of a slide."""
+MOTOR_FIELDS = {
+    "gear_ratio": "gear_ratio",
+    "rotor_inertia": "rotor_inertia",
+    "joint_friction": "damping",
+}
+"""Facts of a joint by the task's fields."""
 
 
 def robot_facts(robot: Robot) -> RobotFacts:
@@ -99,7 +106,7 @@ def _completed(robot: Robot, changed: int) -> RobotFacts:
             links=(*facts.links, LinkFacts(TIP_LINK)),
             flange=TIP_LINK,
         )
-    facts = _with_rotors(facts, robot)
+    facts = _with_motors(_with_limits(facts, robot), robot)
     return _with_home(facts, robot)
 
 
@@ -114,22 +121,55 @@ def _fitting(
     return values
 
 
-def _with_rotors(facts: RobotFacts, robot: Robot) -> RobotFacts:
-    """Facts with a rotor for each joint: the task's, the file's or an assumed one."""
+def _with_limits(facts: RobotFacts, robot: Robot) -> RobotFacts:
+    """Facts with the task's limits in place of the file's."""
+    limits = {limit.joint: limit for limit in robot.limits or ()}
+    names = [joint.name for joint in facts.moving]
+    for name in limits:
+        if name not in names:
+            allowed = f"allowed: a joint on the way to the tip: {', '.join(names)}"
+            raise RobotFileError(robot.model, "robots[].limits[].joint", name, allowed)
+    joints = tuple(
+        _limited(joint, limits[joint.name], robot) if joint.name in limits else joint
+        for joint in facts.joints
+    )
+    return replace(facts, joints=joints)
+
+
+def _limited(joint: JointFacts, limit: JointLimits, robot: Robot) -> JointFacts:
+    """A joint with a task's limits. Those of a slide are in m, not in degrees."""
+    unit = math.degrees(1.0) if joint.kind == "prismatic" else 1.0
+    low, high = limit.position or (joint.lower / unit, joint.upper / unit)
+    if low >= high:
+        field = "robots[].limits[].position_deg"
+        value = [round(math.degrees(end), 6) for end in (low, high)]
+        raise RobotFileError(robot.model, field, value, "allowed: lower < upper")
+    speed = joint.velocity if limit.speed is None else unit * limit.speed
+    torque = joint.effort if limit.torque is None else limit.torque
+    return replace(
+        joint, lower=unit * low, upper=unit * high, velocity=speed, effort=torque
+    )
+
+
+def _with_motors(facts: RobotFacts, robot: Robot) -> RobotFacts:
+    """Facts with the task's rotors, gear ratios and friction in place of the file's, and
+    an assumed rotor for each joint without one.
+    """
+    changes: list[dict[str, Any]] = [{} for _ in facts.moving]
     if robot.rotor_inertia is not None:
-        given = _fitting(robot.rotor_inertia, facts, robot, "rotor_inertia")
-        own = iter(given)
-        return replace(
-            facts,
-            joints=tuple(
-                joint
-                if joint.kind == "fixed"
-                else replace(joint, gear_ratio=1.0, rotor_inertia=next(own))
-                for joint in facts.joints
-            ),
-        )
+        changes = [{"gear_ratio": 1.0} for _ in facts.moving]
+    for name, key in MOTOR_FIELDS.items():
+        values = getattr(robot, name)
+        if values is not None:
+            given = _fitting(values, facts, robot, name)
+            changes = [c | {key: v} for c, v in zip(changes, given, strict=True)]
+    changed = dict(zip((joint.name for joint in facts.moving), changes, strict=True))
+    joints = tuple(
+        replace(joint, **changed.get(joint.name, {})) for joint in facts.joints
+    )
+    facts = replace(facts, joints=joints)
     without = [joint.name for joint in facts.moving if joint.rotor_inertia == 0.0]
-    if not without:
+    if not without or robot.rotor_inertia is not None:
         return facts
     joints = tuple(
         replace(joint, gear_ratio=1.0, rotor_inertia=_assumed_rotor(joint))
@@ -201,11 +241,9 @@ def ready_posture(facts: RobotFacts, length: float) -> Array:
     downward = -R[:, 2, 2]
     seeds = q[np.argsort(-downward)[:24]]
     if facts.moving[0].kind == "revolute":
-        seeds[:, 0] = np.clip(
-            seeds[:, 0] - np.arctan2(*kin.tip_pose(seeds)[1][:, 1::-1].T),
-            low[0],
-            high[0],
-        )
+        bearing = np.arctan2(*kin.tip_pose(seeds)[1][:, 1::-1].T)
+        ahead = seeds[:, 0] - (kin.turning or 1.0) * bearing
+        seeds[:, 0] = np.clip(ahead, low[0], high[0])
     found = [
         solve_ik(kin, np.array(places), q_seed=group)
         for group in np.array_split(seeds, GROUPS)

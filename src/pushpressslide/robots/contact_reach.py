@@ -18,7 +18,7 @@ from pushpressslide.core.scene import Scene
 from pushpressslide.core.support_frame import TABLE
 from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.robots.reach import held_somehow_problem, short_by
-from pushpressslide.robots.reach_map import each_reached, surely_reached
+from pushpressslide.robots.reach_map import each_reached, has_tables, surely_reached
 from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
 
 # [rad] that a tool tilted away from its arm leans along the face: less is not tried,
@@ -126,7 +126,8 @@ def contacts_reached(
     shape = (len(bodies), len(contacts))
     robot = scene.robots[arm]
     frame = scene.support.frame
-    if frame != TABLE or 0 in shape:
+    known = robot.model == "hand" or has_tables(robot)
+    if frame != TABLE or 0 in shape or not known:
         return np.full(shape, True)
     base = scene.bases[arm]
     tips = [contact.tip_place(robot.tip_radius) for contact in contacts]

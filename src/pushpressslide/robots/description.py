@@ -1,5 +1,5 @@
-"""Facts of any serial robot, read from its URDF or SDF file: the chain from the root
-link to the tip frame, and the links that are fixed to it.
+"""Facts of any serial robot, read from its URDF, SDF or MJCF file: the chain from the
+root link to the tip frame, and the links that are fixed to it.
 
 Joints off the chain are held at zero. The common part of SDF is supported: one model,
 link poses in the model's frame, joints at their child link. Convert any other file to
@@ -10,12 +10,10 @@ from __future__ import annotations
 
 import math
 import re
-import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from xml.etree.ElementTree import Element
 
 import numpy as np
 
@@ -25,13 +23,14 @@ from pushpressslide.core.errors import (
     RobotFileError,
     Shown,
 )
+from pushpressslide.core.scene import MODELS, PATHS, is_robot_file
 from pushpressslide.robots.facts import (
     JointFacts,
     LinkFacts,
     RobotFacts,
     rotation_from_rpy,
 )
-from pushpressslide.robots.file_data import KINDS, Description, physical
+from pushpressslide.robots.file_data import KINDS, Description, physical, rpy_of
 from pushpressslide.robots.file_tree import (
     WORLD,
     check_masses,
@@ -39,9 +38,13 @@ from pushpressslide.robots.file_tree import (
     check_tree,
 )
 from pushpressslide.robots.file_values import UnfitValue
-from pushpressslide.robots.sdf_file import read_sdf, rpy_of
+from pushpressslide.robots.mjcf_file import read_mjcf
+from pushpressslide.robots.sdf_file import read_sdf
 from pushpressslide.robots.urdf_file import read_urdf
+from pushpressslide.robots.xml_root import xml_root
 
+READERS = {"robot": read_urdf, "sdf": read_sdf, "mujoco": read_mjcf}
+"""By the root of the file."""
 MISSING_TIP_FRAME = (
     "a model given by path needs tip, the tip's place on a link, or tip_frame, the "
     "name of the frame at the tip's centre"
@@ -56,7 +59,7 @@ MOST_NOTES = 4  # of one kind, that are named
 def read_description(
     model: str, tip_frame: str | None, packages: Sequence[str] = ()
 ) -> RobotFacts:
-    """Facts of the robot in a URDF or SDF file, with ``tip_frame`` as its flange and
+    """Facts of the robot in a URDF, SDF or MJCF file, with ``tip_frame`` as its flange and
     its tip. ``packages`` are folders with packages of meshes.
 
     Raises PushPressSlideError, in one line, if the file is missing, or the tip frame is
@@ -64,10 +67,8 @@ def read_description(
     arm can have.
     """
     path = Path(model)
-    if path.suffix.lower() not in (".urdf", ".sdf"):
-        raise PushPressSlideError(
-            "choose panda, iiwa7, hand, or the path of a .urdf or .sdf file"
-        )
+    if not is_robot_file(path):
+        raise PushPressSlideError(f"choose {', '.join(MODELS)}, or {PATHS}")
     if not path.is_file():
         raise PushPressSlideError("there is no such file")
     if tip_frame is None:
@@ -77,13 +78,13 @@ def read_description(
 
 
 def last_link(model: str) -> str:
-    """Link at the end of the longest chain of moving joints of a URDF or SDF file, after
-    the fixed links that follow it.
+    """Link at the end of the longest chain of moving joints of a robot's file, after the
+    fixed links that follow it.
 
     Raises as ``read_description``.
     """
     path = Path(model)
-    if path.suffix.lower() not in (".urdf", ".sdf") or not path.is_file():
+    if not is_robot_file(path) or not path.is_file():
         read_description(model, "")  # says what is wrong
     with _blaming(model):
         whole = _content(path, ())
@@ -105,8 +106,11 @@ def last_link(model: str) -> str:
 
 def _content(path: Path, packages: Sequence[str]) -> Description:
     """Content of an existing file, its links and joints checked to be one tree."""
-    read = read_urdf if path.suffix.lower() == ".urdf" else read_sdf
-    content = read(_root(path), path, packages)
+    root = xml_root(path)
+    if root.tag not in READERS:
+        allowed = ", ".join(READERS)
+        raise PushPressSlideError(f"its root is <{root.tag}>; allowed: {allowed}")
+    content = READERS[root.tag](root, path, packages)
     check_tree([link.name for link in content.links], content.joints)
     return content
 
@@ -145,7 +149,7 @@ def _facts(path: Path, tip_frame: str, packages: Sequence[str]) -> RobotFacts:
         branches=branches,
         shapes=tuple(shape for shape in description.shapes if shape.link in names),
         notes=tuple(notes),
-        from_file=True,
+        home_first=True,
     )
 
 
@@ -265,18 +269,6 @@ def _blaming(model: str) -> Iterator[None]:
     except (ValueError, AttributeError, KeyError, TypeError) as error:
         reason = f"it cannot be read ({error})"
         raise RobotFileError(model, "", model, reason) from error
-
-
-def _root(path: Path) -> Element:
-    """Root of a URDF or SDF file."""
-    try:
-        # files often use a prefix (drake, xacro, gazebo) without declaring it
-        text = re.sub(r"(</?)(\w+):(?=\w)", r"\1\2_", path.read_text("utf-8"))
-        return ElementTree.fromstring(
-            re.sub(r"(\s)(?!xmlns:)(\w+):(?=\w+\s*=)", r"\1\2_", text)
-        )
-    except (ElementTree.ParseError, UnicodeDecodeError) as error:
-        raise PushPressSlideError(f"it is not XML ({error})") from error
 
 
 def _chain(description: Description, tip_frame: str) -> list[JointFacts]:

@@ -14,12 +14,10 @@ import yaml
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.scene import MODELS
 
 JointKind = Literal["revolute", "prismatic", "fixed"]
 ShapeKind = Literal["box", "cylinder", "capsule", "sphere", "mesh"]
-
-MODELS: tuple[str, ...] = ("panda", "iiwa7", "hand")
-"""Names of the robots that the package describes itself."""
 
 # name of our tip's body: no link of a given robot may have it
 TIP = "pushpressslide_tip"
@@ -143,7 +141,7 @@ class RobotFacts:
     branches: tuple[JointFacts, ...] = ()  # fixed joints to links off the chain
     shapes: tuple[LinkShape, ...] = ()  # of a file
     notes: tuple[str, ...] = ()  # of a file: what is held, left out or assumed
-    from_file: bool = False  # of a user, in place of the package's own facts
+    home_first: bool = False  # whether a search begins in the ready posture
 
     @cached_property
     def moving(self) -> tuple[JointFacts, ...]:
@@ -226,6 +224,11 @@ def _joint(data: Mapping[str, Any]) -> JointFacts:
     return JointFacts(**fields)
 
 
+def _capsule_visual(capsule: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Visual of a link of which only capsules are described."""
+    return {**capsule, "shape": "capsule", "color": "grey"}
+
+
 @cache
 def load_facts(name: str) -> RobotFacts:
     """Facts of a robot described by the package, one of ``MODELS``.
@@ -254,6 +257,7 @@ def load_facts(name: str) -> RobotFacts:
             Capsule(c["link"], _triple(c["p"]), _triple(c["q"]), float(c["radius"]))
             for c in data["capsules"]
         ),
-        visuals=tuple(data["visuals"]),
-        colors={key: _triple(value) for key, value in data["colors"].items()},
+        visuals=tuple(data.get("visuals", map(_capsule_visual, data["capsules"]))),
+        colors={key: _triple(value) for key, value in data.get("colors", {}).items()},
+        home_first=data.get("home_first", False),
     )

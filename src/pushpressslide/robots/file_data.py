@@ -9,6 +9,7 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.robots.facts import JointFacts, JointKind, LinkFacts, LinkShape
 from pushpressslide.robots.file_values import (
     Triple,
@@ -26,8 +27,8 @@ KINDS: dict[str, JointKind] = {
 }
 MOVING = tuple(kind for kind in KINDS if kind != "fixed")
 INERTIA = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-LEAST_GYRATION = 1e-3
-"""[m] of a link's radius of gyration."""
+LEAST_GYRATION = 5e-4
+"""[m] of a link's radius of gyration; that of the last link of Franka's FR3 is 9e-4."""
 TURNS = 2.0 * math.pi  # [rad] limit taken for a joint that turns without end
 
 
@@ -128,21 +129,12 @@ def unit(axis: Triple, place: str) -> Triple:
     return (axis[0] / norm, axis[1] / norm, axis[2] / norm)
 
 
-Lost = list[tuple[str, str]]
-"""Shapes that are left out: the reason, and a name."""
-MOST_NAMES = 3
-
-
-def left_out(lost: Lost) -> list[str]:
-    """A note on the shapes that are left out, for each reason."""
-    by_reason: dict[str, list[str]] = {}
-    for reason, name in lost:
-        by_reason.setdefault(reason, []).append(name)
-    return [
-        f"left out: {len(names)} shapes, {reason}: {', '.join(names[:MOST_NAMES])}"
-        + (", ..." if len(names) > MOST_NAMES else "")
-        for reason, names in by_reason.items()
-    ]
+def rpy_of(R: Array) -> Triple:
+    """Roll, pitch and yaw [rad] of a rotation (3, 3)."""
+    pitch = math.atan2(-R[2, 0], math.hypot(R[0, 0], R[1, 0]))
+    if math.hypot(R[0, 0], R[1, 0]) < 1e-12:
+        return (math.atan2(-R[1, 2], R[1, 1]), pitch, 0.0)
+    return (math.atan2(R[2, 1], R[2, 2]), pitch, math.atan2(R[1, 0], R[0, 0]))
 
 
 def physical(link: LinkFacts) -> LinkFacts:

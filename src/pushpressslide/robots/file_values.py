@@ -35,14 +35,30 @@ def triple(
 
     Raises UnfitValue otherwise.
     """
-    if text is None:
+    x, y, z = vector(text, 3, place, default, limit)
+    return (x, y, z)
+
+
+def vector(
+    text: str | None,
+    count: int,
+    place: str,
+    default: tuple[float, ...] | None = None,
+    limit: float = math.inf,
+) -> tuple[float, ...]:
+    """``count`` finite numbers, none beyond ``limit``.
+
+    Raises UnfitValue otherwise, and for a missing text without a default.
+    """
+    if text is None and default is not None:
         return default
-    values = tuple(_float(part) for part in text.split())
+    values = tuple(_float(part) for part in (text or "").split())
     bound = "" if math.isinf(limit) else f" in [-{limit:g}, {limit:g}]"
-    if len(values) != 3 or not all(
+    if len(values) != count or not all(
         math.isfinite(v) and abs(v) <= limit for v in values
     ):
-        raise UnfitValue(place, Shown(f"'{text.strip()}'"), f"3 finite numbers{bound}")
+        given = Shown(f"'{(text or '').strip()}'")
+        raise UnfitValue(place, given, f"{count} finite numbers{bound}")
     return values
 
 

@@ -185,8 +185,8 @@ def damped_step(J: Array, e: Array, secondary: Array) -> Array:
 def default_seeds(kin: ArmKinematics, p: Array) -> Array:
     """Starting postures (m, s, n) for targets p (m, 3).
 
-    They are turned towards the targets, with elbow and wrist varied. For a robot read
-    from a file they are its ready posture, and others spread over the joint ranges.
+    They are turned towards the targets, with elbow and wrist varied. For an arm with
+    ``home_first`` they are its ready posture, and others spread over the joint ranges.
     """
     facts = kin.facts
     m = len(p)
@@ -195,7 +195,7 @@ def default_seeds(kin: ArmKinematics, p: Array) -> Array:
     span = np.minimum(facts.upper, 3.0) - np.maximum(facts.lower, -3.0)
     count = RANDOM_SEEDS + STRUCTURED_SEEDS
     random = np.maximum(facts.lower, -3.0) + span * (0.1 + 0.8 * rng.random((count, n)))
-    if facts.from_file:
+    if facts.home_first:
         seeds = np.concatenate([facts.home[None], random[1:]])
     else:
         seeds = np.concatenate([_structured_seeds(kin), random[:RANDOM_SEEDS]])
@@ -204,8 +204,9 @@ def default_seeds(kin: ArmKinematics, p: Array) -> Array:
         azimuth = (
             np.arctan2(p[:, 1] - kin.base[1], p[:, 0] - kin.base[0]) - kin.base_yaw
         )
-        turned = 1 if facts.from_file else STRUCTURED_SEEDS
-        out[:, :turned, 0] += (
+        turned = 1 if facts.home_first else STRUCTURED_SEEDS
+        sense = kin.turning or 1.0
+        out[:, :turned, 0] += sense * (
             np.remainder(azimuth + math.pi, 2.0 * math.pi)[:, None] - math.pi
         )
     out = np.clip(out, facts.lower, facts.upper)

@@ -120,6 +120,19 @@ class ArmKinematics:
             )
         return shoulder, float((tip[:3, 3] - wrist) @ tip[:3, 2]), longest[-1]
 
+    @cached_property
+    def turning(self) -> float:
+        """1 if the first joint turns the arm about the base's vertical, counter-clockwise
+        from above, -1 if clockwise, 0 if it does neither.
+        """
+        _, tip, J = self.tip_and_jacobian(self.facts.home)
+        out = tip - self.base
+        for sense in (1.0, -1.0):
+            turn = sense * np.array([0.0, 0.0, 1.0, -out[1], out[0], 0.0])
+            if np.allclose(J[:, 0], turn, atol=1e-9):
+                return sense
+        return 0.0
+
     def _frames(self, q: Array) -> Array:
         """Moved frames (n + 1, m, 4, 4) of the n joints and the tip in the world, for q
         (m, n).

@@ -19,7 +19,6 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.robots.inverse import default_seeds, solve_ik
-from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.reach import (
     HOPELESS,
     QUICK,
@@ -33,7 +32,6 @@ from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
 STEP = 0.02  # [m] between the distances that are searched
 FARTHEST = 1.1  # [m]
 LEANS = 16  # directions of a tool's lean, seen from the base, that are searched
-TRIAL = 0.5  # [rad] by which the first joint is turned to see whether it turns the arm
 DISTANCES = np.arange(STEP, FARTHEST, STEP)
 
 
@@ -99,7 +97,7 @@ def surely_reached(
     False if the tables do not cover them. The holds are about the world's axes, and do
     not turn with the object.
     """
-    if robot.model == "hand" or not _turns_upright(robot):
+    if not has_tables(robot):
         return False
     p = np.array(points, dtype=np.float64)
     x, y, z = robot.base
@@ -109,10 +107,11 @@ def surely_reached(
     bearing = np.remainder(bearing + math.pi, 2.0 * math.pi) - math.pi
     height = float(p[0, 2]) - z
     standing = _standing(robot)
+    first = bearing * arm_kinematics(standing).turning
     for hold in holds:
         lean = hold.azimuth - robot.base_yaw - bearing
         table = _table(standing, height, hold.tilt)
-        if _reached_with_tilt(table, _first_joint(standing), distance, bearing, lean):
+        if _reached_with_tilt(table, _first_joint(standing), distance, first, lean):
             return True
     return False
 
@@ -125,7 +124,7 @@ def each_reached(robot: Robot, points: Array, azimuths: Array) -> NDArray[np.boo
     False if the tables do not cover a point.
     """
     out = np.full(len(points), False)
-    if robot.model == "hand" or not _turns_upright(robot) or len(points) == 0:
+    if not has_tables(robot) or len(points) == 0:
         return out
     x, y, z = robot.base
     ahead = points[:, :2] - (x, y)
@@ -139,13 +138,14 @@ def each_reached(robot: Robot, points: Array, azimuths: Array) -> NDArray[np.boo
     standing = _standing(robot)
     right, left = _first_joint(standing)
     height = float(points[0, 2]) - z
+    first = bearing * arm_kinematics(standing).turning
     for tilt in TOOL_TILTS:
         table = _table(standing, height, tilt)
         columns = [np.zeros(len(points), dtype=int)] if tilt == 0.0 else list(leans.T)
         for column in columns:
             asked = covered & ~out
             table.know(column[asked])
-            turned = table.turned[column, cell] + bearing
+            turned = table.turned[column, cell] + first
             inside = (turned >= right) & (turned <= left)
             out |= asked & table.ok[column, cell] & inside
     return out
@@ -155,10 +155,13 @@ def _reached_with_tilt(
     table: _Table,
     first_joint: tuple[float, float],
     distance: Array,
-    bearing: Array,
+    first: Array,
     lean: Array,
 ) -> bool:
-    """Whether all places (m,) are reached, by the cells of a table next to each."""
+    """Whether all places (m,) are reached, by the cells of a table next to each.
+
+    ``first`` [rad]: turn of the first joint from straight ahead to each place.
+    """
     row = distance / STEP - 1.0
     low = np.floor(row).astype(int)
     if low.min() < 0 or low.max() + 1 >= len(DISTANCES):
@@ -174,7 +177,7 @@ def _reached_with_tilt(
     for column in leans:
         table.know(column)
         for near in (low, low + 1):
-            turned = table.turned[column, near] + bearing
+            turned = table.turned[column, near] + first
             inside = (turned >= right) & (turned <= left)
             if not (table.ok[column, near] & inside).all():
                 return False
@@ -197,17 +200,6 @@ def _first_joint(robot: Robot) -> tuple[float, float]:
 _table = lru_cache(maxsize=1024)(_Table)
 
 
-@lru_cache(maxsize=64)
-def _turns_upright(robot: Robot) -> bool:
-    """Whether the first joint turns the whole arm about the base's vertical."""
-    kin: ArmKinematics = arm_kinematics(robot)
-    q = np.array(kin.facts.home, dtype=np.float64)
-    turned = q.copy()
-    turned[0] += TRIAL
-    _, before = kin.tip_pose(q)
-    _, after = kin.tip_pose(turned)
-    base = np.array(kin.base)
-    c = math.cos(TRIAL)
-    s = math.sin(TRIAL)
-    rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    return bool(np.allclose(rotation @ (before - base), after - base, atol=1e-9))
+def has_tables(robot: Robot) -> bool:
+    """Whether the robot is an arm whose first joint turns it about the vertical."""
+    return robot.model != "hand" and arm_kinematics(robot).turning != 0.0

@@ -4,8 +4,7 @@ their child link.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -16,8 +15,6 @@ from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.robots.facts import (
     JointFacts,
     LinkFacts,
-    LinkShape,
-    ShapeKind,
     rotation_from_rpy,
 )
 from pushpressslide.robots.file_data import (
@@ -26,14 +23,14 @@ from pushpressslide.robots.file_data import (
     MOVING,
     Description,
     Frame,
-    Lost,
     inertia_of,
     kind_of,
-    left_out,
     limits_of,
     mimicked,
+    rpy_of,
     unit,
 )
+from pushpressslide.robots.file_shapes import Meshes, ShapeFormat
 from pushpressslide.robots.file_tree import few
 from pushpressslide.robots.file_values import (
     Triple,
@@ -43,7 +40,7 @@ from pushpressslide.robots.file_values import (
     place_of,
     triple,
 )
-from pushpressslide.robots.mesh_paths import MeshPaths, readable
+from pushpressslide.robots.mesh_paths import MeshPaths
 
 NO_INERTIAL = 1.0  # [kg], [kg m^2] of a link without inertial, by the format's rule
 
@@ -65,22 +62,22 @@ def read_sdf(root: Element, file: Path, packages: Sequence[str]) -> Description:
         for name, link in zip(names, links, strict=True)
     }
     joints = model.findall("joint")
-    paths = MeshPaths(file, packages)
-    lost: Lost = []
+    meshes = Meshes(MeshPaths(file, packages))
+    form = ShapeFormat(Element.findtext, "uri", _shape_pose, _color)
     kinds = {joint.attrib["name"]: joint.attrib["type"] for joint in joints}
     return Description(
         model.get("name"),
         [_link(link) for link in links],
         [_joint(joint, poses) for joint in joints],
         [_frame(frame) for frame in model.findall("frame")],
-        [shape for link in links for shape in _shapes(link, paths, lost)],
+        [shape for link in links for shape in form.shapes(link, meshes)],
         {
             joint.attrib["name"]: mimicked(axis)
             for joint in joints
             if (axis := joint.find("axis")) is not None
         },
         {name: kind for name, kind in kinds.items() if kind not in KINDS},
-        left_out(lost),
+        meshes.notes(),
     )
 
 
@@ -104,14 +101,6 @@ def _six(text: str, place: str) -> tuple[Triple, Triple]:
     words = text.split() or ["0"] * 6
     xyz = place_of(" ".join(words[:3]), f"{place}, pose")
     return xyz, triple(" ".join(words[3:]), f"{place}, pose")
-
-
-def rpy_of(R: Array) -> Triple:
-    """Roll, pitch and yaw [rad] of a rotation (3, 3)."""
-    pitch = math.atan2(-R[2, 0], math.hypot(R[0, 0], R[1, 0]))
-    if math.hypot(R[0, 0], R[1, 0]) < 1e-12:
-        return (math.atan2(-R[1, 2], R[1, 1]), pitch, 0.0)
-    return (math.atan2(R[2, 1], R[2, 2]), pitch, math.atan2(R[1, 0], R[0, 0]))
 
 
 def _link(link: Element) -> LinkFacts:
@@ -195,30 +184,8 @@ def _frame(frame: Element) -> Frame:
     return Frame(name, frame.get("attached_to") or "", xyz, rpy)
 
 
-def _shapes(link: Element, paths: MeshPaths, lost: Lost) -> Iterator[LinkShape]:
-    """Shapes of a link. Adds those that cannot be used to ``lost``."""
-    name = link.attrib["name"]
-    for holder in (*link.findall("collision"), *link.findall("visual")):
-        geometry = holder.find("geometry")
-        if geometry is None or not len(geometry):
-            continue
-        place = f"link {name!r}, {holder.tag}"
-        shape = _shape(geometry[0], place)
-        mesh = ""
-        if shape is None:
-            lost.append(("of an unknown kind", geometry[0].tag))
-            continue
-        if shape[0] == "mesh":
-            uri = (geometry[0].findtext("uri") or "").strip()
-            path = paths.find(uri)
-            if path is None or not readable(path):
-                reason = "not found" if path is None else "which pycollada reads"
-                lost.append((reason, uri))
-                continue
-            mesh = str(path)
-        xyz, rpy = _six(holder.findtext("pose") or "", place)
-        solid = holder.tag == "collision"
-        yield LinkShape(name, *shape, xyz, rpy, solid, mesh, _color(holder))
+def _shape_pose(holder: Element, place: str) -> tuple[Triple, Triple]:
+    return _six(holder.findtext("pose") or "", place)
 
 
 def _color(holder: Element) -> Triple | None:
@@ -228,31 +195,6 @@ def _color(holder: Element) -> Triple | None:
     except ValueError:
         return None
     return (r, g, b)
-
-
-def _shape(geometry: Element, place: str) -> tuple[ShapeKind, tuple[float, ...]] | None:
-    """Kind and size of a geometry. None for an unknown kind."""
-    kind = geometry.tag.removeprefix("drake_")
-
-    def size(key: str) -> float:
-        """A length [m] above zero."""
-        text = geometry.findtext(key) or ""
-        return number(
-            text, f"{place}, {key}", "a number [m] above 0", lambda v: v > 0.0
-        )
-
-    if kind == "box":
-        return "box", triple(geometry.findtext("size") or "", f"{place}, size")
-    if kind == "sphere":
-        return "sphere", (size("radius"),)
-    if kind == "cylinder":
-        return "cylinder", (size("radius"), size("length"))
-    if kind == "capsule":
-        return "capsule", (size("radius"), size("length"))
-    if kind == "mesh":
-        text = geometry.findtext("scale")
-        return "mesh", triple(text, f"{place}, scale", (1.0, 1.0, 1.0))
-    return None
 
 
 def _floats(v: Array) -> Triple:

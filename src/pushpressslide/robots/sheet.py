@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.constants import GRAVITY
-from pushpressslide.robots.facts import rotation_from_rpy
+from pushpressslide.robots.facts import RobotFacts, rotation_from_rpy
 from pushpressslide.robots.inverse import solve_ik
 from pushpressslide.robots.kinematics import ArmKinematics
 
@@ -98,11 +98,24 @@ def workspace(kin: ArmKinematics, height: float = HEIGHT) -> Workspace:
     return Workspace(points, ok, press, push)
 
 
-def missing_limits(kin: ArmKinematics) -> Mapping[str, list[str]]:
-    """Joints without a limit of speed or effort, by the limit's name."""
+def missing_limits(facts: RobotFacts) -> Mapping[str, list[str]]:
+    """Joints without a limit of speed or torque, by the limit's field."""
     out = {}
-    for name in ("velocity", "effort"):
-        without = [j.name for j in kin.facts.moving if np.isinf(getattr(j, name))]
+    for key, name in (("speed_deg_s", "velocity"), ("torque", "effort")):
+        without = [j.name for j in facts.moving if np.isinf(getattr(j, name))]
         if without:
-            out[name] = without
+            out[key] = without
     return out
+
+
+def limits_to_fill(facts: RobotFacts) -> str:
+    """Text of the task's limits that a file lacks, with numbers to fill in as ``...``.
+    Empty if it lacks none.
+    """
+    lacking = missing_limits(facts)
+    items = []
+    for joint in facts.moving:
+        keys = [f"{key}: ..." for key, names in lacking.items() if joint.name in names]
+        if keys:
+            items.append(f"{{joint: {joint.name}, {', '.join(keys)}}}")
+    return f"[{', '.join(items)}]" if items else ""

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
-from pushpressslide.robots.facts import JointFacts, LinkFacts, LinkShape, ShapeKind
+from pushpressslide.robots.facts import JointFacts, LinkFacts
 from pushpressslide.robots.file_data import (
     KINDS,
     MOVING,
     Description,
     Frame,
-    Lost,
     inertia_of,
     kind_of,
-    left_out,
     limits_of,
     mimicked,
     unit,
 )
+from pushpressslide.robots.file_shapes import Meshes, ShapeFormat
 from pushpressslide.robots.file_values import (
     Triple,
     mass,
@@ -27,7 +27,7 @@ from pushpressslide.robots.file_values import (
     place_of,
     triple,
 )
-from pushpressslide.robots.mesh_paths import MeshPaths, readable
+from pushpressslide.robots.mesh_paths import MeshPaths
 
 
 def read_urdf(root: Element, file: Path, packages: Sequence[str]) -> Description:
@@ -38,14 +38,16 @@ def read_urdf(root: Element, file: Path, packages: Sequence[str]) -> Description
     """
     joints = root.findall("joint")
     links = root.findall("link")
-    paths = MeshPaths(file, packages)
+    meshes = Meshes(MeshPaths(file, packages))
     colors = {
         material.get("name", ""): _color(material)
         for material in root.findall("material")
     }
     rotors = dict(map(_rotor, root.findall("transmission")))
-    lost: Lost = []
-    shapes = [shape for link in links for shape in _shapes(link, paths, colors, lost)]
+    form = ShapeFormat(
+        Element.get, "filename", _shape_pose, partial(_shape_color, colors)
+    )
+    shapes = [shape for link in links for shape in form.shapes(link, meshes)]
     return Description(
         root.get("name"),
         [_link(link) for link in links],
@@ -58,7 +60,7 @@ def read_urdf(root: Element, file: Path, packages: Sequence[str]) -> Description
             for joint in joints
             if joint.attrib["type"] not in KINDS
         },
-        left_out(lost),
+        meshes.notes(),
     )
 
 
@@ -137,9 +139,9 @@ def attributes(element: Element | None) -> dict[str, str | None]:
     return {} if element is None else dict(element.attrib)
 
 
-def _color(material: Element | None) -> Triple | None:
+def _color(material: Element) -> Triple | None:
     """Colour that a material element states, or None."""
-    color = None if material is None else material.find("color")
+    color = material.find("color")
     values = (color.get("rgba") or "").split()[:3] if color is not None else []
     try:
         r, g, b = map(float, values)
@@ -148,68 +150,15 @@ def _color(material: Element | None) -> Triple | None:
     return (r, g, b)
 
 
-def _shapes(
-    link: Element,
-    paths: MeshPaths,
-    colors: Mapping[str, Triple | None],
-    lost: Lost,
-) -> Iterator[LinkShape]:
-    """Shapes of a link. Adds meshes that are not found to ``lost``."""
-    name = link.attrib["name"]
-    for holder in (*link.findall("collision"), *link.findall("visual")):
-        geometry = holder.find("geometry")
-        if geometry is None or not len(geometry):
-            continue
-        solid = holder.tag == "collision"
-        origin = attributes(holder.find("origin"))
-        place = f"link {name!r}, {holder.tag}"
-        material = holder.find("material")
-        color = _color(material)
-        if color is None and material is not None:
-            color = colors.get(material.get("name", ""))
-        shape = _shape(geometry[0], place)
-        mesh = ""
-        if shape is None:
-            lost.append(("of an unknown kind", geometry[0].tag))
-            continue
-        if shape[0] == "mesh":
-            uri = geometry[0].get("filename") or ""
-            path = paths.find(uri)
-            if path is None or not readable(path):
-                reason = "not found" if path is None else "which pycollada reads"
-                lost.append((reason, uri))
-                continue
-            mesh = str(path)
-        yield LinkShape(
-            name,
-            *shape,
-            place_of(origin.get("xyz"), f"{place}, xyz"),
-            triple(origin.get("rpy"), f"{place}, rpy"),
-            solid,
-            mesh,
-            color,
-        )
+def _shape_color(colors: Mapping[str, Triple | None], holder: Element) -> Triple | None:
+    """Colour of a shape: its own, or that of the material that it names."""
+    material = holder.find("material")
+    if material is None:
+        return None
+    return _color(material) or colors.get(material.get("name", ""))
 
 
-def _shape(geometry: Element, place: str) -> tuple[ShapeKind, tuple[float, ...]] | None:
-    """Kind and size of a geometry. None for an unknown kind."""
-    kind = geometry.tag.split("}")[-1].removeprefix("drake_")
-
-    def size(key: str) -> float:
-        """A length [m] above zero."""
-        allowed = "a number [m] above 0"
-        return number(
-            geometry.get(key) or "", f"{place}, {key}", allowed, lambda v: 0.0 < v < 1e3
-        )
-
-    if kind == "box":
-        return "box", triple(geometry.get("size") or "", f"{place}, size")
-    if kind == "sphere":
-        return "sphere", (size("radius"),)
-    if kind == "cylinder":
-        return "cylinder", (size("radius"), size("length"))
-    if kind == "capsule":
-        return "capsule", (size("radius"), size("length"))
-    if kind == "mesh":
-        return "mesh", triple(geometry.get("scale"), f"{place}, scale", (1.0, 1.0, 1.0))
-    return None
+def _shape_pose(holder: Element, place: str) -> tuple[Triple, Triple]:
+    origin = attributes(holder.find("origin"))
+    xyz = place_of(origin.get("xyz"), f"{place}, xyz")
+    return xyz, triple(origin.get("rpy"), f"{place}, rpy")

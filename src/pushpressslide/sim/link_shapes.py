@@ -28,6 +28,7 @@ from pydrake.multibody.tree import ModelInstanceIndex
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.robots.facts import LinkShape
+from pushpressslide.robots.file_shapes import read_mesh
 
 ALUMINIUM = (0.78, 0.79, 0.81)
 MOST_TRIANGLES = 100_000
@@ -101,7 +102,7 @@ def hull_corners(path: str) -> Array | None:
     """Corners (n, 3) of the convex hull of a mesh, in its own units. None for a mesh
     that cannot be read.
     """
-    mesh = _mesh(path)
+    mesh = read_mesh(path)
     if mesh is None:
         return None
     try:
@@ -117,7 +118,7 @@ def _wavefront(path: str) -> str | None:
     """A mesh as the text of an OBJ file. None if it cannot be read or has too many
     triangles.
     """
-    mesh = _mesh(path)
+    mesh = read_mesh(path)
     if mesh is None or len(mesh.faces) > MOST_TRIANGLES:
         return None
     corners = "\n".join(
@@ -125,17 +126,3 @@ def _wavefront(path: str) -> str | None:
     )
     faces = "\n".join(f"f {a} {b} {c}" for a, b, c in (mesh.faces + 1).tolist())
     return f"{corners}\n{faces}\n"
-
-
-@lru_cache(maxsize=128)
-def _mesh(path: str) -> Any | None:
-    """Triangles of a file. None if it cannot be read."""
-    import trimesh
-
-    try:
-        mesh = trimesh.load(path, force="mesh", process=False)
-    except Exception:
-        return None
-    if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces):
-        return None
-    return mesh

@@ -1,5 +1,5 @@
 """Robots in a MultibodyPlant, each with a tip for contact: generated, Drake's own, or
-from a URDF or SDF file.
+from a file.
 """
 
 from __future__ import annotations
@@ -35,9 +35,10 @@ from pushpressslide.core.errors import (
     TaskError,
     path_value,
 )
+from pushpressslide.core.scene import MODELS
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.arm_files import robot_facts, rod_length
-from pushpressslide.robots.facts import MODELS, TIP, TIP_MASS, RobotFacts
+from pushpressslide.robots.facts import TIP, TIP_MASS, RobotFacts
 from pushpressslide.robots.urdf import urdf_text
 from pushpressslide.sim.link_shapes import add_shapes
 

@@ -28,6 +28,7 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.scene import (
     ARM_NAMES,
+    MODELS,
     ObjectModel,
     Obstacle,
     Opening,
@@ -54,9 +55,6 @@ REACH_SLACK = 0.02
 
 ROUNDING = 1e-6
 """[m] by which a contact may be nearer to the edge."""
-
-MODELS = ("panda", "iiwa7", "hand")
-"""Robot models that come with the package."""
 
 
 def check(
@@ -323,6 +321,9 @@ def check_reach(query: MotionQuery, body: ObjectModel) -> None:
     scene = query.scene
     source = query.source
     arms = [_kinematics(robot, i, source) for i, robot in enumerate(scene.robots)]
+    for i, (kin, robot) in enumerate(zip(arms, scene.robots, strict=True)):
+        if robot.model not in MODELS:
+            refuse(source, _limit_faults(kin, f"robots[{i}].limits"))
     for name, pose in (("start", query.start), ("goal", query.goal)):
         short: list[float] = []
         for arm, robot in zip(arms, scene.robots, strict=True):
@@ -339,6 +340,16 @@ def check_reach(query: MotionQuery, body: ObjectModel) -> None:
             )
             allowed = f"the tip of the {arms[best].facts.name} stays {short[best]:.3f} m short of the object"
             raise TaskError(source, name, what, f"allowed: within reach; {allowed}")
+
+
+def _limit_faults(kin: ArmKinematics, field: str) -> Iterator[Fault]:
+    """Yield the field of the joints' limits if a file lacks some of them."""
+    from pushpressslide.robots.sheet import limits_to_fill
+
+    lines = limits_to_fill(kin.facts)
+    if lines:
+        missing = "it is missing, and the file has no limit of some joints"
+        yield field, None, f"{missing}; allowed: the maker's, as {lines}"
 
 
 def _kinematics(robot: Robot, i: int, source: str) -> ArmKinematics:

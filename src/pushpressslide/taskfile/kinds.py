@@ -75,7 +75,7 @@ def number(
     """Kind of a finite number in a range, or of a word in place of it.
 
     An end of ``within`` in a round bracket is open. An angle is in degrees in the file
-    (unit "deg") and in radians in the data.
+    (unit "deg", "deg/s") and in radians in the data.
     """
     low, high = (float(end) for end in within[1:-1].split(","))
     lower, is_above = _LOWER[within[0]]
@@ -102,7 +102,7 @@ def number(
         span = f"[{unit}] {span}"
     one = f"a {adjective} number {span}"
     kind = Kind(", ".join((*words, one)), f"finite numbers {span}", schema, read)
-    if unit == "deg":
+    if unit in ("deg", "deg/s"):
         return replace(kind, decode=math.radians, encode=degrees)
     return kind
 

@@ -12,10 +12,15 @@ from typing import Any
 
 from pushpressslide.core.errors import Shown, TaskError, path_value
 from pushpressslide.core.pose import Point
-from pushpressslide.core.scene import TIP_LENGTH, TIP_RADIUS
+from pushpressslide.core.scene import (
+    MODELS,
+    PATHS,
+    doubled_by_tip,
+    is_robot_file,
+)
 from pushpressslide.core.task import ObjectModel, Obstacle, Robot, Task
 from pushpressslide.selection.tool_use import tool_use
-from pushpressslide.taskfile.checks import MODELS, check, wall_faults
+from pushpressslide.taskfile.checks import check, wall_faults
 from pushpressslide.taskfile.dump import dump_task, task_data
 from pushpressslide.taskfile.goals import check_goals, goals_faults
 from pushpressslide.taskfile.gone import without_gone
@@ -228,6 +233,17 @@ def _body_faults(
         names.append(obstacle.name)
 
 
+OF_FILES = (
+    "tip",
+    "home",
+    "rotor_inertia",
+    "gear_ratio",
+    "joint_friction",
+    "limits",
+)
+"""Fields of a robot that go with a model given by its path."""
+
+
 def _located(robot: Robot, folder: Path) -> Robot:
     """The robot with the full path of its model, if it is given by a path."""
     if robot.model in MODELS:
@@ -240,30 +256,25 @@ def _located(robot: Robot, folder: Path) -> Robot:
 def _tip_faults(robot: Mapping[str, Any], field: str) -> Iterator[Fault]:
     """Yield fields of a robot that do not go with its ``tip``."""
     tip = robot["tip"]
-    if tip is None:
-        return
-    allowed = "allowed: this or tip, not both"
-    if robot["tip_frame"] is not None:
-        yield f"{field}.tip_frame", robot["tip_frame"], allowed
-    for name, default in (("radius", TIP_RADIUS), ("length", TIP_LENGTH)):
-        value = robot[f"tip_{name}"]
-        if value not in (default, tip[name]):
-            yield f"{field}.tip_{name}", value, allowed
+    name = tip and doubled_by_tip(robot, tip["radius"], tip["length"])
+    if name:
+        yield f"{field}.{name}", robot[name], "allowed: this or tip, not both"
 
 
 def _model_faults(robot: Robot, folder: Path, field: str) -> Iterator[Fault]:
     path = folder / robot.model
     models = ", ".join(MODELS)
     if robot.model in MODELS:
-        for name in ("tip", "home", "rotor_inertia"):
+        for name in OF_FILES:
             if getattr(robot, name) is not None:
                 key = "home_deg" if name == "home" else name
                 allowed = "allowed: for a model given by its path"
                 yield f"{field}.{key}", Shown("given"), allowed
         return
-    if path.suffix.lower() not in (".urdf", ".sdf"):
-        paths = f"or the path of a .urdf or .sdf file; {nearest(robot.model, MODELS)}"
-        yield f"{field}.model", robot.model, f"allowed: {models}, {paths}"
+    if not is_robot_file(path):
+        near = nearest(robot.model, MODELS)
+        allowed = f"allowed: {models}, or {PATHS}; {near}"
+        yield f"{field}.model", robot.model, allowed
     elif not path.is_file():
         allowed = f"no such file; allowed: {models} or a path"
         yield f"{field}.model", path_value(robot.model), allowed

@@ -196,7 +196,7 @@ def _first_postures(
 ) -> IkSolution:
     """Postures at sample ``i`` of a tip path, one for each of b tool attitudes.
 
-    Of an arm given by a file, one that the ready posture leads to comes first: the
+    Of an arm with ``home_first``, one that the ready posture leads to comes first: the
     others may have the elbow below the table.
     """
     yaw = tip.yaws[i]
@@ -204,7 +204,7 @@ def _first_postures(
     rotations = rotations.reshape(-1, 3, 3)
     positions = np.tile(tip.positions[i], (len(tools), 1))
     search = partial(solve_ik, kin, positions, rotations, joint_margin=JOINT_MARGIN)
-    if not kin.facts.from_file:
+    if not kin.facts.home_first:
         return search()
     near = search(q_seed=default_seeds(kin, positions)[:, :1])
     return near if near.converged.all() else near.or_else(search())
