@@ -117,3 +117,9 @@ def test_a_touch_needs_two_samples_to_be_a_line() -> None:
     drawn = np.array([[0.0, 0.0], [0.2, -0.4]])
     back = replace(PATH, back=drawn, max_retreat=0.06)
     assert path_reference(back, 0.43) == pytest.approx(drawn.mean(axis=0))
+
+
+def test_a_path_of_two_samples_is_followed_from_one_to_the_other() -> None:
+    path = replace(PATH, arc_length=np.array([0.0, 0.4]), move=PATH.move[[0, 2]])
+    assert path_reference(path, 0.1) == pytest.approx(0.75 * PATH.move[0])
+    assert path_reference(path, 0.4) == pytest.approx(PATH.move[2])

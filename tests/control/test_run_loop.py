@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -28,9 +29,15 @@ from pushpressslide.control.run_loop import (
     PROGRESS_TICKS,
     RunLoop,
     RunOptions,
+    still,
     tip_paths,
 )
-from pushpressslide.control.state import PhaseState, tip_position
+from pushpressslide.control.state import (
+    FREE_DAMPING,
+    FREE_STIFFNESS,
+    PhaseState,
+    tip_position,
+)
 from pushpressslide.core import margins
 from pushpressslide.core.control import (
     PHASES,
@@ -617,3 +624,54 @@ def test_a_run_that_has_not_begun_has_a_record_without_ticks(one: Plan) -> None:
     record = RunLoop(Diary(arms=1), one).record(Ending("interrupted"))
     assert len(record.arrays["time"]) == 0
     assert record.reason == "interrupted"
+
+
+def test_external_commands_reach_the_arms_for_one_period(one: Plan, scripts) -> None:
+    plant = Diary(arms=1)
+    loop = RunLoop(plant, one)
+    measurement = loop.drive((PUSH,))
+    assert plant.applied == [(PUSH,)]
+    assert measurement.time == PERIOD
+
+
+def test_a_tip_that_is_held_keeps_its_press_and_only_that() -> None:
+    pressing = replace(
+        PUSH,
+        force=(3.0, 2.0, -7.0),
+        velocity=(0.1, 0.2, 0.3),
+        stiffness=(11.0, 12.0, 13.0),
+        damping=(21.0, 22.0, 23.0),
+    )
+    tip = TipState((4.0, 5.0, 6.0), (0.1, 0.2, 0.3), ZERO)
+    held, free = still((pressing, None), (tip, tip))
+    assert free is None
+    assert isinstance(held, TipCommand)
+    assert held.force == (0.0, 0.0, -7.0)
+    assert held.velocity == ZERO
+    assert held.position == (4.0, 5.0, PUSH.position[2])
+    assert (held.stiffness[2], held.damping[2]) == (13.0, 23.0)
+    assert held.stiffness[:2] == FREE_STIFFNESS[:2]
+    assert held.damping[:2] == FREE_DAMPING[:2]
+
+
+def test_an_arm_that_fails_while_one_plans_leaves_no_thread_behind(
+    one: Plan, scripts, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    loop = RunLoop(Diary(arms=1), one, RunOptions(controller=Script))
+    clock = loop.cell.clock
+    failed = threading.Event()
+
+    def advance() -> None:
+        failed.set()
+        raise ConnectionError("the arm is gone")
+
+    loop.step()
+    monkeypatch.setattr(type(clock), "simulated", False)
+    monkeypatch.setattr(clock, "advance", advance)
+    before = set(threading.enumerate())
+    with pytest.raises(ConnectionError) as failure:
+        loop._while_holding(lambda: failed.wait(10.0), (PUSH,))
+    for thread in set(threading.enumerate()) - before:
+        thread.join(2.0)
+        assert not thread.is_alive()
+    assert "gone" in str(failure.value)  # its frames live until here

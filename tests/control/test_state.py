@@ -12,6 +12,7 @@ from pushpressslide.control.controller import Controller
 from pushpressslide.control.state import (
     ALIGN_SPEED,
     ControllerState,
+    StallWatch,
     between,
     by_arm,
     contact_yaw,
@@ -198,3 +199,15 @@ def test_a_rho_that_is_not_identified_now_is_as_it_was_last() -> None:
     now = told._replace(estimate=told.estimate._replace(parameters=found))
     assert estimates(now).rho == 0.05
     assert estimates(now._replace(following=state.following)).rho == 0.05
+
+
+def test_a_state_that_took_two_seconds_to_plan_begins_two_seconds_later() -> None:
+    state = pressing("touch")
+    still = StallWatch(POSE, 0.25)
+    state = state._replace(watches=state.watches._replace(still=still, replanned=0.5))
+    later = state.delayed(2.0)
+    assert later.phase.since == state.phase.since + 2.0
+    assert later.watches.lost == pytest.approx(2.3)
+    assert later.watches.still == StallWatch(POSE, 2.25)
+    assert later.watches.replanned == 2.5
+    assert later.following.clock_start == state.following.clock_start + 2.0

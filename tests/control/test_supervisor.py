@@ -19,6 +19,7 @@ from pushpressslide.control.state import (
     ControllerState,
     Instant,
     StallWatch,
+    Watches,
     enter_phase,
     tip_position,
 )
@@ -247,6 +248,34 @@ def test_a_push_that_slid_touches_its_place_again() -> None:
     assert event == "otherwise"
     event, _ = after(PUSH, at_the_end(slid, last=True))
     assert event == "arrived"
+
+
+def test_a_press_beside_a_push_that_slid_is_pressed_no_harder() -> None:
+    well = moment(PRESS)
+    (contact,) = well.state.following.segment.contacts
+    state = controller(PRESS).supervisor.touch_planned(well)
+    (touched,) = state.following.binding.segment.contacts
+    assert contact.load > 0.0
+    assert touched.load == contact.load
+
+
+def test_only_events_that_plan_let_the_tips_hold_meanwhile() -> None:
+    push = moment(PUSH)
+    goal = controller(PUSH).placement.last.goal
+    error = (0.0, 1.0, 0.0)
+    astray = push._replace(guidance=push.guidance._replace(error=error))
+    events = {
+        "arrived midway": (TWO, at_the_end(moment(TWO), last=False), True),
+        "arrived": (PUSH, at_the_end(moment(PUSH, goal), last=True), True),
+        "otherwise": (PUSH, push, False),
+        "missing": (PUSH, watching(push, lost=TIME), False),
+        "lost": (PUSH, watching(push, lost=BEGAN), False),
+        "slid": (PUSH, slipped(push, 0.08), False),
+        "astray": (PUSH, astray, False),
+    }
+    for event, (name, of, plans) in events.items():
+        assert after(name, of)[0] == event
+        assert controller(name).supervisor.plans(of) == plans
 
 
 def test_a_contact_that_is_missing_for_a_moment_changes_nothing() -> None:
@@ -538,6 +567,19 @@ def test_a_retry_ends_in_time_or_is_not_begun() -> None:
         assert (state.phase.name == "move") == begun
 
 
+def test_a_run_that_has_just_begun_looks_for_a_better_plan_after_one_pause() -> None:
+    start = controller(PUSH).placement.query.start
+    beside = moment(PUSH, Pose2(start.x, start.y + 0.01, start.yaw))
+    for share, made in ((0.99, False), (1.01, True)):
+        time = share * margins.ARM.replan_pause
+        early = beside._replace(
+            state=beside.state._replace(watches=Watches()),
+            instant=beside.instant._replace(time=time),
+        )
+        state = controller(PUSH).supervisor.replan(early)
+        assert (state.watches.replanned == time) == made
+
+
 def test_a_plan_is_not_looked_for_while_one_is_new() -> None:
     start = controller(PUSH).placement.query.start
     beside = moment(PUSH, Pose2(start.x, start.y + 0.01, start.yaw))
@@ -603,6 +645,20 @@ def test_ways_are_beside_the_planned_one_that_come_near_it_everywhere() -> None:
         assert supervisor._is_near_plan((segment, aside)) == beside
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_path_that_is_turned_aside_is_not_near_the_planned_one(
+    monkeypatch: pytest.MonkeyPatch, side: float
+) -> None:
+    supervisor = controller(PUSH).supervisor
+    placement = supervisor.placement
+    poses = placement.planned_poses
+    for share, near in ((0.9, True), (1.1, False)):
+        turn = side * share * margins.ARM.turned_beside
+        turned = [Pose2(pose.x, pose.y, pose.yaw + turn) for pose in poses]
+        monkeypatch.setattr(placement, "planned_poses", turned)
+        assert supervisor._is_near_plan(placement.segments) == near
+
+
 @pytest.fixture
 def waiting() -> Iterator[Placement]:
     """The placement of the push, whose object is waited for at its goal."""
@@ -630,14 +686,14 @@ def late(of: Moment, by: float) -> Moment:
         (0.0, HOLD_TIME, False),
         (0.0, 1.01 * HOLD_TIME, True),
         (0.01, 1.01 * HOLD_TIME, False),
-        (0.01, SEAT_TIME, False),
-        (0.01, 1.01 * SEAT_TIME, True),
+        (0.01, 2.99, False),
+        (0.01, 3.01, True),
     ],
 )
 def test_a_held_object_is_waited_for_until_it_rests(
     waiting: Placement, way: float, by: float, over: bool
 ) -> None:
-    """Or long enough, wherever it is."""
+    """Or for 3 s, wherever it is."""
     supervisor = Supervisor(waiting, True, 1.0)
     assert supervisor.arrived(late(left(moment(PUSH), way), by)) == over
     assert 0.1 < HOLD_TIME < SEAT_TIME < 10.0

@@ -201,6 +201,20 @@ def test_a_tool_is_damped_about_the_rate_it_is_to_have(frame: SupportFrame) -> N
     assert felt[:3] == pytest.approx(wanted, abs=1e-9)
 
 
+def test_a_tool_loses_its_error_in_tenths_of_a_second() -> None:
+    """Spring and damper balance where it turns back by its error in 0.1 s."""
+    error = 0.01
+    one = executor()
+    arm = replace(
+        heavy(3),
+        rotation=turned((0.0, 0.0, 1.0), NOTHING.tool_yaw - error),
+        angular_velocity=(0.0, 0.0, error / 0.1),
+    )
+    assert wrench(one, arm)[2] == pytest.approx(
+        0.0, abs=0.01 * one._rotation.stiffness * error
+    )
+
+
 @pytest.mark.parametrize("frame", FRAMES)
 @pytest.mark.parametrize("mass", [0.05, 0.3, 2.0])
 def test_a_light_tip_loses_no_more_than_its_speed_along_each_axis(

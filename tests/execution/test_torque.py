@@ -347,6 +347,12 @@ def test_torques_that_nothing_limits_are_given_to_the_bit() -> None:
     assert (got.share, got.rate_share) == (1.0, 1.0)
 
 
+def test_torques_below_their_limits_are_shares_of_them() -> None:
+    asked = np.array([1.0, -2.0, 0.5])
+    got = limited(asked, np.zeros(3), (4.0, 4.0, 4.0), (8.0, 8.0, 8.0))
+    assert (got.share, got.rate_share) == (0.5, 0.25)
+
+
 @pytest.mark.parametrize("share", [0.01, 0.3, 0.7])
 def test_an_arm_is_braked_the_more_the_less_its_tip_moves(share: float) -> None:
     """By (1 - share^2)^2: from nothing at the singular value, and smoothly there."""
