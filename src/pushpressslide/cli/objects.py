@@ -15,10 +15,15 @@ if TYPE_CHECKING:
     from pushpressslide.core.task import Task
     from pushpressslide.planning.object_sheet import ObjectSheet
 
+MASS = 1.0
+"""[kg] of an object in a mesh: base, side and top do not depend on it."""
+
 
 @app.command(name="object")
 def object_(
-    file: Annotated[str, typer.Argument(help="A mesh, or a task.")],
+    file: Annotated[
+        str, typer.Argument(help="A mesh, a URDF, SDF or MJCF file, or a task.")
+    ],
     scale: Annotated[float, typer.Option(help="One unit of the mesh [m].")] = 1.0,
     up: Annotated[str, typer.Option(help="Axis of the mesh that points up.")] = "z",
     radius: Annotated[float, typer.Option(help="Radius of the tip [m].")] = 0.02,
@@ -53,15 +58,20 @@ def object_(
 def _task_of(file: str, scale: float, up: str, tip: tuple[float, float, float]) -> Task:
     """Task with the object of a file. A mesh is given a table and one arm."""
     from pushpressslide.taskfile.load import load_task, task_from_data
-    from pushpressslide.taskfile.mesh_count import SUFFIXES
+    from pushpressslide.taskfile.mesh_file import read_mesh, suffixes
 
-    if Path(file).suffix.lower() not in SUFFIXES:
+    if Path(file).suffix.lower() not in suffixes():
         return load_task(file)
     radius, friction, support = tip
-    mesh = {"path": str(Path(file).resolve()), "scale": scale, "up": up}
+    path = str(Path(file).resolve())
+    mesh = {"path": path, "scale": scale, "up": up}
+    try:
+        own_mass = read_mesh(path, scale, up).file_mass
+    except ValueError:
+        own_mass = None  # the task says why
     data = {
         "name": "object",
-        "object": {"shape": {"mesh": mesh}, "mass": 1.0},
+        "object": {"shape": {"mesh": mesh}, "mass": own_mass or MASS},
         "start": {"x": 0.45, "y": 0.0},
         "goal": {"x": 0.45, "y": 0.1},
         "support": {"friction": support},
@@ -78,6 +88,7 @@ def sheet_data(task: Task, sheet: ObjectSheet) -> dict[str, Any]:
         "shape": body.shape.description,
         "note": body.shape.note,
         "height": body.shape.height,
+        "mass": body.shape.file_mass,
         "center_of_mass": list(body.center_of_mass),
         "base": sheet.base_kind,
         "base_patches": sheet.base_patches,
@@ -104,6 +115,8 @@ def _print(data: dict[str, Any]) -> None:
     typer.echo(
         f"base:   {length:.0f} x {width:.0f} mm, {1e4 * data['base_area']:.1f} cm^2"
     )
+    if data["mass"] is not None:
+        typer.echo(f"mass:   {data['mass']:g} kg, of its file")
     standing = 1e3 * data["standing"]
     typer.echo(
         f"centre: ({x:.1f}, {y:.1f}) mm, {standing:.1f} mm inside the base's hull"

@@ -129,7 +129,14 @@ class ObjectModel:
     shape: Shape = field(
         metadata=field_spec("exactly one shape; it defines the frame G")
     )
-    mass: float = field(metadata=field_spec("mass", "kg", "(0, 1000]"))
+    mass: float = field(
+        metadata=field_spec(
+            "mass; null: that in the shape's URDF, SDF or MJCF file",
+            "kg",
+            "(0, 1000]",
+            default_in_file=None,
+        )
+    )
     center_of_mass: Point = field(
         default=CENTROID,
         metadata=field_spec(

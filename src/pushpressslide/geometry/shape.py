@@ -72,8 +72,13 @@ class Shape:
         def note(self) -> str:
             """What stands for the surface in a file, and why. Empty for most shapes."""
 
+        @property
+        def file_mass(self) -> float | None:
+            """Mass [kg] that the shape's file gives. None for most shapes."""
+
     else:
         note = ""
+        file_mass = None
 
     @property
     def corners(self) -> tuple[Point, ...]:

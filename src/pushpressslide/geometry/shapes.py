@@ -351,6 +351,7 @@ class MeshSolid(Outlined):
     center: Point  # [m] in G, centroid of the solid, from above
     up: str = "z"  # axis of the file that points up: x, y, z, -x, -y or -z
     note: str = ""  # what stands for the surface in the file, and why
+    file_mass: float | None = None  # [kg] that the file gives
 
     def __post_init__(self) -> None:
         check_positive(self.scale, "scale")

@@ -87,7 +87,7 @@ def last_link(model: str) -> str:
     if not is_robot_file(path) or not path.is_file():
         read_description(model, "")  # says what is wrong
     with _blaming(model):
-        whole = _content(path, ())
+        whole = read_content(path, ())
     by_child = {joint.child: joint for joint in whole.joints}
 
     def depth(link: str) -> tuple[int, int]:
@@ -104,7 +104,7 @@ def last_link(model: str) -> str:
     return max(names or [link.name for link in whole.links], key=depth)
 
 
-def _content(path: Path, packages: Sequence[str]) -> Description:
+def read_content(path: Path, packages: Sequence[str]) -> Description:
     """Content of an existing file, its links and joints checked to be one tree."""
     root = xml_root(path)
     if root.tag not in READERS:
@@ -117,7 +117,7 @@ def _content(path: Path, packages: Sequence[str]) -> Description:
 
 def _facts(path: Path, tip_frame: str, packages: Sequence[str]) -> RobotFacts:
     """Checked facts of an existing file."""
-    description = _without_world(_content(path, packages))
+    description = _without_world(read_content(path, packages))
     chain = _chain(description, tip_frame)
     base = chain[0].parent if chain else tip_frame
     moving = [joint for joint in chain if joint.kind != "fixed"]

@@ -27,7 +27,7 @@ from pushpressslide.taskfile.gone import without_gone
 from pushpressslide.taskfile.legs import inherited, leg_faults, legs_to
 from pushpressslide.taskfile.place import Fault, Place, nearest, refuse
 from pushpressslide.taskfile.schema import SCHEMA
-from pushpressslide.taskfile.shapes import located, shape_faults
+from pushpressslide.taskfile.shapes import located, mass_faults, shape_faults
 from pushpressslide.taskfile.supports import support_faults
 from pushpressslide.taskfile.yaml_text import apply_overrides, read_yaml
 
@@ -120,6 +120,7 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
     plain = _plain(without_gone(data, source, ran=False), Place(source))
     folder = Path(source).parent
     refuse(source, shape_faults("object.shape", plain["object"]["shape"]))
+    refuse(source, mass_faults(plain["object"]))
     for i, body in enumerate(plain["obstacles"]):
         refuse(source, shape_faults(f"obstacles[{i}]", body))
     for i, robot in enumerate(plain["robots"]):

@@ -17,7 +17,9 @@ from pushpressslide.geometry.united import DIGITS, bordered
 from pushpressslide.taskfile.mesh_count import SUFFIXES
 from pushpressslide.taskfile.mesh_face import covered
 from pushpressslide.taskfile.mesh_outlines import read_outlines
-from pushpressslide.taskfile.mesh_surface import GRID, read_surface
+from pushpressslide.taskfile.mesh_surface import GRID, read_surface, turned
+from pushpressslide.taskfile.object_file import SUFFIXES as OBJECT_SUFFIXES
+from pushpressslide.taskfile.object_file import is_object_file, read_object
 
 if TYPE_CHECKING:
     from shapely import Polygon
@@ -43,11 +45,16 @@ def read_mesh(path: str, scale: float, up: str = "z") -> MeshSolid:
     that has no base.
     """
     file = Path(path)
-    if file.suffix.lower() not in SUFFIXES:
-        raise ValueError(f"it ends in none of {', '.join(SUFFIXES)}")
+    if file.suffix.lower() not in suffixes():
+        raise ValueError(f"it ends in none of {', '.join(suffixes())}")
     if not file.is_file():
         raise ValueError("no such file")
     return _read(path, scale, up, _changed(file), file.stat().st_size)
+
+
+def suffixes() -> tuple[str, ...]:
+    """Ends of the names of files that hold a body."""
+    return (*SUFFIXES, *OBJECT_SUFFIXES)
 
 
 def surface_of(solid: MeshSolid) -> Trimesh:
@@ -68,6 +75,23 @@ def _changed(file: Path) -> int:
 @lru_cache(maxsize=16)
 def _read(path: str, scale: float, up: str, changed: int, size: int) -> MeshSolid:
     """Body in a file, cached until the file changes."""
+    solid = _solid(path, scale, up)
+    if not is_object_file(Path(path)):
+        return solid
+    content = read_object(Path(path))
+    note = solid.note
+    if content.frictions:
+        values = ", ".join(f"{value:g}" for value in content.frictions)
+        note = "; ".join(filter(None, (note, f"its file gives frictions {values}")))
+    if content.mass <= 0.0:
+        return replace(solid, note=note)
+    x, y, _ = (scale * turned(content.center, up)).tolist()
+    center = (round(x, DIGITS) + 0.0, round(y, DIGITS) + 0.0)
+    return replace(solid, note=note, center=center, file_mass=content.mass)
+
+
+def _solid(path: str, scale: float, up: str) -> MeshSolid:
+    """Body in a file, of even density."""
     surface = read_surface(Path(path), scale, up)
     mesh = surface.mesh
     extent = float(max(mesh.extents))

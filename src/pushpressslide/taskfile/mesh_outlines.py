@@ -32,6 +32,8 @@ body that would not stand on what is that level.
 """
 NEAR = 0.01
 """Of the body's height: levels that are one level."""
+GAP = 2.0
+"""Of the smallest detail: half of a gap that does not separate two bodies."""
 CRUMBS = 0.01
 """Share of a footprint that may lie apart from the rest."""
 MOST_CORNERS = 256
@@ -60,7 +62,8 @@ def read_outlines(surface: Surface, path: str, scale: float, up: str) -> MeshBod
     """
     slices = slices_of(surface)
     bands = _bands(slices)
-    footprint = _seen_from_above(bands)
+    gap = GAP * slices.detail
+    footprint = _seen_from_above(bands).buffer(gap).buffer(-gap)
     _check_connected(footprint)
     moments = _moments(bands)
     center = moments.center[:2]

@@ -13,6 +13,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pushpressslide.taskfile.mesh_count import check_count, check_triangles
+from pushpressslide.taskfile.object_file import (
+    is_object_file,
+    object_mesh,
+    read_object,
+)
 
 if TYPE_CHECKING:
     import numpy as np
@@ -63,11 +68,10 @@ def read_surface(file: Path, scale: float, up: str) -> Surface:
     """
     import numpy as np
 
-    check_count(file)
     raw = _loaded(file)
     check_triangles(len(raw.faces))
     _check_size(raw, scale)
-    vertices = scale * np.asarray(raw.vertices) @ np.array(TURNS[up]).T
+    vertices = scale * turned(np.asarray(raw.vertices), up)
     merged = _merged(vertices, np.asarray(raw.faces))
     try:
         mesh = _filled(merged)
@@ -77,10 +81,21 @@ def read_surface(file: Path, scale: float, up: str) -> Surface:
     return Surface(_outward(mesh))
 
 
+def turned(points: Array, up: str) -> Array:
+    """Points (..., 3) with the axis ``up`` of their file as z."""
+    import numpy as np
+
+    out: Array = points @ np.array(TURNS[up], dtype=float).T
+    return out
+
+
 def _loaded(file: Path) -> Trimesh:
     """Triangles of all meshes in a file, each at its place in the scene."""
     import trimesh
 
+    if is_object_file(file):
+        return object_mesh(read_object(file))
+    check_count(file)
     try:
         mesh = trimesh.load_mesh(str(file), process=False, skip_materials=True)
     except Exception as error:  # whatever a broken file makes the reader raise

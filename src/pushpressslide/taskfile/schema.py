@@ -74,9 +74,10 @@ _KINDS = {
 }
 
 
-def _object(shape: Shape, center_of_mass: Any, **others: Any) -> ObjectModel:
+def _object(shape: Shape, mass: Any, center_of_mass: Any) -> ObjectModel:
     center = shape.centroid if center_of_mass is None else center_of_mass
-    return ObjectModel(shape=shape, center_of_mass=center, **others)
+    mass = shape.file_mass if mass is None else mass
+    return ObjectModel(shape, mass, center)
 
 
 def _robot(base: layouts.Stand, **others: Any) -> Robot:

@@ -116,7 +116,9 @@ _MESH = shorthand(
     section(
         {
             "path": Field(
-                TEXT, "an OBJ, STL, PLY or glTF file, relative to the task file"
+                TEXT,
+                "an OBJ, STL, PLY or glTF file, or a URDF, SDF or MJCF file of an object, "
+                "relative to the task file",
             ),
             "scale": Field(
                 number("m", "(0, 1000]"), "one unit of the file: 0.001 for mm", 1.0
@@ -194,6 +196,17 @@ def shape_faults(field: str, plain: Mapping[str, Any]) -> Iterator[Fault]:
         except ValueError as error:
             allowed = "allowed: one body that stands on its base"
             yield f"{field}.mesh.path", path_value(mesh["path"]), f"{error}; {allowed}"
+
+
+def mass_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
+    """Yield a missing mass of an object whose shape's file gives none."""
+    mesh = plain["shape"]["mesh"]
+    if plain["mass"] is not None:
+        return
+    if mesh is not None and read_mesh(**mesh).file_mass is not None:
+        return
+    allowed = "a mass, or a shape.mesh in a URDF, SDF or MJCF file that gives one"
+    yield "object.mass", None, f"it is missing; allowed: {allowed}"
 
 
 def polygon_faults(field: str, polygon: Sequence[Point]) -> Iterator[Fault]:
