@@ -132,17 +132,14 @@ def _joints(
     out: list[JointFacts] = []
     R, p = body.X
     origin = np.zeros(3)  # of the frame so far, in the body's frame
-    parts = body.parts_of_kind("joint", "freejoint")
+    parts = [
+        part
+        for part in body.parts_of_kind("joint", "freejoint")
+        if not _is_free(part, body, notes)
+    ]
     for i, part in enumerate(parts):
         name = part.values.get("name") or f"{body.name}_joint_{i}"
         kind = part.values.get("type", "hinge")
-        if FREE in (kind, part.element.tag.removesuffix("joint")):
-            if body.parent:
-                raise UnfitValue(f"joint {name!r}, type", FREE, "only on the base")
-            notes.append(
-                f"left out: free joint {name}; the task says where the base is"
-            )
-            continue
         anchor = _anchor(part)
         last = i == len(parts) - 1 and not anchor.any()
         child = body.name if last else f"{body.name}_{name}"
@@ -161,6 +158,20 @@ def _joints(
         name = f"{body.name}_weld"
         out.append(JointFacts(name, "fixed", parent, body.name, xyz, rpy_of(R)))
     return out
+
+
+def _is_free(part: Part, body: Body, notes: list[str]) -> bool:
+    """Whether a joint leaves its body free, as that of a base may, with a note.
+
+    Raises UnfitValue for such a joint of another body.
+    """
+    kind = part.values.get("type", part.element.tag)
+    if kind not in (FREE, "freejoint"):
+        return False
+    if body.parent:
+        raise UnfitValue(f"{part.place}, type", FREE, "only on the base")
+    notes.append(f"left out: free {part.place}; the task says where the base is")
+    return True
 
 
 def _anchor(part: Part) -> Array:
