@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
 
+from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.scene import Scene
 from pushpressslide.geometry.areas import polygons
 from pushpressslide.geometry.mesh_body import MeshBody
-from pushpressslide.planning.object_sheet import ObjectSheet
+from pushpressslide.planning.object_sheet import ObjectSheet, object_sheet
 from pushpressslide.report import style
 
 if TYPE_CHECKING:
@@ -21,6 +22,14 @@ if TYPE_CHECKING:
 POINTS = 33
 """Along a side that is drawn."""
 MM = 1e3
+
+
+def planned_object(plan: Plan) -> Figure | None:
+    """Picture of a plan's object if it is a body from a mesh."""
+    task = plan.task
+    if not isinstance(task.object.shape, MeshBody):
+        return None
+    return object_figure(task.scene, object_sheet(task.scene, task.motion))
 
 
 def object_figure(scene: Scene, sheet: ObjectSheet) -> Figure:

@@ -19,6 +19,7 @@ from pushpressslide.report import series, style
 from pushpressslide.report.contest_part import contest_part
 from pushpressslide.report.files import Run, load_run
 from pushpressslide.report.filmstrip import filmstrip, motions
+from pushpressslide.report.object_figure import planned_object
 from pushpressslide.report.page_tables import (
     comparison_table,
     contacts_table,
@@ -190,6 +191,7 @@ def _stage_parts(run: Run, number: int) -> tuple[str, str, str, str]:
     result = run.result["stages"][number]["figures"] or run.result
     details = [
         contest_part(stage.plan, stage.choices),
+        _object_part(stage.plan),
         _choice_part(stage),
         search_part(result.get("search")),
         _filmstrip(stage.plan),
@@ -203,6 +205,15 @@ def _stage_parts(run: Run, number: int) -> tuple[str, str, str, str]:
         plots.append(image(png, key, _caption(key)))
     measured = f"<h3>Figures</h3>{_figures_part(stage.plan, result)}"
     return plan, "".join(details), measured, f"<h3>Plots</h3>{columns(*plots)}"
+
+
+def _object_part(plan: Plan) -> str:
+    """Picture of an object from a mesh. Empty for any other."""
+    figure = planned_object(plan)
+    if figure is None:
+        return ""
+    caption = "What stands on the support, and where tips can push and press."
+    return f"<h3>Object</h3>{image(style.png(figure), 'object', caption)}"
 
 
 def _figures_part(plan: Plan, result: Mapping[str, Any]) -> str:

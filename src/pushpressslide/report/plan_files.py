@@ -140,16 +140,18 @@ def write_plans(task: Task, stages: Sequence[StagePlan], out: Path) -> list[Path
 
 
 def write_plan_pictures(stages: Sequence[StagePlan], out: Path) -> list[Path]:
-    """Write plan.png, and legs.png for a plan of several motions, to folder ``out``.
-    Return the paths of the pictures.
+    """Write plan.png, legs.png for a plan of several motions, and object.png for a body
+    from a mesh, to folder ``out``. Return the paths of the pictures.
 
     For several stages they are plan-1.png and so on.
     """
     from pushpressslide.report.filmstrip import filmstrip, motions
+    from pushpressslide.report.object_figure import planned_object
     from pushpressslide.report.plane import plan_figure
     from pushpressslide.report.style import png
 
-    for path in (*out.glob("plan*.png"), *out.glob("legs*.png")):  # of an older plan
+    older = ("plan*.png", "legs*.png", "object*.png")
+    for path in (path for pattern in older for path in out.glob(pattern)):
         path.unlink()
     pictures = []
     for number, stage in enumerate(stages, start=1):
@@ -157,6 +159,9 @@ def write_plan_pictures(stages: Sequence[StagePlan], out: Path) -> list[Path]:
         if len(motions(stage.plan)) > 1:
             strip = png(filmstrip(stage.plan))
             pictures.append(write_whole(out / f"legs{which}.png", strip))
+        body = planned_object(stage.plan)
+        if body is not None:
+            pictures.append(write_whole(out / f"object{which}.png", png(body)))
         picture = png(plan_figure(stage.plan))
         pictures.append(write_whole(out / f"plan{which}.png", picture))
     return pictures
