@@ -21,7 +21,6 @@ from pushpressslide.robots.facts import (
 )
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 
-
 OFF_VERTICAL = 1e-4
 """[rad; m] of an axis that counts as vertical: files round their angles."""
 
