@@ -176,3 +176,11 @@ def test_a_urdf_may_end_in_xml_and_another_root_is_refused(tmp_path) -> None:
     path.write_text("<html/>")
     with pytest.raises(RobotFileError, match=r"<html>.*robot, sdf, mujoco"):
         read_description(str(path), "c")
+
+
+@pytest.mark.parametrize("text", ["<mujoco/>", "<robot/>"])
+def test_a_file_without_a_link_is_refused(tmp_path, text) -> None:
+    path = tmp_path / "empty.xml"
+    path.write_text(text)
+    with pytest.raises(RobotFileError, match="it has no link"):
+        last_link(str(path))

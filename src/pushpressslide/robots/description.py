@@ -111,6 +111,8 @@ def read_content(path: Path, packages: Sequence[str]) -> Description:
         allowed = ", ".join(READERS)
         raise PushPressSlideError(f"its root is <{root.tag}>; allowed: {allowed}")
     content = READERS[root.tag](root, path, packages)
+    if not content.links:
+        raise PushPressSlideError("it has no link")
     check_tree([link.name for link in content.links], content.joints)
     return content
 

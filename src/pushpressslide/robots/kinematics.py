@@ -21,6 +21,9 @@ from pushpressslide.robots.facts import (
 )
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 
+OFF_VERTICAL = 1e-4
+"""[rad; m] of an axis that counts as vertical: files round their angles."""
+
 
 def _skew(a: Array) -> Array:
     return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
@@ -129,7 +132,7 @@ class ArmKinematics:
         out = tip - self.base
         for sense in (1.0, -1.0):
             turn = sense * np.array([0.0, 0.0, 1.0, -out[1], out[0], 0.0])
-            if np.allclose(J[:, 0], turn, atol=1e-9):
+            if np.allclose(J[:, 0], turn, rtol=0.0, atol=OFF_VERTICAL):
                 return sense
         return 0.0
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from pushpressslide.core.arrays import Array
-from pushpressslide.robots.facts import LinkFacts, LinkShape
+from pushpressslide.robots.facts import LinkFacts, LinkShape, ShapeKind
 from pushpressslide.robots.file_data import rpy_of
 from pushpressslide.robots.file_shapes import Meshes, length, read_mesh
 from pushpressslide.robots.file_values import (
@@ -25,6 +25,13 @@ from pushpressslide.robots.mjcf_model import MAIN, Body, Model, Part, Pose, rota
 
 WATER = 1000.0  # [kg/m^3] density by default
 SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
+KINDS: dict[str, ShapeKind] = {
+    "sphere": "sphere",
+    "capsule": "capsule",
+    "cylinder": "cylinder",
+    "box": "box",
+    "mesh": "mesh",
+}
 INFINITE = ("plane", "hfield", "sdf")
 
 
@@ -60,12 +67,12 @@ class Geom:
         R, p = self.X
         touches = [self.values.get(key, "1") for key in ("contype", "conaffinity")]
         solid = touches != ["0", "0"]
-        shape = LinkShape("", "box", size, triple_of(p), rpy_of(R), solid)
+        mesh = ""
         if self.asset is not None:
-            path = str(self.asset.path)
-            return replace(shape, kind="mesh", size=self.asset.scale, mesh=path)
-        kinds = {"sphere": "sphere", "capsule": "capsule", "cylinder": "cylinder"}
-        return replace(shape, kind=kinds.get(self.kind, "box"))  # type: ignore[arg-type]
+            mesh = str(self.asset.path)
+            size = self.asset.scale
+        kind = KINDS[self.kind]
+        return LinkShape("", kind, size, triple_of(p), rpy_of(R), solid, mesh)
 
     @property
     def inertial(self) -> tuple[float, Array, Array]:
@@ -224,9 +231,9 @@ def _given(name: str, part: Part) -> LinkFacts:
     return LinkFacts(name, own, triple_of(p), inertia=_six(R @ matrix @ R.T))
 
 
-def _six(I: Array) -> tuple[float, ...]:  # noqa: E741
+def _six(matrix: Array) -> tuple[float, ...]:
     """Moments and products of an inertia matrix (3, 3)."""
-    out = (I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2])
+    out = matrix[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
     return tuple(map(float, out))
 
 
