@@ -236,6 +236,13 @@ def test_select_ranks_and_leaves_a_file(tmp_path: Path) -> None:
     )
 
 
+def test_select_ranks_one_mode_alone_if_asked(tmp_path: Path) -> None:
+    words = ("select", "any-mode", "--mode", "rear_push", "--json")
+    rows = json.loads(invoke(*words, "--out", str(tmp_path)).stdout)
+    assert rows[0]["feasible"]
+    assert {row["mode"] for row in rows} == {"rear_push"}
+
+
 def test_select_looks_at_joint_paths_if_asked(tmp_path: Path) -> None:
     task = ("rear-push-rear", "--set", "limits.legs=1", "--json", "--joints")
     result = invoke("select", *task, "--out", str(tmp_path))

@@ -11,7 +11,13 @@ from pushpressslide.core.plan import Choice
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import Scene
 from pushpressslide.modes import base
-from pushpressslide.modes.base import PATIENCE, Candidate, Feasibility, search
+from pushpressslide.modes.base import (
+    MOST_BLOCKED,
+    PATIENCE,
+    Candidate,
+    Feasibility,
+    search,
+)
 
 TASK = load_task("rear-push-rear")
 OUT_OF_REACH = Refusal("reach", "out of reach")
@@ -70,7 +76,22 @@ def test_after_enough_feasible_ones_no_other_is_evaluated() -> None:
     assert bench.asked == ["1/0", "2/0", "3/0"]
     assert [evaluated for _, evaluated in bench.made] == [True] * 3 + [False] * 2
     assert [c.label for c in found if c.feasible] == ["1/0", "3/0"]
-    assert [c.label for c in found if not c.evaluated] == ["4/0", "5/0"]
+    skipped = [c for c in found if not c.evaluated]
+    assert [c.label for c in skipped] == ["4/0", "5/0"]
+    assert all("rank before it are feasible (2)" in c.reason for c in skipped)
+
+
+def test_after_many_blocked_ones_no_other_is_evaluated_and_each_says_so() -> None:
+    in_the_way = Refusal("obstacle", "an obstacle is in the way")
+    bench = Bench()
+    candidates = [bench.candidate(float(i), float(i)) for i in range(MOST_BLOCKED + 2)]
+    feasibility = Feasibility(TASK.query, lambda _: in_the_way, arms=False)
+    found = search(candidates, 1, feasibility)
+    skipped = [c for c in found if not c.evaluated]
+    assert [c.time for c in skipped] == [float(MOST_BLOCKED), float(MOST_BLOCKED + 1)]
+    for choice in skipped:
+        assert "24 choices of this mode are blocked" in choice.reason
+        assert "feasible" not in choice.reason
 
 
 def test_the_arms_are_asked_once_no_draft_that_is_left_can_be_quicker() -> None:

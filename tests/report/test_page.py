@@ -28,7 +28,7 @@ from pushpressslide.view.planar.video import write_pictures
 
 NEEDS = Refusal("load", "needs 60 N & more, limits.normal_force is <40> N")
 REFUSED = Choice("press_slide", refusal=NEEDS)
-PASSED = Choice("press_slide", refusal=Refusal(SKIPPED, "not evaluated in full"))
+PASSED = Choice("press_slide", refusal=Refusal(SKIPPED, "<24> & more are blocked"))
 
 
 def save(run, folder):
@@ -227,11 +227,11 @@ def test_a_long_choice_of_a_mode_is_folded(run, tmp_path):
 def test_the_page_says_why_the_mode_was_taken(run, tmp_path):
     text = write_report([save(run, tmp_path)]).read_text()
     part = text.partition("Why this mode")[2].partition("<h3>")[0]
-    assert "rear_push is taken: no other mode can do the task." in part
+    assert "rear_push is taken: no other mode was found to do the task." in part
     assert "<td class=n>5.0 s</td>" in part
-    # the better of the two that were refused, and that one only
+    # the one that was not excluded, and that one only
     assert part.count("press_slide") == 1
-    assert "refused: needs 60 N &amp; more, limits.normal_force is &lt;40&gt; N" in part
+    assert "skipped: &lt;24&gt; &amp; more are blocked" in part
 
 
 def broken(run, tick):

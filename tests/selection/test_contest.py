@@ -7,7 +7,7 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.core.plan import Choice, Contact, Plan
-from pushpressslide.core.refusal import Refusal
+from pushpressslide.core.refusal import SKIPPED, Refusal
 from pushpressslide.selection.contest import Contest, contests
 from pushpressslide.selection.select import select
 
@@ -37,6 +37,23 @@ def test_the_quickest_names_its_time_the_next_and_how_many_there_were() -> None:
 def test_a_mode_that_alone_can_or_alone_may_says_so() -> None:
     assert Contest(BEST, ()).sentence.endswith("is the only mode that the task allows.")
     assert Contest(BEST, (REFUSED,)).sentence.endswith("no other mode can do the task.")
+
+
+def test_a_mode_that_was_not_evaluated_is_skipped_and_not_refused() -> None:
+    skipped = replace(SLOWER, refusal=Refusal(SKIPPED, "not evaluated: 24 are blocked"))
+    contest = Contest(BEST, (skipped,))
+    assert contest.verdict(skipped) == "skipped: here: not evaluated: 24 are blocked"
+    assert contest.sentence.endswith("no other mode was found to do the task.")
+
+
+def test_a_mode_with_skipped_and_refused_choices_is_not_excluded() -> None:
+    """Though the refused one would be quicker."""
+    path = pps.plan(pps.load_task("press-slide"))
+    (winner,) = path.chosen(select(path.task))
+    skipped = replace(SLOWER, refusal=Refusal(SKIPPED, "not evaluated"), time=20.0)
+    quicker = replace(REFUSED, time=5.0)
+    (contest,) = contests(path, [winner, quicker, skipped])
+    assert contest.rivals == (skipped,)
 
 
 def test_of_equally_quick_modes_the_contacts_decide_and_the_sentence_says_so() -> None:

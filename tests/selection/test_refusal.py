@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import pushpressslide as pps
 from pushpressslide.core.plan import Choice
-from pushpressslide.core.refusal import Refusal
+from pushpressslide.core.refusal import Refusal, enough_feasible
+from pushpressslide.modes.base import BLOCKED
 from pushpressslide.selection.planner import gathered, refusal
 
 
@@ -22,6 +23,15 @@ def test_reasons_that_differ_in_their_numbers_are_said_once_and_counted() -> Non
         (good_too, "face 6: path 2 m"),
         (far[0], "face 0: needs about 60.5 s (3 more like this)"),
         (other, "face 4: it tips"),
+    ]
+
+
+def test_choices_that_are_skipped_for_two_reasons_are_counted_apart() -> None:
+    enough = Choice("press_slide", "a", refusal=enough_feasible(8))
+    blocked = Choice("press_slide", "b", refusal=BLOCKED)
+    assert gathered([enough, enough, blocked, blocked, blocked]) == [
+        (enough, f"{enough.reason} (1 more like this)"),
+        (blocked, f"{blocked.reason} (2 more like this)"),
     ]
 
 

@@ -40,6 +40,29 @@ def test_a_loose_body_on_the_way_is_refused_by_name_and_distance() -> None:
     assert any(NEAR.search(choice.reason) for choice in choices)
 
 
+def test_presses_behind_many_blocked_ones_are_skipped_for_that_and_none_is_feasible() -> (
+    None
+):
+    """A slow push is taken beside them, and no press is at least as fast as they are."""
+    changes = [
+        "object={shape: {box: [0.24, 0.16, 0.1]}, mass: 1.5}",
+        "start={x: 0.42, y: -0.25, yaw_deg: 30}",
+        "goal={x: 0.52, y: 0.22, yaw_deg: -45}",
+        "robots=[{model: panda}]",
+        "obstacles=[{name: post, box: [0.06, 0.06, 0.2], pose: {x: 0.47, y: 0}}]",
+        "modes=[rear_push, press_slide]",
+    ]
+    choices = pps.select(pps.load_task("post", changes))
+    assert choices[0].mode == "rear_push"
+    presses = [choice for choice in choices if choice.mode == "press_slide"]
+    assert not any(choice.feasible for choice in presses)
+    skipped = [choice for choice in presses if not choice.evaluated]
+    assert skipped
+    assert min(choice.time or 0.0 for choice in skipped) < (choices[0].time or 0.0)
+    for choice in skipped:
+        assert "24 choices of this mode are blocked" in choice.reason
+
+
 def test_a_tool_may_touch_what_it_is_to_push_and_nothing_else() -> None:
     cube = "{name: cube, box: [0.08, 0.08, 0.08], pose: {x: 0.45, y: 0.38}, movable: true, mass: 0.5}"
     alone = pps.load_task("tool-use", [f"obstacles=[{cube}]"])

@@ -72,6 +72,7 @@ def tasks(as_json: Json = False) -> None:
 @app.command()
 def select(
     task: TaskName,
+    mode: ModeName = None,
     sets: Sets = None,
     out: Out = None,
     as_json: Json = False,
@@ -86,7 +87,7 @@ def select(
     from pushpressslide.cli.goals import select_stages
     from pushpressslide.cli.joints import ranked
 
-    loaded = task_of(task, sets)
+    loaded = task_of(task, sets, mode)
     if joints and (loaded.goals or loaded.legs):
         reason = "--joints: allowed for a task of one motion, without goals and legs"
         raise PushPressSlideError(f"{loaded.source or loaded.name}: {reason}")

@@ -144,9 +144,7 @@ class Choice:
 
     @property
     def evaluated(self) -> bool:
-        """Whether the choice was evaluated in full. False if it was skipped because an
-        equally fast choice was already feasible.
-        """
+        """Whether the choice was evaluated in full. False if it was skipped."""
         return self.refusal is None or self.refusal.code != SKIPPED
 
     @property

@@ -9,7 +9,7 @@ from typing import Literal
 Unit = Literal["", "m", "rad", "N", "s"]
 
 SKIPPED = "skipped"
-"""Code of a choice that was not evaluated: equally fast ones were already feasible."""
+"""Code of a choice that was not evaluated. The refusal's text states the reason."""
 
 # units that are shown, the longer names first
 SHOWN = ("deg", "mm", "m", "N", "s", "")
@@ -66,9 +66,15 @@ def _shown(number: float | None) -> Quantity | _Unknown:
     return Quantity(number)
 
 
-NOT_EVALUATED = Refusal(
-    SKIPPED, "not evaluated in full: another choice is at least as fast"
-)
+def enough_feasible(count: int) -> Refusal:
+    """Refusal of a choice that was not evaluated: ``count`` choices of its mode that
+    rank before it are feasible.
+    """
+    text = (
+        "not evaluated: enough choices of this mode that rank before it are feasible "
+        "({figure:.0f})"
+    )
+    return Refusal(SKIPPED, text, count)
 
 
 class RefusedError(ValueError):

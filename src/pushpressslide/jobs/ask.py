@@ -17,9 +17,9 @@ def select(task: Task, enough: int = 1) -> list[Choice]:
     """All choices for ``task``, the fastest feasible one first; never empty.
 
     A choice that is not feasible has a refusal: with the deciding number if it cannot
-    do the task, or as skipped if ``enough`` choices of its mode are feasible and at
-    least as fast. Joint paths are not planned here; ``run`` plans them. Raises
-    TaskError for a task that no task file could describe.
+    do the task, or as skipped, with the reason, if ``enough`` choices of its mode are
+    feasible or many are blocked. Joint paths are not planned here; ``run`` plans them.
+    Raises TaskError for a task that no task file could describe.
     """
     from pushpressslide.selection import select as selection
 

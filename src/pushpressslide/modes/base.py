@@ -38,7 +38,7 @@ from pushpressslide.core.plan import (
 )
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
-from pushpressslide.core.refusal import NOT_EVALUATED, Refusal
+from pushpressslide.core.refusal import SKIPPED, Refusal, enough_feasible
 from pushpressslide.core.scene import Scene
 from pushpressslide.identification.center import CenterIdentifier
 from pushpressslide.identification.online import AxleIdentifier
@@ -52,6 +52,11 @@ from pushpressslide.robots.contact_reach import UNKNOWN, contact_refusal
 
 PATIENCE = 8  # choices out of reach, before the others are asked by the tables alone
 MOST_BLOCKED = 3 * ENOUGH  # choices with something in the way, before no other is asked
+BLOCKED = Refusal(
+    SKIPPED,
+    "not evaluated: {figure:.0f} choices of this mode are blocked, and no more are tried",
+    MOST_BLOCKED,
+)
 NO_PLACEMENT = Refusal("placement", "it has no placement with these contacts")
 CROSSING = Refusal("arms_cross", "the arms would cross")
 BOTH_CROSSING = replace(CROSSING, text=f"{CROSSING}, whichever takes which contact")
@@ -357,7 +362,10 @@ def search(
                 due = item.least_time if item.ordered else choice.time
                 heappush(waiting, (due, False, next(number), choice))
             continue
-        refusal = feasibility.refusal(item) if feasible < enough else NOT_EVALUATED
+        if feasible < enough:
+            refusal = feasibility.refusal(item)
+        else:
+            refusal = enough_feasible(feasible)
         if refusal is None:
             feasible += 1
             out.append(item)
@@ -421,7 +429,7 @@ class Feasibility:
     def refusal(self, choice: Choice) -> Refusal | None:
         """Refusal of the path of a choice, or None."""
         if self.blocked >= MOST_BLOCKED:
-            return NOT_EVALUATED
+            return BLOCKED
         refusal = self._arms_refusal(choice) if self.arms else None
         if refusal is None and self.blocks is not None:
             refusal = self.blocks(choice)

@@ -16,7 +16,8 @@ class Contest:
     """The choice that a plan took for one placement, and its rivals."""
 
     winner: Choice
-    rivals: tuple[Choice, ...]  # the best of every other mode, in the order of ranking
+    # the best of every other mode, in the order of ranking, refused ones last
+    rivals: tuple[Choice, ...]
 
     @property
     def sentence(self) -> str:
@@ -30,7 +31,9 @@ class Contest:
             return f"{mode} is the only mode that the task allows."
         feasible = [rival for rival in self.rivals if rival.feasible]
         if not feasible:
-            return f"{mode} is taken: no other mode can do the task."
+            if all(rival.evaluated for rival in self.rivals):
+                return f"{mode} is taken: no other mode can do the task."
+            return f"{mode} is taken: no other mode was found to do the task."
         count = f"{len(feasible) + 1} modes that can do the task"
         time = _seconds(self.winner)
         lead = self.lead(feasible[0])
@@ -54,7 +57,7 @@ class Contest:
     def verdict(self, rival: Choice) -> str:
         """Reason in a few words why a rival was not taken."""
         if not rival.feasible:
-            return f"refused: {rival.reason}"
+            return f"{rival.verdict}: {rival.reason}"
         lead = self.lead(rival)
         if lead is None or lead <= 0.0:
             return "as quick"
@@ -68,9 +71,10 @@ def contests(plan: Plan, choices: Sequence[Choice]) -> list[Contest]:
     Empty if its motions were found by a search.
     """
     found = []
+    ranked = sorted(choices, key=lambda choice: choice.verdict == "refused")
     for winner in plan.chosen(choices):
         best: dict[str, Choice] = {}
-        for choice in choices:
+        for choice in ranked:
             if choice.leg == winner.leg and choice.mode != winner.mode:
                 best.setdefault(choice.mode, choice)
         found.append(Contest(winner, tuple(best.values())))

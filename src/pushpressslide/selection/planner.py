@@ -74,14 +74,14 @@ def _refused(
 def gathered(choices: Sequence[Choice]) -> list[tuple[Choice, str]]:
     """Choices with their refusals, without repetition.
 
-    Choices of a mode that are refused with the same code are merged into the first,
-    which states the number of the others.
+    Choices of a mode that are refused with the same code, or skipped for the same
+    reason, are merged into the first, which states the number of the others.
     """
     alike: dict[tuple[str, str], list[Choice]] = {}
     for i, choice in enumerate(choices):
         code = str(i)
         if choice.refusal is not None:
-            code = choice.refusal.code
+            code = choice.refusal.code if choice.evaluated else choice.refusal.text
         alike.setdefault((choice.mode, code), []).append(choice)
     out = []
     for first, *others in alike.values():

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import islice
 
 from pushpressslide.core.motion import Motion
 from pushpressslide.core.plan import ENOUGH, Choice, Contact
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
-from pushpressslide.core.refusal import NOT_EVALUATED, Refusal
+from pushpressslide.core.refusal import Refusal, enough_feasible
 from pushpressslide.planning.either_arm import either_arm
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.pressed.manoeuvre import Manoeuvre
@@ -50,19 +50,20 @@ def manoeuvre_choices(
         for manoeuvre in _manoeuvres(query, X_WB, list(ranked)):
             driven = manoeuvre.choice(query, mode)
             for choice in either_arm(query.scene, ends, driven):
-                refusal = path_refusal(choice) if wanted > 0 else NOT_EVALUATED
+                if wanted > 0:
+                    refusal = path_refusal(choice)
+                else:
+                    refusal = enough_feasible(enough - missing)
                 out.append(choice.refused(refusal))
                 wanted -= refusal is None
+                missing -= refusal is None
             if wanted == 0:
                 break
-        missing = enough - sum(choice.feasible for choice in out)
         if missing < enough and not skipped:
             tried = {_press(choice.contacts[0]) for choice in out}
-            skipped = [
-                _skipped(query.motion, mode, contact, time)
-                for contact, time in ranked.items()
-                if _press(contact) not in tried
-            ]
+            left = {c: time for c, time in ranked.items() if _press(c) not in tried}
+            why = enough_feasible(enough - missing)
+            skipped = _skipped(query.motion, mode, left, why)
         # other loads only where more are asked for
         if missing == 0 or missing < enough <= ENOUGH:
             break
@@ -107,14 +108,19 @@ def _press(contact: Contact) -> tuple[Point, float]:
     return contact.point, contact.load
 
 
-def _skipped(motion: Motion, mode: str, contact: Contact, time: float) -> Choice:
-    """Choice of a contact for which no manoeuvre was planned, with its estimated
-    ``time`` [s].
+def _skipped(
+    motion: Motion, mode: str, times: Mapping[Contact, float], why: Refusal
+) -> list[Choice]:
+    """Choices of contacts for which no manoeuvre was planned, for the reason ``why``,
+    with their estimated ``times`` [s].
     """
-    return Choice(
-        mode,
-        f"manoeuvre at {describe_points([contact.point])}",
-        (contact,),
-        time=time + overhead(motion, pressed=True),
-        refusal=NOT_EVALUATED,
-    )
+    return [
+        Choice(
+            mode,
+            f"manoeuvre at {describe_points([contact.point])}",
+            (contact,),
+            time=time + overhead(motion, pressed=True),
+            refusal=why,
+        )
+        for contact, time in times.items()
+    ]
