@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,6 +34,12 @@ CONVEX = 0.995
 """Share of its convex hull's area that a convex cross-section has at least."""
 MOST_DRAWN = 100_000
 """Triangles of a body that is drawn as it is."""
+THIN = 0.005
+"""[m] of a layer: a tip that presses it may sink in as deep."""
+UPRIGHT = 0.5
+"""Share of a layer's height, from which an upright band stands for all of it."""
+MOST_RINGS = 9
+"""Cross-sections of a convex part."""
 STEP = 4e-3
 """[m] between outlines that count as one, of a body that is pressed inside."""
 
@@ -61,15 +66,29 @@ def convex_parts(body: MeshBody) -> tuple[DrakeShape, ...]:
 
 def _solid_parts(body: MeshBody, layered: bool) -> Iterator[SolidPart]:
     middle = 0.5 * body.height
-    for run in _runs(_solid_bands(body)):
-        low = run[0].low - middle
-        high = run[-1].high - middle
-        if _is_convex(run[0]):
-            yield _frustum(_ring(run[0].foot), _ring(run[-1].head), low, high)
+    detail = STEP / 4.0 if body.pressed_inside else DETAIL
+    for layer in _thick(_layers(_solid_bands(body))):
+        core = max(layer.bands, key=lambda band: band.high - band.low)
+        upright = core.high - core.low >= UPRIGHT * (layer.high - layer.low)
+        if not upright and _is_convex(core):
+            yield _stacked(layer, middle)
             continue
-        detail = STEP / 4.0 if body.pressed_inside else DETAIL
-        for polygon in polygons(run[0].foot.simplify(detail)):
-            yield from _upright(polygon, low, high, layered)
+        for polygon in polygons(core.foot.simplify(detail)):
+            ends = (layer.low - middle, layer.high - middle)
+            yield from _upright(polygon, *ends, layered)
+
+
+@dataclass(frozen=True)
+class _Layer:
+    """Bands that are one part: a convex stack, or a single band."""
+
+    low: float  # [m]
+    high: float  # [m]
+    bands: tuple[Band, ...]
+
+    @property
+    def height(self) -> float:
+        return self.high - self.low
 
 
 def _solid_bands(body: MeshBody) -> list[Band]:
@@ -103,32 +122,56 @@ def _is_convex(band: Band) -> bool:
     )
 
 
-def _runs(bands: Sequence[Band]) -> list[list[Band]]:
-    """Bands in runs: a run of several is one frustum."""
-    runs: list[list[Band]] = []
+def _layers(bands: Sequence[Band]) -> list[_Layer]:
+    """Bands in layers, as few as convex ones allow."""
+    layers: list[_Layer] = []
     for band in bands:
-        if runs and _is_frustum([*runs[-1], band]):
-            runs[-1].append(band)
+        if layers and _stays_convex(layers[-1].bands, band):
+            last = layers[-1]
+            layers[-1] = _Layer(last.low, band.high, (*last.bands, band))
         else:
-            runs.append([band])
-    return runs
+            layers.append(_Layer(band.low, band.high, (band,)))
+    return layers
 
 
-def _is_frustum(bands: Sequence[Band]) -> bool:
-    """Whether convex bands lie within ``DETAIL`` of one frustum."""
-    if not all(_is_convex(band) for band in bands):
+def _thick(layers: Sequence[_Layer]) -> list[_Layer]:
+    """Layers that a tip may sink into: thin ones, as fillets have, are parts of the
+    higher one of their neighbours.
+    """
+    out = list(layers)
+    while len(out) > 1:
+        thin = min(range(len(out)), key=lambda i: out[i].height)
+        if out[thin].height >= THIN:
+            break
+        sides = [i for i in (thin - 1, thin + 1) if 0 <= i < len(out)]
+        wide = max(sides, key=lambda i: out[i].height)
+        low = min(out[thin].low, out[wide].low)
+        high = max(out[thin].high, out[wide].high)
+        out[wide] = replace(out[wide], low=low, high=high)
+        del out[thin]
+    return out
+
+
+def _stays_convex(run: Sequence[Band], band: Band) -> bool:
+    """Whether convex bands on each other stay one with another band on top of them."""
+    last = run[-1]
+    if not (_is_convex(last) and _is_convex(band)):
         return False
-    low = bands[0].low
-    high = bands[-1].high
-    foot = np.array(_ring(bands[0].foot))
-    head = np.array(_ring(bands[-1].head))
-    between = bands[len(bands) // 2]
+    between = run[len(run) // 2]
+    triples = ((last, last, band), (last, band, band), (run[0], between, band))
+    return all(_bulges(*triple) for triple in triples)
+
+
+def _bulges(lower: Band, between: Band, upper: Band) -> bool:
+    """Whether straight lines from the foot of one band to the head of another lie
+    inside a band between them.
+    """
+    foot = np.array(_ring(lower.foot))
+    head = np.array(_ring(upper.head))
+    size = upper.high - lower.low
     ends = ((between.low, between.foot), (between.high, between.head))
     return all(
-        _blend(foot, head, (z - low) / (high - low)).hausdorff_distance(
-            area.convex_hull
-        )
-        < 2.0 * DETAIL
+        area.buffer(2.0 * DETAIL).covers(_blend(foot, head, (z - lower.low) / size))
         for z, area in ends
     )
 
@@ -137,14 +180,26 @@ def _blend(foot: Array, head: Array, share: float) -> Area:
     """Cross-section of a frustum at a share of its height."""
     import shapely
 
-    points = [(1.0 - share) * a + share * b for a, b in product(foot, head)]
-    return shapely.MultiPoint(points).convex_hull
+    points = (1.0 - share) * foot[:, None] + share * head
+    return shapely.MultiPoint(points.reshape(-1, 2)).convex_hull
 
 
 def _ring(area: Area) -> tuple[Point, ...]:
     """Corners of the convex hull of a cross-section."""
     hull = area.convex_hull.simplify(DETAIL)
     return tuple((x, y) for x, y in next(polygons(hull)).exterior.coords[:-1])
+
+
+def _stacked(layer: _Layer, middle: float) -> SolidPart:
+    """Convex part of a layer. Its height zero is ``middle`` [m] above the support."""
+    bands = layer.bands
+    levels = [(layer.low, bands[0].foot), *((band.high, band.head) for band in bands)]
+    levels[-1] = (layer.high, bands[-1].head)
+    places = {round(k) for k in np.linspace(0, len(levels) - 1, MOST_RINGS)}
+    rings = [(levels[k][0], _ring(levels[k][1])) for k in sorted(places)]
+    corners = [(x, y, z - middle) for z, ring in rings for x, y in ring]
+    sides = np.ptp(np.array(corners), axis=0)
+    return SolidPart(_convex(corners), 0.5 * float(sides.min()))
 
 
 def _frustum(
@@ -157,13 +212,11 @@ def _frustum(
 def _upright(
     polygon: Polygon, low: float, high: float, layered: bool
 ) -> Iterator[SolidPart]:
-    """A concave part between two heights: one layered piece, or several convex ones."""
-    ring = joined_ring(polygon)
+    """An upright part between two heights: one layered piece, or convex ones."""
     height = high - low
+    ring = joined_ring(polygon)
     if polygon.area >= CONVEX * polygon.convex_hull.area:
         ring = _ring(polygon)
-        yield _frustum(ring, ring, low, high)
-        return
     if layered and not polygon.interiors:
         try:
             made = layered_mesh(ring, height)
