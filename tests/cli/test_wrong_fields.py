@@ -186,7 +186,7 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
     "centre of mass outside": (
         put("object.center_of_mass", [0.2, 0]),
         "center_of_mass:",
-        "inside the foot",
+        "inside the base",
     ),
     "support friction zero": (
         put("support.friction", 0),
