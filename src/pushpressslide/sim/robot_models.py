@@ -254,8 +254,8 @@ def _tip_inertia(length: float, radius: float) -> SpatialInertia:
     """
     rod = TIP_MASS * 2.0 / 3.0
     ball = TIP_MASS / 3.0
-    rod = margins.rod_radius(radius)
-    cylinder = UnitInertia.SolidCylinder(rod, length, [0.0, 0.0, 1.0])
+    thick = margins.rod_radius(radius)
+    cylinder = UnitInertia.SolidCylinder(thick, length, [0.0, 0.0, 1.0])
     unit = cylinder.ShiftFromCenterOfMass([0.0, 0.0, 0.5 * length])
     inertia = SpatialInertia(rod, [0.0, 0.0, -0.5 * length], unit)
     inertia += SpatialInertia.SolidSphereWithMass(ball, radius)
