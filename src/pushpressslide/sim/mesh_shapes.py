@@ -67,7 +67,10 @@ def convex_parts(body: MeshBody) -> tuple[DrakeShape, ...]:
 def _solid_parts(body: MeshBody, layered: bool) -> Iterator[SolidPart]:
     middle = 0.5 * body.height
     detail = STEP / 4.0 if body.pressed_inside else DETAIL
-    for layer in _thick(_layers(_solid_bands(body))):
+    layers = _layers(_solid_bands(body))
+    if layered:
+        layers = _thick(layers)
+    for layer in layers:
         core = max(layer.bands, key=lambda band: band.high - band.low)
         upright = core.high - core.low >= UPRIGHT * (layer.high - layer.low)
         if not upright and _is_convex(core):
