@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from pushpressslide.core.task import Task
     from pushpressslide.planning.object_sheet import ObjectSheet
 
+SUPPORT = 0.35
+"""Friction of the support of an object without a task."""
 MASS = 1.0
 """[kg] of an object in a mesh: base, side and top do not depend on it."""
 
@@ -28,20 +30,19 @@ def object_(
     up: Annotated[str, typer.Option(help="Axis of the mesh that points up.")] = "z",
     radius: Annotated[float, typer.Option(help="Radius of the tip [m].")] = 0.02,
     friction: Annotated[float, typer.Option(help="Of the tip.")] = 0.5,
-    support: Annotated[float, typer.Option(help="Friction of the support.")] = 0.35,
     out: Annotated[Path, typer.Option(help="Folder of the picture.")] = Path("runs"),
     as_json: Json = False,
 ) -> None:
     """Show an object: base, side and top, and where tips may push and press.
 
-    A task brings its own tips and frictions.
+    The support has a friction of 0.35. A task brings its own tips and frictions.
     """
     from pushpressslide.core.whole_file import write_whole
     from pushpressslide.planning.object_sheet import object_sheet
     from pushpressslide.report.object_figure import object_figure
     from pushpressslide.report.style import png
 
-    task = _task_of(file, scale, up, (radius, friction, support))
+    task = _task_of(file, scale, up, (radius, friction))
     sheet = object_sheet(task.scene, task.motion)
     data = sheet_data(task, sheet)
     folder = out / f"object-{Path(file).stem}"
@@ -55,14 +56,14 @@ def object_(
     typer.echo(picture)
 
 
-def _task_of(file: str, scale: float, up: str, tip: tuple[float, float, float]) -> Task:
+def _task_of(file: str, scale: float, up: str, tip: tuple[float, float]) -> Task:
     """Task with the object of a file. A mesh is given a table and one arm."""
     from pushpressslide.taskfile.load import load_task, task_from_data
     from pushpressslide.taskfile.mesh_file import read_mesh, suffixes
 
     if Path(file).suffix.lower() not in suffixes():
         return load_task(file)
-    radius, friction, support = tip
+    radius, friction = tip
     path = str(Path(file).resolve())
     mesh = {"path": path, "scale": scale, "up": up}
     try:
@@ -74,7 +75,7 @@ def _task_of(file: str, scale: float, up: str, tip: tuple[float, float, float]) 
         "object": {"shape": {"mesh": mesh}, "mass": own_mass or MASS},
         "start": {"x": 0.45, "y": 0.0},
         "goal": {"x": 0.45, "y": 0.1},
-        "support": {"friction": support},
+        "support": {"friction": SUPPORT},
         "contact": {"friction": friction},
         "robots": [{"model": "panda", "tip_radius": radius}],
     }
