@@ -12,12 +12,13 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pushpressslide.geometry.mesh_body import MeshBody
 from pushpressslide.geometry.shapes import MeshSolid
 from pushpressslide.geometry.united import DIGITS, bordered
 from pushpressslide.taskfile.mesh_count import SUFFIXES
 from pushpressslide.taskfile.mesh_face import covered
 from pushpressslide.taskfile.mesh_outlines import read_outlines
-from pushpressslide.taskfile.mesh_surface import GRID, read_surface, turned
+from pushpressslide.taskfile.mesh_surface import GRID, Surface, read_surface, turned
 from pushpressslide.taskfile.object_file import SUFFIXES as OBJECT_SUFFIXES
 from pushpressslide.taskfile.object_file import is_object_file, read_object
 
@@ -99,13 +100,23 @@ def _solid(path: str, scale: float, up: str) -> MeshSolid:
     if height < FLATTEST * extent:
         raise ValueError(f"its height {height:.3g} m is below 1 % of its size")
     if surface.fault:
-        solid = read_outlines(surface, path, scale, up)
+        solid = _outlined(surface, path, scale, up)
         note = f"{surface.fault}; its outline is taken at each height, without holes"
         return replace(solid, note=note)
     try:
         return _upright(mesh, path, scale, up)
     except _UprightError:
+        return _outlined(surface, path, scale, up)
+
+
+def _outlined(surface: Surface, path: str, scale: float, up: str) -> MeshBody:
+    """Body by its outlines. Raises ValueError if they cannot be found."""
+    from shapely.errors import GEOSException
+
+    try:
         return read_outlines(surface, path, scale, up)
+    except GEOSException as error:
+        raise ValueError(f"its outlines cannot be found: {error}") from error
 
 
 class _UprightError(Exception):
@@ -126,7 +137,6 @@ def _upright(mesh: Trimesh, path: str, scale: float, up: str) -> MeshSolid:
         raise _UprightError("its footprint has a hole")
     _check_flat("base", faces.base, whole, extent)
     _check_flat("top", faces.top, whole, extent)
-    _check_upright(float(mesh.volume), faces.area * height)
     simple = Polygon(whole.exterior).simplify(DETAIL * extent)
     assert isinstance(simple, Polygon)
     border = bordered(simple)
@@ -149,11 +159,13 @@ class _Faces:
     base: Area
     top: Area
     whole: Area
-    area: float  # [m^2] that faces up; where bodies overlap, once for each of them
 
 
 def _faces(mesh: Trimesh) -> _Faces:
-    """Base, top and whole footprint of a solid, and its area that faces up."""
+    """Base, top and whole footprint of a solid.
+
+    Raises _UprightError unless its volume is that of upright prisms.
+    """
     import numpy as np
     import shapely
 
@@ -166,6 +178,9 @@ def _faces(mesh: Trimesh) -> _Faces:
     flat = mesh.triangles[:, :, :2]
     areas = _signed_areas(flat)
     rising = ~in_base & ~in_top & (areas > grid * grid)
+    area = areas[in_top].sum() + np.maximum(areas[~in_base & ~in_top], 0.0).sum()
+    # first, since the outlines of a round body take seconds
+    _check_upright(float(mesh.volume), float(area) * (high - low))
     try:
         base = covered(flat[in_base][:, ::-1], grid)
         top = covered(flat[in_top], grid)
@@ -173,8 +188,7 @@ def _faces(mesh: Trimesh) -> _Faces:
         raise _UprightError(str(error)) from error
     between = shapely.union_all(shapely.polygons(flat[rising]), grid_size=grid)
     whole = shapely.union_all([base, top, between], grid_size=grid)
-    area = areas[in_top].sum() + np.maximum(areas[~in_base & ~in_top], 0.0).sum()
-    return _Faces(base, top, whole, float(area))
+    return _Faces(base, top, whole)
 
 
 def _signed_areas(triangles: Array) -> Array:

@@ -62,6 +62,8 @@ def read_outlines(surface: Surface, path: str, scale: float, up: str) -> MeshBod
     """
     slices = slices_of(surface)
     bands = _bands(slices)
+    if not bands:
+        raise ValueError("it has no cross-section")
     gap = GAP * slices.detail
     footprint = _seen_from_above(bands).buffer(gap).buffer(-gap)
     _check_connected(footprint)
