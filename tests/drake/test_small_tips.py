@@ -20,6 +20,7 @@ from pydrake.systems.framework import DiagramBuilder
 from pushpressslide.arms.paths.clearance import CLEARANCE, Gap
 from pushpressslide.arms.paths.joint_path import joint_path
 from pushpressslide.core.constants import GRAVITY
+from pushpressslide.core.margins import rod_radius
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.support_frame import TABLE
 from pushpressslide.core.task import ObjectModel
@@ -30,7 +31,6 @@ from pushpressslide.sim.arm_library import DRAKE
 from pushpressslide.sim.clearance import ROD_ROOM, DrakeClearance
 from pushpressslide.sim.contact import solve_contacts
 from pushpressslide.sim.plane import add_plane
-from pushpressslide.sim.robot_models import rod_radius
 from pushpressslide.sim.scenes import add_object, object_modulus
 from pushpressslide.sim.surfaces import (
     DEEPEST,
