@@ -245,6 +245,26 @@ def test_a_surface_with_a_large_gap_keeps_its_outline(tmp_path: Path) -> None:
     assert "surface is not closed: 24 edges are open" in solid.note
 
 
+def test_a_hollow_with_an_open_edge_elsewhere_stays_hollow(tmp_path: Path) -> None:
+    """A cup without a strip of its wall: its floor is 5 mm above the table."""
+    profile = [
+        (0, 0),
+        (0.04, 0),
+        (0.04, 0.09),
+        (0.036, 0.09),
+        (0.036, 0.005),
+        (0, 0.005),
+    ]
+    cup = trimesh.creation.revolve(np.array(profile), sections=24)
+    wall = np.flatnonzero(np.hypot(*cup.triangles_center.T[:2]) > 0.0385)
+    upright = [f for f in wall if abs(cup.face_normals[f, 2]) < 0.1]
+    strip = upright[:6]
+    body = read_mesh(written(without_faces(cup, *strip), tmp_path / "cup.ply"), 1.0)
+    assert "is not closed" in body.note
+    whole = read_mesh(written(cup, tmp_path / "whole.ply"), 1.0)
+    assert body.top_height == pytest.approx(whole.top_height)
+
+
 def test_a_corner_that_round_off_splits_is_one_corner(tmp_path: Path) -> None:
     mesh = box()
     noise = np.random.default_rng(0).uniform(-1e-9, 1e-9, (len(mesh.faces), 3, 3))

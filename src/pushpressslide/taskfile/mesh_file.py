@@ -101,7 +101,7 @@ def _solid(path: str, scale: float, up: str) -> MeshSolid:
         raise ValueError(f"its height {height:.3g} m is below 1 % of its size")
     if surface.fault:
         solid = _outlined(surface, path, scale, up)
-        note = f"{surface.fault}; its outline is taken at each height, without holes"
+        note = f"{surface.fault}; its outline is taken at each height, without holes where it is open"
         return replace(solid, note=note)
     try:
         return _upright(mesh, path, scale, up)

@@ -39,7 +39,7 @@ class Slices:
     def section(self, height: float) -> Area:
         """Cross-section at a height that is none of the corners'.
 
-        That of a surface that is not closed has no holes.
+        Where the surface is open, it has no holes.
         """
         import numpy as np
 
@@ -49,7 +49,7 @@ class Slices:
         above = kept[:, :, 2] > height
         tails = _crossings(kept, above & ~np.roll(above, -1, axis=1), height)
         heads = _crossings(kept, ~above & np.roll(above, -1, axis=1), height)
-        if self.closed:
+        if self.closed or _is_balanced(tails, heads, self.grid):
             return self.simple(enclosed(tails, heads, self.grid))
         return self.simple(_looped(tails, heads, self.grid))
 
@@ -101,6 +101,18 @@ def _crossings(triangles: Array, edge: Array, height: float) -> Array:
     share = (height - a[:, 2]) / (b[:, 2] - a[:, 2])
     points: Array = a[:, :2] + share[:, None] * (b[:, :2] - a[:, :2])
     return points
+
+
+def _is_balanced(tails: Array, heads: Array, grid: float) -> bool:
+    """Whether as many directed lines end at each point as begin there: they are closed
+    loops, the body to their left.
+    """
+    import numpy as np
+
+    points = np.round(np.concatenate((tails, heads)) / grid)
+    _, number = np.unique(points, axis=0, return_inverse=True)
+    sense = np.repeat((1.0, -1.0), len(tails))
+    return not np.bincount(number.ravel(), weights=sense).any()
 
 
 def _looped(tails: Array, heads: Array, grid: float) -> Area:
