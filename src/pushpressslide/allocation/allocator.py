@@ -13,7 +13,9 @@ Allocator = Callable[[float, float, float], Allocation]
 def allocator_of(
     kernel: Callable[..., tuple[Any, ...]], first: Any, second: Any
 ) -> Allocator:
-    """``allocate(fx, fy, tau)`` [N, N m] of a kernel bound to its figures."""
+    """Function ``allocate(fx, fy, tau)`` [N, N m] that calls ``kernel`` with ``first``
+    and ``second`` as its constant arguments.
+    """
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
         """Allocation of a wrench [N, N m]."""

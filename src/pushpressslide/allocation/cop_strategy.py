@@ -74,9 +74,8 @@ def least_loads(presses: TwoPresses, cop: Cop, twist: Twist) -> Point | None:
 
 
 def loads_with(presses: TwoPresses, cop: Cop, heavier: float) -> Point:
-    """Loads [N] of the left and right contact, of which the larger one is ``heavier``.
-    The smaller one is negative if it would have to pull for the wanted centre of
-    pressure.
+    """Loads [N] of the left and right contact, the larger one equal to ``heavier``. The
+    smaller one is negative if it would have to pull for the wanted centre of pressure.
     """
     weight = presses.weight
     if isinstance(cop, str):
@@ -100,7 +99,9 @@ def possible_fractions(
     uses: Sequence[float],
     lightest: float,
 ) -> Point | None:
-    """Smallest and largest fraction, to 0.01, with ``safe_loads``, or None."""
+    """Smallest and largest fraction, in steps of 0.01, for which ``safe_loads`` exist,
+    or None if there is no such fraction.
+    """
     good = [
         f
         for f in FRACTIONS

@@ -57,7 +57,7 @@ def two_press_allocator(points: Sequence[Point], friction: float) -> PressAlloca
 
 
 def _allocator(pair: PressPair) -> PressAllocator:
-    """The allocator bound to its figures."""
+    """Allocator for the two presses of ``pair``."""
 
     def allocate(
         fx: float, fy: float, tau: float, normals: Point, cop: Point = (0.0, 0.0)

@@ -93,8 +93,8 @@ def _loads_at_limit(
 def slip_refusal(
     normals: Point, utilisation: float, allowed: float, note: str = ""
 ) -> Refusal:
-    """Refusal of two presses of ``normals`` [N] that slip, at a friction
-    ``utilisation`` above the ``allowed`` one.
+    """Refusal of two presses that slip under the loads ``normals`` [N]: their friction
+    ``utilisation`` is above the largest ``allowed``.
     """
     left, right = normals
     text = (

@@ -40,8 +40,8 @@ class Drives(Protocol):
         """Present joint positions and velocities (2 n,) [rad, rad/s]."""
 
     def tip_force(self, arm: ArmDynamics) -> Vector3:
-        """Present force [N] of the tip ON the object, world axes, of an ``arm`` whose
-        joints are those last read.
+        """Present force [N] of the tip ON the object, in world axes. The joints of
+        ``arm`` must be the last ones read.
         """
 
     def drive(self, torque: Array) -> None:

@@ -1,8 +1,8 @@
 """The exact limit surface on arrays: sums over the samples of one pressure.
 
 Source: docs/mechanics.md, section 1; ``mechanics.limit_surface`` and
-``mechanics.virtual_axle`` for one object. Wrenches are about the centre of pressure,
-twists are of it, as in those modules.
+``mechanics.virtual_axle`` for one object. As in those modules, wrenches are about the
+centre of pressure, and a twist is that of the centre of pressure.
 """
 
 from __future__ import annotations

@@ -28,8 +28,8 @@ LEVEL = 1e-9  # cosine of the angle between the line of contacts and the normal
 
 
 class ParallelPushes:
-    """Two side contacts on one face; points, normal, friction, rho and caps of any
-    leading shape.
+    """Two side contacts on one face. Points, normal, friction, rho and caps are arrays
+    of any leading shape.
     """
 
     def __init__(

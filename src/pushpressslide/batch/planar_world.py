@@ -34,7 +34,7 @@ BODY = ((0.0, 0.0), 0.0, 0.0, 0.0)
 
 
 class Faces(NamedTuple):
-    """Faces of a body that its tips push, in B; k is 1 or 2."""
+    """Faces of a body that its tips push, in B. The number k of tips is 1 or 2."""
 
     foot: ArrayLike  # (..., k, 2) [m] a point of the face
     normal: ArrayLike  # (..., k, 2) unit inward normal
@@ -62,7 +62,9 @@ class WorldStates(NamedTuple):
 
 
 class PlanarWorld:
-    """Bodies with the same number of tips each; figures of any leading shape."""
+    """Bodies with the same number of tips each. Their parameters are arrays of any
+    leading shape.
+    """
 
     begin = Renamed("initial_states")
 

@@ -43,7 +43,7 @@ class Pushes(NamedTuple):
 
 
 class PushedBodies:
-    """Bodies and their pushed faces; figures of any leading shape."""
+    """Bodies and their pushed faces. Their parameters are arrays of any leading shape."""
 
     begin = Renamed("initial_states")
 

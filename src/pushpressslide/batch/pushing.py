@@ -48,7 +48,7 @@ class PushOutcomes(NamedTuple):
 
 
 class SideContact:
-    """One side contact on an ellipsoid; figures of any leading shape."""
+    """One side contact on an ellipsoid. Its parameters are arrays of any leading shape."""
 
     def __init__(
         self,

@@ -51,10 +51,10 @@ def rear_stanley(
 ) -> tuple[Array, Flags]:
     """Steering angles (...) [rad], and a mask of the clipped ones.
 
-    Errors ``left`` [m] and ``heading`` [rad], ``curvature`` [1/m] of the path there,
-    effective ``wheelbase`` [m], ``steering_bounds`` (..., 2) [rad], ``gain`` and
-    ``steering_scale``, all of any shape. As ``tracking.rear_stanley``; an error of NaN
-    gives NaN.
+    Errors ``left`` [m] and ``heading`` [rad], ``curvature`` [1/m] of the path at its
+    nearest point, effective ``wheelbase`` [m], ``steering_bounds`` (..., 2) [rad],
+    ``gain`` and ``steering_scale``, all of any shape. As ``tracking.rear_stanley``; an
+    error of NaN gives NaN.
     """
     bounds, ahead, length = figures(steering_bounds, float(feed_forward), wheelbase)
     check_last(bounds, (2,), "steering_bounds")
@@ -82,9 +82,10 @@ def lookahead_curvature(
 ) -> tuple[Array, Flags]:
     """Curvatures (...) [1/m] to drive, and a mask of the clipped ones.
 
-    Errors ``left`` [m] and ``heading`` [rad], ``curvature`` [1/m] of the path there,
-    ``look_ahead`` [m], ``limit`` [1/m] and ``steering_scale``, all of any shape. As
-    ``tracking.lookahead_alignment`` with a target that slides along the path.
+    Errors ``left`` [m] and ``heading`` [rad], ``curvature`` [1/m] of the path at its
+    nearest point, ``look_ahead`` [m], ``limit`` [1/m] and ``steering_scale``, all of
+    any shape. As ``tracking.lookahead_alignment`` with a target that slides along the
+    path.
     """
     length, most, share = figures(look_ahead, limit, steering_scale)
     check_positive(length, "look_ahead", "m")

@@ -231,7 +231,9 @@ def run(options: RunOptions) -> int:
     result = _run(task, options, folder)
 
     def show() -> None:
-        """Print why its mode was taken, its figures, and the location of its pages."""
+        """Print why the mode was chosen, the figures of the run, and where its pages
+        are.
+        """
         from pushpressslide.cli import tables
         from pushpressslide.cli.contest_table import print_contests
 

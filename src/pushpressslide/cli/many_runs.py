@@ -120,7 +120,7 @@ class SweepOptions:
 def sweep(options: SweepOptions) -> None:
     """Run a task under random variations.
 
-    In parallel; with the same --out it goes on where it was interrupted.
+    Samples run in parallel. If a sweep was interrupted, the same --out continues it.
     """
     from pushpressslide.batch import fast
     from pushpressslide.jobs import sweep as sweep_job

@@ -107,7 +107,7 @@ def sheet_data(task: Task, sheet: ObjectSheet) -> dict[str, Any]:
 
 
 def _print(data: dict[str, Any]) -> None:
-    """Print what was found, in text."""
+    """Print the properties of the object's base, weight, pushes and presses as text."""
     length, width = (1e3 * value for value in data["base_size"])
     x, y = (1e3 * value for value in data["center_of_mass"])
     typer.echo(data["shape"])

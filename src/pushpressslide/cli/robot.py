@@ -135,7 +135,9 @@ def _range(values: Any) -> list[float] | None:
 
 
 def _print(facts: RobotFacts, data: dict[str, Any]) -> None:
-    """Print what was found, in text."""
+    """Print the properties of the robot as text: joints, mass, reach, forces, ready
+    posture.
+    """
     typer.echo(f"{data['name']}: {facts.size} joints, {data['mass']:.2f} kg")
     typer.echo(
         f"{'joint':28}{'range deg':>18}{'speed deg/s':>13}{'effort N m':>12}{'rotor kg m^2':>14}"

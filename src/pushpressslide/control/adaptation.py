@@ -50,7 +50,7 @@ class Adaptation(NamedTuple):
         return Adaptation(steering_scale, self._force_scale(speeds, dt), drag)
 
     def force_gain(self, gain: float, planned: float) -> float:
-        """Factor on the contact forces, which multiplies their own ``gain``;
+        """Factor on the contact forces, with the contacts' own ``gain`` included.
         ``planned`` is the support friction [N] of the plan.
 
         It compensates for errors of friction or mass, and for a load that the object

@@ -36,7 +36,9 @@ JOINT_JUMP = 2.0  # times what a joint could move in a tick at its speed limit
 
 @dataclass(frozen=True, slots=True)
 class ArmLimits:
-    """Limits of one arm's n joints; of slides in [m], [m/s], [N]."""
+    """Limits of one arm's n joints. Those of sliding joints are in [m], [m/s], [N] and
+    [N/s].
+    """
 
     lower: Array  # (n,) [rad]
     upper: Array  # (n,) [rad]

@@ -214,7 +214,9 @@ def _log_columns(ticks: Sequence[Tick]) -> dict[str, Column]:
 
 
 def _twists(ticks: Sequence[Tick]) -> Column:
-    """Twists of the object, by differences of its poses if they are not known."""
+    """Twists of the object. A twist that is not known is the difference quotient of the
+    poses.
+    """
     twists: list[Vector3] = []
     for before, tick in zip([*ticks[:1], *ticks[:-1]], ticks, strict=True):
         twist = tick.truth.twist

@@ -560,8 +560,8 @@ class RunLoop:
     def _resume(self, plan: Plan, held_commands: Commands) -> None:
         """Start ``plan`` now, in place of the rest of the present one.
 
-        Planning has taken its share of the cell's time, under the commands
-        ``held_commands``.
+        The cell's clock has already advanced by the time spent on planning, during
+        which the arms followed ``held_commands``.
         """
         measurement, _ = self.measure()
         time = measurement.time

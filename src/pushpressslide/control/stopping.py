@@ -89,7 +89,9 @@ class JointWatch:
         return found
 
     def _complaint(self, j: int, speed: float) -> str | None:
-        """Complaint about a joint ``j`` at a ``speed`` [rad/s], or None."""
+        """Complaint about the motion of joint ``j`` at ``speed`` [rad/s]. None if there
+        is nothing to complain about.
+        """
         limit = self.limits[j]
         name = f"joint {j + 1}"
         if not speed <= BEYOND * limit:  # or no number

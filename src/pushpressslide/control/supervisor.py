@@ -147,8 +147,8 @@ class Supervisor:
         return self._arrived(moment.state.following, moment.instant)
 
     def end(self, moment: Moment) -> ControllerState:
-        """Retry if the goal is missed; otherwise let go, or hold what nothing else
-        carries.
+        """Retry if the goal is missed. Otherwise let go, unless the arms carry the
+        object: then hold it.
         """
         state = moment.state
         instant = moment.instant

@@ -245,7 +245,8 @@ def _turning(before: float, wanted: float, dt: float) -> tuple[float, float]:
     """Rate [rad/s] and acceleration [rad/s^2] of the tool's reference after a tick of
     ``dt`` [s].
 
-    The rate goes from ``before`` to the ``wanted`` one.
+    The rate changes from ``before`` towards ``wanted``, within the largest
+    acceleration.
     """
     most = TOOL_ACCELERATION * dt
     turn = min(max(wanted, before - most), before + most)
@@ -278,11 +279,11 @@ def _reseating_velocity(
 
 def eased_height(height: float | None, tip: float, wanted: float, dt: float) -> float:
     """Height [m] at which a pushing tip is held after a tick of ``dt`` [s], near the
-    ``wanted`` one.
+    height ``wanted``.
 
-    It follows the ``tip``'s own height, which the friction at the face keeps;
-    ``height`` is that of the previous tick. A spring to a fixed height loads the face
-    with a tenth of a newton for each 0.05 mm, which is all the friction of a light
+    It follows the measured height ``tip``, which the friction at the face holds;
+    ``height`` is the result of the previous tick. A spring to a fixed height loads the
+    face with a tenth of a newton for each 0.05 mm, which is all the friction of a light
     object.
     """
     if height is None:

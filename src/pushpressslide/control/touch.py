@@ -182,8 +182,8 @@ class TipTouch:
         return TouchStep(command, memory, duration > settled and here)
 
     def _too_long(self, duration: float) -> str | None:
-        """Failure of a touch that takes too long, with an advance that began
-        ``duration`` [s] ago, or None.
+        """Failure of a touch that is still not made ``duration`` [s] after its advance
+        began, or None if there is time left.
         """
         arm = margins.ARM
         most = (self.gap + arm.touch_depth) / arm.touch_speed + arm.longest_touch

@@ -60,7 +60,7 @@ def in_stage(state: WorldState, driven_body: str) -> WorldState:
 
 
 def goal_places(task: Task) -> tuple[tuple[str, Shape, Pose2], ...]:
-    """Every goal of a task: the body's name, its shape, and its X_WG there."""
+    """Every goal of a task: the body's name, its shape, and its goal pose X_WG."""
     if task.goals:
         wanted = dict.fromkeys((goal.body, goal.pose) for goal in task.goals)
         return tuple((body, body_shape(task, body), X) for body, X in wanted)

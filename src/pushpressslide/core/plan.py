@@ -229,7 +229,7 @@ class Plan:
 
     @property
     def placements(self) -> tuple[tuple[Segment, ...], ...]:
-        """Groups of segments that are done without letting go."""
+        """Groups of segments between which the arms do not let go."""
         groups: list[list[Segment]] = []
         for segment in self.segments:
             if groups and groups[-1][-1].same_placement(segment):

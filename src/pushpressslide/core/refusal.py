@@ -21,7 +21,9 @@ class Quantity(float):
     __slots__ = ()
 
     def __format__(self, form: str) -> str:
-        """The number in the unit that ``form`` starts with, unit included."""
+        """The number followed by its unit. The unit is the one that ``form`` starts
+        with; the rest of ``form`` formats the number.
+        """
         unit = next(name for name in SHOWN if form.startswith(name))
         value = float(self)
         if unit == "deg":
@@ -93,8 +95,8 @@ def literal(text: str) -> str:
 
 
 def refusal_of(error: ValueError, code: str) -> Refusal:
-    """Refusal carried by ``error``, or else a refusal with the error's message under
-    ``code``.
+    """Refusal that ``error`` carries. If it carries none, a new refusal with the
+    error's message, under ``code``.
     """
     if isinstance(error, RefusedError):
         return error.refusal

@@ -66,8 +66,10 @@ class Gains(NamedTuple):
 
 
 def gains(stiffness: float, damping: float, period: float) -> Gains:
-    """Gains of a spring [N m/rad] and a damper [N m s/rad], or [N/m] and [N s/m], over
-    a tick of ``period`` [s].
+    """Gains of a spring and a damper, held over a tick of ``period`` [s].
+
+    ``stiffness`` [N m/rad] and ``damping`` [N m s/rad] of a turning joint; [N/m] and [N
+    s/m] of a sliding one.
     """
     return Gains(stiffness, damping, period * (damping + period * stiffness))
 

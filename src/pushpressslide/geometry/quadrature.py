@@ -353,8 +353,8 @@ def polygon_pressure(
 def loaded_polygon(
     corners: tuple[Point, ...], cop: Point
 ) -> tuple[Array, float, Array]:
-    """Loaded part of an outline, as corners (m, 2), and (a, b) of ``linear_pressure``
-    there.
+    """Loaded part of an outline, as corners (m, 2), and the coefficients (a, b) of its
+    ``linear_pressure``.
 
     Several parts of a concave outline are joined as by ``clipped``. Raises ValueError
     for a CoP outside the outline's hull.

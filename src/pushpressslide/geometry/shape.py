@@ -346,7 +346,7 @@ class Shape:
         return quadrature.base_rule(self.base_corners, resolution)
 
     def pressure(self, cop: Point, resolution: int) -> tuple[Array, Array, Array]:
-        """Points and areas as by ``base_rule``, and pressures (m,) there.
+        """Points and areas as by ``base_rule``, and pressures (m,) at the points.
 
         The pressure is linear and unilateral with its centre at ``cop`` [m] in G, not
         normalised. Raises ValueError for a ``cop`` outside the base.

@@ -8,7 +8,7 @@ the velocity of B's origin along and across the planned heading, the turn rate w
 the axle's coordinate a on the heading,
     across = tan(u) along - a w.
 Straight motion determines u, without forces or a model of the friction. A turn
-determines a, or u to the accuracy of a.
+determines a if u is known, or u as accurately as a is known.
 """
 
 from __future__ import annotations

@@ -100,9 +100,8 @@ def fits_of(push_set: PushSet) -> dict[str, Fit]:
 def random_splits(
     n: int, fit_share: float, splits: int, seed: int
 ) -> list[tuple[Rows, Rows]]:
-    """Random splits of n pushes, ``splits`` of them: rows to fit, rows to test.
-
-    At least one in each.
+    """Random ``splits`` of n pushes into rows to fit and rows to test, at least one in
+    each part.
     """
     generator = np.random.default_rng(seed)
     cut = min(max(round(fit_share * n), 1), n - 1)

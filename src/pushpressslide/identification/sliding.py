@@ -89,7 +89,9 @@ class _Friction:
 
 
 def _newton_step(gradient: Array, hessian: Array, basis: Array) -> tuple[Array, Array]:
-    """Steps (m, 2) along the ``basis`` (m, 3, 2), and the slopes (m,) there."""
+    """Newton steps (m, 2) along the ``basis`` (m, 3, 2), and the derivatives (m,) of
+    the function along them.
+    """
     slopes = (gradient[:, None] @ basis)[:, 0]
     curvature = basis.transpose(0, 2, 1) @ hessian @ basis
     curvature += (

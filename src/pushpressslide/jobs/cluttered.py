@@ -116,7 +116,7 @@ def started_task(base: Task, index: int, seed: int) -> Task:
 
 
 def _object(rng: np.random.Generator, arms: int) -> ObjectModel:
-    """Draw a shape, uniform in the logarithm of its width, and its mass."""
+    """Draw an object: a shape whose width and depth are log-uniform, and its mass."""
     low, high = (math.log(size) for size in WIDTH[arms])
     width = math.exp(float(rng.uniform(low, high)))
     depth = math.exp(float(rng.uniform(low, high)))

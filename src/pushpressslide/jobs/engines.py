@@ -63,10 +63,10 @@ class Engine(Protocol):
     def placement_planner(
         self, force: bool, start: WorldState | None = None
     ) -> PlacementPlanner:
-        """An empty joint-path planner. With ``force`` it takes the best available path.
+        """An empty joint-path planner.
 
-        The arms start as in ``start`` if that has their joints, otherwise in their
-        ready postures.
+        With ``force`` it takes the best path available, however bad. The arms start as
+        in ``start`` if that has their joints, otherwise in their ready postures.
         """
 
     def run(self, plan: Plan, options: RunOptions, arms: ArmOptions) -> Record:

@@ -122,7 +122,7 @@ def run(
 
 
 def measured(record: Record, task: Task) -> Record:
-    """The record of a run of ``task``, with its figures."""
+    """``record`` of a run of ``task``, with the figures computed from it."""
     return replace(record, figures=measured_figures(record, task))
 
 

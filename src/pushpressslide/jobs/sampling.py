@@ -329,7 +329,9 @@ def _object(
 
 
 def _shape(rng: np.random.Generator, ranges: ObjectRanges, pressed: bool) -> Shape:
-    """Draw a shape; two thirds are boxes, or slightly less with cylinders."""
+    """Draw a shape: a box in two thirds of the draws, in slightly fewer if cylinders
+    are drawn too.
+    """
     kind = _kind(rng, pressed)
     heights = ranges.pressed_height if pressed else ranges.pushed_height
     height = float(rng.uniform(*heights))

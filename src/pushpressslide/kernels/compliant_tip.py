@@ -102,12 +102,11 @@ def side_touch(vx: float, vy: float, w: float, contact: Side) -> Touch:
 
 @kernel
 def wedged_touch(vx: float, vy: float, w: float, own: Side, wall: Side) -> Touch:
-    """Force, slope and status of a tip between its own side and another wall of a
-    notch.
+    """Force, slope and status of a tip in a notch, between its ``own`` side and the
+    other ``wall``.
 
-    If contact with one of the two walls alone keeps the tip out of both, the tip
-    touches that wall. Otherwise it sticks between them, with its force taken to act at
-    its centre.
+    If contact with one of the two alone keeps the tip out of both, the tip touches that
+    one. Otherwise it sticks between them, and its force is taken to act at its centre.
     """
     center = own[1]
     force, slope, status, _, _ = side_touch(vx, vy, w, own)

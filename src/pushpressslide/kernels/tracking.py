@@ -101,11 +101,11 @@ def steered_push(delta: float, speed: float, car: Car) -> tuple[Wrench, Twist]:
 def pulled_twist(
     x: float, y: float, turned: float, rate: Twist, law: Pull
 ) -> tuple[Twist, tuple[float, float], bool]:
-    """Twist of V's origin, in V, that leads a body along its path; the path's own
-    velocity there per metre, in V; and whether the pull was limited.
+    """Twist of V's origin, in V, that leads a body along its path.
 
-    The wanted pose is at ``x``, ``y`` [m] and ``turned`` [rad] in V; ``rate`` is the
-    path's twist there, in the wanted pose's axes.
+    Also the path's own velocity there, per metre, in V; and whether the pull was
+    limited. The wanted pose is at ``x``, ``y`` [m] and ``turned`` [rad] in V. ``rate``
+    is the path's twist at the wanted pose, in that pose's axes.
     """
     vx, vy, w = rate
     speed, decay, radius, upper = law

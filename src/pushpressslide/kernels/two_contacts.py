@@ -236,8 +236,11 @@ def within(low: float, high: float, d: float, k: float) -> Vector:
 
 @kernel
 def capped(wrench: Wrench, linear: Linear, rest: Rest) -> Two:
-    """Allocation of a wrench in the cone whose normal force exceeds a cap: split
-    differently, and scaled if no split keeps the caps.
+    """Allocation of a wrench in the cone, for which the usual split exceeds a cap on a
+    normal force.
+
+    The force along the line of contacts is shared differently. If no split inside both
+    cones respects the caps, the wrench is scaled down.
     """
     fx, fy, tau = wrench
     sides, (_, _, caps, _), split, _ = rest
@@ -284,11 +287,11 @@ def bounded(low: float, high: float, slack: float, slope: float) -> Vector:
 def best_scaled(
     interval: Vector, pushes: Vector, alongs: Vector, caps: Vector
 ) -> Vector:
-    """Force d [N] along the line, in an interval, at which the largest fraction of the
-    wrench keeps the caps, and this fraction.
+    """Force d [N] along the line of contacts, in ``interval``, that lets the largest
+    fraction of the wrench stay within the caps; and this fraction.
 
-    ``pushes`` are the normal forces [N] at d = 0, ``alongs`` the line's components
-    along the normals.
+    ``pushes`` are the normal forces [N] at d = 0, ``alongs`` the components of the
+    line's direction along the normals.
     """
     low, high = interval
     f1n, f2n = pushes

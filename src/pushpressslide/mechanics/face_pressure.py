@@ -126,8 +126,8 @@ class FacePressure:
 
     @cached_property
     def _nodes(self) -> tuple[NDArray[np.complex128], Array, Array]:
-        """Gauss points along the edges, twice the areas of their triangles, and q . r
-        there.
+        """Gauss points along the edges as complex numbers, twice the areas of their
+        triangles, and q . r at the points.
         """
         x, y = self.corners.T[:, :, None]
         to_x, to_y = np.concatenate((self.corners[1:], self.corners[:1])).T[:, :, None]

@@ -29,7 +29,7 @@ RESOLUTION = 8  # of the base
 
 
 class LinePush(NamedTuple):
-    """Load on a finger if the object moves as one with it."""
+    """Load on a finger if the object moves as if fixed to it."""
 
     wrench: Wrench  # on the object, about the centre of pressure
     # |f_t| over mu f_n; inf where the finger would have to pull

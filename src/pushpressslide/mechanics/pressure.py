@@ -107,10 +107,10 @@ def center_of_pressure(
     (docs/mechanics.md, 1.2).
 
     ``own_load`` [N] acts at ``own_point`` [m] (the centre of mass; 0 on a wall).
-    ``normals`` [N] press at ``points`` [m]. Horizontal ``forces`` [N] act on the object
-    at ``heights`` [m] above the support: of side pushes, of presses, and on a wall the
-    weight at the height of the centre of mass. Raises ValueError for unequal lengths or
-    a load <= 0.
+    Contacts press with ``normals`` [N] at ``points`` [m]. Horizontal ``forces`` [N] act
+    on the object at ``heights`` [m] above the support: those of side pushes and
+    presses, and on a wall also the weight, at the height of the centre of mass. Raises
+    ValueError for unequal lengths or a load <= 0.
     """
     if len(normals) != len(points) or len(forces) != len(heights):
         raise ValueError(

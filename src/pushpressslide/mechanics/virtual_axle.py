@@ -51,11 +51,12 @@ def exact_axle_distance(
     contact.
 
     ``lever`` [m] is the contact relative to the CoP; ``force_angle`` [rad] is the angle
-    of the contact force from the heading axis (either direction of it: a force and its
-    opposite give the same axle). The ratio v_t/w of the CoP's velocity across the axis
-    (t to the left of CoP to contact) to the angular velocity; it tends to the variance
-    along the axis over d for a straight push and grows or shrinks with the angle.
-    Support friction does not enter. Raises ValueError for a zero lever.
+    of the contact force from the heading axis. A force and its opposite give the same
+    axle, so either direction of the force will do. The distance is v_t/w: the CoP's
+    velocity across the axis (t to the left of CoP to contact) over the angular
+    velocity. For a straight push it tends to the variance along the axis over d; it
+    grows or shrinks with the angle. Support friction does not enter. Raises ValueError
+    for a zero lever.
     """
     axle_distance(1.0, math.hypot(lever[0], lever[1]))
     extent, over_rho = slide_samples(samples)
@@ -155,7 +156,7 @@ class _Interval:
 
     def next(self, place: float, value: float) -> float:
         """Next point to evaluate: the zero of the line through the last two values. At
-        first, the zero of a line with slope -1.
+        the first step, the zero of a line with slope -1 through the only value.
         """
         if value > 0.0:
             self.low = place

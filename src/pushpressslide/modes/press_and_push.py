@@ -132,7 +132,8 @@ class PressAndPush(Mode[PinnedDrive]):
     def _driven(
         self, query: MotionQuery, choice: Choice, turn: _Turn, lever: Lever
     ) -> Choice:
-        """Choice with its press load: the given one, or else the smallest safe one.
+        """``choice`` with its press load: the one given in the task, or the smallest
+        safe one if none is given.
 
         Raises ValueError if the object tips.
         """

@@ -323,7 +323,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     def _spun(
         self, query: MotionQuery, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
-        """Manoeuvre that replaces a spin whose pivot is measured elsewhere than
+        """Manoeuvre in place of a spin, if the pivot is not measured where it was
         planned. Empty if the spin still leads to the goal.
         """
         first, *others = segments
@@ -494,7 +494,9 @@ def _pivot(drive: SpinDrive, identified: Identified | None) -> Pose2:
 def _steered_by(
     drive: SteeredDrive, car: Unicycle, identified: Identified | None
 ) -> SteeredDrive:
-    """Drive with ``car``, or with the identified axle."""
+    """``drive`` with its car replaced: by ``car``, or by one with the ``identified``
+    axle if there is one.
+    """
     max_friction = drive.max_friction
     if identified is not None:
         car = car.with_axle(identified.axle, identified.effective_wheelbase)

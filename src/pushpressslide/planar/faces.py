@@ -32,8 +32,8 @@ class Face(Protocol):
         ...
 
     def wall(self, tip: Point, height: float) -> tuple[float, Point]:
-        """Gap and normal of the nearest wall next to the face; infinite if there is
-        none.
+        """Gap and normal of the nearest wall next to the face. The gap is infinite if
+        there is no wall.
         """
         ...
 

@@ -177,10 +177,12 @@ def gentle_path(
     run_ins: Sequence[float],
     turning: float | None = None,
 ) -> ArcPath:
-    """Path of up to ``longest`` [m] with the longest of ``run_ins`` [m], then the
-    gentlest turns, none above ``tightest`` [1/m].
+    """First path that is no longer than ``longest`` [m]: the earlier ``run_ins`` [m]
+    are tried first, and for each the gentler turns first, none above the curvature
+    ``tightest`` [1/m].
 
-    The shortest path if none fits. ``turning`` [rad] as in ``with_run_in``.
+    If none is short enough, the shortest path tried. ``turning`` [rad] as in
+    ``with_run_in``.
     """
     tried = []
     for run_in in run_ins:

@@ -84,8 +84,8 @@ def shortest_length(ends: Ends, drive: RearSteerDrive) -> float:
 def route(
     query: MotionQuery, drives: Mapping[float, RearSteerDrive]
 ) -> tuple[Route, bool]:
-    """Most comfortable path without a loop, and False; or, if every path has a loop, a
-    path with one, and True.
+    """Most comfortable path without a loop, or a path with one if every path has a
+    loop; and whether it has a loop.
 
     Of the paths with a loop, the one with the longest run-in is taken unless it is much
     longer than the shortest. ``drives`` holds the drives of the cars fitted to the

@@ -29,8 +29,8 @@ SAMPLES = 60  # of the predicted curves
 class AxleSeries:
     """Virtual axles [m] on the line from the CoM to the contact, positive towards it.
 
-    NaN without an axle. The object is measured at every tick, the predictions are made
-    at some.
+    NaN without an axle. The object's axle is measured at every tick; it is predicted at
+    some of them.
     """
 
     measured: Array  # (N,) where the object turns fast enough, at a steady rate

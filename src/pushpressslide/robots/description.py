@@ -105,7 +105,9 @@ def last_link(model: str) -> str:
 
 
 def read_content(path: Path, packages: Sequence[str]) -> Description:
-    """Content of an existing file, its links and joints checked to be one tree."""
+    """Content of an existing file. Its links and joints form one tree, which is
+    checked.
+    """
     root = xml_root(path)
     if root.tag not in READERS:
         allowed = ", ".join(READERS)

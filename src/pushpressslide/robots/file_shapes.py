@@ -24,7 +24,9 @@ class Meshes:
     left_out: list[tuple[str, str]] = field(default_factory=list)  # reason, name
 
     def path(self, uri: str) -> Path | None:
-        """Path of a mesh that can be read. None for another, which is left out."""
+        """Path of a mesh file. None if it is not found or cannot be read; it is then
+        listed as left out.
+        """
         path = self.paths.find(uri)
         if path is not None and readable(path):
             return path

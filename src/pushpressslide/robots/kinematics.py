@@ -46,11 +46,11 @@ class ArmKinematics:
 
     @cached_property
     def _chain(self) -> tuple[Array, Array, Array, Array]:
-        """Constant data of each joint and the tip.
+        """Constant data of each moving joint and of the tip.
 
-        For each joint (n, 1, 4, 4): its frame in the previous one, as constant + sin +
-        cos + slide parts. Then the tip's (4, 4) in the last one; axes (n, 1, 1, 3);
-        which joints slide (n, 1).
+        The frame of each joint in the previous one, as its constant, sine, cosine and
+        slide parts (4, n, 1, 4, 4); the tip's frame in the last joint (4, 4); the axes
+        (n, 1, 1, 3); and which joints slide (n, 1).
         """
         T = np.eye(4)
         T[:3, :3], T[:3, 3] = rotation_from_rpy((0.0, 0.0, self.base_yaw)), self.base

@@ -156,7 +156,7 @@ def mesh_assets(model: Model, meshes: Meshes) -> dict[str, MeshAsset]:
 def geom_of(
     part: Part, model: Model, assets: Mapping[str, MeshAsset], meshes: Meshes
 ) -> Geom | None:
-    """The geom of an element. None for one without a volume, or that is left out."""
+    """The geom of an element. None if it has no volume or is not supported."""
     values = part.values
     kind = values.get("type", "sphere")
     if kind in INFINITE:

@@ -257,8 +257,8 @@ def short_by(kin: ArmKinematics, p: Array, targets: Array) -> Array:
 def _all_along(
     kin: ArmKinematics, p: Array, targets: Array, known: Sequence[int], there: Reach
 ) -> Reach:
-    """Reach of all points, by a search from the postures ``there`` that were found at
-    the points ``known``.
+    """Reach of all points ``p``, by a search that starts from the postures ``there``
+    already found at the points ``known``.
     """
     nearest = np.linalg.norm(p[:, None] - p[known], axis=-1).argmin(axis=1)
     starts = there.q[nearest][:, None]

@@ -62,8 +62,11 @@ class ToolAttitude:
         return out
 
     def rolled(self, radius: float, turned: float) -> float:
-        """Distance that a tip of ``radius`` [m] rolls on an object ``turned`` by an
-        angle [rad]: a tilted tool turns about another axis than the object.
+        """Distance that a tip of ``radius`` [m] rolls on an object that turns by the
+        angle ``turned`` [rad].
+
+        A tilted tool that keeps its attitude rolls because the object turns about
+        another axis.
         """
         if self.turns:
             return 0.0

@@ -147,8 +147,8 @@ class LegSearch:
             self._choices_by_motion[START, GOAL, mode, None] = _best(judged)
 
     def ban(self, steps: Sequence[Step], first: int, last: int, reason: str) -> None:
-        """Exclude ``steps`` from the ``first`` to the ``last``, of one placement, with
-        their contacts.
+        """Exclude the placement made by the ``steps`` from ``first`` to ``last``, with
+        its contacts, for ``reason``.
         """
         held_contacts = steps[last].end.held_contacts
         assert held_contacts is not None

@@ -29,10 +29,11 @@ class ReachScreen:
     def can_reach(
         self, mode: str, poses: Sequence[Pose2], start: int, end: int
     ) -> bool:
-        """Whether ``mode`` may lead the object from one of ``poses`` X_WG to another
-        with the same contacts.
+        """Whether ``mode`` may lead the object from pose ``start`` to pose ``end`` of
+        ``poses`` X_WG with the same contacts.
 
-        ``poses`` only grow. A False is certain: the motion is out of reach.
+        From call to call, ``poses`` may only be appended to. If the result is False,
+        the motion is certainly out of reach; if True, it may still be.
         """
         new = poses[len(self._spans) :]
         if new:

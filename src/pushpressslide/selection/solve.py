@@ -156,7 +156,9 @@ def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Pl
 
 
 def searchable(task: Task) -> bool:
-    """Whether a sequence of motions is searched for if no single motion is found."""
+    """Whether sequences of motions may be searched for a task that no single motion
+    solves.
+    """
     free = not task.legs and task.tool is None
     return free and task.limits.legs > 1 and task.scene.rests
 

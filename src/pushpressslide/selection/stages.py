@@ -217,8 +217,8 @@ def _shut_in(moment: Moment) -> str:
 
 
 class _OrderSearch:
-    """Planner of orders of stages. First stages that several orders have in common are
-    planned once.
+    """Planner of orders of stages. Where several orders start with the same stages,
+    these are planned once.
 
     At first each stage has to be one motion. If no order succeeds, sequences of motions
     are searched for.

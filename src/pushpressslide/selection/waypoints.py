@@ -165,8 +165,8 @@ def _gates(path: Sequence[Pose2], axes: Sequence[float]) -> list[Pose2]:
 def _pushed_along(
     before: Pose2, after: Pose2, here: Pose2, axes: Sequence[float]
 ) -> list[Pose2]:
-    """The pose ``here`` turned so that a push leads from ``before`` to ``after``, by
-    the faces that need the smallest turns.
+    """Poses at the place of ``here`` with yaws from which a push leads from ``before``
+    towards ``after``; only the faces that need the smallest turns.
     """
     ahead = math.atan2(after.y - before.y, after.x - before.x)
     turns = [math.remainder(ahead - axis - here.yaw, 2.0 * math.pi) for axis in axes]

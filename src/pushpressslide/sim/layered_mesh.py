@@ -101,8 +101,8 @@ def _normal(a: Point, b: Point) -> Point:
 
 
 def _is_sound(corners: tuple[Point, ...], depth: float) -> bool:
-    """Whether the outline at a depth keeps all its edges and comes no nearer to the
-    outer one elsewhere.
+    """Whether the outline moved inwards by ``depth`` keeps all its edges and is nowhere
+    nearer than ``depth`` to the outer one.
     """
     from shapely import Polygon
 

@@ -156,7 +156,9 @@ def _thick(layers: Sequence[_Layer]) -> list[_Layer]:
 
 
 def _stays_convex(run: Sequence[Band], band: Band) -> bool:
-    """Whether convex bands on each other stay one with another band on top of them."""
+    """Whether the stack ``run`` of bands, convex as a whole, is still convex with
+    ``band`` on top.
+    """
     last = run[-1]
     if not (_is_convex(last) and _is_convex(band)):
         return False

@@ -249,8 +249,8 @@ def _add_tip(
 
 
 def _tip_inertia(length: float, radius: float) -> SpatialInertia:
-    """Inertia about the sphere's centre in tip axes; the rod has two thirds of the
-    mass.
+    """Inertia of sphere and rod about the sphere's centre, in tip axes. The rod has two
+    thirds of the mass, the sphere one third.
     """
     rod = TIP_MASS * 2.0 / 3.0
     ball = TIP_MASS / 3.0

@@ -1,6 +1,7 @@
 """A task as a Drake scene: support, object, obstacles and robots.
 
-The choices for hydroelastic contact (approximation, meshes, modulus) are measured.
+The settings of hydroelastic contact (approximation, meshes, modulus) were chosen by
+measurement.
 """
 
 from __future__ import annotations

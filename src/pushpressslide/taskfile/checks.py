@@ -263,8 +263,8 @@ def _workspace_faults(limits: Limits, start: Pose2, goal: Pose2) -> Iterator[Fau
 def _edge_faults(
     query: MotionQuery, body: ObjectModel, true_start: Pose2
 ) -> Iterator[Fault]:
-    """Yield a pose at which a body tips over the edge of support.region, or may do so
-    at the goal.
+    """Yield a fault for each pose at which a body tips over the edge of support.region.
+    At the goal a margin is required, too.
     """
     region = query.scene.support.region
     if region is None:

@@ -57,10 +57,10 @@ def goals_faults(
 
 
 def check_goals(task: Task) -> None:
-    """Check that each goal is within reach and the workspace, clear of the bases, of
-    fixed obstacles and of the last goals of the other bodies.
+    """Check that each goal is within reach and the workspace, and clear of the bases,
+    the fixed obstacles and the last goals of the other bodies.
 
-    Raises TaskError for the first that is not.
+    Raises TaskError for the first goal that is not.
     """
     if task.goals and task.support.kind != "table":
         reason = "allowed: table, where a task has goals"

@@ -54,7 +54,9 @@ class Slices:
         return self.simple(_looped(tails, heads, self.grid))
 
     def resting(self, height: float) -> Area:
-        """Area of the faces that lie below a height, or else the cross-section there."""
+        """Area of the faces that lie below ``height``. If there are none, the
+        cross-section at that height.
+        """
         low = self.triangles[:, :, 2].max(axis=1) < height
         area = self.covered(self.triangles[low][:, ::-1])
         return self.section(height) if area.is_empty else area

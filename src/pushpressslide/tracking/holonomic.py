@@ -112,11 +112,11 @@ class HolonomicTracker:
     def _driven(
         self, twist: Twist, wanted: Wrench, nearest: Wrench
     ) -> tuple[Twist, Wrench]:
-        """Twist driven by ``nearest`` in place of ``twist``, and its wrench on the
-        surface.
+        """Twist of the object under ``nearest``, the wrench that replaces ``wanted``,
+        and that wrench scaled onto the limit surface.
 
-        The twist is slowed by the ratio of the motion that it achieves to the
-        ``wanted`` motion.
+        The speed is reduced to the part of the motion ``twist`` that the wrench
+        achieves.
         """
         surface = self._surface
         nearest = nearest.moved_to(surface.center)

@@ -348,7 +348,7 @@ class _TwoArms:
     def _around(
         self, arm: int, solution: Solution, others: dict[int, Array]
     ) -> Solution | None:
-        """Move of an arm with an approach around ``others``, or None if no such
+        """``solution`` with an approach that avoids ``others``. None if no such
         approach is found.
         """
         care = solution.care

@@ -175,8 +175,8 @@ def search(problem: ArmProblem, *, force: bool = False) -> Iterator[SearchResult
 
 
 def _stuck(problem: ArmProblem) -> Miss | None:
-    """Miss of an arm that is blocked at its posture after release, so that no approach
-    can start there, or None.
+    """Miss of an arm whose posture after release is blocked, so that no approach can
+    start from it. None if the posture is clear.
     """
     if problem.start is None or problem.holds or problem.along is None:
         return None
@@ -390,8 +390,8 @@ def _kind_of_attitude(option: ToolOption) -> tuple[bool, bool]:
 
 
 def _refined(problem: ArmProblem, misses: tuple[Miss, ...]) -> Iterator[Solution]:
-    """Yield joint paths refined from the nearest misses. Empty in a search over
-    sequences of motions, where other motions are tried instead.
+    """Yield joint paths refined from the nearest misses. A search over sequences of
+    motions yields none, since it tries other motions instead.
     """
     along = problem.along
     if along is None:

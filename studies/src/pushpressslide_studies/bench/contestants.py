@@ -1,8 +1,9 @@
 """Contestants of the allocators' speed benchmarks: the closed forms, and solvers for
 comparison.
 
-Every solver runs once with its problem built in the call, as needed if contacts or
-presses change. It runs again with everything kept except the numbers that change.
+Each solver is timed twice: with its problem built in the call, as is needed when
+contacts or presses change; and with the problem built beforehand, so that only its
+numbers change.
 """
 
 from __future__ import annotations

@@ -88,7 +88,7 @@ def problems(seed: int) -> Iterator[Task]:
 
 
 def _problem(base: Task, rng: np.random.Generator) -> Task:
-    """One problem, which may leave no space for start or goal."""
+    """One random problem. Its start or its goal may collide with the obstacle."""
     ahead = -0.5 * math.pi
     ends = []
     for side in (1.0, -1.0):

@@ -284,7 +284,9 @@ def steering_of_pusher() -> Correction:
 
 
 def virtual_target() -> Correction:
-    """Experiment B: the target beyond the pose."""
+    """Correction to experiment B: a target beyond the goal must move ahead along the
+    goal's line.
+    """
     ahead = 0.2
     fixed = _aligned(LookAheadAlignment(ahead, 50.0, Pose2()))
     sliding = _aligned(LookAheadAlignment(ahead, 50.0))

@@ -32,7 +32,9 @@ WINDOW = 0.2  # [s] over which force and turn rate are averaged
 
 @dataclass(frozen=True, slots=True)
 class IdentifiedRho:
-    """Longest part of a run with steep steering and fast turning, and rho there."""
+    """Rho identified in a run, over its longest section with steep steering and fast
+    turning.
+    """
 
     time: float  # [s] that it lasted
     force_angle: float  # [rad] mean

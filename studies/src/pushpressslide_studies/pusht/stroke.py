@@ -33,8 +33,9 @@ AIMS = 2  # corrections of a target by the forward model
 def stroke(X_WB: Pose2, pusher: Pusher, push: Push, hasty: bool) -> Point:
     """Target of the pusher for the next action of a push.
 
-    ``hasty``: an action may end the episode with any overlap above the threshold,
-    otherwise only with a good one.
+    An action ends the episode if it brings the overlap above the threshold. If
+    ``hasty``, any overlap above the threshold is accepted, otherwise only one above
+    ``GOOD``.
     """
     most = PUSH_STEP / push.pusher_ratio
     count = max(1, math.ceil(push.length / most - LONGER))
