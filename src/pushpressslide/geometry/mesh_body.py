@@ -15,7 +15,7 @@ from pushpressslide.core.margins import inset, rod_radius
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.geometry.areas import filled, joined_ring, largest
 from pushpressslide.geometry.border import Border, BorderSide
-from pushpressslide.geometry.outlined import FAR, Hull, Outlined
+from pushpressslide.geometry.outlined import Hull, Outlined, chords_in
 from pushpressslide.geometry.polygon import convex_hull, counter_clockwise
 from pushpressslide.geometry.rounded import rounded_border
 from pushpressslide.geometry.shape import Shape
@@ -204,19 +204,9 @@ class MeshBody(MeshSolid):
         """Intervals [m] of a ray from B's origin along a unit vector that are
         ``margin`` [m] inside the level patch on top, the nearest first.
         """
-        from shapely import LineString, get_parts
-        from shapely import Point as Place
-
         if self.top is None:
             return ()
-        inner = _inside_top(self, margin)
-        end = (origin[0] + FAR * direction[0], origin[1] + FAR * direction[1])
-        inside = get_parts(LineString([origin, end]).intersection(inner))
-        start = Place(origin)
-        spans = (
-            sorted(start.distance(Place(p)) for p in part.coords) for part in inside
-        )
-        return tuple(sorted((span[0], span[-1]) for span in spans if span))
+        return chords_in(_inside_top(self, margin), direction, origin)
 
     def section(self, height: float, lean: float = 0.5 * math.pi) -> Shape:
         """The body as a tip at a height [m] meets it. Sides that lean by more than

@@ -33,6 +33,7 @@ from pushpressslide.geometry.touchable import free_space
 
 if TYPE_CHECKING:
     from shapely import Polygon
+    from shapely.geometry.base import BaseGeometry as Area
 
     from pushpressslide.core.arrays import Array
 
@@ -165,17 +166,8 @@ class Outlined(Shape):
         """Intervals [m] of a ray from B's origin along a unit vector that are
         ``margin`` [m] inside the outline, the nearest first.
         """
-        from shapely import LineString, get_parts
-        from shapely import Point as Place
-
         inner = self.area.buffer(-margin, join_style="mitre")
-        end = (origin[0] + FAR * direction[0], origin[1] + FAR * direction[1])
-        inside = get_parts(LineString([origin, end]).intersection(inner))
-        start = Place(origin)
-        spans = (
-            sorted(start.distance(Place(p)) for p in part.coords) for part in inside
-        )
-        return tuple(sorted((span[0], span[-1]) for span in spans if span))
+        return chords_in(inner, direction, origin)
 
     def gauge(self) -> Callable[[float, float], float]:
         """Gauge of the hull."""
@@ -225,6 +217,22 @@ class Outlined(Shape):
         """
         at = (point[0] + origin[0], point[1] + origin[1])
         return free_space(self.border, at, normal, tip_radius)
+
+
+def chords_in(
+    area: Area, direction: Point, origin: Point
+) -> tuple[tuple[float, float], ...]:
+    """Intervals [m] of a ray from ``origin`` along a unit vector that are inside an
+    area, the nearest first.
+    """
+    from shapely import LineString, get_parts
+    from shapely import Point as Place
+
+    end = (origin[0] + FAR * direction[0], origin[1] + FAR * direction[1])
+    inside = get_parts(LineString([origin, end]).intersection(area))
+    start = Place(origin)
+    spans = (sorted(start.distance(Place(p)) for p in part.coords) for part in inside)
+    return tuple(sorted((span[0], span[-1]) for span in spans if span))
 
 
 def _shifted(point: Point, origin: Point) -> Point:

@@ -80,13 +80,13 @@ def object_sheet(scene: Scene, motion: Motion) -> ObjectSheet:
         _no_push(scene, height),
         shape.top_height if shape.has_top(scene.inset) else None,
         places,
-        inner_radius(_top_area(shape)),
+        inner_radius(top_region(shape)),
     )
 
 
 def _base_kind(shape: Shape) -> tuple[str, int]:
     """Kind of a base, and the number of its patches."""
-    area = shape.base if isinstance(shape, MeshBody) else shape.placed(Pose2())
+    area = base_region(shape)
     patches = list(polygons(area))
     if len(patches) > 1:
         return "feet", len(patches)
@@ -96,7 +96,13 @@ def _base_kind(shape: Shape) -> tuple[str, int]:
     return ("whole" if area.area >= WHOLE * whole else "smaller"), 1
 
 
-def _top_area(shape: Shape) -> Area | None:
+def base_region(shape: Shape) -> Area:
+    """Region of G [m^2] that touches the support."""
+    return shape.base if isinstance(shape, MeshBody) else shape.placed(Pose2())
+
+
+def top_region(shape: Shape) -> Area | None:
+    """Region of G [m^2] of the level patch on top, or None."""
     if not isinstance(shape, MeshBody):
         return shape.placed(Pose2())
     return None if shape.top is None else shape.top.area

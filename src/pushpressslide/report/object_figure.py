@@ -12,7 +12,12 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.scene import Scene
 from pushpressslide.geometry.areas import polygons
 from pushpressslide.geometry.mesh_body import MeshBody
-from pushpressslide.planning.object_sheet import ObjectSheet, object_sheet
+from pushpressslide.planning.object_sheet import (
+    ObjectSheet,
+    base_region,
+    object_sheet,
+    top_region,
+)
 from pushpressslide.report import style
 
 if TYPE_CHECKING:
@@ -46,7 +51,7 @@ def object_figure(scene: Scene, sheet: ObjectSheet) -> Figure:
 def _base_and_side(axes: Axes, scene: Scene, sheet: ObjectSheet) -> None:
     shape = scene.body.shape
     _outline(axes, shape.outline(), color=style.PALE)
-    _fill(axes, _base_area(shape), style.SKY, "base")
+    _fill(axes, base_region(shape), style.SKY, "base")
     section = shape.section(sheet.push_height)
     for side in section.border.sides:
         _line(axes, side.points(POINTS), color=style.GREY, lw=1.5)
@@ -61,7 +66,7 @@ def _base_and_side(axes: Axes, scene: Scene, sheet: ObjectSheet) -> None:
 def _top(axes: Axes, scene: Scene, sheet: ObjectSheet) -> None:
     shape = scene.body.shape
     _outline(axes, shape.outline(), color=style.PALE)
-    _fill(axes, _top_area(shape), style.GREEN, "level top")
+    _fill(axes, top_region(shape), style.GREEN, "level top")
     places = [scene.body.X_GB.apply(place) for place in sheet.press_places]
     if places:
         x, y = zip(*places, strict=True)
@@ -107,17 +112,6 @@ def _slabs(shape: Any) -> Iterable[tuple[float, float, float, float]]:
             for polygon in polygons(area):
                 x_min, _, x_max, _ = polygon.bounds
                 yield low, high, x_min, x_max
-
-
-def _base_area(shape: Any) -> Area:
-    return shape.base if isinstance(shape, MeshBody) else shape.placed(Pose2())
-
-
-def _top_area(shape: Any) -> Area | None:
-    if not isinstance(shape, MeshBody):
-        area: Area = shape.placed(Pose2())
-        return area
-    return None if shape.top is None else shape.top.area
 
 
 def _fill(axes: Axes, area: Area | None, color: str, label: str) -> None:
