@@ -304,10 +304,11 @@ def test_limits_that_fit_no_joint_are_refused(tmp_path, limits, message) -> None
         robot_facts(robot)
 
 
+@pytest.mark.parametrize("limit", ["", 'effort="0" velocity="0"'])
 def test_a_file_without_limits_is_refused_with_the_lines_that_fill_them(
-    tmp_path: Path,
+    tmp_path: Path, limit: str
 ) -> None:
-    path = written(tmp_path, arm().replace('effort="100" velocity="2"', "", 1))
+    path = written(tmp_path, arm().replace('effort="100" velocity="2"', limit, 1))
     base = f"model: {path}, tip: {{link: l6}}"
     with pytest.raises(TaskError, match=r"robots\[0\]\.limits") as caught:
         pps.load_task("rear-push-rear", [f"robots=[{{{base}}}]"])
@@ -317,3 +318,18 @@ def test_a_file_without_limits_is_refused_with_the_lines_that_fill_them(
     task = pps.load_task("rear-push-rear", [f"robots=[{{{base}, limits: {filled}}}]"])
     (limit,) = task.robots[0].limits or ()
     assert limit.speed == pytest.approx(math.radians(115.0))
+
+
+def test_a_joint_too_weak_for_its_own_arm_is_refused_at_load(tmp_path: Path) -> None:
+    path = written(tmp_path, arm())
+    base = f"model: {path}, tip: {{link: l6}}"
+    weak = f"robots=[{{{base}, limits: [{{joint: j2, torque: 1}}]}}]"
+    with pytest.raises(TaskError, match=r"robots\[0\]\.limits: torque 1 of joint 'j2'"):
+        pps.load_task("rear-push-rear", [weak])
+
+
+def test_a_press_beyond_the_arms_torques_is_refused_by_plan() -> None:
+    sets = ["motion.press_force=180", "limits.normal_force=250"]
+    task = pps.load_task("press-slide", sets)
+    with pytest.raises(pps.InfeasibleTaskError, match=r"panda gives at most 1\d\d"):
+        pps.plan(task)

@@ -122,13 +122,9 @@ FAULTS: dict[str, tuple[Callable[[str], str], tuple[str, ...]]] = {
         put('velocity="2"', 'velocity="NaN"', 'name="j5"'),
         ("joint 'j5', limit velocity: NaN",),
     ),
-    "no effort": (
-        put('effort="100"', 'effort="0"', 'name="j1"'),
-        ("joint 'j1', limit effort: 0", "above 0"),
-    ),
     "negative effort": (
         put('effort="100"', 'effort="-5"', 'name="j1"'),
-        ("joint 'j1', limit effort: -5",),
+        ("joint 'j1', limit effort: -5", "above 0"),
     ),
     "effort that is no number": (
         put('effort="100"', 'effort="much"', 'name="j1"'),
@@ -185,6 +181,7 @@ FINE: dict[str, Callable[[str], str]] = {
         MASS, '<mass value="0"/>', 'name="l3"'
     ),
     "root without mass": put(MASS, '<mass value="0"/>', 'name="l0"'),
+    "effort of zero": put('effort="100"', 'effort="0"', 'name="j1"'),
     "speed of zero": put('velocity="2"', 'velocity="0"', 'name="j5"'),
     "no limits at all": put(
         '<limit lower="-2.5" upper="2.5" effort="100" velocity="2"/>', "", 'name="j5"'
@@ -227,7 +224,7 @@ OF_SDF = {
     "<mass>2</mass>": ("<mass>-2</mass>", "link 'l1', mass: -2"),
     "<ixx>0.1</ixx>": ("<ixx>nan</ixx>", "link 'l1', ixx: nan"),
     "<lower>-1</lower>": ("<lower>4</lower>", "joint 'j1', limit lower: 4"),
-    "<effort>9</effort>": ("<effort>0</effort>", "joint 'j1', limit effort: 0"),
+    "<effort>9</effort>": ("<effort>nan</effort>", "joint 'j1', limit effort: nan"),
     "<velocity>-1</velocity>": ("<velocity>NaN</velocity>", "limit velocity: NaN"),
     "<xyz>0 0 1</xyz>": ("<xyz>0 0 0</xyz>", "joint 'j1', axis"),
     "<pose>0 0 0.6 0 0 0</pose>": ("<pose>0 0 nan 0 0 0</pose>", "link 'tcp', pose"),
@@ -251,6 +248,6 @@ def test_an_sdf_may_give_negative_limits_for_none(tmp_path: Path) -> None:
 
 def test_a_task_with_such_a_file_is_refused_as_it_is_loaded(tmp_path: Path) -> None:
     path = tmp_path / "arm.urdf"
-    path.write_text(urdf().replace('effort="100"', 'effort="0"'))
+    path.write_text(urdf().replace('effort="100"', 'effort="-1"'))
     with pytest.raises(RobotFileError, match=r"arm\.urdf: joint 'j1', limit effort"):
         pps.load_task("rear-push-rear", [f"robots=[{{model: {path}, tip_frame: tcp}}]"])

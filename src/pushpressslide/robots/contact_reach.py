@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,13 +16,16 @@ from pushpressslide.core import margins
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal, literal
-from pushpressslide.core.scene import Scene
+from pushpressslide.core.scene import Robot, Scene
 from pushpressslide.core.support_frame import TABLE
-from pushpressslide.robots.arm_files import arm_kinematics
+from pushpressslide.robots.arm_files import arm_kinematics, changed_at
 from pushpressslide.robots.reach import held_somehow_problem, short_by
 from pushpressslide.robots.reach_map import each_reached, has_tables, surely_reached
+from pushpressslide.robots.sheet import largest_force, largest_press
 from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
 
+DOWN = np.array([0.0, 0.0, -1.0])
+EASY = 0.5  # of the force in the ready posture, up to which no other posture is asked
 # [rad] that a tool tilted away from its arm leans along the face: less is not tried,
 # nor is more
 ASIDE = (math.radians(20.0), math.radians(60.0))
@@ -45,6 +50,9 @@ def contact_refusal(
     not roll far. ``quick``: without a search, so that anything missing in the reach
     tables is refused.
     """
+    weak = press_refusal(scene, contact)
+    if weak is not None:
+        return weak
     robot = scene.robots[contact.arm]
     frame = scene.support.frame
     point, height = contact.tip_place(robot.tip_radius)
@@ -80,6 +88,31 @@ def contact_refusal(
         ]
     problem = held_somehow_problem(robot, points, holds)
     return None if problem is None else Refusal("reach", literal(problem))
+
+
+def press_refusal(scene: Scene, contact: Contact) -> Refusal | None:
+    """Refusal of a press that is harder than its arm presses anywhere, or None."""
+    robot = scene.robots[contact.arm]
+    if contact.load == 0.0 or robot.model == "hand":
+        return None
+    kin = arm_kinematics(robot)
+    if contact.load <= EASY * largest_force(kin, kin.facts.home[None], DOWN)[0]:
+        return None
+    unplaced = replace(robot, base=(0.0, 0.0, 0.0), base_yaw=0.0)
+    most = _largest_press(unplaced, changed_at(robot))
+    if contact.load <= most:
+        return None
+    text = (
+        f"the press needs {{figure:N.1f}}, {literal(kin.facts.name)} gives at most "
+        "{allowed:N.1f} over the table by its joints' torque limits"
+    )
+    return Refusal("arm_torque", text, contact.load, most, "N")
+
+
+@lru_cache(maxsize=16)
+def _largest_press(robot: Robot, changed: int) -> float:
+    """Largest press [N] of a robot, cached until its file changes."""
+    return largest_press(arm_kinematics(robot))
 
 
 def span_refusal(

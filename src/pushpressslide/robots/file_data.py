@@ -90,8 +90,8 @@ def limits_of(
 ) -> dict[str, float]:
     """Limits of a joint, with positions clipped to a few turns.
 
-    ``negative`` values mean no limit; so does a speed of 0, which is a common
-    placeholder.
+    ``negative`` values mean no limit; so do a speed and an effort of 0, which are
+    common placeholders.
     """
 
     def value(key: str, default: float) -> float:
@@ -116,7 +116,7 @@ def limits_of(
     effort = value("effort", math.inf)
     if velocity <= 0.0:
         velocity = math.inf
-    if negative and effort < 0.0:
+    if effort == 0.0 or (negative and effort < 0.0):
         effort = math.inf
     return {"lower": lower, "upper": upper, "effort": effort, "velocity": velocity}
 

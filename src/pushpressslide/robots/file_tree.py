@@ -71,7 +71,7 @@ def check_moving(moving: Sequence[JointFacts], mimics: Mapping[str, str]) -> Non
             reason = "no mimic on the way to the tip: each joint is driven by itself"
             value = Shown(f"mimic of {followed!r}")
             raise UnfitValue(f"joint {joint.name!r}", value, reason)
-        if joint.effort <= 0.0:
+        if joint.effort < 0.0:
             reason = "above 0, or none given for no limit"
             raise UnfitValue(
                 f"joint {joint.name!r}, limit effort", joint.effort, reason

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -75,6 +76,27 @@ def largest_force(kin: ArmKinematics, q: Array, direction: Array) -> Array:
     left[np.isnan(left)] = np.inf
     out: Array = np.maximum(left.min(axis=1), 0.0)
     return out
+
+
+def largest_press(kin: ArmKinematics) -> float:
+    """Largest force [N] that an arm presses down with anywhere over the table, tool
+    down. Infinite without torque limits, and where no place is reached so.
+    """
+    found = workspace(kin)
+    return float(found.press[found.reached].max(initial=0.0)) or math.inf
+
+
+def too_weak(kin: ArmKinematics) -> tuple[str, float, float] | None:
+    """Joint that cannot hold the arm's own weight in its ready posture, with the needed
+    torque and its limit [N m; N], or None.
+    """
+    facts = kin.facts
+    needed = np.abs(gravity_torque(kin, facts.home[None])[0])
+    worst = int(np.argmax(needed / facts.effort_limit))
+    limit = float(facts.effort_limit[worst])
+    if needed[worst] <= limit:
+        return None
+    return facts.moving[worst].name, float(needed[worst]), limit
 
 
 def workspace(kin: ArmKinematics, height: float = HEIGHT) -> Workspace:

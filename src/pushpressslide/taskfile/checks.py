@@ -324,6 +324,7 @@ def check_reach(query: MotionQuery, body: ObjectModel) -> None:
     for i, (kin, robot) in enumerate(zip(arms, scene.robots, strict=True)):
         if robot.model not in MODELS:
             refuse(source, _limit_faults(kin, f"robots[{i}].limits"))
+            refuse(source, _weight_faults(kin, f"robots[{i}].limits"))
     for name, pose in (("start", query.start), ("goal", query.goal)):
         short: list[float] = []
         for arm, robot in zip(arms, scene.robots, strict=True):
@@ -350,6 +351,18 @@ def _limit_faults(kin: ArmKinematics, field: str) -> Iterator[Fault]:
     if lines:
         missing = "it is missing, and the file has no limit of some joints"
         yield field, None, f"{missing}; allowed: the maker's, as {lines}"
+
+
+def _weight_faults(kin: ArmKinematics, field: str) -> Iterator[Fault]:
+    """Yield the torque limit of a joint that cannot hold the arm's own weight."""
+    from pushpressslide.robots.sheet import too_weak
+
+    weak = too_weak(kin)
+    if weak is not None:
+        joint, needed, limit = weak
+        value = Shown(f"torque {limit:.4g} of joint {joint!r}")
+        holds = f"{needed:.3g} or more, which holds the arm's own weight in home_deg"
+        yield field, value, f"allowed: {holds}; check masses and effort in its file"
 
 
 def _kinematics(robot: Robot, i: int, source: str) -> ArmKinematics:
