@@ -4,8 +4,17 @@ import math
 
 import pytest
 
-from pushpressslide.core.pose import cross
-from pushpressslide.core.task import Box, Cylinder, ObjectModel, Prism, Shape
+from pushpressslide.core import margins
+from pushpressslide.core.pose import Pose2, cross
+from pushpressslide.core.task import (
+    Box,
+    Compound,
+    Cylinder,
+    ObjectModel,
+    Part,
+    Prism,
+    Shape,
+)
 from pushpressslide.mechanics.faces import faces, room_ahead
 
 TRIANGLE = Prism(((0.1, 0.0), (-0.05, 0.0866), (-0.05, -0.0866)), 0.12)
@@ -62,3 +71,28 @@ def test_a_face_that_does_not_reach_beside_the_com_is_off_to_a_side() -> None:
     inner = faces(body(ANGLE, (0.2, 0.04)), 0.01, 0.02)[3]
     assert inner.normal == pytest.approx((-1.0, 0.0))
     assert inner.offset == pytest.approx(-0.07, abs=1e-4)
+
+
+def test_a_chord_of_a_fillet_is_no_face() -> None:
+    tip = 0.0125
+    narrow = 0.9 * margins.NARROW * tip / math.sqrt(2.0)
+    wide = 1.1 * margins.NARROW * tip / math.sqrt(2.0)
+    for cut, count in ((narrow, 4), (wide, 5)):
+        corners = ((0, 0), (0.1, 0), (0.1, 0.1 - cut), (0.1 - cut, 0.1), (0, 0.1))
+        assert len(faces(body(Prism(corners, 0.1), (0.05, 0.05)), 0.0075, tip)) == count
+
+
+@pytest.mark.parametrize(("share", "pushed"), [(0.9, False), (1.1, True)])
+def test_a_round_corner_is_pushed_unless_it_is_sharp(
+    share: float, pushed: bool
+) -> None:
+    tip = 0.0125
+    radius = share * margins.SHARP * tip
+    disc = Part(Cylinder(radius, 0.1), Pose2(0.1 - radius, 0.1 - radius, 0.0))
+    inner = 0.1 - radius
+    lower = Prism(((0, 0), (0.1, 0), (0.1, inner), (0, inner)), 0.1)
+    upper = Prism(((0, 0), (inner, 0), (inner, 0.1), (0, 0.1)), 0.1)
+    blocks = (Part(lower, Pose2()), Part(upper, Pose2()))
+    rounded = Compound((*blocks, disc))
+    found = faces(body(rounded, (0.05, 0.05)), 0.0075, tip)
+    assert any(not face.flat for face in found) == pushed

@@ -23,6 +23,13 @@ INSET = 0.6
 """Tip radii from a contact to the edges of its face or of the top: a tip that rolls or
 creeps by half of that is still on it.
 """
+NARROW = 0.3
+"""Tip radii: the shortest edge to push. On a shorter one, as a chord of a fillet, a tip
+that creeps a little meets another normal.
+"""
+SHARP = 0.8
+"""Tip radii: the least radius of a round part of a border to push, for the same reason.
+"""
 LEAST_LEVER = 0.25
 """Radii of the object: the least lever of a push about a pinned point. With less, what
 the push's place is wrong by matters more than the push.

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from pushpressslide.core import margins
 from pushpressslide.core.pose import Point, turned_left
 from pushpressslide.geometry.border import Arc, Border, BorderSide, Edge
 from pushpressslide.geometry.polygon import (
@@ -176,13 +177,15 @@ class Outlined(Shape):
     def side_places(
         self, clearance: float, tip_radius: float, origin: Point
     ) -> tuple[SidePlace, ...]:
-        """Places on the touchable part of each side, several on an arc."""
+        """Places on the touchable part of each side, several on an arc. A round part that
+        is too sharp for the tip has none.
+        """
         out: list[SidePlace] = []
         for found in self.touchable(tip_radius):
             part = found.side
             if isinstance(part, Edge):
                 out.append(_edge_place(found.index, part, clearance, origin))
-            else:
+            elif part.whole or part.radius >= margins.SHARP * tip_radius:
                 out += _arc_places(found.index, part, clearance, origin)
         return tuple(out)
 

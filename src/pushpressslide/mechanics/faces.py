@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from pushpressslide.core import margins
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, turned_left
 from pushpressslide.core.task import ObjectModel
@@ -44,7 +45,7 @@ def faces(
 
     If a part of a face is blocked, each of the remaining parts counts as a face.
     Contacts stay ``corner_clearance`` [m] away from the corners, or at the middle of an
-    edge that is too short for that.
+    edge that is too short for that. Edges shorter than ``margins.NARROW`` are left out.
     """
     out = []
     side = body.shape.section(height, lean)
@@ -56,6 +57,8 @@ def faces(
         depth = -(foot[0] * normal[0] + foot[1] * normal[1])
         ends = place.ends or (offset, offset)
         flat = place.ends is not None
+        if flat and ends[1] - ends[0] < margins.NARROW * tip_radius:
+            continue
         out.append(Face(place.index, foot, normal, offset, depth, ends, flat))
     return tuple(out)
 

@@ -40,6 +40,12 @@ UPRIGHT = 0.5
 """Share of a layer's height, from which an upright band stands for all of it."""
 MOST_RINGS = 9
 """Cross-sections of a convex part."""
+MOST_PARTS = 64
+"""Convex shapes of a body, from which each distance to an arm is measured."""
+SLACKS = (2e-3, 4e-3, 8e-3, 16e-3)
+"""[m] by which fewer shapes may stand out from a body."""
+SLAB = 3.0
+"""Height of a slab of such shapes over that distance."""
 STEP = 4e-3
 """[m] between outlines that count as one, of a body that is pressed inside."""
 
@@ -60,8 +66,41 @@ def touched_parts(body: MeshBody) -> tuple[SolidPart, ...]:
 
 @lru_cache(maxsize=8)
 def convex_parts(body: MeshBody) -> tuple[DrakeShape, ...]:
-    """Convex shapes whose union is a body, with z zero at half height."""
-    return tuple(part.shape for part in _solid_parts(body, layered=False))
+    """Convex shapes whose union covers a body, with z zero at half height. They are the
+    body itself unless that takes too many.
+    """
+    parts = [part.shape for part in _solid_parts(body, layered=False)]
+    for slack in SLACKS:
+        if len(parts) <= MOST_PARTS:
+            break
+        parts = [part.shape for part in _covering_parts(body, slack)]
+    return tuple(parts)
+
+
+def _covering_parts(body: MeshBody, slack: float) -> Iterator[SolidPart]:
+    """Upright convex parts that cover a body, in slabs, and stand out from it by up to
+    ``slack`` [m] along the support.
+    """
+    import shapely
+
+    middle = 0.5 * body.height
+    for slab in _slabs(_solid_bands(body), SLAB * slack):
+        area = shapely.union_all([a for band in slab for a in (band.foot, band.head)])
+        wider = area.buffer(0.5 * slack, join_style="mitre").simplify(0.5 * slack)
+        for polygon in polygons(wider):
+            ends = (slab[0].low - middle, slab[-1].high - middle)
+            yield from _upright(polygon, *ends, layered=False)
+
+
+def _slabs(bands: Sequence[Band], height: float) -> list[list[Band]]:
+    """Bands from the base up, in groups that are about ``height`` [m] high."""
+    out: list[list[Band]] = []
+    for band in bands:
+        if out and band.high - out[-1][0].low <= height:
+            out[-1].append(band)
+        else:
+            out.append([band])
+    return out
 
 
 def _solid_parts(body: MeshBody, layered: bool) -> Iterator[SolidPart]:

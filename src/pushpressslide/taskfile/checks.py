@@ -139,8 +139,8 @@ def _face_faults(scene: Scene, face: int) -> Iterator[Fault]:
     if face not in touched:
         allowed = ", ".join(["null", *(str(index) for index in sorted(touched))])
         reason = (
-            f"a tip of radius {scene.tip_radius * 1e3:g} mm does not get to it; "
-            f"allowed: {allowed}"
+            f"a tip of radius {scene.tip_radius * 1e3:g} mm does not get to it, or it is "
+            f"too narrow; allowed: {allowed}"
         )
         yield "motion.face", face, reason
 
