@@ -75,11 +75,17 @@ def test_a_face_that_does_not_reach_beside_the_com_is_off_to_a_side() -> None:
 
 def test_a_chord_of_a_fillet_is_no_face() -> None:
     tip = 0.0125
-    narrow = 0.9 * margins.NARROW * tip / math.sqrt(2.0)
-    wide = 1.1 * margins.NARROW * tip / math.sqrt(2.0)
+    narrow = 1.8 * margins.CREEP * tip / math.sqrt(2.0)
+    wide = 2.2 * margins.CREEP * tip / math.sqrt(2.0)
     for cut, count in ((narrow, 4), (wide, 5)):
         corners = ((0, 0), (0.1, 0), (0.1, 0.1 - cut), (0.1 - cut, 0.1), (0, 0.1))
         assert len(faces(body(Prism(corners, 0.1), (0.05, 0.05)), 0.0075, tip)) == count
+
+
+def test_short_chords_of_a_gentle_curve_are_faces() -> None:
+    angles = [2.0 * math.pi * i / 96 for i in range(96)]
+    oval = Prism(tuple((0.05 * math.cos(a), 0.04 * math.sin(a)) for a in angles), 0.1)
+    assert len(faces(body(oval, (0.0, 0.0)), 0.0075, 0.0125)) == 96
 
 
 @pytest.mark.parametrize(("share", "pushed"), [(0.9, False), (1.1, True)])
@@ -87,7 +93,7 @@ def test_a_round_corner_is_pushed_unless_it_is_sharp(
     share: float, pushed: bool
 ) -> None:
     tip = 0.0125
-    radius = share * margins.SHARP * tip
+    radius = share * margins.CREEP / margins.CREPT_TURN * tip
     disc = Part(Cylinder(radius, 0.1), Pose2(0.1 - radius, 0.1 - radius, 0.0))
     inner = 0.1 - radius
     lower = Prism(((0, 0), (0.1, 0), (0.1, inner), (0, inner)), 0.1)

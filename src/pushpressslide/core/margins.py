@@ -23,12 +23,11 @@ INSET = 0.6
 """Tip radii from a contact to the edges of its face or of the top: a tip that rolls or
 creeps by half of that is still on it.
 """
-NARROW = 0.3
-"""Tip radii: the shortest edge to push. On a shorter one, as a chord of a fillet, a tip
-that creeps a little meets another normal.
-"""
-SHARP = 0.8
-"""Tip radii: the least radius of a round part of a border to push, for the same reason.
+CREEP = 0.15
+"""Tip radii by which a pushing tip may creep along a side before it is put back."""
+CREPT_TURN = 0.25
+"""[rad] by which the side's normal may turn within that: half of a usual friction angle.
+A push on the fillet of a corner would leave its cone.
 """
 LEAST_LEVER = 0.25
 """Radii of the object: the least lever of a push about a pinned point. With less, what

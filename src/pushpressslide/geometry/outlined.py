@@ -181,11 +181,12 @@ class Outlined(Shape):
         is too sharp for the tip has none.
         """
         out: list[SidePlace] = []
+        sharp = margins.CREEP * tip_radius / margins.CREPT_TURN
         for found in self.touchable(tip_radius):
             part = found.side
             if isinstance(part, Edge):
                 out.append(_edge_place(found.index, part, clearance, origin))
-            elif part.whole or part.radius >= margins.SHARP * tip_radius:
+            elif part.whole or part.radius >= sharp:
                 out += _arc_places(found.index, part, clearance, origin)
         return tuple(out)
 

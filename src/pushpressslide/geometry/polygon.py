@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
-from pushpressslide.core.pose import Point, cross
+from pushpressslide.core.pose import Point, cross, turned_left
 
 MIN_AREA = 1e-6
 """Least area of a footprint [m^2]."""
@@ -109,3 +110,19 @@ def distance_to_segment(p: Point, a: Point, b: Point) -> float:
     t = ((p[0] - a[0]) * ex + (p[1] - a[1]) * ey) / (ex * ex + ey * ey)
     t = min(max(t, 0.0), 1.0)
     return math.hypot(p[0] - a[0] - t * ex, p[1] - a[1] - t * ey)
+
+
+def turn_near(
+    corners: Sequence[Point], point: Point, normal: Point, distance: float
+) -> float:
+    """Largest angle [rad] between a unit ``normal`` into a polygon, counter-clockwise,
+    and those of its sides within a ``distance`` [m] of a ``point``.
+    """
+    out = 0.0
+    for a, b in zip(corners, (*corners[1:], corners[0]), strict=True):
+        if distance_to_segment(point, a, b) > distance:
+            continue
+        own = turned_left((b[0] - a[0], b[1] - a[1]))
+        dot = own[0] * normal[0] + own[1] * normal[1]
+        out = max(out, abs(math.atan2(cross(own, normal), dot)))
+    return out

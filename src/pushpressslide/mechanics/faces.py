@@ -9,6 +9,7 @@ from pushpressslide.core import margins
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, turned_left
 from pushpressslide.core.task import ObjectModel
+from pushpressslide.geometry.polygon import turn_near
 from pushpressslide.geometry.sides import Side
 
 
@@ -45,11 +46,14 @@ def faces(
 
     If a part of a face is blocked, each of the remaining parts counts as a face.
     Contacts stay ``corner_clearance`` [m] away from the corners, or at the middle of an
-    edge that is too short for that. Edges shorter than ``margins.NARROW`` are left out.
+    edge that is too short for that. Where a tip that creeps would meet another normal,
+    there is no face.
     """
     out = []
+    com = body.center_of_mass
+    creep = margins.CREEP * tip_radius
     side = body.shape.section(height, lean)
-    for place in side.side_places(corner_clearance, tip_radius, body.center_of_mass):
+    for place in side.side_places(corner_clearance, tip_radius, com):
         foot = place.point
         normal = place.normal
         left = turned_left(normal)
@@ -57,8 +61,11 @@ def faces(
         depth = -(foot[0] * normal[0] + foot[1] * normal[1])
         ends = place.ends or (offset, offset)
         flat = place.ends is not None
-        if flat and ends[1] - ends[0] < margins.NARROW * tip_radius:
-            continue
+        if flat and ends[1] - ends[0] < 2.0 * creep:
+            place_in_G = (foot[0] + com[0], foot[1] + com[1])
+            turned = turn_near(side.corners, place_in_G, normal, creep)
+            if turned > margins.CREPT_TURN:
+                continue
         out.append(Face(place.index, foot, normal, offset, depth, ends, flat))
     return tuple(out)
 

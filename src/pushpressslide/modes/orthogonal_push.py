@@ -33,6 +33,7 @@ from pushpressslide.modes.shared.twist_pushes import (
     driven_by_twists,
     exact_margin,
     in_free_arms,
+    largest_push,
     within_reach,
 )
 from pushpressslide.planning.face_placements import (
@@ -177,8 +178,7 @@ class OrthogonalPush(TwistPushes):
         placed = Choice(self.name, f"{names} at {places}", cone.contacts)
         friction = query.scene.contact_friction
         allocate = self.allocator(cone.contacts, friction, cone.surface.rho)
-        wrenches = [cone.wrench(*rate) for rate, _ in path.sections]
-        push = max(max(allocate(w.fx, w.fy, w.tau).normals) for w in wrenches)  # [N]
+        push = largest_push(path, cone, allocate)
         driven = driven_by_twists(query, placed, path, cone, push)
         summary = f"{driven.summary}, pushed with up to {push:.1f} N"
         refusal = push_refusal(push, query.limits, cone.surface.max_force)

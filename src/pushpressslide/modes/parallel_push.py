@@ -38,6 +38,7 @@ from pushpressslide.modes.shared.twist_pushes import (
     driven_by_twists,
     exact_margin,
     in_free_arms,
+    largest_push,
     within_reach,
 )
 from pushpressslide.planning.face_placements import (
@@ -63,7 +64,12 @@ from pushpressslide.planning.segments import (
     run_time,
     segment,
 )
-from pushpressslide.planning.side_contacts import contact_height, pushable, untouchable
+from pushpressslide.planning.side_contacts import (
+    contact_height,
+    push_refusal,
+    pushable,
+    untouchable,
+)
 from pushpressslide.robots.contact_reach import UNKNOWN
 from pushpressslide.rom.drives import ORIGIN, CarDrive, TwistDrive
 from pushpressslide.rom.pushed_car import PushedCar
@@ -159,6 +165,8 @@ class ParallelPush(TwistPushes):
             if driven.segments:
                 label = f"{choice.label}, {kind}"
                 return in_free_arms(query.scene, replace(driven, label=label))
+            if driven.refusal is not None and driven.refusal.code == "normal_force":
+                return [driven]
             reason.append(f"{kind}: {driven.refusal}")
         return [choice.refused(Refusal("no_path", literal("; ".join(reason))))]
 
@@ -180,6 +188,11 @@ class ParallelPush(TwistPushes):
             "curve used"
         )
         time = run_time(query.motion, (one_segment,))
+        # the tightest curve of a car is that of one contact which pushes alone
+        push = 0.5 * (1.0 + tightest / car.tightest) * drive.max_friction
+        refusal = push_refusal(push, query.limits, drive.max_friction)
+        if refusal is not None:
+            return choice.refused(refusal)
         return replace(choice, segments=(one_segment,), time=time, summary=summary)
 
     def _by_twists(self, query: MotionQuery, choice: Choice) -> Choice:
@@ -190,6 +203,12 @@ class ParallelPush(TwistPushes):
         cone = TwistCone(choice.contacts, query.scene.least_contact_friction, surface)
         path = cone_goal.path(cone, exact_margin(query.scene, choice.contacts))
         if path is not None:
+            friction = query.scene.contact_friction
+            allocate = self.allocator(choice.contacts, friction, surface.rho)
+            push = largest_push(path, cone, allocate)
+            refusal = push_refusal(push, query.limits, surface.max_force)
+            if refusal is not None:
+                return choice.refused(refusal)
             return driven_by_twists(query, choice, path, cone)
         margin = cone.angle(*cone_goal.direct)
         text = (

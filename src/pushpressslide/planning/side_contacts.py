@@ -149,8 +149,8 @@ def drag_refusal(
 ) -> Refusal | None:
     """Refusal of pushing faces with some ``contacts`` at ``height`` [m], or None.
 
-    Checked are the object's height, tipping, and whether the force is too large, or too
-    small to be felt.
+    Checked are the object's height, tipping, and whether the force is too small to be
+    felt, or too large for one contact. Two share it, as ``push_refusal`` judges.
     """
     scene = query.scene
     top = scene.body.shape.height
@@ -180,7 +180,7 @@ def drag_refusal(
         )
         return Refusal("light", text, max_friction, felt, "N")
     limit = query.limits.planned_force
-    if max_friction > limit:
+    if contacts == 1 and max_friction > limit:
         text = f"needs {{figure:N.1f}}, {FORCE_ALLOWED}"
         return Refusal("normal_force", text, max_friction, limit, "N")
     return None

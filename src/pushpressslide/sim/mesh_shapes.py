@@ -67,10 +67,10 @@ def touched_parts(body: MeshBody) -> tuple[SolidPart, ...]:
 @lru_cache(maxsize=8)
 def convex_parts(body: MeshBody) -> tuple[DrakeShape, ...]:
     """Convex shapes whose union covers a body, with z zero at half height. They are the
-    body itself unless that takes too many.
+    body itself unless that takes too many, or a tip presses inside.
     """
     parts = [part.shape for part in _solid_parts(body, layered=False)]
-    for slack in SLACKS:
+    for slack in () if body.pressed_inside else SLACKS:
         if len(parts) <= MOST_PARTS:
             break
         parts = [part.shape for part in _covering_parts(body, slack)]

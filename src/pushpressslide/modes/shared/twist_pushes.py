@@ -8,6 +8,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from pushpressslide.allocation.allocator import Allocator
 from pushpressslide.allocation.twist_cone import TwistCone
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Choice, Contact, Segment
@@ -126,6 +127,12 @@ def driven_by_twists(
     )
     time = run_time(query.motion, (one_segment,))
     return replace(choice, segments=(one_segment,), time=time, summary=summary)
+
+
+def largest_push(path: TwistPath, cone: TwistCone, allocate: Allocator) -> float:
+    """Largest normal force [N] of a contact along a path of twists."""
+    wrenches = [cone.wrench(*rate) for rate, _ in path.sections]
+    return max(max(allocate(w.fx, w.fy, w.tau).normals) for w in wrenches)
 
 
 def in_free_arms(scene: Scene, choice: Choice) -> list[Choice]:
