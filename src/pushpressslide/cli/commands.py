@@ -112,10 +112,12 @@ def select(
 def _legs_instead(task: Task, as_json: bool) -> int:
     """Print the sequence of motions for a task that no single motion can do."""
     from pushpressslide.cli import tables
+    from pushpressslide.jobs.remedy import remedies_named
     from pushpressslide.selection.solve import plan as make_plan
 
     try:
-        found = make_plan(task)
+        with remedies_named(task):
+            found = make_plan(task)
     except InfeasibleTaskError as error:
         complain(error.brief)
         return WRONG_INPUT
@@ -140,6 +142,7 @@ def plan(
     """
     from pushpressslide.cli.goals import stage_text
     from pushpressslide.cli.tables import JOINT_PATHS
+    from pushpressslide.jobs.remedy import remedies_named
     from pushpressslide.jobs.stages import planned_part
     from pushpressslide.report.plan_files import stages_to_dict, write_plans
     from pushpressslide.selection.stages import plan_stages
@@ -148,7 +151,8 @@ def plan(
     folder = results_folder(
         out, f"plan-{loaded.name}", force, ("plan.json", "result.json")
     )
-    stages = [planned_part(planned) for planned in plan_stages(loaded)]
+    with remedies_named(loaded):
+        stages = [planned_part(planned) for planned in plan_stages(loaded)]
     (folder / "plan.json").unlink(missing_ok=True)  # one that is there is complete
     data, *pictures = write_plans(loaded, stages, folder)
     if as_json:

@@ -35,9 +35,12 @@ def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Pl
     it has a path. Raises TaskError for a task that no task file could describe, and
     InfeasibleTaskError with the reasons if the task is infeasible.
     """
+    from pushpressslide.jobs.remedy import remedies_named
     from pushpressslide.selection import solve
 
-    return solve.plan(checked(task), choice, force=force)
+    known = checked(task)
+    with remedies_named(known):
+        return solve.plan(known, choice, force=force)
 
 
 def checked(task: object) -> Task:

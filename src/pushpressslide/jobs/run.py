@@ -27,6 +27,7 @@ from pushpressslide.jobs.interrupt import Interrupt, Interrupted
 from pushpressslide.jobs.monitor import Monitor as Monitor
 from pushpressslide.jobs.monitor import Output as Output
 from pushpressslide.jobs.monitor import interrupted
+from pushpressslide.jobs.remedy import remedies_named
 from pushpressslide.jobs.stages import Done, StageOptions, StageRunner
 from pushpressslide.report.files import OLDER_STAGES, save_run
 from pushpressslide.report.stages import StageRun
@@ -107,14 +108,14 @@ def run(
     """
     loop = RunOptions(controller=controller, tracker=tracker, estimator=estimator)
     if isinstance(what, Plan):
-        options = replace(loop, seed=seed, progress=progress)
-        record = engine_named(engine).run(what, options, ArmOptions(models))
+        seeded = replace(loop, seed=seed, progress=progress)
+        record = engine_named(engine).run(what, seeded, ArmOptions(models))
         return measured(record, what.task)
     task = checked(what)
     monitor = Monitor(progress)
-    runner = StageRunner(
-        task, StageOptions(engine, seed, models=models, monitor=monitor, loop=loop)
-    )
+    options = StageOptions(engine, seed, models=models, monitor=monitor, loop=loop)
+    with remedies_named(task):
+        runner = StageRunner(task, options)
     for _ in runner.run():
         pass
     done = runner.done()
@@ -158,7 +159,8 @@ def run_task(
     monitor = replace(monitor or Monitor(), interrupt=interrupt)
     loop = RunOptions(execution=execution)
     options = StageOptions(engine, seed, force, models, monitor, loop=loop)
-    runner = StageRunner(task, options)
+    with remedies_named(task):
+        runner = StageRunner(task, options)
     if out is not None:
         clear(out.folder)
     for _ in runner.run():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Contact
@@ -34,6 +35,7 @@ class Face:
     flat: bool
 
 
+@lru_cache(maxsize=64)
 def faces(
     body: ObjectModel,
     corner_clearance: float,

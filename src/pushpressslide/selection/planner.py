@@ -34,8 +34,9 @@ def infeasible(
     """
     _, refused = _refused(empty.queries, choices)
     brief = f"{empty.task.name}: no mode can do this task{search_note}"
-    if refused:
-        brief += f"; {refused[0].mode}: {refused[0].refusal}"
+    told = next((choice for choice in refused if choice.evaluated), None)
+    if told is not None:
+        brief += f"; {told.mode}: {told.refusal}"
     message = refusal(empty.queries, choices) + search_note + shortfall
     return InfeasibleTaskError(message, brief, refused)
 

@@ -107,6 +107,10 @@ def _motion_faults(scene: Scene, motion: Motion) -> Iterator[Fault]:
     if height is not None and height >= shape.height:
         allowed = f"allowed: below the object's top at {shape.height:g} m"
         yield "motion.contact_height", height, allowed
+    radius = max(robot.tip_radius for robot in scene.tips)
+    if height is not None and height < radius:
+        allowed = f"allowed: {radius:g} m or more, where the tip is above the support"
+        yield "motion.contact_height", height, allowed
     yield from _contact_faults(scene, motion.contacts or ())
 
 
