@@ -72,7 +72,8 @@ def test_a_folder_of_sets_gives_a_table_a_result_a_page_and_a_plot_of_each(
     assert result.exit_code == 0, result.stderr
     lines = result.stdout.splitlines()
     sets = [line.split()[0] for line in lines if line.startswith(("30_90", "patch"))]
-    assert sets == ["30_90_30_30_30_90", "patch"] * 2
+    said = ["30_90_30_30_30_90:", "patch:"]
+    assert sets == ["30_90_30_30_30_90", "patch"] * 2 + said
     table = lines[: lines.index("Held-out errors of the direction, in degrees") + 5]
     assert all(len(line) <= 80 for line in table)
     assert lines[-1] == str(out / "report.html")
