@@ -5,6 +5,7 @@ A command does its heavy imports when it runs, so that help answers at once.
 
 from pushpressslide.cli import (
     commands,
+    export,
     files,
     identify,
     learning,
@@ -17,6 +18,7 @@ from pushpressslide.cli.app import app
 __all__ = [
     "app",
     "commands",
+    "export",
     "files",
     "identify",
     "learning",
