@@ -40,6 +40,9 @@ MODELS = {
 }
 """Label, colour and line of each model."""
 
+ERRORS = ("ellipsoid", "full", "quartic", "pressure", "no fit", "even load")
+"""Short names of the models, for tables."""
+
 LEGEND = (
     "rho: of the ellipsoid fitted to all pushes of the set, beside the mean distance "
     "of the load at rest to "
@@ -108,7 +111,7 @@ HEAD = (
     "rho",
     "rho predicted",
     "for a rigid face",
-    *(m[0] for m in MODELS.values()),
+    *ERRORS,
 )
 
 
@@ -141,7 +144,7 @@ def _tables(identifications: Sequence[Identification]) -> str:
     cut = 1 + SUPPORTS
     supports = _table(head[:cut], [row[:cut] for row in rows])
     errors = _table([head[0], *head[cut:]], [[row[0], *row[cut:]] for row in rows])
-    return f"{supports}<h2>Held-out errors of the direction</h2>{errors}"
+    return f"{supports}<h2>Held-out errors of the direction, by model</h2>{errors}"
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
