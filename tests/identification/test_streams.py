@@ -6,6 +6,7 @@ The oracle is a quasi-static box in tests/identification/conftest.py.
 import json
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,10 +15,13 @@ from typer.testing import CliRunner
 
 from pushpressslide import load_task, plan
 from pushpressslide.cli import app
+from pushpressslide.identification.clock_offset import ClockOffset
 from pushpressslide.identification.log_options import LogOptions
 from pushpressslide.identification.logs import log_files, read_logs
+from pushpressslide.identification.pairs import Pairs
 from pushpressslide.identification.push_sets import PushSet
-from pushpressslide.identification.recorded_sets import recorded_set
+from pushpressslide.identification.push_windows import PushedWindows
+from pushpressslide.identification.recorded_sets import recorded_set, tip_friction
 from pushpressslide.mechanics.pressure import support_pressure
 from pushpressslide.mechanics.rho import rho_pole
 
@@ -137,6 +141,16 @@ def test_a_run_is_a_recording_of_its_own_task(tmp_path: Path) -> None:
     assert abs(made.clocks[0].offset.seconds) < 0.003
 
 
+def test_runs_of_different_objects_are_not_one_set(tmp_path: Path) -> None:
+    for name, side in (("a", 0.15), ("b", 0.16)):
+        args = ["run", "rear-push-rear", "--engine", "planar", "--quiet"]
+        shape = f"object.shape={{box: [{side}, 0.15, 0.15]}}"
+        where = ["--out", str(tmp_path / name), "--set", shape]
+        assert CliRunner().invoke(app, [*args, *where]).exit_code == 0
+    result = CliRunner().invoke(app, ["identify", str(tmp_path)])
+    assert "allowed: runs of one object" in result.stderr
+
+
 def one_set(text: str, tmp_path: Path, task: Path, **options: object) -> PushSet:
     path = tmp_path / "pushes.csv"
     path.write_text(text)
@@ -236,6 +250,28 @@ def test_a_cell_a_row_and_a_time_are_refused_with_their_line(
     assert "is not after" in late
     assert "needed: object x y yaw" in refused("a,b\n1,2\n", task, tmp_path)
     assert "has 1 lines" in refused("t,x\n", task, tmp_path)
+
+
+def test_a_tip_that_slides_along_a_face_shows_its_friction() -> None:
+    generator = np.random.default_rng(0)
+    n = 24
+    # at the edge of its cone where it slides, inside where it sticks
+    ratio = np.where(np.arange(n) % 2, 0.25, 0.1)
+    wrenches = np.column_stack([np.full(n, 3.0), 3.0 * ratio, np.zeros(n)])
+    twists = generator.normal(size=(n, 3))
+    pairs = Pairs(wrenches, twists, np.zeros((n, 2)), np.zeros(n))
+    windows = PushedWindows(
+        pairs,
+        np.arange(n),
+        ClockOffset(0.0),
+        np.tile((1.0, 0.0), (n, 1)),
+        np.where(np.arange(n) % 2, 0.006, 0.001),
+        (),
+        (),
+    )
+    assert tip_friction([windows]) == pytest.approx((0.25, 0.25))
+    at_rest = replace(windows, travels=np.zeros(n))
+    assert tip_friction([at_rest]) == (None, pytest.approx(0.25))
 
 
 def test_two_samples_are_too_few(task: Path, tmp_path: Path) -> None:

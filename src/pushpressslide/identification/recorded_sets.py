@@ -88,8 +88,8 @@ def recorded_set(
     if pushes < LEAST_PUSHES:
         numbers = np.arange(len(pairs))
         notes.append(
-            f"{name}: windows of {pushes} pushes count as pushes; intervals and errors "
-            "are smaller than those of others."
+            f"{name}: holds {pushes} of at least {LEAST_PUSHES} pushes; their windows "
+            "count as pushes, which makes intervals and errors smaller."
         )
     _check_forces(name, pairs, body.weight)
     made = PushSet(
@@ -106,7 +106,7 @@ def recorded_set(
         RecordedClock(streams.source, each.offset)
         for streams, each in zip(recordings, found, strict=True)
     )
-    return RecordedSet(made, clocks, *_tip_friction(found))
+    return RecordedSet(made, clocks, *tip_friction(found))
 
 
 def _tip_contact(streams: Streams, scene: Scene, options: LogOptions) -> TipContact:
@@ -161,7 +161,7 @@ def _check_forces(source: str, pairs: Pairs, weight: float) -> None:
     )
 
 
-def _tip_friction(recordings: Sequence[PushedWindows]) -> tuple[float | None, float]:
+def tip_friction(recordings: Sequence[PushedWindows]) -> tuple[float | None, float]:
     """Friction of the tip where it slides along a face, and the largest ratio of
     forces.
     """

@@ -124,22 +124,31 @@ def _recorded(
     data: Sequence[Path], files: Sequence[Path], options: IdentifyOptions
 ) -> RecordedSet:
     """The set of all recordings in files."""
-    task = options.task
-    if task is None:
-        task = _task_beside(files[0])
+    task = options.task or _task_of_runs(files)
     recordings = read_logs(files, options.log)
     return recorded_set(data[0].name, recordings, task.scene, options.log)
 
 
-def _task_beside(file: Path) -> Task:
-    """Task of the run that a record belongs to."""
-    path = file.parent / TASK
-    if file.name != RECORD or not path.is_file():
-        raise PushPressSlideError(
-            f"{file}: --task is missing; it names the task file with the object's shape, "
-            "mass and centre of mass"
-        )
-    return load_written_task(path)
+def _task_of_runs(files: Sequence[Path]) -> Task:
+    """Task of the runs that records belong to.
+
+    Raises PushPressSlideError for other files, and for runs of different objects.
+    """
+    tasks = []
+    for file in files:
+        path = file.parent / TASK
+        if file.name != RECORD or not path.is_file():
+            raise PushPressSlideError(
+                f"{file}: --task is missing; it names the task file with the object's "
+                "shape, mass and centre of mass"
+            )
+        tasks.append(load_written_task(path))
+        if tasks[-1].object != tasks[0].object:
+            raise PushPressSlideError(
+                f"{file}: its object is not that of {files[0]}; allowed: runs of one "
+                "object"
+            )
+    return tasks[0]
 
 
 def _text_sets(
