@@ -26,7 +26,7 @@ from pushpressslide.core.whole_file import whole, write_whole
 from pushpressslide.report.files import Run
 from pushpressslide.report.json_text import plain
 from pushpressslide.report.plan_files import stages_to_dict
-from pushpressslide.robots.arm_files import robot_facts
+from pushpressslide.robots.joint_names import joint_names
 from pushpressslide.taskfile.load import dump_task
 
 CHUNK = 1 << 22  # [bytes]; large ones compress better
@@ -141,12 +141,9 @@ class Messages:
     @cached_property
     def _joints(self) -> list[list[str]]:
         """Names of the joints of each arm that the record knows."""
-        names = []
-        for arm, robot in enumerate(self.run.task.robots):
-            if f"joint_position_{arm}" in self.run.record.arrays:
-                moving = [joint.name for joint in robot_facts(robot).moving]
-                names.append([f"{ARM_NAMES[arm]}_{name}" for name in moving])
-        return names
+        names = joint_names(self.run.task.robots)
+        arrays = self.run.record.arrays
+        return [each for i, each in enumerate(names) if f"joint_position_{i}" in arrays]
 
     def _type(self, name: str) -> Any:
         return self.store.types[name]
