@@ -187,6 +187,9 @@ def test_a_window_is_left_out_where_poses_are_missing_and_said(
         ("object_x [mm]", "x [furlong]", (), "unit 'furlong' is not allowed"),
         ("object_x [mm]", "object_x [m]", (), "the tip is never nearer than"),
         ("object_yaw [deg]", "object_yaw", (), "--unit yaw=deg"),
+        ("t [s]", "t [min]", (), "unit 'min' is not allowed; allowed: s, sec, ms"),
+        ("", "", ("--unit", "object_yaw=rad"), "of the shape's side in"),
+        ("object_x [mm],object_y [mm]", "object_y [mm],object_x [mm]", (), "frame G"),
         ("tip_z,fx", "fx [N],fx", (), "both hold tip_fx"),
         (",fx,fy", ",fx [kN],fy [kN]", (), "--unit force=N"),
         (",fx,fy", ",fy,fx", (), "degrees off the normal"),
@@ -272,6 +275,16 @@ def test_a_tip_that_slides_along_a_face_shows_its_friction() -> None:
     assert tip_friction([windows]) == pytest.approx((0.25, 0.25))
     at_rest = replace(windows, travels=np.zeros(n))
     assert tip_friction([at_rest]) == (None, pytest.approx(0.25))
+
+
+def test_times_in_milliseconds_without_a_unit_are_refused(
+    ellipsoid_pushes, long_form: Callable[..., str], task: Path, tmp_path: Path
+) -> None:
+    head, *lines = long_form(ellipsoid_pushes).splitlines()
+    cells = [line.split(",", 1) for line in lines]
+    slow = [f"{1e3 * float(time):.3f},{rest}" for time, rest in cells]
+    text = "\n".join([head.replace("t [s]", "t"), *slow])
+    assert "--unit time=ms" in refused(text, task, tmp_path)
 
 
 def test_two_samples_are_too_few(task: Path, tmp_path: Path) -> None:

@@ -27,6 +27,8 @@ READERS: dict[str, Reader] = {
     ".json": read_json_push,
     ".npz": read_record,
 }
+# files that this package writes beside its records
+RESULTS = ("result.json", "plan.json", "select.json", "foxglove.json")
 BAG = "metadata.yaml"  # in a folder of rosbag2
 RECORD = "record.npz"  # in a folder of a run
 
@@ -61,7 +63,7 @@ def _files_at(path: Path) -> list[Path]:
 
 def _may_hold(path: Path) -> bool:
     """Whether a member of a folder is looked into. Results of other commands are not."""
-    return path.name not in ("result.json", "plan.json") and path.name[0] != "."
+    return path.name not in RESULTS and not path.name.startswith(".")
 
 
 def read_logs(files: Sequence[Path], options: LogOptions) -> list[Streams]:

@@ -73,12 +73,10 @@ def _left(push_set: PushSet, rho: float, merit: float) -> float:
     pairs: Pairs = push_set.pairs
     levers = pairs.wrenches[:, 2] / np.hypot(*pairs.wrenches[:, :2].T).clip(1e-9)
     seen = np.array([sensitivity(float(lever), rho) ** 2 for lever in levers])
-    count = len(np.unique(push_set.numbers))
-    whole = float(seen.mean()) * count
+    whole = float(seen.mean()) * push_set.count
     return math.sqrt(whole / (whole + MORE * merit**2)) if whole else 0.0
 
 
 def _left_of_mean(push_set: PushSet) -> float:
     """Share of the interval of a mean that more pushes leave."""
-    count = len(np.unique(push_set.numbers))
-    return math.sqrt(count / (count + MORE))
+    return math.sqrt(push_set.count / (push_set.count + MORE))

@@ -65,6 +65,11 @@ class PushSet:
     notes: tuple[str, ...] = ()  # what was assumed of the object and the logs
 
     @property
+    def count(self) -> int:
+        """Number of pushes that give pairs."""
+        return len(np.unique(self.numbers))
+
+    @property
     def weight(self) -> float:
         """Load on the support [N]."""
         return self.body.weight

@@ -35,6 +35,7 @@ LEAST_FREE = 20  # samples of a bias
 NEAR = (
     8e-3  # [m] of a gap that contact may seem to have, by errors of outline and radius
 )
+LEAST_NEAR = 0.6  # share of the contact in which the tip is that near
 FAR = 0.3  # [m] that the tip is never near the object: the units are wrong
 PULLING = math.radians(60.0)  # off the face's normal: the force has other axes
 
@@ -111,6 +112,8 @@ def align(streams: Streams, tip_contact: TipContact, options: LogOptions) -> _Al
             f"{streams.source}: {', '.join(streams.missing)} missing"
         )
     given = options.offset
+    for name, stream in (("object", placed), ("tip", tip), ("force", force)):
+        _check_rate(streams.source, name, stream)
     _check_overlap(streams.source, placed.shifted(given or 0.0), tip, force)
     _check_reach(streams.source, placed, tip, tip_contact)
     force = _in_world(streams, force, options)
@@ -120,9 +123,11 @@ def align(streams: Streams, tip_contact: TipContact, options: LogOptions) -> _Al
         offset = fit.offset()
     else:
         offset = ClockOffset(given)
+    placed = placed.shifted(offset.seconds)
+    _check_contact(streams.source, placed, tip, force, tip_contact)
     return _Aligned(
         streams.source,
-        placed.shifted(offset.seconds),
+        placed,
         tip,
         force,
         offset,
@@ -161,6 +166,16 @@ def _without_bias(
     return replace(force, values=force.values - bias), ""
 
 
+def _check_rate(source: str, name: str, stream: Stream) -> None:
+    """Raise PushPressSlideError for samples that are too far apart."""
+    step = float(np.median(np.diff(stream.times)))
+    if step > LONGEST_GAP:
+        raise PushPressSlideError(
+            f"{source}: the samples of {name} are {step:.3g} s apart; allowed: "
+            f"{LONGEST_GAP:g} s at most; --unit time=ms reads milliseconds, also us, ns"
+        )
+
+
 def _check_overlap(source: str, placed: Stream, tip: Stream, force: Stream) -> None:
     first = max(stream.times[0] for stream in (placed, tip, force))
     last = min(stream.times[-1] for stream in (placed, tip, force))
@@ -188,6 +203,28 @@ def _check_reach(
         raise PushPressSlideError(
             f"{source}: the tip is never nearer than {nearest:.3g} m to the object; "
             "allowed: metres in one frame; --unit object=mm and --unit tip=mm read others"
+        )
+
+
+def _check_contact(
+    source: str, placed: Stream, tip: Stream, force: Stream, tip_contact: TipContact
+) -> None:
+    """Raise PushPressSlideError if the tip is not at the side of the shape while it
+    pushes.
+    """
+    size = np.hypot(*force.values.T)
+    known = tip.covers(force.times) & placed.covers(force.times)
+    times = force.times[known & (size > touching_force(force))]
+    if not len(times):
+        return
+    gaps = np.abs(tip_contact.gaps(times, tip, placed))
+    near = float((gaps < NEAR).mean())
+    if near < LEAST_NEAR:
+        raise PushPressSlideError(
+            f"{source}: the tip is within {1e3 * NEAR:g} mm of the shape's side in "
+            f"{100.0 * near:.0f} % of the contact, half of it within "
+            f"{1e3 * float(np.median(gaps)):.0f} mm; allowed: {100.0 * LEAST_NEAR:g} % at "
+            "least; the pose is that of the shape's frame G, in the frame of the tip"
         )
 
 

@@ -183,7 +183,8 @@ def _figures(one: Identification) -> dict[str, Any]:
     layout, rigid = predicted_rho(one)
     return {
         "logs": list(push_set.logs),
-        "pushes": len(push_set.pairs),
+        "pushes": push_set.count,
+        "pairs": len(push_set.pairs),
         "refused": list(push_set.refused),
         "pins": [list(pin) for pin in push_set.pins] or None,
         "loads": one.pressure.shares.tolist() if push_set.pins else None,

@@ -122,7 +122,7 @@ def cells(identification: Identification) -> list[str]:
     """
     row = [
         identification.push_set.name,
-        str(len(identification.push_set.pairs)),
+        str(identification.push_set.count),
         f"{identification.pressure.friction:.3f}",
     ]
     for rho in (identification.ellipsoid.rho, *predicted_rho(identification)):
