@@ -2,6 +2,7 @@
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import pushpressslide as pps
 from pushpressslide.cli import app
 from pushpressslide.core.record_columns import named_columns
 from pushpressslide.report.files import Run, load_run
+from pushpressslide.report.mcap_export import write_mcap
 
 TOPICS = {"/object/pose", "/object/reference", "/tip0/pose", "/tip0/wrench", "/tf"}
 
@@ -96,6 +98,38 @@ def test_mcap_ros2_reads_it_back_with_task_plan_and_result(
     assert result["success"] is True
     assert "rear-push-rear" in metadata["task"]["yaml"]
     assert json.loads(metadata["plan"]["json"])["stages"]
+
+
+def test_joints_and_bodies_have_topics_of_their_own(run: Run, tmp_path: Path) -> None:
+    highlevel = pytest.importorskip("rosbags.highlevel")
+    pytest.importorskip("mcap")
+    ticks = len(run.record.arrays["time"])
+    q = np.random.default_rng(0).normal(size=(ticks, 7))
+    more = {
+        "joint_position_0": q,
+        "joint_velocity_0": 2.0 * q,
+        "joint_torque_0": 3.0 * q,
+        "body_post": q,
+    }
+    record = replace(run.record, arrays={**run.record.arrays, **more})
+    path = write_mcap(replace(run, record=record), tmp_path / "a.mcap")
+    read: dict[str, list] = {}
+    with highlevel.AnyReader([path]) as reader:
+        for connection, _, raw in reader.messages():
+            message = reader.deserialize(raw, connection.msgtype)
+            read.setdefault(connection.topic, []).append(message)
+    assert set(read) == TOPICS | {"/joint_states", "/post/pose"}
+    state = read["/joint_states"][5]
+    assert list(state.name) == [f"panda_joint{i}" for i in range(1, 8)]
+    assert (state.position == q[5]).all()
+    assert (state.effort == 3.0 * q[5]).all()
+    pose = read["/post/pose"][5].pose
+    assert (pose.orientation.w, pose.orientation.x, pose.position.z) == (
+        q[5, 0],
+        q[5, 1],
+        q[5, 6],
+    )
+    assert [t.child_frame_id for t in read["/tf"][0].transforms] == ["object", "post"]
 
 
 def test_an_mcap_file_is_smaller_than_twice_the_record(run: Run, mcap: Path) -> None:

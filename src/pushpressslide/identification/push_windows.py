@@ -224,7 +224,7 @@ def _check_contact(
             f"{source}: the tip is within {1e3 * NEAR:g} mm of the shape's side in "
             f"{100.0 * near:.0f} % of the contact, half of it within "
             f"{1e3 * float(np.median(gaps)):.0f} mm; allowed: {100.0 * LEAST_NEAR:g} % at "
-            "least; the pose is that of the shape's frame G, in the frame of the tip"
+            "least; a tip pushes the side, and the pose is that of the shape's frame G"
         )
 
 

@@ -187,7 +187,8 @@ class Messages:
             arrays[f"joint_velocity_{arm}"][tick],
             none if effort is None else effort[tick],
         )
-        return Message(f"/{ARM_NAMES[arm]}/joint_states", kind, content)
+        of_arm = f"/{ARM_NAMES[arm]}" if len(self.run.task.robots) > 1 else ""
+        return Message(f"{of_arm}/joint_states", kind, content)
 
     def _frames(self, time: Any, tick: int) -> Message:
         """Frames of the object and of movable bodies."""
