@@ -42,7 +42,7 @@ class IdentifyOptions:
     data: Annotated[
         list[Path],
         typer.Argument(
-            metavar="DATA...",
+            metavar="DATA",
             help="Recorded pushes: CSV, Parquet, MCAP, rosbag2, MIT's HDF5, runs of pps, "
             "text logs; or folders with them.",
         ),

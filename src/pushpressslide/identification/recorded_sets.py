@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -45,7 +44,7 @@ class RecordedSet:
     push_set: PushSet
     clocks: tuple[RecordedClock, ...]
     contact_friction: float | None  # of the tip, where it slid; None: it did not
-    least_contact_friction: float  # largest ratio of forces seen
+    least_contact_friction: float  # 95th percentile of the ratio of forces
 
 
 def pushed_object(scene: Scene) -> PushedObject:
@@ -162,8 +161,8 @@ def _check_forces(source: str, pairs: Pairs, weight: float) -> None:
 
 
 def tip_friction(recordings: Sequence[PushedWindows]) -> tuple[float | None, float]:
-    """Friction of the tip where it slides along a face, and the largest ratio of
-    forces.
+    """Friction of the tip where it slides along a face, and the 95th percentile of the
+    ratio of forces.
     """
     ratios = []
     sliding = []
@@ -176,7 +175,7 @@ def tip_friction(recordings: Sequence[PushedWindows]) -> tuple[float | None, flo
         own = across / np.maximum(along, 1e-9)
         ratios += own.tolist()
         sliding += own[each.travels > SLIP].tolist()
-    largest = max((ratio for ratio in ratios if math.isfinite(ratio)), default=0.0)
+    largest = float(np.percentile(ratios, 95.0))
     if len(sliding) < LEAST_SLIDING:
         return None, largest
     return float(np.median(sliding)), largest

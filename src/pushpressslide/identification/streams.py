@@ -8,7 +8,7 @@ arm's clock.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ from pushpressslide.core.errors import PushPressSlideError
 
 LONGEST_GAP = 0.25  # [s] between two samples that is bridged by a straight line
 LEAST_SAMPLES = 10  # of a stream
+NEEDED = ("object", "tip", "force")
+"""Streams of a complete recording."""
+
 Rows = NDArray[np.bool_]
 
 
@@ -57,13 +60,12 @@ class Streams:
     tip: Stream | None = None  # x, y, z [m] of its centre; z NaN if not recorded
     force: Stream | None = None  # fx, fy [N] of the tip on the object
     tip_yaw: Stream | None = None  # [rad] of the axes that forces may be given in
-    notes: tuple[str, ...] = field(default=())
+    notes: tuple[str, ...] = ()
 
     @property
     def missing(self) -> tuple[str, ...]:
         """Names of the streams that identification needs and the recording lacks."""
-        needed = ("object", "tip", "force")
-        return tuple(name for name in needed if getattr(self, name) is None)
+        return tuple(name for name in NEEDED if getattr(self, name) is None)
 
 
 def stream_of(source: str, name: str, times: Array, values: Array) -> Stream:
@@ -100,9 +102,8 @@ def _one(parts: Sequence[Streams]) -> Streams:
     """One recording of parts that have different streams."""
     source = ", ".join(part.source for part in parts)
     found: dict[str, Stream] = {}
-    names = [each.name for each in fields(Streams) if "Stream" in str(each.type)]
     for part in parts:
-        for name in names:
+        for name in (*NEEDED, "tip_yaw"):
             stream = getattr(part, name)
             if stream is not None and name in found:
                 raise PushPressSlideError(
