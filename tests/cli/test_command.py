@@ -8,7 +8,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from pushpressslide.cli import app, commands, many_runs
+from pushpressslide.cli import app, commands, identify, sweep
 from pushpressslide.cli.app import command
 
 
@@ -16,8 +16,8 @@ from pushpressslide.cli.app import command
     ("name", "options"),
     [
         ("run", commands.RunOptions),
-        ("sweep", many_runs.SweepOptions),
-        ("identify", many_runs.IdentifyOptions),
+        ("sweep", sweep.SweepOptions),
+        ("identify", identify.IdentifyOptions),
     ],
 )
 def test_the_parameters_of_a_command_are_the_fields_in_their_order(

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -72,7 +73,8 @@ def test_a_folder_of_sets_gives_a_table_a_result_a_page_and_a_plot_of_each(
     assert result.exit_code == 0, result.stderr
     lines = result.stdout.splitlines()
     sets = [line.split()[0] for line in lines if line.startswith(("30_90", "patch"))]
-    assert sets == ["30_90_30_30_30_90", "patch"] * 2
+    said = ["30_90_30_30_30_90:", "patch:"]
+    assert sets == ["30_90_30_30_30_90", "patch"] * 2 + said
     table = lines[: lines.index("Held-out errors of the direction, in degrees") + 5]
     assert all(len(line) <= 80 for line in table)
     assert lines[-1] == str(out / "report.html")
@@ -82,6 +84,11 @@ def test_a_folder_of_sets_gives_a_table_a_result_a_page_and_a_plot_of_each(
     }
     page = (out / "report.html").read_text("utf-8")
     assert page.count("<img") == 2
+    # heads do not wrap: 84 rem of a page hold 130 letters of 0.93 rem, and the name
+    heads = [part.split("</thead>")[0] for part in page.split("<thead>")[1:]]
+    letters = [len(re.sub("<[^>]*>", "", head)) for head in heads]
+    assert len(heads) == 2
+    assert max(letters) < 90
     assert "http" not in page
     stored = json.loads((out / "result.json").read_text("utf-8"))
     pins = stored["sets"]["30_90_30_30_30_90"]

@@ -44,7 +44,10 @@ def test_a_table_without_pandas_says_what_to_install(
 def test_a_record_becomes_a_table(run: Record) -> None:
     table = run.to_dataframe()
     assert len(table) == len(run.arrays["time"])
-    assert (table["object_pose_0"].to_numpy() == run.arrays["object_pose"][:, 0]).all()
+    assert (table["object_x"].to_numpy() == run.arrays["object_pose"][:, 0]).all()
+    force = run.arrays["measured_force"][:, 0, 1]
+    assert (table["tip0_fy"].to_numpy() == force).all()
+    assert list(dict.fromkeys(table["phase"])) == ["touch", "move", "release"]
 
 
 def test_rooms_can_be_explored() -> None:

@@ -11,7 +11,7 @@ import pytest
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.identification.pairs import measured_pairs
 from pushpressslide.identification.push_sets import (
-    CENTER_OF_MASS,
+    PRISM,
     layout_note,
     load_sets,
     pins_of_name,
@@ -37,7 +37,9 @@ def test_wrench_motion_contact_and_height_are_what_happened(
     pairs, text = session
     path = tmp_path / "log.txt"
     path.write_text(text)
-    measured, refused = measured_pairs(read_recording(path).pushes, CENTER_OF_MASS)
+    measured, refused = measured_pairs(
+        read_recording(path).pushes, PRISM.center_of_mass
+    )
     assert refused == []
     assert measured.wrenches == pytest.approx(pairs.wrenches, abs=2e-5)
     assert measured.twists == pytest.approx(pairs.twists, abs=1e-7)
@@ -55,7 +57,9 @@ def test_the_motion_does_not_depend_on_the_sign_of_a_quaternion(
     turned = [
         replace(p, after=p.after * np.array([1, 1, 1, -1, -1, -1, -1])) for p in pushes
     ]
-    a, b = (measured_pairs(which, CENTER_OF_MASS)[0] for which in (pushes, turned))
+    a, b = (
+        measured_pairs(which, PRISM.center_of_mass)[0] for which in (pushes, turned)
+    )
     assert b.twists == pytest.approx(a.twists, abs=1e-12)
 
 
@@ -72,7 +76,7 @@ def test_a_push_without_samples_force_or_motion_gives_no_pair_and_says_so(
         replace(push, after=push.before),
         replace(push, forces=weak),
     ]
-    pairs, refused = measured_pairs([*broken, *rest], CENTER_OF_MASS)
+    pairs, refused = measured_pairs([*broken, *rest], PRISM.center_of_mass)
     assert len(pairs) == len(rest)
     assert refused == [
         "push 1: no force or probe samples",

@@ -3,18 +3,29 @@
 A command does its heavy imports when it runs, so that help answers at once.
 """
 
-from pushpressslide.cli import commands, files, learning, many_runs, objects, robot
+from pushpressslide.cli import (
+    commands,
+    export,
+    files,
+    identify,
+    learning,
+    objects,
+    robot,
+    sweep,
+)
 from pushpressslide.cli.app import app
 
 __all__ = [
     "app",
     "commands",
+    "export",
     "files",
+    "identify",
     "learning",
     "main",
-    "many_runs",
     "objects",
     "robot",
+    "sweep",
 ]
 
 

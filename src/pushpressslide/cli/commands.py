@@ -41,8 +41,12 @@ from pushpressslide.core.errors import InfeasibleTaskError, PushPressSlideError
 from pushpressslide.jobs.engines import DEFAULT, ENGINES
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from pushpressslide.core.task import Task
     from pushpressslide.report.stages import StagePlan
+    from pushpressslide.selection.placement_planner import PlacementPlanner
+    from pushpressslide.selection.stages import PlannedStage
 
 
 @app.command()
@@ -134,11 +138,20 @@ def plan(
     out: Out = None,
     as_json: Json = False,
     verbose: Verbose = False,
+    trajectory: Annotated[
+        Path | None,
+        typer.Option(
+            "--trajectory",
+            metavar="FILE",
+            help="Also the arms' joint trajectory, as .csv or as a ROS 2 "
+            "JointTrajectory in .yaml; takes seconds.",
+        ),
+    ] = None,
     force: Force = False,
 ) -> None:
     """Plan only; writes plan.json and plan.png.
 
-    Joint paths are not planned.
+    Joint paths are planned for --trajectory alone.
     """
     from pushpressslide.cli.goals import stage_text
     from pushpressslide.cli.tables import JOINT_PATHS
@@ -148,13 +161,16 @@ def plan(
     from pushpressslide.selection.stages import plan_stages
 
     loaded = task_of(task, sets, mode)
+    planner = None if trajectory is None else _joint_planner(trajectory)
     folder = results_folder(
         out, f"plan-{loaded.name}", force, ("plan.json", "result.json")
     )
     with remedies_named(loaded):
-        stages = [planned_part(planned) for planned in plan_stages(loaded)]
+        planned = plan_stages(loaded, planner)
+    stages = [planned_part(one) for one in planned]
     (folder / "plan.json").unlink(missing_ok=True)  # one that is there is complete
     data, *pictures = write_plans(loaded, stages, folder)
+    said = [] if trajectory is None else _write_trajectory(loaded, planned, trajectory)
     if as_json:
         print_json(stages_to_dict(loaded, stages))
         return
@@ -162,9 +178,34 @@ def plan(
         if loaded.goals:
             typer.echo(stage_text(number, stage.stage))
         _print_plan(stage)
-    typer.echo(JOINT_PATHS)
+    for line in said or [JOINT_PATHS]:
+        typer.echo(line)
     for path in (*pictures, data):
         typer.echo(path)
+
+
+def _joint_planner(trajectory: Path) -> PlacementPlanner:
+    """A planner of joint paths, for a file that can be written."""
+    from pushpressslide.jobs.engines import engine_named
+    from pushpressslide.jobs.trajectory import check_trajectory_file
+
+    check_trajectory_file(trajectory)
+    return engine_named(DEFAULT).placement_planner(False)
+
+
+def _write_trajectory(
+    task: Task, planned: Sequence[PlannedStage], path: Path
+) -> list[str]:
+    """Write the joint trajectory of planned stages; lines on it."""
+    from pushpressslide.jobs.trajectory import trajectory, write_trajectory
+
+    made = trajectory(planned, task.robots)
+    write_trajectory(made, task.robots, path)
+    return [
+        f"joint trajectory of {made.times[-1]:.1f} s, at most {made.deviation:.3f} rad "
+        "off the planned joint path",
+        str(path),
+    ]
 
 
 def _print_plan(stage: StagePlan) -> None:

@@ -9,7 +9,6 @@ if TYPE_CHECKING:
     from pushpressslide.identification.scoring import Identification
 
 SUPPORTS = ("pushes", "friction", "rho fitted", "predicted", "rigid face")
-ERRORS = ("ellipsoid", "full", "quartic", "pressure", "no fit", "even load")
 
 
 def lines(
@@ -19,7 +18,7 @@ def lines(
 
     It compares them with those of the one-parameter ellipsoid.
     """
-    from pushpressslide.report.identification import cells
+    from pushpressslide.report.identification import ERRORS, cells
 
     rows = [[cell or "-" for cell in cells(found)] for found in identifications]
     errors = 1 + len(SUPPORTS)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.notebook import html_of
 from pushpressslide.core.plan import Plan
+from pushpressslide.core.record_columns import named_columns
 
 if TYPE_CHECKING:
     import numpy as np
@@ -78,8 +79,8 @@ class Record:
     def to_dataframe(self) -> Any:
         """Time series with a value for each tick, as a pandas DataFrame by time [s].
 
-        Columns of an array (N, 3) end in ``_0``, ``_1`` and ``_2``. Raises
-        PushPressSlideError if pandas is not installed.
+        Its columns are those of ``core.record_columns``, as ``object_x``; phases are
+        words. Raises PushPressSlideError if pandas is not installed.
         """
         try:
             pandas = importlib.import_module("pandas")
@@ -87,15 +88,8 @@ class Record:
             raise PushPressSlideError(
                 "to_dataframe: pandas is not installed; pip install pandas"
             ) from None
-        ticks = len(self.arrays["time"])
-        columns = {}
-        for name, values in self.arrays.items():
-            if name == "time" or len(values) != ticks:
-                continue
-            flat = values.reshape(ticks, -1)
-            for i, column in enumerate(flat.T):
-                columns[name if values.ndim == 1 else f"{name}_{i}"] = column
-        index = pandas.Index(self.arrays["time"], name="time")
+        columns = named_columns(self.arrays)
+        index = pandas.Index(columns.pop("time"), name="time")
         return pandas.DataFrame(columns, index=index)
 
     def __repr__(self) -> str:

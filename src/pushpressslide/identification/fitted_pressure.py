@@ -8,7 +8,7 @@ Source: docs/mechanics.md, section 1; docs/uncertainty.md.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -88,6 +88,20 @@ def static_model(pressure: PressureSamples, friction: float = 1.0) -> PressureMo
     radii = np.maximum(pressure.radii, PIN_RADIUS)
     load = pressure.total_load
     return PressureModel(pressure.points, pressure.loads / load, radii, load, friction)
+
+
+def nearest_pressure(pairs: Pairs, loads: Sequence[PressureSamples]) -> PressureSamples:
+    """The one of the ``loads`` at rest that predicts ``pairs`` best without a fit."""
+    if len(loads) == 1:
+        return loads[0]
+
+    def miss(pressure: PressureSamples) -> float:
+        """Mean chord between predicted and measured directions."""
+        model = static_model(pressure)
+        predicted = model.directions(pairs.wrenches, pairs.heights)
+        return float(np.linalg.norm(predicted - pairs.directions, axis=1).mean())
+
+    return min(loads, key=miss)
 
 
 def fit_pressure(pairs: Pairs, pressure: PressureSamples) -> PressureModel:

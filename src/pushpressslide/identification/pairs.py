@@ -88,11 +88,11 @@ def _measured(push: RecordedPush, center_of_mass: Point) -> Array | str:
     """
     if not len(push.forces) or not len(push.probe):
         return "no force or probe samples"
-    yaw = float(_yaw(push.before[3:]))
-    turn = wrap_angle(float(_yaw(push.after[3:])) - yaw)
+    yaw = float(yaw_of(push.before[3:]))
+    turn = wrap_angle(float(yaw_of(push.after[3:])) - yaw)
     com = np.array(center_of_mass)
-    start = push.before[:2] + _rotated(com, yaw)
-    shift = push.after[:2] + _rotated(com, yaw + turn) - start
+    start = push.before[:2] + rotated(com, yaw)
+    shift = push.after[:2] + rotated(com, yaw + turn) - start
     if math.hypot(shift[0], shift[1], LENGTH * turn) < LEAST_MOTION:
         return f"moved less than {1e3 * LEAST_MOTION:g} mm"
     force = push.forces[:, 1:] - push.forces[0, 1:]
@@ -105,30 +105,32 @@ def _measured(push: RecordedPush, center_of_mass: Point) -> Array | str:
     done = (time - first) / max(last - first, 1e-9)  # part of the object's motion
     tip, probe_yaw = _probe_at(push, time)
     object_yaw = yaw + done * turn
-    contact = _rotated(tip - start - done[:, None] * shift, -object_yaw)
-    on_object = _rotated(force[late] @ TOOL_FROM_SENSOR.T, probe_yaw - object_yaw)
+    contact = rotated(tip - start - done[:, None] * shift, -object_yaw)
+    on_object = rotated(force[late] @ TOOL_FROM_SENSOR.T, probe_yaw - object_yaw)
     torque = contact[:, 0] * on_object[:, 1] - contact[:, 1] * on_object[:, 0]
     height = max(0.0, float(push.probe[:, 3].mean() - push.before[2]))
     wrench = [*on_object.mean(0), torque.mean()]
-    motion = [*_rotated(shift, -yaw - 0.5 * turn), turn]
+    motion = [*rotated(shift, -yaw - 0.5 * turn), turn]
     return np.array([*wrench, *motion, *contact.mean(0), height])
 
 
 def _probe_at(push: RecordedPush, time: Array) -> tuple[Array, Array]:
     """Position (n, 2) [m] and yaw (n,) [rad] of the probe at times (n,) [s]."""
     clock = push.probe[:, 0]
-    yaw = np.interp(time, clock, np.unwrap(_yaw(push.probe[:, 4:])))
+    yaw = np.interp(time, clock, np.unwrap(yaw_of(push.probe[:, 4:])))
     place = [np.interp(time, clock, push.probe[:, i]) for i in (1, 2)]
     return np.stack(place, axis=1), yaw
 
 
-def _yaw(quaternion: Array) -> Array:
+def yaw_of(quaternion: Array) -> Array:
+    """Yaw (n,) [rad] of quaternions (n, 4) w, x, y, z."""
     w, x, y, z = np.moveaxis(quaternion, -1, 0)
     out: Array = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y**2 + z**2))
     return out
 
 
-def _rotated(vectors: Array, angle: Array | float) -> Array:
+def rotated(vectors: Array, angle: Array | float) -> Array:
+    """The ``vectors`` (n, 2), each turned by its ``angle`` [rad]."""
     c = np.cos(angle)
     s = np.sin(angle)
     x = vectors[..., 0]

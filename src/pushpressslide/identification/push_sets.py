@@ -1,7 +1,7 @@
 """Sets of recorded pushes: the object, its pins, and the pairs of wrench and motion.
 
-The object is the aluminium prism of the published sets (docs/uncertainty.md); a
-folder's name gives the pins that it stands on.
+The object of the published sets is an aluminium prism (docs/uncertainty.md); that of
+other logs is a task's. A folder's name gives the pins that it stands on.
 """
 
 from __future__ import annotations
@@ -10,6 +10,9 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
 
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.errors import PushPressSlideError
@@ -27,59 +30,86 @@ from pushpressslide.mechanics.pressure import (
 )
 from pushpressslide.mechanics.punch import punch_pressure
 
-MASS = 1.5  # [kg] of the prism
-# [m] its base, in the tracked frame: origin at the right angle
-BASE = ((0.0, 0.0), (0.15, 0.0), (0.0, 0.15))
-CENTER_OF_MASS = (0.05, 0.05)  # [m] in the tracked frame
 LEAST_PUSHES = 4  # that fit and test need
 WHOLE_BASE = "patch"  # in the name of a folder: the object stands on its whole base
 NUMBERS = re.compile(r"(?<![\d.])\d+(?:\.\d+)?(?:_\d+(?:\.\d+)?)*(?![\d.])")
 
 
+@dataclass(frozen=True)
+class PushedObject:
+    """The object that was pushed, in its tracked frame G."""
+
+    base: tuple[Point, ...]  # [m] corners of the base, counter-clockwise
+    center_of_mass: Point  # [m] projected on the support
+    weight: float  # [N] load on the support
+
+
+PRISM = PushedObject(
+    ((0.0, 0.0), (0.15, 0.0), (0.0, 0.15)), (0.05, 0.05), 1.5 * GRAVITY
+)
+"""The prism of the published sets, tracked at its right angle."""
+
+
 @dataclass(frozen=True, eq=False)
 class PushSet:
-    """The pushes of one folder."""
+    """The pushes of one folder, or of one recording."""
 
     name: str
-    recordings: tuple[Recording, ...]
+    body: PushedObject
+    logs: tuple[str, ...]  # names of the files
     # [m] in B, the frame at the CoM; none: the whole base touches
     pins: tuple[Point, ...]
     pairs: Pairs
+    numbers: NDArray[np.intp]  # (n,) of the push that a pair is a part of
     refused: tuple[str, ...]  # pushes that give no pair, and why
-    layout_note: str = ""  # what its name leaves open of where it stands
+    notes: tuple[str, ...] = ()  # what was assumed of the object and the logs
+
+    @property
+    def count(self) -> int:
+        """Number of pushes that give pairs."""
+        return len(np.unique(self.numbers))
 
     @property
     def weight(self) -> float:
         """Load on the support [N]."""
-        return MASS * GRAVITY
+        return self.body.weight
 
     @property
     def base(self) -> tuple[Point, ...]:
         """Corners of the base [m] in B, counter-clockwise."""
-        return tuple((x - CENTER_OF_MASS[0], y - CENTER_OF_MASS[1]) for x, y in BASE)
+        cx, cy = self.body.center_of_mass
+        return tuple((x - cx, y - cy) for x, y in self.body.base)
 
     def static_pressure(self) -> PressureSamples:
         """Load at rest [N] in B: on the pins by statics, otherwise that of a rigid
-        face.
+        face, or of an elastic one where an edge of the rigid face would lift.
         """
         if self.pins:
             return pin_pressure(self.pins, (0.0, 0.0), self.weight)
-        return punch_pressure(self.base, self.weight, (0.0, 0.0), resolution=3)
+        try:
+            return punch_pressure(self.base, self.weight, (0.0, 0.0), resolution=3)
+        except ValueError:
+            return self._elastic_pressure()
 
     def uniform_pressure(self) -> PressureSamples | None:
-        """Uniform load at rest [N] in B, or None if the object stands on pins."""
-        if self.pins:
-            return None
-        return polygon_pressure(self.base, self.weight, resolution=6)
+        """Even load at rest [N] in B, linear where the CoM is off the centroid. None if
+        the object stands on pins.
+        """
+        return None if self.pins else self._elastic_pressure()
+
+    def _elastic_pressure(self) -> PressureSamples:
+        return polygon_pressure(self.base, self.weight, (0.0, 0.0), resolution=4)
 
 
 def load_sets(
-    data: Path, progress: Callable[[float, float], None] | None = None
+    data: Path,
+    progress: Callable[[float, float], None] | None = None,
+    body: PushedObject = PRISM,
 ) -> tuple[list[PushSet], list[str]]:
     """One set for each folder with logs at or below ``data``, and a line for each
     skipped text file.
 
-    A text file is skipped if it is not a log, or a log without a push. Raises
+    ``body`` is the object that was pushed. A text file is skipped if it is not a log, or a log without a push. Raises
     PushPressSlideError for a log that cannot be read, a set with fewer than
     ``LEAST_PUSHES``, and if no log holds a push.
     """
@@ -99,7 +129,9 @@ def load_sets(
     if not read:
         raise PushPressSlideError(f"{data}: holds no push; {passed_over[-1]}")
     names = _names(list(read))
-    sets = [_push_set(names[folder], folder, found) for folder, found in read.items()]
+    sets = [
+        _push_set(names[folder], folder, found, body) for folder, found in read.items()
+    ]
     return sets, passed_over
 
 
@@ -142,21 +174,24 @@ def _names(folders: Sequence[Path]) -> dict[Path, str]:
     return {folder: "/".join(folder.parts[-depth:]) for folder in folders}
 
 
-def _push_set(name: str, folder: Path, recordings: list[Recording]) -> PushSet:
+def _push_set(
+    name: str, folder: Path, recordings: list[Recording], body: PushedObject
+) -> PushSet:
     pushes = [push for recording in recordings for push in recording.pushes]
-    pairs, refused = measured_pairs(pushes, CENTER_OF_MASS)
-    if len(pairs) < LEAST_PUSHES:
-        reason = f" ({refused[0]})" if refused else ""
-        raise PushPressSlideError(
-            f"{folder}: {len(pairs)} of {len(pushes)} pushes can be used{reason}; "
-            f"at least {LEAST_PUSHES} are needed"
-        )
+    cx, cy = body.center_of_mass
+    pairs, refused = measured_pairs(pushes, body.center_of_mass)
+    check_count(str(folder), len(pairs), len(pushes), refused)
     note = layout_note(folder.name)
-    pins = tuple(
-        (x - CENTER_OF_MASS[0], y - CENTER_OF_MASS[1])
-        for x, y in pins_of_name(folder.name)
+    made = PushSet(
+        name,
+        body,
+        tuple(recording.path.name for recording in recordings),
+        tuple((x - cx, y - cy) for x, y in pins_of_name(folder.name)),
+        pairs,
+        np.arange(len(pairs)),
+        tuple(refused),
+        (*((f"{name}: {note}",) if note else ()), *_broken_off(recordings)),
     )
-    made = PushSet(name, tuple(recordings), pins, pairs, tuple(refused), note)
     try:
         made.static_pressure()
     except ValueError as error:
@@ -164,3 +199,26 @@ def _push_set(name: str, folder: Path, recordings: list[Recording]) -> PushSet:
             f"{folder}: its name gives pins that cannot carry the object: {error}"
         ) from None
     return made
+
+
+def check_count(source: str, used: int, count: int, refused: Sequence[str]) -> None:
+    """Raise PushPressSlideError if fewer than ``LEAST_PUSHES`` of ``count`` pushes are
+    ``used``. ``refused`` says why the others are not.
+    """
+    if used >= LEAST_PUSHES:
+        return
+    reason = f" ({refused[0]})" if refused else ""
+    raise PushPressSlideError(
+        f"{source}: {used} of {count} pushes can be used{reason}; at least "
+        f"{LEAST_PUSHES} are needed"
+    )
+
+
+def _broken_off(recordings: Sequence[Recording]) -> list[str]:
+    """A note on each log that holds another number of pushes than it announces."""
+    return [
+        f"{recording.path.name}: announces {recording.announced} pushes, holds "
+        f"{len(recording.pushes)}."
+        for recording in recordings
+        if len(recording.pushes) != recording.announced
+    ]

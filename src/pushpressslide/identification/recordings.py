@@ -2,7 +2,16 @@
 ICRA 2016).
 
 One log holds N pushes: poses of the object before and after, forces and poses of the
-probe during the push. The format is described in docs/uncertainty.md.
+probe during the push. Fields are separated by white space; blank lines are ignored:
+
+    N                                number of pushes
+    then for each push:
+      x y z qw qx qy qz              object before: mm, unit quaternion, world frame
+      x y z qw qx qy qz              object after
+      m                              number of force samples
+      t fx fy            (m lines)   seconds, newtons, in the sensor's frame
+      q                              number of probe samples
+      t x y z qw qx qy qz (q lines)  probe tip: seconds, mm, quaternion, world frame
 """
 
 from __future__ import annotations

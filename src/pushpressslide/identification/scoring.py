@@ -17,12 +17,14 @@ from pushpressslide.identification.ellipsoid import (
 from pushpressslide.identification.fitted_pressure import (
     PressureModel,
     fit_pressure,
+    nearest_pressure,
     static_model,
 )
 from pushpressslide.identification.fitting import SlidingModel
 from pushpressslide.identification.pairs import Pairs, unit
 from pushpressslide.identification.push_sets import PushSet
 from pushpressslide.identification.quartic import fit_quartic
+from pushpressslide.mechanics.pressure import PressureSamples
 
 Rows = NDArray[np.intp]
 Fit = Callable[[Pairs], SlidingModel]
@@ -31,9 +33,11 @@ Progress = Callable[[float, float], None]
 
 @dataclass(frozen=True, eq=False)
 class Score:
-    """Held-out predictions of one model over s splits with t test pushes each."""
+    """Held-out predictions of one model over s splits."""
 
-    errors: Array  # (s, t) [rad] angle between predicted and measured direction
+    # each (t,) [rad] for the t rows of a test: angle between predicted and measured
+    # direction
+    errors: tuple[Array, ...]
     mean_directions: (
         # (n, 3) unit: mean held-out prediction of each push; NaN where it was never
         # held out
@@ -43,12 +47,12 @@ class Score:
     @property
     def mean(self) -> float:
         """Mean error [rad] over splits and pushes."""
-        return float(self.errors.mean())
+        return float(np.concatenate(self.errors).mean())
 
     @property
     def spread(self) -> float:
         """Standard deviation [rad] over the splits of their mean error."""
-        return float(self.errors.mean(axis=1).std())
+        return float(np.std([part.mean() for part in self.errors]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,26 +79,50 @@ def identified(
     the same parts.
     """
     pairs = push_set.pairs
-    parts = random_splits(len(pairs), fit_share, splits, seed)
+    parts = split_pushes(push_set.numbers, fit_share, splits, seed)
     scores = score(pairs, fits_of(push_set), parts, progress)
-    pressure = fit_pressure(pairs, push_set.static_pressure())
+    pressure = fit_pressure(pairs, nearest_pressure(pairs, expected_loads(push_set)))
     return Identification(push_set, fit_one_parameter(pairs), pressure, scores)
+
+
+def expected_loads(push_set: PushSet) -> tuple[PressureSamples, ...]:
+    """Loads at rest [N] in B that are expected of the set's object."""
+    even = push_set.uniform_pressure()
+    expected = push_set.static_pressure()
+    return (expected,) if even is None else (expected, even)
 
 
 def fits_of(push_set: PushSet) -> dict[str, Fit]:
     """Fitting function of every model, by name."""
-    expected = push_set.static_pressure()
-    uniform = push_set.uniform_pressure()
+    loads = expected_loads(push_set)
     fits: dict[str, Fit] = {
         "ellipsoid": fit_one_parameter,
         "full_ellipsoid": fit_full,
         "quartic": fit_quartic,
-        "pressure": lambda pairs: fit_pressure(pairs, expected),
-        "no_fit": lambda pairs: static_model(expected),
+        "pressure": lambda pairs: fit_pressure(pairs, nearest_pressure(pairs, loads)),
+        "no_fit": lambda pairs: static_model(loads[0]),
     }
-    if uniform is not None:
-        fits["no_fit_uniform"] = lambda pairs: static_model(uniform)
+    if len(loads) > 1:
+        fits["no_fit_uniform"] = lambda pairs: static_model(loads[1])
     return fits
+
+
+def split_pushes(
+    numbers: Rows, fit_share: float, splits: int, seed: int
+) -> list[tuple[Rows, Rows]]:
+    """Random ``splits`` into rows to fit and rows to test that never part a push.
+
+    ``numbers`` (n,) are those of the pushes that the rows belong to.
+    """
+    pushes = np.unique(numbers)
+    rows = [np.flatnonzero(numbers == push) for push in pushes]
+    return [
+        (
+            np.concatenate([rows[i] for i in fitted]),
+            np.concatenate([rows[i] for i in held_out]),
+        )
+        for fitted, held_out in random_splits(len(pushes), fit_share, splits, seed)
+    ]
 
 
 def random_splits(
@@ -133,7 +161,7 @@ def score(
         if progress is not None:
             progress(done, len(splits))
     with np.errstate(invalid="ignore"):
-        return {name: Score(np.array(errors[name]), unit(sums[name])) for name in fits}
+        return {name: Score(tuple(errors[name]), unit(sums[name])) for name in fits}
 
 
 def angles(a: Array, b: Array) -> Array:

@@ -15,6 +15,10 @@ import numpy as np
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.whole_file import write_whole
+from pushpressslide.identification.identified_set import IdentifiedSet
+from pushpressslide.identification.intervals import METHOD
+from pushpressslide.identification.next_push import MORE
+from pushpressslide.identification.recorded_sets import RecordedSet
 from pushpressslide.identification.scoring import Identification
 from pushpressslide.mechanics.rho import rho_pole
 from pushpressslide.report import style
@@ -35,6 +39,9 @@ MODELS = {
     "no_fit_uniform": ("no fit, even load", style.GREY, ":"),
 }
 """Label, colour and line of each model."""
+
+ERRORS = ("ellipsoid", "full", "quartic", "pressure", "no fit", "even load")
+"""Short names of the models, for tables."""
 
 LEGEND = (
     "rho: of the ellipsoid fitted to all pushes of the set, beside the mean distance "
@@ -69,7 +76,7 @@ def write_identification(
         "<h1>Support identified from pushes</h1>",
         f"<p>{escape(how)} {escape(LEGEND)}</p>",
     ]
-    body.append(_table(identifications))
+    body.append(_tables(identifications))
     body += [f"<p>{escape(note)}</p>" for note in notes]
     for identification in identifications:
         name = identification.push_set.name
@@ -104,7 +111,7 @@ HEAD = (
     "rho",
     "rho predicted",
     "for a rigid face",
-    *(m[0] for m in MODELS.values()),
+    *ERRORS,
 )
 
 
@@ -115,7 +122,7 @@ def cells(identification: Identification) -> list[str]:
     """
     row = [
         identification.push_set.name,
-        str(len(identification.push_set.pairs)),
+        str(identification.push_set.count),
         f"{identification.pressure.friction:.3f}",
     ]
     for rho in (identification.ellipsoid.rho, *predicted_rho(identification)):
@@ -126,14 +133,91 @@ def cells(identification: Identification) -> list[str]:
     return row
 
 
-def _table(identifications: Sequence[Identification]) -> str:
+SUPPORTS = 5  # figures of a set's support in ``HEAD``; its errors follow
+
+
+def _tables(identifications: Sequence[Identification]) -> str:
+    """A table of supports and one of errors, each as wide as a page at most."""
     units = ["", "", "", *[" [mm]"] * 3, *[" [°]"] * len(MODELS)]
     head = [name + unit for name, unit in zip(HEAD, units, strict=True)]
-    rows = []
-    for identification in identifications:
-        name, *figures = cells(identification)
-        rows.append([f'<th scope="row">{escape(name)}</th>', *number_cells(figures)])
-    return table(head, rows, numbers=len(head) - 1)
+    rows = [cells(identification) for identification in identifications]
+    cut = 1 + SUPPORTS
+    supports = _table(head[:cut], [row[:cut] for row in rows])
+    errors = _table([head[0], *head[cut:]], [[row[0], *row[cut:]] for row in rows])
+    return f"{supports}<h2>Held-out errors of the direction, by model</h2>{errors}"
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    lines = [
+        [f'<th scope="row">{escape(name)}</th>', *number_cells(figures)]
+        for name, *figures in rows
+    ]
+    return table(head, lines, numbers=len(head) - 1)
+
+
+def summary(result: IdentifiedSet) -> list[str]:
+    """Sentences on one set: parameters with intervals, clocks, and the next push."""
+    name = result.models.push_set.name
+    friction = result.intervals.friction
+    rho = result.intervals.rho
+    lines = [
+        f"{name}: friction {friction.value:.3f} ({friction.low:.3f} to "
+        f"{friction.high:.3f}), rho {1e3 * rho.value:.1f} mm ({1e3 * rho.low:.1f} to "
+        f"{1e3 * rho.high:.1f}); {METHOD}."
+    ]
+    if result.recorded is not None:
+        lines += _recorded_lines(result.recorded)
+    lines += _load_line(result)
+    lines.append(_next_line(result))
+    return lines
+
+
+def _recorded_lines(recorded: RecordedSet) -> list[str]:
+    """Sentences on the tip's friction and the clocks."""
+    lines = [
+        f"{clock.source}: {1e3 * clock.offset.seconds:+.1f} ms "
+        f"(± {1e3 * clock.offset.half_width:.1f}, least squares) added to the stamps of "
+        "the object's poses."
+        for clock in recorded.clocks
+        if clock.offset.half_width
+    ]
+    if recorded.contact_friction is None:
+        lines.append(
+            "Contact friction: the tip did not slide; it is at least "
+            f"{recorded.least_contact_friction:.2f}."
+        )
+    else:
+        lines.append(
+            f"Contact friction, where it slid: {recorded.contact_friction:.2f}."
+        )
+    return lines
+
+
+def _load_line(result: IdentifiedSet) -> list[str]:
+    """Sentence on a shape whose own load predicts the pushes better than rho."""
+    if result.needs_rho:
+        return []
+    plain = math.degrees(result.expected_error)
+    fitted = math.degrees(result.models.scores["ellipsoid"].mean)
+    on_the_spot = 1e3 * rho_pole(result.models.pressure.at_rest)
+    return [
+        "The load that the shape leads to expect predicts held-out pushes better than "
+        f"rho does ({plain:.1f} against {fitted:.1f} degrees): belief.rho is best null. "
+        f"By the fitted load rho is {on_the_spot:.1f} mm for a turn on the spot."
+    ]
+
+
+def _next_line(result: IdentifiedSet) -> str:
+    """Advice on the push that narrows the wider interval."""
+    push = result.next_push
+    interval = getattr(result.intervals, push.parameter)
+    x, y = (1e3 * value for value in push.point)
+    heading = math.degrees(math.atan2(push.direction[1], push.direction[0]))
+    return (
+        f"Known least: {push.parameter}, to {100.0 * interval.relative:.1f} %. Push the "
+        f"object at ({x:.0f}, {y:.0f}) mm of its own frame, towards {heading:.0f} "
+        f"degrees: {MORE} such pushes leave {100.0 * push.narrowed:.0f} % of the interval."
+    )
 
 
 def set_figure(identification: Identification) -> Figure:
@@ -156,7 +240,8 @@ def set_figure(identification: Identification) -> Figure:
 def _errors(axes: Axes, identification: Identification) -> None:
     for name, (label, color, line) in MODELS.items():
         if name in identification.scores:
-            errors = np.sort(np.degrees(identification.scores[name].errors.ravel()))
+            misses = np.concatenate(identification.scores[name].errors)
+            errors = np.sort(np.degrees(misses))
             share = 100.0 * np.arange(1, len(errors) + 1) / len(errors)
             axes.plot(
                 errors,

@@ -1,9 +1,8 @@
-"""The commands on many runs: sweep and identify."""
+"""The command on many runs: sweep."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -25,7 +24,6 @@ from pushpressslide.cli.options import (
     World,
 )
 from pushpressslide.cli.shell import progress_bar
-from pushpressslide.cli.text import print_text
 from pushpressslide.jobs.engines import DEFAULT
 
 
@@ -159,66 +157,5 @@ def sweep(options: SweepOptions) -> None:
         if compiling:
             typer.echo(compiling)
         typer.echo(folder)
-
-    answer(result, options, show)
-
-
-@dataclass(frozen=True)
-class IdentifyOptions:
-    """Argument and options of ``pps identify``, in the order of its help."""
-
-    data: Annotated[
-        Path,
-        typer.Argument(
-            metavar="DATA", help="A log of recorded pushes, or a folder with logs."
-        ),
-    ]
-    seed: Seed = 0
-    splits: Annotated[
-        int,
-        typer.Option("--splits", min=1, max=10_000, help="Random splits to score on."),
-    ] = 20
-    fit_share: Annotated[
-        float,
-        typer.Option(
-            "--fit-share",
-            min=0.05,
-            max=0.95,
-            help="Share of the pushes that is fitted.",
-        ),
-    ] = 0.5
-    out: Out = None
-    as_json: Json = False
-    quiet: Quiet = False
-    force: Force = False
-
-
-@command
-def identify(options: IdentifyOptions) -> None:
-    """Identify rho, friction and pressure from recorded pushes.
-
-    The models are scored on pushes that were held out.
-    """
-    from pushpressslide.jobs.identify import identify as identify_all
-
-    folder = results_folder(options.out, "identify", options.force)
-    label = f"pushes of {options.data.name}"
-    with progress_bar(label, not options.quiet) as progress:
-        result, identifications = identify_all(
-            options.data,
-            out=folder,
-            progress=progress,
-            seed=options.seed,
-            splits=options.splits,
-            fit_share=options.fit_share,
-        )
-
-    def show() -> None:
-        """Print the table, and the location of the page."""
-        from pushpressslide.cli.identification_table import lines
-
-        for line in [*lines(identifications, result), *result["notes"]]:
-            print_text(line)
-        typer.echo(folder / "report.html")
 
     answer(result, options, show)

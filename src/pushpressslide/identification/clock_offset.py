@@ -1,0 +1,129 @@
+"""Offset between the clock of the object's poses and that of the arm.
+
+While the tip pushes, its gap to the object is constant. If poses are stamped late, the
+gap seems to grow with the speed at which the object gives way. The offset is the one
+that leaves a constant gap: least squares with the gap as a second unknown.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.identification.streams import Stream
+from pushpressslide.identification.tip_contact import TipContact
+
+SEARCH = 0.5  # [s] to either side that an offset is looked for
+STEP = 0.01  # [s] of the search
+SLOPE_TIME = 0.02  # [s] to either side, over which the speed of a gap is taken
+GAP_ERROR = 5e-4  # [m] by which outline and radius of the tip may be wrong
+TOUCH_SHARE = 0.3  # of the force of pushing, from which on the tip is in contact
+LEAST_TOUCH = 0.1  # [N] from which on it is, however light the push
+OUTLIER = 4.0  # standard deviations of a gap that is left out
+LEAST_CONTACT = 20  # poses in contact
+CONFIDENCE = 1.96  # standard deviations of a 95 % interval
+
+
+@dataclass(frozen=True)
+class ClockOffset:
+    """What has to be added to the stamps of poses, so that they are the arm's."""
+
+    seconds: float
+    half_width: float = 0.0  # [s] of its 95 % interval; 0 for one that was given
+
+
+class _Solution(NamedTuple):
+    step: float  # [s]
+    half_width: float  # [s]
+
+
+@dataclass(frozen=True, eq=False)
+class OffsetFit:
+    """Finds the offset of one recording, whose forces have no bias."""
+
+    source: str
+    object: Stream
+    tip: Stream
+    force: Stream
+    tip_contact: TipContact
+
+    def offset(self) -> ClockOffset:
+        """The offset, with an interval from the covariance of the fit.
+
+        Raises PushPressSlideError if the streams have too little contact in common.
+        """
+        offsets = np.arange(-SEARCH, SEARCH + 0.5 * STEP, STEP)
+        found = [self._gaps(offset, 0.0) for offset in offsets]
+        counts = [len(gaps) for gaps in found]
+        if max(counts) < LEAST_CONTACT:
+            raise PushPressSlideError(
+                f"{self.source}: {max(counts)} poses are in contact (force above "
+                f"{self._touch:.2g} N); at least {LEAST_CONTACT} are needed; --offset S "
+                f"joins clocks that differ by over {SEARCH:g} s"
+            )
+        spreads = [_spread(gaps) for gaps in found]
+        seconds = float(offsets[int(np.argmin(spreads))])
+        half_width = SEARCH
+        for _ in range(8):
+            step, half_width = self._step(seconds)
+            seconds += min(max(step, -SLOPE_TIME), SLOPE_TIME)
+            if abs(step) < 1e-6:
+                break
+        return ClockOffset(seconds, half_width)
+
+    @property
+    def _touch(self) -> float:
+        return touching_force(self.force)
+
+    def _rows(self, offset: float) -> NDArray[np.bool_]:
+        """Poses in contact."""
+        times = self.object.times + offset
+        known = self.tip.covers(times) & self.force.covers(times)
+        size = np.hypot(*self.force.values_at(times).T)
+        rows: NDArray[np.bool_] = known & (size > self._touch)
+        return rows
+
+    def _gaps(self, offset: float, later: float) -> Array:
+        """Gaps [m] of the poses in contact to the tip as it is ``later`` [s]."""
+        rows = self._rows(offset)
+        tip = self.tip.values_at(self.object.times[rows] + offset + later)
+        return self.tip_contact.contacts(tip[:, :2], self.object.values[rows]).gaps
+
+    def _step(self, offset: float) -> _Solution:
+        """Gauss-Newton step that leaves a constant gap, without outliers."""
+        gaps = self._gaps(offset, 0.0)
+        ahead = self._gaps(offset, SLOPE_TIME)
+        behind = self._gaps(offset, -SLOPE_TIME)
+        slopes = (ahead - behind) / (2.0 * SLOPE_TIME)
+        matrix = np.column_stack([slopes, np.ones(len(gaps))])
+        prior = np.diag((1.0 / SEARCH**2, 1.0 / GAP_ERROR**2))
+        rows = np.ones(len(gaps), dtype=bool)
+        noise = float(np.std(gaps)) + 1e-9
+        for _ in range(4):
+            normal = matrix[rows].T @ matrix[rows] / noise**2 + prior
+            fitted = np.linalg.solve(normal, -matrix[rows].T @ gaps[rows] / noise**2)
+            errors = gaps + matrix @ fitted
+            noise = 1.4826 * float(np.median(np.abs(errors))) + 1e-9
+            rows = np.abs(errors) < OUTLIER * noise
+        variance = float(np.linalg.inv(normal)[0, 0])
+        return _Solution(float(fitted[0]), CONFIDENCE * math.sqrt(variance))
+
+
+def touching_force(force: Stream) -> float:
+    """Force [N] from which on the tip is in contact: a share of that of pushing."""
+    size = np.hypot(*force.values.T)
+    return max(LEAST_TOUCH, TOUCH_SHARE * float(np.percentile(size, 90.0)))
+
+
+def _spread(gaps: Array) -> float:
+    """Robust measure [m] of how far gaps are from a common one near zero."""
+    if len(gaps) < LEAST_CONTACT:
+        return math.inf
+    middle = float(np.median(gaps))
+    return float(np.abs(gaps - middle).mean()) + 0.1 * abs(middle)

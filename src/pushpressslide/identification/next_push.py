@@ -1,0 +1,82 @@
+"""The push that would say most about the parameter known least.
+
+On an ellipsoid a push square to a face with a lever d turns the object by an angle a of
+its direction, tan a = LENGTH d / rho^2. Its change with the logarithm of rho is sin 2a:
+largest at d = rho^2 / LENGTH. Friction is seen best without a lever, where the force
+does not depend on rho.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from pushpressslide.core.pose import Point
+from pushpressslide.identification.intervals import Intervals
+from pushpressslide.identification.pairs import LENGTH, Pairs
+from pushpressslide.identification.push_sets import PushSet
+
+PLACES = 41  # along each side that are compared
+INSET = 0.1  # of a side that stays free at its ends
+MORE = 5  # pushes for which the interval is predicted
+
+
+@dataclass(frozen=True)
+class NextPush:
+    """A push square to the outline of the base."""
+
+    parameter: Literal["friction", "rho"]
+    point: Point  # [m] in G
+    direction: Point  # unit, in G
+    lever: float  # [m] of its line of action about the centre of mass
+    narrowed: float  # share of the interval that is left after ``MORE`` such pushes
+
+
+def next_push(push_set: PushSet, known: Intervals) -> NextPush:
+    """The push that narrows the wider of the two relative intervals most."""
+    rho = known.rho.value
+    by_rho = known.rho.relative >= known.friction.relative
+    cx, cy = push_set.body.center_of_mass
+    corners = push_set.base
+    best: tuple[float, Point, Point, float] | None = None
+    for a, b in zip(corners, (*corners[1:], *corners[:1]), strict=True):
+        ends = np.array([a, b])
+        along = ends[1] - ends[0]
+        normal = np.array([-along[1], along[0]]) / np.hypot(*along)
+        for share in np.linspace(INSET, 1.0 - INSET, PLACES):
+            x, y = ends[0] + share * along
+            lever = float(x * normal[1] - y * normal[0])
+            merit = sensitivity(lever, rho) if by_rho else -abs(lever)
+            if best is None or merit > best[0] + 1e-9:
+                foot = (float(x) + cx, float(y) + cy)
+                best = (merit, foot, (float(normal[0]), float(normal[1])), lever)
+    if best is None:
+        raise ValueError("a base has corners")
+    merit, point, direction, lever = best
+    left = _left(push_set, rho, merit) if by_rho else _left_of_mean(push_set)
+    return NextPush("rho" if by_rho else "friction", point, direction, lever, left)
+
+
+def sensitivity(lever: float, rho: float) -> float:
+    """Change [rad] of a motion's direction with the logarithm of rho, for a push at a
+    ``lever`` [m].
+    """
+    angle = math.atan(LENGTH * abs(lever) / rho**2)
+    return math.sin(2.0 * angle)
+
+
+def _left(push_set: PushSet, rho: float, merit: float) -> float:
+    """Share of an interval of rho that more pushes of a sensitivity leave."""
+    pairs: Pairs = push_set.pairs
+    levers = pairs.wrenches[:, 2] / np.hypot(*pairs.wrenches[:, :2].T).clip(1e-9)
+    seen = np.array([sensitivity(float(lever), rho) ** 2 for lever in levers])
+    whole = float(seen.mean()) * push_set.count
+    return math.sqrt(whole / (whole + MORE * merit**2)) if whole else 0.0
+
+
+def _left_of_mean(push_set: PushSet) -> float:
+    """Share of the interval of a mean that more pushes leave."""
+    return math.sqrt(push_set.count / (push_set.count + MORE))

@@ -1,0 +1,34 @@
+"""The record of a run as a CSV file, a row for each tick."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.record import Record
+from pushpressslide.core.record_columns import named_columns
+from pushpressslide.core.whole_file import write_whole
+
+
+def write_csv(record: Record, path: Path) -> Path:
+    """Write the columns of ``core.record_columns`` to ``path``, and return it.
+
+    Numbers are written so that they are read back to the bit; NaN is an empty cell.
+    """
+    columns = named_columns(record.arrays)
+    texts = [_texts(column) for column in columns.values()]
+    lines = [",".join(columns), *(",".join(row) for row in zip(*texts, strict=True))]
+    return write_whole(path, "\n".join(lines) + "\n")
+
+
+def _texts(column: Array | list[str]) -> list[str]:
+    """Cells of one column."""
+    values = column if isinstance(column, list) else column.tolist()
+    return [_cell(value) for value in values]
+
+
+def _cell(value: float | str) -> str:
+    if isinstance(value, str):
+        return value
+    return "" if math.isnan(value) else repr(value)
