@@ -15,7 +15,6 @@ from pushpressslide.core.path import ArcPath, SpeedProfile
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import SKIPPED, Refusal
-from pushpressslide.core.renamed import Renamed
 from pushpressslide.core.task import Restart, Task
 from pushpressslide.core.twist_path import TwistPath
 
@@ -135,8 +134,6 @@ class Choice:
     refusal: Refusal | None = None  # None: it can do the task
     leg: int = 0  # of the task, that it begins with
 
-    merits = Renamed("summary")
-
     @property
     def feasible(self) -> bool:
         """Whether the choice can do the task."""
@@ -194,8 +191,6 @@ class Plan:
     # that took the place of the rest after recoveries, one after the other
     later: tuple[Plan, ...] = ()
 
-    searched = Renamed("from_search")
-
     @property
     def queries(self) -> tuple[MotionQuery, ...]:
         """One motion query for each leg."""
@@ -205,17 +200,6 @@ class Plan:
     def query(self) -> MotionQuery:
         """Motion query of the first leg."""
         return self.queries[self.segments[0].leg]
-
-    def part(self, segment: Segment) -> Task:
-        """Task of a segment's leg. For plants; to be removed in version 0.6."""
-        import warnings
-
-        warnings.warn("Plan.part: use Plan.queries", DeprecationWarning, stacklevel=2)
-        query = self.queries[segment.leg]
-        task = replace(self.task, goal=query.goal, motion=query.motion, legs=())
-        if segment.leg == 0:
-            return task
-        return replace(task, start=query.start, start_error=Pose2())
 
     @property
     def first(self) -> int:

@@ -19,7 +19,6 @@ from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.errors import InputError
 from pushpressslide.core.field_spec import FRICTIONS, field_spec, setting
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.renamed import Renamed
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.geometry.shapes import Shape
 
@@ -382,8 +381,6 @@ class Obstacle:
         False,
         "whether the object may push it along if no path leads past it; only if movable",
     )
-
-    told = Renamed("nominal")
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -24,7 +24,6 @@ from pushpressslide.core.motion import Tolerance as Tolerance
 from pushpressslide.core.motion import ToolUse as ToolUse
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
-from pushpressslide.core.renamed import Renamed
 from pushpressslide.core.scene import Belief as Belief
 from pushpressslide.core.scene import ObjectModel as ObjectModel
 from pushpressslide.core.scene import Obstacle as Obstacle
@@ -174,8 +173,6 @@ class Task:
     description: str = setting("", "one line, shown by `pps tasks`")
     # the file it came from, for messages
     source: str = field(default="", compare=False)
-
-    believed = Renamed("full_belief")
 
     def __post_init__(self) -> None:
         check_fields(self)
