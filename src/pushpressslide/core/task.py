@@ -15,7 +15,7 @@ from functools import cached_property
 
 from pushpressslide.core.checks import check_fields
 from pushpressslide.core.errors import TaskError
-from pushpressslide.core.field_spec import FRICTIONS, field_spec, setting
+from pushpressslide.core.field_spec import FRICTIONS, documented, field_spec, setting
 from pushpressslide.core.motion import ON_THE_WAY
 from pushpressslide.core.motion import Limits as Limits
 from pushpressslide.core.motion import Motion as Motion
@@ -42,6 +42,7 @@ from pushpressslide.geometry.shapes import Prism as Prism
 from pushpressslide.geometry.shapes import Shape as Shape
 
 
+@documented
 @dataclass(frozen=True, slots=True)
 class Leg:
     """One leg of a task of several: a mode, and the end pose of the object."""
@@ -88,6 +89,7 @@ class Restart:
     legs: tuple[Leg, ...] | None = None
 
 
+@documented
 @dataclass(frozen=True)
 class Task:
     """One manipulation task, complete and checked."""
