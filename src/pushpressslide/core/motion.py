@@ -50,6 +50,12 @@ class Tolerance:
     def __post_init__(self) -> None:
         check_fields(self)
 
+    def holds(self, X: Pose2, goal: Pose2) -> bool:
+        """Whether a pose is within the tolerance of a goal."""
+        turn = abs(math.remainder(X.yaw - goal.yaw, math.tau))
+        near = math.dist(X.position, goal.position) <= self.position
+        return near and turn <= self.yaw
+
 
 ON_THE_WAY = Tolerance(margins.ARM.via, margins.ARM.turned_via)
 """Of poses that a search leads the object by: nobody asked for them."""

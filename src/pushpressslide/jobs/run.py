@@ -30,6 +30,7 @@ from pushpressslide.jobs.monitor import Monitor as Monitor
 from pushpressslide.jobs.monitor import Output as Output
 from pushpressslide.jobs.monitor import interrupted
 from pushpressslide.jobs.stages import Done, StageOptions, StageRunner
+from pushpressslide.report.at_rest import record_at_rest
 from pushpressslide.report.files import OLDER_STAGES, save_run
 from pushpressslide.report.stages import StageRun
 from pushpressslide.selection.select import MANY, select
@@ -122,7 +123,10 @@ def run(
                     "", name, value, "allowed: with a task, not with a Plan"
                 )
         options = replace(loop, seed=seed, progress=progress)
-        record = chosen.run(what, options, ArmOptions(models))
+        if what.segments:
+            record = chosen.run(what, options, ArmOptions(models))
+        else:
+            record = record_at_rest(what, engine)
         return measured(record, what.task)
     task = checked(what, overrides, mode=mode)
     monitor = Monitor(progress)
@@ -231,7 +235,8 @@ def write_pages(out: Output, done: Done, *, models: str = "generated") -> None:
         write_plan_pictures(done.stages, folder)
         begun = [stage for stage in done.stages if isinstance(stage, StageRun)]
         arms = ArmOptions(models, video=out.video, goals=goals)
-        engine.write_replay(begun, done.record, folder, arms)
+        if done.record.plan.segments:  # something moved
+            engine.write_replay(begun, done.record, folder, arms)
         write_report([folder])
     except KeyboardInterrupt:
         raise Interrupted(

@@ -26,6 +26,7 @@ from pushpressslide.selection.planner import infeasible, selectable
 from pushpressslide.selection.reach_screen import ReachScreen
 from pushpressslide.selection.search_notes import SearchNotes
 from pushpressslide.selection.select import (
+    choices_at_goal,
     evaluate_motion,
     of_leg,
     placements,
@@ -68,6 +69,11 @@ def solve(
     InfeasibleTaskError if nothing leads to the goal.
     """
     return solved(planner, Plan(task), enough, force=force)
+
+
+def rest(task: Task) -> Solution:
+    """Solution of a task whose object is at its goal already: nothing moves."""
+    return Solution(Plan(task), choices_at_goal(task))
 
 
 def solved(
@@ -142,6 +148,8 @@ def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Pl
     plans an infeasible choice all the same if it has a path. Raises InfeasibleTaskError
     with the reasons, one per choice, if nothing can do the task.
     """
+    if Plan(task).at_goal:
+        return Plan(task)
     if choice is None:
         return solve(PlansAlone(), task, 1, force=force).plan
     empty = Plan(task)

@@ -218,10 +218,10 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
     task = _task(plain, values, source)
     _warn_of_masses(task)
     refuse(source, wall_faults(task.scene, task.start, task.goal))
-    staged = bool(task.goals)
     true_start = task.true_start
-    for query in (task.query,) if staged else task.queries():
-        check(query, task.object, true_start, staged=staged)
+    rests = not task.legs and task.tolerance.holds(true_start, task.goal)
+    for query in (task.query,) if task.goals else task.queries():
+        check(query, task.object, true_start, may_rest=rests or bool(task.goals))
         true_start = query.goal
     check_goals(task)
     return task
