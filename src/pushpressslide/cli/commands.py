@@ -210,7 +210,8 @@ class RunOptions:
         bool,
         typer.Option(
             "--anyway",
-            help="Run the best choice that has a path, even if it is infeasible.",
+            help="Run the best choice that has a path, even if it is infeasible, beyond "
+            "limits.normal_force and limits.workspace too.",
         ),
     ] = False
     force: Force = False

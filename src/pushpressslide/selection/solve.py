@@ -39,6 +39,7 @@ SEQUENCES = 16  # whose joint paths are looked for
 TRIES_ANEW = 2
 SEQUENCES_ANEW = 6
 JUDGED = 320  # work on motions between two poses in a search
+MOST_FORCE = 1000.0  # [N] that a task file may allow
 MOST_FURTHER = 640  # more, if pushes from the via poses are evaluated too
 
 
@@ -124,6 +125,8 @@ def _solved(
     """
     choices = _selected(empty, enough)
     clock.lap("selection")
+    if force:
+        choices = _beyond_limits(empty, choices, enough)
     if force or not searchable(empty.task):
         choices = prepared(planner, empty, choices, force, empty.first)
         clock.lap("joint_paths")
@@ -137,6 +140,27 @@ def _solved(
     plan, searched = _search_sequence(planner, empty, choices)
     clock.lap("search")
     return Solution(plan, choices, clock.laps, searched)
+
+
+def _beyond_limits(empty: Plan, choices: list[Choice], enough: int) -> list[Choice]:
+    """``choices``; where none of a placement has a path, those of a task without a limit
+    of force and without a workspace, still refused for what the true limits refuse.
+    """
+    with_path = {choice.leg for choice in choices if choice.segments}
+    lacking = {choice.leg for choice in choices} - with_path
+    if not lacking:
+        return choices
+    limits = replace(empty.task.limits, normal_force=MOST_FORCE, workspace=None)
+    free = replace(empty, task=replace(empty.task, limits=limits))
+    refusals = {(one.leg, one.mode): one.refusal for one in reversed(choices)}
+    beyond = [
+        choice.refused(refusals.get((choice.leg, choice.mode), choice.refusal))
+        for choice in _selected(free, enough)
+        if choice.segments and choice.leg in lacking
+    ]
+    found = {choice.leg for choice in beyond}
+    kept = [choice for choice in choices if choice.leg not in found]
+    return sorted([*kept, *beyond], key=lambda choice: choice.leg)
 
 
 def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Plan:
