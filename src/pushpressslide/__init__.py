@@ -16,7 +16,7 @@ Parts of a task
 From a task to a result
     select, Choice, plan, Plan, run, Record, result
 The loop in your own program
-    run_loop, RunLoop, RunOptions, Cell, Controller; Plant, as in earlier versions
+    run_loop, RunLoop, RunOptions, Cell, Controller
 Pushing with a flat finger
     push_sticks, FlatFinger
 Packages: dir() lists their modules
@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from pushpressslide import allocation, batch, mechanics, modes, planar
     from pushpressslide.control.cell import Cell
     from pushpressslide.control.controller import Controller
-    from pushpressslide.control.plant import Plant
     from pushpressslide.control.run_loop import (
         RunLoop,
         RunOptions,
@@ -112,7 +111,6 @@ __all__ = [
     "Object",
     "Obstacle",
     "Plan",
-    "Plant",
     "Pose2",
     "Prism",
     "PushPressSlideError",
@@ -161,7 +159,6 @@ _HOMES = {
     "Obstacle": "core.scene.Obstacle",
     "Plan": "core.plan.Plan",
     "Cell": "control.cell.Cell",
-    "Plant": "control.plant.Plant",
     "Pose2": "core.pose.Pose2",
     "Prism": "geometry.shapes.Prism",
     "PushPressSlideError": "core.errors.PushPressSlideError",

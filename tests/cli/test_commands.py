@@ -236,6 +236,43 @@ def test_select_ranks_and_leaves_a_file(tmp_path: Path) -> None:
     )
 
 
+def test_select_leaves_no_folder_unasked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for task in ("rear-push-rear", "three-objects"):
+        assert invoke("select", task).exit_code == 0
+    assert list(tmp_path.iterdir()) == []
+
+
+AT_GOAL = ("--set", "goal={x: 0.38, y: 0.22, yaw_deg: 0}")
+
+
+@pytest.mark.parametrize("command", ["select", "plan", "run"])
+def test_an_object_at_its_goal_is_a_success(command: str, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    words = ("rear-push-rear", *AT_GOAL, "--out", str(out))
+    result = invoke(command, *words)
+    assert result.exit_code == 0, result.stderr
+    if command == "run":
+        assert json.loads((out / "result.json").read_text())["success"]
+        assert "at its goal already" in (out / "report.html").read_text()
+        assert invoke("report", str(out)).exit_code == 0
+
+
+def test_bodies_at_their_goals_are_a_success(tmp_path: Path) -> None:
+    goals = "goals=[{body: object, x: 0.38, y: 0.22, yaw_deg: 0}]"
+    words = ("--set", "goal=null", "--set", goals, "--engine", "planar")
+    result = invoke("run", "rear-push-rear", *words, "--out", str(tmp_path))
+    assert result.exit_code == 0, result.stderr
+
+
+def test_a_slip_is_warned_about_in_one_line() -> None:
+    result = invoke("select", "rear-push-rear", "--set", "object.mass=800")
+    (line,) = [line for line in result.stderr.splitlines() if "warning" in line]
+    assert line.startswith("pps: warning: rear-push-rear.yaml: object.mass: 800 kg in")
+
+
 def test_select_ranks_one_mode_alone_if_asked(tmp_path: Path) -> None:
     words = ("select", "any-mode", "--mode", "rear_push", "--json")
     rows = json.loads(invoke(*words, "--out", str(tmp_path)).stdout)

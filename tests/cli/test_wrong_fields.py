@@ -439,8 +439,10 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
         "limits.workspace.x:",
         "lower < upper",
     ),
-    "goal at the start": (
-        put("goal", {"x": 0.382, "y": 0.22, "yaw_deg": 1}),
+    "goal at the start by belief alone": (
+        lambda task: task.update(
+            goal={"x": 0.382, "y": 0.22, "yaw_deg": 1}, start_error={"x": 0.05}
+        ),
         "goal: 2.0 mm and 1.00 deg",
         "there already",
     ),

@@ -1,13 +1,11 @@
 """Cells: their arms are driven for as long as a run lasts."""
 
 from dataclasses import dataclass, field
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from pushpressslide.control.cell import Cell
-from pushpressslide.control.plant import cell_of
 
 
 @dataclass
@@ -46,9 +44,3 @@ def test_an_arm_that_does_not_answer_leaves_none_driven() -> None:
         pass
     assert left.calls == ["connect", "disconnect"]
     assert right.calls == []
-
-
-def test_a_plant_of_one_piece_is_called_old() -> None:
-    plant: Any = SimpleNamespace(name="old")
-    with pytest.warns(DeprecationWarning, match="give run_loop a Cell"):
-        cell_of(plant, 0)

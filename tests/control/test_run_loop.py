@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from whole_plant import PlantRow, cell_of
 
 import pushpressslide as pps
 from pushpressslide.control import run_loop as module
@@ -24,7 +25,6 @@ from pushpressslide.control.limits import (
     ArmLimits,
     ArmReading,
 )
-from pushpressslide.control.plant import PlantRow
 from pushpressslide.control.run_loop import (
     PROGRESS_TICKS,
     RunLoop,
@@ -53,8 +53,6 @@ from pushpressslide.core.plan import JointPath, Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
 from pushpressslide.core.task import Motion, Sensing, Task
-
-pytestmark = pytest.mark.filterwarnings("ignore:a plant of one piece")
 
 PERIOD = 0.01
 TICKS = 10  # that a scripted placement takes
@@ -212,7 +210,7 @@ class Script:
 def run_loop(plant: Diary, plan: Plan, options: RunOptions | None = None) -> Record:
     """Run with the scripted controller."""
     scripted = replace(options or RunOptions(), controller=Script)
-    return module.run_loop(plant, plan, scripted)
+    return module.run_loop(cell_of(plant, plant.arms), plan, scripted)
 
 
 @pytest.fixture(scope="module")
@@ -471,7 +469,7 @@ def test_progress_is_told_with_the_expected_duration(one) -> None:
     told: list[tuple[float, float]] = []
     plant = Diary(arms=1)
     options = RunOptions(progress=lambda *times: told.append(times))
-    module.run_loop(plant, one, options)
+    module.run_loop(cell_of(plant, plant.arms), one, options)
     expected = module.TOUCH_AND_RELEASE + one.duration
     assert [time for time, _ in told] == pytest.approx(
         [(i * PROGRESS_TICKS - 1) * PERIOD for i in range(1, len(told) + 1)]
@@ -621,14 +619,14 @@ def test_a_run_of_a_single_tick_is_recorded_too(one: Plan, scripts) -> None:
 
 
 def test_a_run_that_has_not_begun_has_a_record_without_ticks(one: Plan) -> None:
-    record = RunLoop(Diary(arms=1), one).record(Ending("interrupted"))
+    record = RunLoop(cell_of(Diary(arms=1), 1), one).record(Ending("interrupted"))
     assert len(record.arrays["time"]) == 0
     assert record.reason == "interrupted"
 
 
 def test_external_commands_reach_the_arms_for_one_period(one: Plan, scripts) -> None:
     plant = Diary(arms=1)
-    loop = RunLoop(plant, one)
+    loop = RunLoop(cell_of(plant, 1), one)
     measurement = loop.drive((PUSH,))
     assert plant.applied == [(PUSH,)]
     assert measurement.time == PERIOD
@@ -657,7 +655,7 @@ def test_a_tip_that_is_held_keeps_its_press_and_only_that() -> None:
 def test_an_arm_that_fails_while_one_plans_leaves_no_thread_behind(
     one: Plan, scripts, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    loop = RunLoop(Diary(arms=1), one, RunOptions(controller=Script))
+    loop = RunLoop(cell_of(Diary(arms=1), 1), one, RunOptions(controller=Script))
     clock = loop.cell.clock
     failed = threading.Event()
 

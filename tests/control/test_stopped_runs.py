@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from whole_plant import PlantRow, cell_of
 
 import pushpressslide as pps
 from pushpressslide.control.limits import TORQUE_TIME, ArmLimits, ArmReading
-from pushpressslide.control.plant import PlantRow
 from pushpressslide.control.run_loop import RunOptions, run_loop
 from pushpressslide.control.state import tip_position
 from pushpressslide.control.stopping import LONGEST, REST_TIME
@@ -26,8 +26,6 @@ from pushpressslide.core.control import (
 )
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.core.record import Record
-
-pytestmark = pytest.mark.filterwarnings("ignore:a plant of one piece")
 
 PERIOD = 0.004
 AT = 0.1  # [s] at which something goes wrong
@@ -122,7 +120,7 @@ def stopped(
     script: Callable[[int, float], ArmReading], name: str = "rear-push-rear"
 ) -> tuple[Arms, Record]:
     arms = Arms(plan(name), script)
-    return arms, run_loop(arms, arms.plan, RunOptions())
+    return arms, run_loop(cell_of(arms, arms.arms), arms.plan, RunOptions())
 
 
 def until(end: float, reading: ArmReading, arm: int = 0) -> Callable[..., ArmReading]:

@@ -36,8 +36,8 @@ def test_a_task_that_a_file_could_not_say_is_refused(
 
 @pytest.mark.parametrize("ask", [pps.select, pps.plan, run_of])
 def test_what_is_no_task_is_refused_in_one_line(ask: Callable[[Any], object]) -> None:
-    with pytest.raises(pps.PushPressSlideError, match=r"load_task\(name or path\)"):
-        ask("rear-push-rear")
+    with pytest.raises(pps.TaskError, match="task: 3 is not allowed; allowed: a Task"):
+        ask(3)
 
 
 def test_a_finished_run_is_read_and_reported_by_the_name_of_its_folder(

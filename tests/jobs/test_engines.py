@@ -17,7 +17,7 @@ def test_every_name_of_the_command_line_has_its_engine() -> None:
 
 def test_an_unknown_engine_is_refused_with_the_known_ones() -> None:
     with pytest.raises(
-        PushPressSlideError, match="'bullet' is not allowed; allowed: "
+        PushPressSlideError, match="'bullet' is not allowed; known: "
     ) as e:
         engine_named("bullet")
     assert all(name in str(e.value) for name in ENGINES)
@@ -40,7 +40,7 @@ def test_every_entry_refuses_an_unknown_engine_before_anything_runs(
     entry, tmp_path
 ) -> None:
     with pytest.raises(
-        PushPressSlideError, match="engine: 'plana' is not allowed; allowed: drake"
+        PushPressSlideError, match=r"engine: 'plana' is not allowed; .*known: drake"
     ):
         entry(load_task("rear-push-rear"), tmp_path / "out")
     assert not (tmp_path / "out").exists()

@@ -121,7 +121,7 @@ def test_a_command_and_a_measurement_come_back_from_their_numbers():
 def test_what_is_no_task_of_one_placement_is_refused_in_one_line(monkeypatch):
     with pytest.raises(pps.TaskError, match="one goal"):
         CommandEnv("swap")
-    with pytest.raises(pps.PushPressSlideError, match="allowed: drake, planar"):
+    with pytest.raises(pps.PushPressSlideError, match="known: drake, planar"):
         CommandEnv(engine="mujoco")
     env = CommandEnv("pivot-and-move")
     start = env.task.start
@@ -133,3 +133,17 @@ def test_what_is_no_task_of_one_placement_is_refused_in_one_line(monkeypatch):
     monkeypatch.setattr(command_env, "DRAWS", 2)  # each is planned in vain
     with pytest.raises(pps.InfeasibleTaskError):
         CommandEnv(heavy).reset(seed=0)
+
+
+def test_a_commanded_task_has_pictures_goals_and_a_threshold() -> None:
+    env = CommandEnv("press-slide", render_mode="rgb_array", threshold=(0.5, 3.0))
+    goal = pps.load_task("press-slide").goal
+    near = (goal.x - 0.02, goal.y, goal.yaw)
+    observation, _ = env.reset(seed=0, options={"goal": near})
+    assert observation[4:7].tolist() == pytest.approx(near)
+    picture = env.render()
+    assert picture is not None
+    assert picture.shape == (96, 96, 3)
+    assert len(np.unique(picture.reshape(-1, 3), axis=0)) == 5
+    assert env.task.tolerance.position == 0.5
+    assert CommandEnv("press-slide").render() is None

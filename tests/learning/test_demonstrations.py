@@ -97,7 +97,8 @@ def test_the_command_writes_what_it_says(tmp_path: Path) -> None:
     [
         ((TASK, "--out", "shown.csv"), "a name that ends in .npz"),
         ((TASK, "--episodes", "0"), "'--episodes'"),
-        (("press-slide",), "allowed to learn: rear_push"),
+        (("post", "--mode", "rear_push"), "allowed to learn: none"),
+        (("press-slide", "--exact"), "--exact: allowed with mode rear_push"),
         (("no-such-task",), "no such task"),
     ],
 )

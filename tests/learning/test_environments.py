@@ -18,7 +18,12 @@ import pushpressslide.learning  # noqa: E402 - registers the environments
 from pushpressslide.batch import fast  # noqa: E402
 from pushpressslide.core.errors import MissingPackageError  # noqa: E402
 from pushpressslide.learning.environment import PushEnv  # noqa: E402
-from pushpressslide.learning.registration import COMMANDS, ENVIRONMENTS  # noqa: E402
+from pushpressslide.learning.expert import RearPushPolicy  # noqa: E402
+from pushpressslide.learning.registration import (  # noqa: E402
+    CHOICES,
+    COMMANDS,
+    ENVIRONMENTS,
+)
 from pushpressslide.learning.vector import PushVectorEnv  # noqa: E402
 
 REGISTERED = list(ENVIRONMENTS)
@@ -28,7 +33,7 @@ VECTORISED = [name for name in REGISTERED if gymnasium.spec(name).vector_entry_p
 
 def test_every_environment_is_registered() -> None:
     own = {name for name in gymnasium.registry if name.startswith("pushpressslide/")}
-    assert own == {*ENVIRONMENTS, *COMMANDS}
+    assert own == {*ENVIRONMENTS, *COMMANDS, *CHOICES}
 
 
 @every_environment
@@ -74,12 +79,55 @@ def test_a_reset_is_exactly_where_it_was_asked_for(exact) -> None:
     np.testing.assert_array_equal(moved, back)
 
 
+@pytest.mark.parametrize("exact", [False, True])
+def test_a_goal_may_be_asked_for(exact) -> None:
+    env = PushEnv(exact=exact)
+    goal = (0.7, 0.1, 0.3)
+    first, _ = env.reset(seed=0, options={"goal": goal})
+    np.testing.assert_allclose(first[3:6], goal, atol=1e-15)
+    policy = RearPushPolicy(env.push)
+    over = False
+    while not over:
+        first, _, over, late, info = env.step(policy(first))
+        over = over or late
+    assert info["success"]
+    again, _ = env.reset(seed=0)
+    assert again[3:6].tolist() != first[3:6].tolist()
+
+
+def test_many_have_goals_of_their_own() -> None:
+    many = PushVectorEnv(2)
+    goals = [(0.7, 0.1, 0.3), (0.6, 0.0, -0.2)]
+    first, _ = many.reset(seed=0, options={"goal": goals})
+    np.testing.assert_allclose(first[:, 3:6], goals, atol=1e-15)
+
+
+def test_a_far_goal_has_more_steps() -> None:
+    near = PushEnv()
+    near.reset(options={"start": (0.38, 0.22, 0.0), "goal": (3.0, 0.22, 0.0)})
+    for _ in range(near.push.steps + 1):
+        *_, truncated, _ = near.step(np.zeros(2))
+    assert not truncated
+
+
+def test_a_threshold_replaces_the_tolerance() -> None:
+    goal = pps.load_task("rear-push-rear").goal
+    off = (goal.x + 0.03, goal.y, goal.yaw)
+    for threshold, success in ((None, False), ((0.04, 0.1), True)):
+        env = gymnasium.make(REGISTERED[0], threshold=threshold).unwrapped
+        env.reset(options={"start": off})
+        *_, info = env.step(np.zeros(2))
+        assert info["success"] == success
+
+
 def test_wrong_resets_and_actions_are_one_line() -> None:
     env = PushEnv()
     with pytest.raises(
-        ValueError, match=r"option 'goal' is not allowed; allowed: start"
+        ValueError, match=r"option 'aim' is not allowed; allowed: start, goal"
     ):
-        env.reset(options={"goal": (0.0, 0.0, 0.0)})
+        env.reset(options={"aim": (0.0, 0.0, 0.0)})
+    with pytest.raises(ValueError, match=r"goal of shape \(2,\) is not allowed"):
+        env.reset(options={"goal": (0.0, 0.0)})
     with pytest.raises(ValueError, match=r"shape \(2,\) is not allowed"):
         env.reset(options={"start": (0.0, 0.0)})
     with pytest.raises(ValueError, match=r"allowed: x and y in \[-10, 10\] m"):

@@ -40,7 +40,7 @@ except pps.PushPressSlideError as error:
 WRONG = """
 import pushpressslide as pps
 
-pps.plan("rear-push-rear")
+pps.plan(3)
 pps.load_task("rear-push-rear").gaol
 """
 

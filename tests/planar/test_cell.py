@@ -8,7 +8,6 @@ import pushpressslide as pps
 from pushpressslide.core.plan import Plan
 from pushpressslide.planar.cell import planar_cell
 from pushpressslide.planar.engine import run
-from pushpressslide.planar.plant import PlanarPlant
 
 
 @pytest.fixture(scope="module")
@@ -71,9 +70,3 @@ def test_an_object_that_is_led_over_the_edge_of_its_table_tips() -> None:
     record = run(replace(made, task=task))
     assert record.reason == "diverged"
     assert "tips over" in record.reason_text
-
-
-def test_its_old_name_warns(plan: Plan) -> None:
-    with pytest.warns(DeprecationWarning, match="planar_cell"):
-        cell = PlanarPlant(plan)
-    assert cell.name == "planar"

@@ -16,7 +16,6 @@ from pushpressslide.selection.stages import (
     PlannedStage,
     after,
     goals_of,
-    is_there,
     plan_stages,
 )
 from pushpressslide.taskfile.load import load_task, task_from_data
@@ -71,7 +70,7 @@ def check(task: Task, planned: list[PlannedStage]) -> None:
             area = overlap_area(shapes[0], poses[a], shapes[1], poses[b])
             assert area <= 1e-8
     for body, goals in goals_of(task).items():
-        assert is_there(state.poses[body], goals[-1], task.tolerance)
+        assert task.tolerance.holds(state.poses[body], goals[-1])
 
 
 def test_cubes_that_change_places_take_one_put_aside() -> None:

@@ -106,6 +106,6 @@ def test_an_override_changes_one_field(override: str, changed: dict[str, Any]) -
     ],
 )
 def test_an_override_that_fits_nothing_is_refused(override: str, fault: str) -> None:
-    with pytest.raises(TaskError, match="--set") as refused:
+    with pytest.raises(TaskError, match="override") as refused:
         apply_overrides({"a": {"x": 1}, "b": [{"c": 2}]}, [override])
     assert fault in str(refused.value)

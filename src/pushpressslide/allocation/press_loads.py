@@ -22,7 +22,6 @@ from pushpressslide.core import margins
 from pushpressslide.core.allocation import AllocationStatus
 from pushpressslide.core.errors import InputError
 from pushpressslide.core.pose import Point
-from pushpressslide.core.renamed import Renamed
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.mechanics.checks import (
     check_force,
@@ -73,8 +72,6 @@ class TwoPresses:
     contact_friction: float  # of the pair tip/object
     rho: float  # [m] of the ellipsoid about the centre of pressure
     cap: float  # [N] most that one contact may press
-
-    at = Renamed("loads_for")
 
     def __post_init__(self) -> None:
         check_friction(self.support_friction, "support_friction")

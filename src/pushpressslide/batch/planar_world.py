@@ -24,7 +24,6 @@ from pushpressslide.batch.pushing import SEPARATE
 from pushpressslide.batch.rows import Figures, answers, figures, grouped
 from pushpressslide.batch.support import Support
 from pushpressslide.core.arrays import Array
-from pushpressslide.core.renamed import Renamed
 
 NO_FACE = (1.0, 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 1.0)
 """A face that no tip reaches: its right end is to the left of the left one."""
@@ -65,8 +64,6 @@ class PlanarWorld:
     """Bodies with the same number of tips each. Their parameters are arrays of any
     leading shape.
     """
-
-    begin = Renamed("initial_states")
 
     def __init__(self, support: Support, faces: Faces, tips: Tips, dt: float) -> None:
         """Prepare bodies and tips, in ticks of ``dt`` [s].

@@ -29,7 +29,6 @@ from pushpressslide.batch.rows import (
     halves,
 )
 from pushpressslide.core.arrays import Array
-from pushpressslide.core.renamed import Renamed
 from pushpressslide.kernels.pushing import advance_push
 
 
@@ -44,8 +43,6 @@ class Pushes(NamedTuple):
 
 class PushedBodies:
     """Bodies and their pushed faces. Their parameters are arrays of any leading shape."""
-
-    begin = Renamed("initial_states")
 
     def __init__(
         self,

@@ -6,12 +6,14 @@ import functools
 import inspect
 import json
 import sys
+import warnings
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeVar
 
 import typer
 
-from pushpressslide.cli.shell import Commands
+from pushpressslide.cli.shell import Commands, complain
+from pushpressslide.core.errors import TaskWarning
 
 if TYPE_CHECKING:
     from pushpressslide.core.task import Task
@@ -82,7 +84,11 @@ def task_of(name: str, sets: list[str] | None, mode: str | None = None) -> Task:
     from pushpressslide.taskfile.load import load_task
 
     only = [] if mode is None else [f"modes={json.dumps([mode])}"]
-    task = load_task(name, [*(sets or ()), *only])
+    with warnings.catch_warnings(record=True) as slips:
+        warnings.simplefilter("always", TaskWarning)
+        task = load_task(name, [*(sets or ()), *only])
+    for slip in slips:
+        complain(f"warning: {slip.message}")
     _note_files(task)
     return task
 

@@ -83,7 +83,7 @@ def select(
     force: Force = False,
     joints: Joints = False,
 ) -> int:
-    """Rank the contact modes for a task, with reasons.
+    """Rank the contact modes for a task, with reasons; --out also writes select.json.
 
     With --joints also by the arms' joint paths, as a run does.
     """
@@ -95,19 +95,23 @@ def select(
     if joints and (loaded.goals or loaded.legs):
         reason = "--joints: allowed for a task of one motion, without goals and legs"
         raise PushPressSlideError(f"{loaded.source or loaded.name}: {reason}")
-    folder = results_folder(
-        out, f"select-{loaded.name}", force, ("select.json", "result.json")
-    )
+    folder = None
+    if out is not None:
+        results = ("select.json", "result.json")
+        folder = results_folder(out, f"select-{loaded.name}", force, results)
     if loaded.goals:
         select_stages(loaded, folder, as_json)
         return REACHED
     choices = ranked(loaded, joints)
-    rows = tables.write_choices(choices, loaded, joints, folder / "select.json")
+    rows = tables.choice_rows(choices)
+    fields = {"joint_paths": joints or None, "choices": rows}  # None: not looked at
+    tables.write_selection(loaded, fields, folder)
     if as_json:
         print_json(rows)
     else:
         tables.print_choices(choices, joints)
-        typer.echo(folder / "select.json")
+        if folder is not None:
+            typer.echo(folder / "select.json")
     if any(choice.feasible for choice in choices):
         return REACHED
     return _legs_instead(loaded, as_json)
@@ -251,7 +255,8 @@ class RunOptions:
         bool,
         typer.Option(
             "--anyway",
-            help="Run the best choice that has a path, even if it is infeasible.",
+            help="Run the best choice that has a path, even if it is infeasible, beyond "
+            "limits.normal_force and limits.workspace too.",
         ),
     ] = False
     force: Force = False

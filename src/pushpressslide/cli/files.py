@@ -47,7 +47,9 @@ def show(
 
     # loaded in any case: what is printed is a task
     loaded = load_task(task)
-    text = dump_task(loaded) if full else file_of(task).read_text(encoding="utf-8")
+    text = (
+        dump_task(loaded) if full else file_of(Path(task)).read_text(encoding="utf-8")
+    )
     typer.echo(text, nl=False)
 
 

@@ -9,38 +9,34 @@ from pathlib import Path
 import typer
 
 from pushpressslide.cli.app import print_json
-from pushpressslide.cli.tables import choice_rows, print_choices
+from pushpressslide.cli.tables import choice_rows, print_choices, write_selection
 from pushpressslide.core.bodies import Stage
 from pushpressslide.core.pose import wrap_angle
 from pushpressslide.core.task import Task
-from pushpressslide.core.whole_file import write_whole
 
 
-def select_stages(task: Task, folder: Path, as_json: bool) -> None:
-    """Rank the contact modes for each stage of a task and write select.json.
+def select_stages(task: Task, folder: Path | None, as_json: bool) -> None:
+    """Rank the contact modes for each stage of a task. Write select.json, if there is a
+    folder for it.
 
     Raises InfeasibleTaskError if no plan brings all bodies to their goals.
     """
-    from pushpressslide.report.json_text import to_json
     from pushpressslide.selection.stages import plan_stages
 
     planned = plan_stages(task)
-    data = {
-        "schema": 1,
-        "task": task.name,
-        "stages": [
-            {**asdict(one.stage), "choices": choice_rows(one.solution.choices)}
-            for one in planned
-        ],
-    }
-    write_whole(folder / "select.json", to_json(data))
+    stages = [
+        {**asdict(one.stage), "choices": choice_rows(one.solution.choices)}
+        for one in planned
+    ]
+    write_selection(task, {"stages": stages}, folder)
     if as_json:
-        print_json(data)
+        print_json({"schema": 1, "task": task.name, "stages": stages})
         return
     for number, one in enumerate(planned, start=1):
         typer.echo(stage_text(number, one.stage))
         print_choices(one.solution.choices)
-    typer.echo(folder / "select.json")
+    if folder is not None:
+        typer.echo(folder / "select.json")
 
 
 def stage_text(number: int, stage: Stage) -> str:

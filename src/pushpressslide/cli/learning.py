@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from pushpressslide.cli.app import answer, command, task_of
 from pushpressslide.cli.folders import hold, results_folder
-from pushpressslide.cli.options import Force, Json, Quiet, Sets, TaskName
+from pushpressslide.cli.options import Force, Json, ModeName, Quiet, Sets, TaskName
 from pushpressslide.cli.shell import progress_bar
+from pushpressslide.cli.text import print_text
 from pushpressslide.core.errors import PushPressSlideError
 
+if TYPE_CHECKING:
+    from pushpressslide.core.task import Task
+    from pushpressslide.learning.demonstrations import Demonstrations, Progress
+    from pushpressslide.learning.picture import Picture
+
+REAR_PUSH = "rear_push"
+FAILURES = 10  # episodes whose failures are printed
 FILE = "demonstrations.npz"
 
 
@@ -36,6 +46,7 @@ class DemonstrateOptions:
             help="File of the demonstrations, ends in .npz [in a new folder in runs/].",
         ),
     ] = None
+    mode: ModeName = None
     exact: Annotated[
         bool,
         typer.Option("--exact", help="On the exact limit surface: slower."),
@@ -48,6 +59,10 @@ class DemonstrateOptions:
             help="Also write a data set of LeRobot, version 3, into this folder.",
         ),
     ] = None
+    video: Annotated[
+        bool,
+        typer.Option("--video", help="With --lerobot: with pictures from above, too."),
+    ] = False
     sets: Sets = None
     as_json: Json = False
     quiet: Quiet = False
@@ -56,39 +71,91 @@ class DemonstrateOptions:
 
 @command
 def demonstrate(options: DemonstrateOptions) -> None:
-    """Write demonstrations of a task of one push, to learn from.
+    """Write demonstrations of a task, to learn from.
 
-    The controller of mode rear_push plays; docs/learning.md says what the file holds.
+    The controller of mode rear_push plays the task of one push; of another mode the
+    commands of all tips are written. docs/learning.md says what the file holds.
     """
-    from pushpressslide.learning import demonstrations
-    from pushpressslide.learning.lerobot import check_folder, write_lerobot
-    from pushpressslide.learning.push_task import push_task
+    from pushpressslide.learning.lerobot import (
+        check_folder,
+        check_video,
+        write_lerobot,
+    )
+    from pushpressslide.taskfile.load import check_task
 
-    push = push_task(task_of(options.task, options.sets))
-    path = _file(options, push.task.name)
+    task = task_of(options.task, options.sets)
+    modes = task.modes if options.mode is None else (options.mode,)
+    task = check_task(replace(task, modes=modes))
+    play, picture = _player(task, options)
+    path = _file(options, task.name)
+    if options.video:
+        check_video(options.lerobot)
     if options.lerobot is not None:
         check_folder(options.lerobot)
         hold(options.lerobot)
     seeds = range(options.seed, options.seed + options.episodes)
-    label = f"{options.episodes} episodes of {push.task.name}"
+    label = f"{options.episodes} episodes of {task.name}"
     with progress_bar(label, not options.quiet) as progress:
-        shown = demonstrations.demonstrate(push, seeds, progress, options.exact)
+        shown = play(seeds, progress)
     shown.write(path)
     if options.lerobot is not None:
-        write_lerobot(shown, options.lerobot, push.task.description or push.task.name)
-    reached = int(shown.success.sum())
-    frames = len(shown.actions)
-    data = {
+        text = task.description or task.name
+        write_lerobot(shown, options.lerobot, text, picture if options.video else None)
+    answer(_summary(shown, options, path), options, lambda: _print_summary(shown, path))
+
+
+def _player(
+    task: Task, options: DemonstrateOptions
+) -> tuple[Callable[[Sequence[int], Progress], Demonstrations], Picture]:
+    """Function that plays episodes of a task, and one that draws their frames."""
+    from pushpressslide.learning import demonstrations
+    from pushpressslide.learning.picture import Camera, CommandCamera
+    from pushpressslide.learning.push_task import push_task
+
+    if task.modes is not None and REAR_PUSH not in task.modes:
+        if options.exact:
+            allowed = f"allowed with mode {REAR_PUSH}"
+            raise PushPressSlideError(f"--exact: {allowed}")
+        play = partial(demonstrations.demonstrate_commands, task)
+        return play, CommandCamera(task).picture
+    push = push_task(task)
+    exact = options.exact
+    return (
+        lambda seeds, progress: demonstrations.demonstrate(
+            push, seeds, progress, exact
+        ),
+        Camera(push).picture,
+    )
+
+
+def _summary(
+    shown: Demonstrations, options: DemonstrateOptions, path: Path
+) -> dict[str, Any]:
+    """Figures of demonstrations, for --json."""
+    failures = (~shown.success).nonzero()[0]
+    return {
         "schema": 1,
-        "task": push.task.name,
+        "task": shown.task,
         "episodes": options.episodes,
         "first_seed": options.seed,
-        "successes": reached,
-        "frames": frames,
+        "successes": int(shown.success.sum()),
+        "failures": {str(shown.seed[i]): str(shown.reason[i]) for i in failures},
+        "frames": len(shown.actions),
         "file": str(path),
     }
-    text = f"{reached} of {options.episodes} episodes reach the goal, {frames} frames"
-    answer(data, options, lambda: typer.echo(f"{text}\n{path}"))
+
+
+def _print_summary(shown: Demonstrations, path: Path) -> None:
+    """Print how many episodes succeed, and why the others fail."""
+    count = len(shown.success)
+    reached = f"{int(shown.success.sum())} of {count} episodes reach the goal"
+    typer.echo(f"{reached}, {len(shown.actions)} frames")
+    failures = (~shown.success).nonzero()[0]
+    for i in failures[:FAILURES]:
+        print_text(f"seed {shown.seed[i]}: {shown.reason[i]}", 4)
+    if len(failures) > FAILURES:
+        typer.echo(f"and {len(failures) - FAILURES} more; --json lists all")
+    typer.echo(path)
 
 
 def _file(options: DemonstrateOptions, name: str) -> Path:

@@ -128,22 +128,14 @@ def choice_lines(choices: Sequence[Choice]) -> list[str | Padding]:
     return lines
 
 
-def write_choices(
-    choices: Sequence[Choice], task: Task, joints: bool, path: Path
-) -> list[dict[str, Any]]:
-    """Write the ranked choices of a task as select.json, and return its rows."""
+def write_selection(task: Task, fields: Mapping[str, Any], folder: Path | None) -> None:
+    """Write ``fields`` of a task as select.json, if there is a folder for it."""
     from pushpressslide.core.whole_file import write_whole
     from pushpressslide.report.json_text import to_json
 
-    rows = choice_rows(choices)
-    data = {
-        "schema": 1,
-        "task": task.name,
-        "joint_paths": joints or None,  # None: not looked at
-        "choices": rows,
-    }
-    write_whole(path, to_json(data))
-    return rows
+    if folder is not None:
+        data = {"schema": 1, "task": task.name, **fields}
+        write_whole(folder / "select.json", to_json(data))
 
 
 def print_legs(plan: Plan) -> None:

@@ -65,7 +65,6 @@ from pushpressslide.core.plan import Contact, Plan, Segment
 from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.record import Ending
-from pushpressslide.core.renamed import Renamed
 from pushpressslide.core.wrench import Wrench
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 from pushpressslide.modes.base import Tracker
@@ -98,8 +97,6 @@ class Controller:
 
     A run accepts a subclass as ``controller``.
     """
-
-    seen = Renamed("filtered_pose")
 
     def __init__(
         self,

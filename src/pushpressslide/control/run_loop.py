@@ -34,7 +34,6 @@ from pushpressslide.control.estimator import Estimator, ObjectEstimator
 from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.joint_pace import joint_pace
 from pushpressslide.control.limits import ArmReading, Guard
-from pushpressslide.control.plant import Plant, cell_of
 from pushpressslide.control.recording import Recorder, Tick
 from pushpressslide.control.recovery import RECOVERABLE, planned_anew, restart
 from pushpressslide.control.sensing import sensed
@@ -101,7 +100,7 @@ class RunOptions:
 
 
 def run_loop(
-    cell: Cell | Plant,
+    cell: Cell,
     plan: Plan,
     options: RunOptions | None = None,
     watches: Sequence[Watch] = (),
@@ -111,8 +110,6 @@ def run_loop(
     Nothing is decided by wall time: a deterministic simulator gives the same record for
     the same seed.
     """
-    if not isinstance(cell, Cell):
-        cell = cell_of(cell, len(plan.task.robots))
     with cell.connected(), _uncollected():
         return RunLoop(cell, plan, options, watches).run()
 
@@ -141,7 +138,7 @@ class RunLoop:
 
     def __init__(
         self,
-        cell: Cell | Plant,
+        cell: Cell,
         plan: Plan,
         options: RunOptions | None = None,
         watches: Sequence[Watch] = (),
@@ -151,8 +148,6 @@ class RunLoop:
         query = plan.query
         period = query.motion.control_period
         arms = len(query.scene.robots)
-        if not isinstance(cell, Cell):
-            cell = cell_of(cell, arms)
         if cell.clock.simulated:
             cell = sensed(cell, query.sensing, options.seed, period)
         self.plan = plan

@@ -11,6 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import fields
 from functools import cache
+from numbers import Real
 from typing import Any
 
 from pushpressslide.core.errors import InputError
@@ -23,22 +24,28 @@ NOT_NEGATIVE = "finite and >= 0"
 
 def check_positive(value: float, name: str, unit: str = "m") -> None:
     """Raise InputError unless a number is finite and > 0."""
-    if not 0.0 < value < math.inf:
+    if not is_number(value) or not 0.0 < value < math.inf:
         _refuse(name, value, unit, POSITIVE)
 
 
 def check_places(points: Sequence[Point], name: str, min_count: int = 1) -> None:
     """Raise InputError unless there are ``min_count`` points [m] or more, all finite."""
+    if not isinstance(points, Sequence) and not hasattr(points, "tolist"):
+        raise InputError(f"{name} {points!r}; must be points (x, y)")
     if len(points) < min_count:
         raise InputError(f"{name} of {len(points)} points; must be {min_count} or more")
     for point in points:
-        if not all(map(math.isfinite, point)):
+        if isinstance(point, str) or not hasattr(point, "__len__") or len(point) != 2:
+            raise InputError(f"{name} {point!r}; must be points (x, y)")
+        if not all(is_number(value) and math.isfinite(value) for value in point):
             _refuse(name, point, "m", FINITE)
 
 
 def check_pose(pose: Pose2, name: str) -> None:
     """Raise InputError unless all numbers of a pose are finite."""
-    if not math.isfinite(pose.x + pose.y + pose.yaw):
+    if not isinstance(pose, Pose2):
+        raise InputError(f"{name} {pose!r}; must be a Pose2")
+    if not all(is_number(v) and math.isfinite(v) for v in (pose.x, pose.y, pose.yaw)):
         _refuse(name, (pose.x, pose.y, pose.yaw), "", FINITE)
 
 
@@ -83,11 +90,17 @@ def _holds(value: Any, allowed: str) -> bool:
     if isinstance(value, tuple):
         return all(_holds(part, allowed) for part in value)
     if isinstance(value, Pose2):
-        return math.isfinite(value.x + value.y + value.yaw)
+        numbers = filter(is_number, (value.x, value.y, value.yaw))
+        return all(map(math.isfinite, numbers))
     return True
+
+
+def is_number(value: object) -> bool:
+    """Whether a value is a real number, of Python or of NumPy."""
+    return isinstance(value, Real) and not isinstance(value, bool)
 
 
 def _refuse(name: str, value: object, unit: str, allowed: str) -> None:
     raise InputError(
-        f"{' '.join([name, str(value), unit]).rstrip()}; must be {allowed}"
+        f"{' '.join([name, repr(value), unit]).rstrip()}; must be {allowed}"
     )

@@ -31,7 +31,7 @@ class TaskError(PushPressSlideError):
 
     def __init__(self, source: str, field: str, value: object, allowed: str) -> None:
         shown = value if isinstance(value, Shown) else _bounded(value)
-        where = f"{source}: {field}: " if field else f"{source}: "
+        where = "".join(f"{place}: " for place in (source, field) if place)
         super().__init__(
             f"{where}{shown} is not allowed; {allowed}"
             if field
@@ -41,6 +41,10 @@ class TaskError(PushPressSlideError):
         self.field = field
         self.value = value
         self.allowed = allowed
+
+
+class TaskWarning(UserWarning):
+    """A value that is allowed but probably a slip."""
 
 
 class RobotFileError(TaskError):

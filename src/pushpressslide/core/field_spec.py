@@ -1,14 +1,15 @@
 """Field specs of the task file: metadata of the dataclasses.
 
-The reader, its messages, the dump, the tables of the documentation and the JSON Schema
-are all derived from these specs. A new field needs a change only in its dataclass.
+The reader, its messages, the dump, help(), the tables of the documentation and the JSON
+Schema are all derived from these specs. A new field needs a change only in its dataclass.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+import textwrap
+from collections.abc import Iterator, Mapping
+from dataclasses import MISSING, Field, dataclass, field, fields
 from typing import Any, TypeVar
 
 T = TypeVar("T")
@@ -51,3 +52,43 @@ def setting(
     """Dataclass field with a default and a task file spec."""
     metadata = field_spec(meaning, unit, within, **details)
     return field(default=default, metadata=metadata)
+
+
+def documented(data: type[T]) -> type[T]:
+    """Dataclass whose docstring ends with its fields: meaning, unit, range, default."""
+    data.__doc__ = "\n".join([str(data.__doc__).rstrip(), "", *_help_lines(data)])
+    return data
+
+
+def _help_lines(data: Any) -> Iterator[str]:
+    """Yield lines on the fields of a dataclass, in the units of a program."""
+    wrap = textwrap.TextWrapper(
+        width=88, initial_indent=8 * " ", subsequent_indent=12 * " "
+    )
+    yield "    Fields:"
+    for one in fields(data):
+        spec = one.metadata.get("entry")
+        if spec is not None:
+            yield from wrap.wrap(_help_text(spec, one))
+
+
+def _help_text(spec: FieldSpec, one: Field[Any]) -> str:
+    """Name, unit, range, default and meaning of a field, with angles in radians."""
+    text = one.name
+    in_degrees = spec.unit in ("deg", "deg/s")
+    if spec.unit:
+        text += f" [{spec.unit.replace('deg', 'rad')}]"
+    if spec.within:
+        text += f" in {_in_radians(spec.within) if in_degrees else spec.within}"
+    default = None if spec.default_in_file is None else one.default
+    has_default = one.default is not MISSING
+    if has_default and not hasattr(default, "__dataclass_fields__"):
+        shown = f"{default:.4g}" if isinstance(default, float) else repr(default)
+        text += f", default {shown}"
+    return f"{text}: {spec.meaning.replace('null', 'None')}"
+
+
+def _in_radians(within: str) -> str:
+    """Range of an angle [rad] of its range [deg]."""
+    low, high = (math.radians(float(end)) for end in within[1:-1].split(","))
+    return f"{within[0]}{low:.4g}, {high:.4g}{within[-1]}"

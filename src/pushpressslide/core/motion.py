@@ -12,7 +12,7 @@ from typing import Literal
 from pushpressslide.core import margins
 from pushpressslide.core.checks import check_fields
 from pushpressslide.core.control import Vector3
-from pushpressslide.core.field_spec import field_spec, setting
+from pushpressslide.core.field_spec import documented, field_spec, setting
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.scene import ARM_NAMES, ArmName
 
@@ -33,6 +33,7 @@ FORCE_ALLOWED = f"allowed {{allowed:Ng}}, {PLANNED_SHARE:g} of limits.normal_for
 """End of the text of a refusal for too large a normal force."""
 
 
+@documented
 @dataclass(frozen=True, slots=True)
 class Tolerance:
     """Errors within which the goal counts as reached."""
@@ -49,11 +50,18 @@ class Tolerance:
     def __post_init__(self) -> None:
         check_fields(self)
 
+    def holds(self, X: Pose2, goal: Pose2) -> bool:
+        """Whether a pose is within the tolerance of a goal."""
+        turn = abs(math.remainder(X.yaw - goal.yaw, math.tau))
+        near = math.dist(X.position, goal.position) <= self.position
+        return near and turn <= self.yaw
+
 
 ON_THE_WAY = Tolerance(margins.ARM.via, margins.ARM.turned_via)
 """Of poses that a search leads the object by: nobody asked for them."""
 
 
+@documented
 @dataclass(frozen=True, slots=True)
 class ToolUse:
     """Use of the object as a tool that pushes another body with a side face to that
@@ -75,6 +83,7 @@ class ToolUse:
         check_fields(self)
 
 
+@documented
 @dataclass(frozen=True, slots=True)
 class Limits:
     """Bounds of the run."""
@@ -103,6 +112,7 @@ class Limits:
         return PLANNED_SHARE * self.normal_force
 
 
+@documented
 @dataclass(frozen=True, slots=True)
 class Sensing:
     """Imperfections of each sensor: the object's pose, the tips by the joints, and the
@@ -178,6 +188,7 @@ class Sensing:
         return self.delay if self.force_delay is None else self.force_delay
 
 
+@documented
 @dataclass(frozen=True, slots=True)
 class Motion:
     """Options of the motion. Defaults suit the shipped robots."""

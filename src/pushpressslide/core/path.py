@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.renamed import Renamed
 from pushpressslide.kernels.arc_path import TURN as TURN
 from pushpressslide.kernels.arc_path import eased, nearest, trapezoid
 
@@ -39,9 +38,6 @@ class ArcPath:
 
     start: Pose2
     sections: tuple[tuple[float, float], ...]
-
-    pieces = Renamed("sections")
-    starts = Renamed("section_starts")
 
     @cached_property
     def section_starts(self) -> tuple[tuple[float, Pose2], ...]:

@@ -15,7 +15,6 @@ from pushpressslide.core.path import ArcPath, SpeedProfile
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import SKIPPED, Refusal
-from pushpressslide.core.renamed import Renamed
 from pushpressslide.core.task import Restart, Task
 from pushpressslide.core.twist_path import TwistPath
 
@@ -135,8 +134,6 @@ class Choice:
     refusal: Refusal | None = None  # None: it can do the task
     leg: int = 0  # of the task, that it begins with
 
-    merits = Renamed("summary")
-
     @property
     def feasible(self) -> bool:
         """Whether the choice can do the task."""
@@ -187,14 +184,12 @@ class Plan:
     """A task and its segments, in order. The plan of a run also contains its replans."""
 
     task: Task
-    segments: tuple[Segment, ...] = ()  # none: nothing is planned yet
+    segments: tuple[Segment, ...] = ()  # none: nothing is planned, or has to move
     restart: Restart | None = None  # that the task goes on from; None: its start
     from_search: bool = False  # whether the task's legs were found, not prescribed
     may_push: bool = False  # whether the object pushes on its way what may move
     # that took the place of the rest after recoveries, one after the other
     later: tuple[Plan, ...] = ()
-
-    searched = Renamed("from_search")
 
     @property
     def queries(self) -> tuple[MotionQuery, ...]:
@@ -204,18 +199,14 @@ class Plan:
     @property
     def query(self) -> MotionQuery:
         """Motion query of the first leg."""
-        return self.queries[self.segments[0].leg]
+        return self.queries[self.segments[0].leg if self.segments else 0]
 
-    def part(self, segment: Segment) -> Task:
-        """Task of a segment's leg. For plants; to be removed in version 0.6."""
-        import warnings
-
-        warnings.warn("Plan.part: use Plan.queries", DeprecationWarning, stacklevel=2)
-        query = self.queries[segment.leg]
-        task = replace(self.task, goal=query.goal, motion=query.motion, legs=())
-        if segment.leg == 0:
-            return task
-        return replace(task, start=query.start, start_error=Pose2())
+    @property
+    def at_goal(self) -> bool:
+        """Whether nothing has to move, since the object is at its goal already."""
+        task = self.task
+        free = not (self.segments or task.legs or task.goals or self.restart)
+        return free and task.query.at_goal
 
     @property
     def first(self) -> int:
@@ -260,17 +251,17 @@ class Plan:
     @property
     def contacts(self) -> tuple[Contact, ...]:
         """The contacts of the first segment."""
-        return self.segments[0].contacts
+        return self.segments[0].contacts if self.segments else ()
 
     @property
     def goal(self) -> Pose2:
         """X_WG at the end."""
-        return self.segments[-1].goal
+        return self.segments[-1].goal if self.segments else self.task.goal
 
     @property
     def true_start(self) -> Pose2:
         """True X_WG of the object at the start."""
-        later = self.segments[0].leg > 0
+        later = bool(self.segments) and self.segments[0].leg > 0
         return self.query.start if later else self.task.true_start
 
     def object_pose(self, segment: Segment, s: float) -> Pose2:
@@ -295,7 +286,7 @@ class Plan:
 
     def __repr__(self) -> str:
         """One line."""
-        modes = ", ".join(segment.mode for segment in self.segments)
+        modes = ", ".join(segment.mode for segment in self.segments) or "at its goal"
         return f"Plan({self.task.name!r}: {modes}; {self.duration:.1f} s)"
 
     def _repr_html_(self) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from pushpressslide.core.slips import called_from_inside, warn_of_slip
 from pushpressslide.kernels.plane import cross as cross
 from pushpressslide.kernels.plane import from_axis as from_axis
 from pushpressslide.kernels.plane import in_axis as in_axis
@@ -28,11 +29,32 @@ def turned_left(a: Point) -> Point:
 class Pose2:
     """Pose X_AB of a frame B in a frame A: origin (x, y) [m] in A, yaw [rad]
     counter-clockwise.
+
+    A program that makes one with a yaw above 2 pi is warned; ``Pose2.deg`` takes
+    degrees.
     """
 
     x: float = 0.0
     y: float = 0.0
     yaw: float = 0.0
+
+    def __post_init__(self) -> None:
+        if isinstance(self.yaw, float | int) and math.tau < abs(self.yaw) < math.inf:
+            self._warn_of_degrees()
+
+    def _warn_of_degrees(self) -> None:
+        """Warn of a yaw above 2 pi, unless this package computed it."""
+        if called_from_inside(3):
+            return
+        warn_of_slip(
+            f"Pose2: yaw {self.yaw:g} rad is above 2 pi; were degrees meant? "
+            f"Pose2.deg(x, y, {self.yaw:g}) takes them"
+        )
+
+    @classmethod
+    def deg(cls, x: float, y: float, yaw_deg: float) -> Pose2:
+        """Pose at (x, y) [m] with a yaw [deg]."""
+        return cls(x, y, math.radians(yaw_deg))
 
     @property
     def wrapped(self) -> Pose2:

@@ -50,6 +50,12 @@ class MotionQuery:
         return self.start.compose(X_GB), self.goal.compose(X_GB)
 
     @property
+    def at_goal(self) -> bool:
+        """Whether the object is at its goal already, so that nothing has to move."""
+        alone = self.tool is None and not self.from_search
+        return alone and self.tolerance.holds(self.start, self.goal)
+
+    @property
     def yielding(self) -> tuple[Obstacle, ...]:
         """The obstacles that the object may push along its path."""
         if not self.may_push:

@@ -17,9 +17,8 @@ from pushpressslide.core import margins
 from pushpressslide.core.checks import check_fields
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.errors import InputError
-from pushpressslide.core.field_spec import FRICTIONS, field_spec, setting
+from pushpressslide.core.field_spec import FRICTIONS, documented, field_spec, setting
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.renamed import Renamed
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.geometry.shapes import Shape
 
@@ -41,6 +40,7 @@ def arm_title(arm: int, count: int = 2) -> str:
     return "arm" if count == 1 else f"{ARM_NAMES[arm]} arm"
 
 
+@documented
 @dataclass(frozen=True, slots=True)
 class Opening:
     """A rectangular opening in a wall, closed at its back."""
@@ -75,6 +75,7 @@ class Opening:
         )
 
 
+@documented
 @dataclass(frozen=True, slots=True)
 class Support:
     """The surface that the object slides on."""
@@ -122,6 +123,7 @@ CENTROID: Point = (math.nan, math.nan)
 """A centre of mass that is not given."""
 
 
+@documented
 @dataclass(frozen=True, slots=True)
 class ObjectModel:
     """The object to be moved. Without ``center_of_mass`` its density is uniform."""
@@ -149,7 +151,12 @@ class ObjectModel:
     )
 
     def __post_init__(self) -> None:
-        """Set a missing centre of mass to the centroid, and check the numbers."""
+        """Set a missing centre of mass to the centroid, and check the numbers.
+
+        A shape of another form is converted, or refused, by ``check_task``.
+        """
+        if not isinstance(self.shape, Shape):
+            return
         if self.center_of_mass is CENTROID:
             object.__setattr__(self, "center_of_mass", self.shape.centroid)
         check_fields(self)
@@ -192,6 +199,7 @@ def is_robot_file(path: Path) -> bool:
     return path.suffix.lower() in FILES
 
 
+@documented
 @dataclass(frozen=True, slots=True)
 class Tip:
     """A rod with a spherical tip on a link of a robot's file."""
@@ -218,6 +226,7 @@ class Tip:
         check_fields(self)
 
 
+@documented
 @dataclass(frozen=True, slots=True)
 class JointLimits:
     """Limits of one joint, in place of those of its file or where that has none."""
@@ -262,6 +271,7 @@ def doubled_by_tip(
     return None
 
 
+@documented
 @dataclass(frozen=True, slots=True)
 class Robot:
     """One arm (or a free tip, ``hand``) and the pose of its base.
@@ -355,6 +365,7 @@ class Robot:
             object.__setattr__(self, "tip_length", tip.length)
 
 
+@documented
 @dataclass(frozen=True, slots=True)
 class Obstacle:
     """An upright body in the scene, fixed or free to move."""
@@ -383,8 +394,6 @@ class Obstacle:
         "whether the object may push it along if no path leads past it; only if movable",
     )
 
-    told = Renamed("nominal")
-
     def __post_init__(self) -> None:
         check_fields(self)
 
@@ -405,6 +414,7 @@ class Obstacle:
         )
 
 
+@documented
 @dataclass(frozen=True, slots=True)
 class Belief:
     """Assumptions of planner and controller. None means the true value."""

@@ -15,7 +15,7 @@ from functools import cached_property
 
 from pushpressslide.core.checks import check_fields
 from pushpressslide.core.errors import TaskError
-from pushpressslide.core.field_spec import FRICTIONS, field_spec, setting
+from pushpressslide.core.field_spec import FRICTIONS, documented, field_spec, setting
 from pushpressslide.core.motion import ON_THE_WAY
 from pushpressslide.core.motion import Limits as Limits
 from pushpressslide.core.motion import Motion as Motion
@@ -24,7 +24,6 @@ from pushpressslide.core.motion import Tolerance as Tolerance
 from pushpressslide.core.motion import ToolUse as ToolUse
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
-from pushpressslide.core.renamed import Renamed
 from pushpressslide.core.scene import Belief as Belief
 from pushpressslide.core.scene import ObjectModel as ObjectModel
 from pushpressslide.core.scene import Obstacle as Obstacle
@@ -43,6 +42,7 @@ from pushpressslide.geometry.shapes import Prism as Prism
 from pushpressslide.geometry.shapes import Shape as Shape
 
 
+@documented
 @dataclass(frozen=True, slots=True)
 class Leg:
     """One leg of a task of several: a mode, and the end pose of the object."""
@@ -89,6 +89,7 @@ class Restart:
     legs: tuple[Leg, ...] | None = None
 
 
+@documented
 @dataclass(frozen=True)
 class Task:
     """One manipulation task, complete and checked."""
@@ -174,8 +175,6 @@ class Task:
     description: str = setting("", "one line, shown by `pps tasks`")
     # the file it came from, for messages
     source: str = field(default="", compare=False)
-
-    believed = Renamed("full_belief")
 
     def __post_init__(self) -> None:
         check_fields(self)

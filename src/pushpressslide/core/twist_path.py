@@ -11,7 +11,6 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
-from pushpressslide.core.renamed import Renamed
 from pushpressslide.core.wrench import Twist
 from pushpressslide.kernels.plane import carried
 
@@ -96,9 +95,6 @@ class TwistPath:
     start: Pose2
     sections: tuple[tuple[TwistRate, float], ...]
     radius: float
-
-    pieces = Renamed("sections")
-    starts = Renamed("section_starts")
 
     @classmethod
     def between(cls, poses: tuple[Pose2, ...], radius: float) -> TwistPath:

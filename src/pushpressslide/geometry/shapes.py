@@ -51,8 +51,8 @@ class Box(Shape):
     size: tuple[float, float, float]  # [m] full lengths along x, y, z
 
     def __post_init__(self) -> None:
-        if len(self.size) != 3:
-            raise InputError(f"size {self.size} m; must be three lengths")
+        if not hasattr(self.size, "__len__") or len(self.size) != 3:
+            raise InputError(f"size {self.size!r} m; must be three lengths")
         for length in self.size:
             check_positive(length, "size")
 
@@ -92,8 +92,11 @@ class Prism(Shape):
 
     def __new__(cls, polygon: tuple[Point, ...] = (), height: float = 0.0) -> Prism:
         """A ``Prism`` for a convex polygon, a ``ConcavePrism`` for a concave one."""
-        concave = len(polygon) > 2 and cls is Prism and not is_convex(polygon)
-        return object.__new__(ConcavePrism if concave else cls)
+        has_corners = hasattr(polygon, "__len__") and len(polygon) > 2
+        if cls is not Prism or not has_corners:
+            return object.__new__(cls)
+        check_places(polygon, "polygon", 3)
+        return object.__new__(Prism if is_convex(polygon) else ConcavePrism)
 
     def __post_init__(self) -> None:
         check_places(self.polygon, "polygon", 3)
@@ -319,6 +322,9 @@ class Compound(Outlined):
     def __post_init__(self) -> None:
         if not self.parts:
             raise InputError("parts of a compound: none; must be one or more")
+        for part in self.parts:
+            if not isinstance(part, Part):
+                raise InputError(f"part of a compound {part!r}; must be a Part")
 
     @property
     def height(self) -> float:

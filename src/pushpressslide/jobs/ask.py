@@ -4,16 +4,23 @@ a task file is checked.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from dataclasses import replace
+from os import PathLike
+from typing import TYPE_CHECKING, Any
 
-from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.errors import TaskError
 from pushpressslide.core.task import Task
 
 if TYPE_CHECKING:
     from pushpressslide.core.plan import Choice, Plan
+    from pushpressslide.taskfile.yaml_text import Overrides
+
+AnyTask = Task | str | PathLike[str] | Mapping[str, Any]
+"""A task, or what ``load_task`` makes one of."""
 
 
-def select(task: Task, enough: int = 1) -> list[Choice]:
+def select(task: AnyTask, enough: int = 1) -> list[Choice]:
     """All choices for ``task``, the fastest feasible one first; never empty.
 
     A choice that is not feasible has a refusal: with the deciding number if it cannot
@@ -26,35 +33,44 @@ def select(task: Task, enough: int = 1) -> list[Choice]:
     return selection.select(checked(task), enough)
 
 
-def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Plan:
+def plan(
+    task: AnyTask, choice: Choice | str | None = None, *, force: bool = False
+) -> Plan:
     """Plan for ``choice``, by default the best one, or the best sequence of motions if
-    no single motion suffices.
+    no single motion suffices. The name of a mode stands for its best choice.
 
     Joint paths are not planned here; ``run`` plans them. In a task with legs, every
     other placement takes its best choice. ``force`` plans an infeasible choice too, if
     it has a path. Raises TaskError for a task that no task file could describe, and
     InfeasibleTaskError with the reasons if the task is infeasible.
     """
+    from pushpressslide.core.plan import Choice
     from pushpressslide.jobs.remedy import remedies_named
     from pushpressslide.selection import solve
 
-    known = checked(task)
+    if isinstance(choice, str):
+        known = checked(task, mode=choice)
+        choice = None
+    elif choice is None or isinstance(choice, Choice):
+        known = checked(task)
+    else:
+        allowed = "allowed: a Choice, as select returns them, or the name of a mode"
+        raise TaskError("", "choice", choice, allowed)
     with remedies_named(known):
         return solve.plan(known, choice, force=force)
 
 
-def checked(task: object) -> Task:
-    """A task checked as a task file is. Raises TaskError for a task that no task file
-    could describe.
+def checked(
+    task: AnyTask, overrides: Overrides = (), *, mode: str | None = None
+) -> Task:
+    """A task checked as a task file is, with ``mode`` as the only one, if given.
 
-    Raises PushPressSlideError for an object that is not a task.
+    Raises TaskError for a task that no task file could describe, and for what is none.
     """
-    from pushpressslide.taskfile.load import check_task
+    from pushpressslide.taskfile.load import check_task, load_task
 
     if not isinstance(task, Task):
-        raise PushPressSlideError(
-            f"task: {task!r} is not allowed; allowed: a Task; load_task(name or path) "
-            "returns one"
-        )
-    check_task(task)
-    return task
+        task = load_task(task, overrides)
+    elif mode is None or overrides:
+        task = check_task(task, overrides)
+    return task if mode is None else check_task(replace(task, modes=(mode,)))

@@ -13,7 +13,8 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.errors import TaskError
+from pushpressslide.taskfile.place import nearest
 
 if TYPE_CHECKING:
     from pushpressslide.arms.paths.joint_path import ArmPath
@@ -183,13 +184,11 @@ ENGINES: Mapping[str, Engine] = {
 def engine_named(name: str) -> Engine:
     """Engine with the given name.
 
-    Raises PushPressSlideError for an unknown one, and MissingPackageError for one that
-    is not installed.
+    Raises TaskError for an unknown one, and MissingPackageError for one that is not
+    installed.
     """
-    if name not in ENGINES:
-        raise PushPressSlideError(
-            f"engine: {name!r} is not allowed; allowed: {', '.join(ENGINES)}"
-        )
+    if not isinstance(name, str) or name not in ENGINES:
+        raise TaskError("", "engine", name, nearest(name, map(str, ENGINES)))
     if name == EngineName.drake:
         importlib.import_module("pushpressslide.sim")
     return ENGINES[name]

@@ -44,10 +44,11 @@ def record_html(record: Record) -> str:
 def _replay(record: Record) -> str:
     """Replay as a page inside the page.
 
-    Empty if nothing was recorded, and for a run in stages, whose other bodies the view
-    from above does not move.
+    Empty if nothing was recorded or moved, and for a run in stages, whose other bodies
+    the view from above does not move.
     """
-    if not ticks(record) or "stage" in record.arrays:
+    moved = ticks(record) and record.plan.segments
+    if not moved or "stage" in record.arrays:
         return ""
     shown = finite_part(record)
     with TemporaryDirectory() as folder:

@@ -7,6 +7,7 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable
 from dataclasses import replace
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +17,13 @@ from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.control.tracker import ObjectTracker
 from pushpressslide.core.bodies import goal_places
+from pushpressslide.core.errors import TaskError
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.record import Figures, Record
 from pushpressslide.core.task import Task
-from pushpressslide.jobs.ask import checked
+from pushpressslide.jobs.ask import AnyTask, checked
 from pushpressslide.jobs.engines import DEFAULT, ArmOptions, engine_named
 from pushpressslide.jobs.interrupt import Interrupt, Interrupted
 from pushpressslide.jobs.monitor import Monitor as Monitor
@@ -29,10 +31,12 @@ from pushpressslide.jobs.monitor import Output as Output
 from pushpressslide.jobs.monitor import interrupted
 from pushpressslide.jobs.remedy import remedies_named
 from pushpressslide.jobs.stages import Done, StageOptions, StageRunner
+from pushpressslide.report.at_rest import record_at_rest
 from pushpressslide.report.files import OLDER_STAGES, save_run
 from pushpressslide.report.stages import StageRun
 from pushpressslide.selection.select import MANY, select
 from pushpressslide.selection.solve import joined
+from pushpressslide.taskfile.yaml_text import Overrides
 
 
 def simulate(
@@ -86,8 +90,10 @@ def run_choice(
 
 
 def run(
-    what: Task | Plan,
+    what: AnyTask | Plan,
     *,
+    mode: str | None = None,
+    overrides: Overrides = (),
     engine: str = DEFAULT,
     seed: int = 0,
     progress: Callable[[float, float], None] | None = None,
@@ -99,6 +105,8 @@ def run(
     """Run a plan, or select, plan and run a task. Return the record, with ``success``
     and ``figures``.
 
+    A task may be given as to ``load_task``, with ``overrides``; ``mode`` is the name of
+    the only mode to consider. ``engine`` is "drake" or "planar".
     ``controller`` may be a class derived from ``Controller``. ``tracker`` receives the
     engine's object tracker and returns the one to use. ``estimator`` computes poses and
     figures of the object from the measurements, for the motion as requested.
@@ -106,12 +114,22 @@ def run(
     Raises TaskError for a task that no task file could describe. Raises
     InfeasibleTaskError before anything moves if the task is infeasible.
     """
+    chosen = engine_named(engine)
+    check_seed(seed)
     loop = RunOptions(controller=controller, tracker=tracker, estimator=estimator)
     if isinstance(what, Plan):
+        for name, value in (("mode", mode), ("overrides", overrides)):
+            if value:
+                raise TaskError(
+                    "", name, value, "allowed: with a task, not with a Plan"
+                )
         seeded = replace(loop, seed=seed, progress=progress)
-        record = engine_named(engine).run(what, seeded, ArmOptions(models))
+        if what.segments:
+            record = chosen.run(what, seeded, ArmOptions(models))
+        else:
+            record = record_at_rest(what, engine)
         return measured(record, what.task)
-    task = checked(what)
+    task = checked(what, overrides, mode=mode)
     monitor = Monitor(progress)
     options = StageOptions(engine, seed, models=models, monitor=monitor, loop=loop)
     with remedies_named(task):
@@ -120,6 +138,13 @@ def run(
         pass
     done = runner.done()
     return replace(done.record, figures=Figures(done.result))
+
+
+def check_seed(seed: Any) -> None:
+    """Raise TaskError unless ``seed`` is a whole number that is not negative."""
+    whole = isinstance(seed, Integral) and not isinstance(seed, bool)
+    if not whole or seed < 0:
+        raise TaskError("", "seed", seed, "allowed: a whole number, 0 or greater")
 
 
 def measured(record: Record, task: Task) -> Record:
@@ -212,7 +237,8 @@ def write_pages(out: Output, done: Done, *, models: str = "generated") -> None:
         write_plan_pictures(done.stages, folder)
         begun = [stage for stage in done.stages if isinstance(stage, StageRun)]
         arms = ArmOptions(models, video=out.video, goals=goals)
-        engine.write_replay(begun, done.record, folder, arms)
+        if done.record.plan.segments:  # something moved
+            engine.write_replay(begun, done.record, folder, arms)
         write_report([folder])
     except KeyboardInterrupt:
         raise Interrupted(

@@ -26,6 +26,7 @@ from pushpressslide.core.task import Belief, Obstacle, Task
 from pushpressslide.jobs.engines import ArmOptions, engine_named
 from pushpressslide.jobs.monitor import Monitor
 from pushpressslide.modes.base import ENOUGH
+from pushpressslide.report.at_rest import record_at_rest
 from pushpressslide.report.metrics import result as measure
 from pushpressslide.report.stage_figures import staged_result
 from pushpressslide.report.stages import (
@@ -39,7 +40,6 @@ from pushpressslide.selection.placement_planner import PlacementPlanner
 from pushpressslide.selection.stages import (
     PlannedStage,
     after,
-    is_there,
     plan_stage,
     plan_stages,
 )
@@ -181,7 +181,7 @@ class StageRunner:
 
     def _as_expected(self, body: str, pose: Pose2) -> bool:
         within = self._within.get(body, self.task.tolerance)
-        return is_there(pose, self._expected.poses[body], within)
+        return within.holds(pose, self._expected.poses[body])
 
     def _measured_pose(self) -> WorldState:
         """State with the measured poses of the bodies at rest. Noise averages out, a
@@ -196,6 +196,8 @@ class StageRunner:
     def _record(self, planned: PlannedStage, number: int) -> Record:
         """Run a planned stage from the current state."""
         monitor = self.options.monitor
+        if not planned.solution.plan.segments:
+            return record_at_rest(planned.solution.plan, self.options.engine)
         goes_on = number > 0
         preparation: PlacementPlanner = planned.planner
         plan = self._as_it_is(planned)

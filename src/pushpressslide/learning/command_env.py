@@ -18,7 +18,6 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Measurement
 from pushpressslide.core.errors import (
     InfeasibleTaskError,
-    PushPressSlideError,
     TaskError,
 )
 from pushpressslide.core.plan import Plan
@@ -33,7 +32,9 @@ from pushpressslide.learning.command_rows import (
     CommandScale,
     observation_row,
 )
-from pushpressslide.learning.options import start_asked
+from pushpressslide.learning.options import METADATA, checked_mode, poses_asked
+from pushpressslide.learning.picture import CommandCamera, Pixels
+from pushpressslide.learning.push_task import Threshold, with_threshold
 from pushpressslide.learning.pushing import errors
 from pushpressslide.learning.registration import MISSING
 from pushpressslide.mechanics.pressure import support_pressure
@@ -42,6 +43,7 @@ from pushpressslide.modes.base import ENOUGH
 from pushpressslide.selection.placement_planner import PlansAlone
 from pushpressslide.selection.solve import solve
 from pushpressslide.taskfile.load import check_task, load_task
+from pushpressslide.taskfile.place import nearest
 
 try:
     import gymnasium
@@ -50,6 +52,7 @@ except ImportError as error:
 
 SPREAD = (0.01, 0.01, math.radians(5.0))
 """How far starts are drawn from the task's, to either side: x, y [m] and yaw [rad]."""
+ENGINES = ("drake", "planar")
 DRAWS = 20
 """Starts that are drawn until one can be planned from."""
 
@@ -65,25 +68,31 @@ class CommandEnv(gymnasium.Env):
     episode, as does a failure of the engine. ``limits.time`` truncates.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
+    metadata: ClassVar[dict[str, Any]] = {**METADATA, "render_fps": 250}
 
     def __init__(
-        self, task: Task | str | Path = "press-slide", engine: str = "planar"
+        self,
+        task: Task | str | Path = "press-slide",
+        engine: str = "planar",
+        render_mode: str | None = None,
+        threshold: Threshold | None = None,
     ) -> None:
         """Prepare a task, given directly, by the name of a shipped one, or by the path
         of a file.
 
-        Raises TaskError for a task of several goals, PushPressSlideError for an unknown
-        engine, and MissingPackageError for one that is not installed.
+        ``render_mode`` is None, or "rgb_array" for pictures from above. ``threshold``
+        replaces the task's tolerance: position [m] and yaw [rad]. Raises TaskError for
+        a task of several goals and an unknown engine, and MissingPackageError for one
+        that is not installed.
         """
-        self.task = task if isinstance(task, Task) else load_task(task)
-        check_task(self.task)
+        loaded = check_task(task) if isinstance(task, Task) else load_task(task)
+        self.task = with_threshold(loaded, threshold)
+        self.render_mode = checked_mode(render_mode)
+        self._camera = CommandCamera(self.task)
         if self.task.goals:
             raise TaskError(self.task.name, "goals", "several", "allowed: one goal")
-        if engine not in ("drake", "planar"):
-            raise PushPressSlideError(
-                f"engine: {engine!r} is not allowed; allowed: drake, planar"
-            )
+        if engine not in ENGINES:
+            raise TaskError("", "engine", engine, nearest(engine, ENGINES))
         self.engine = engine
         arms = len(self.task.robots)
         load = support_pressure(
@@ -112,13 +121,17 @@ class CommandEnv(gymnasium.Env):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
         """Replan from a start near the task's, or from ``options["start"]``: x, y [m]
-        and yaw [rad] of X_WG. Lead the tips to the points before their contacts.
+        and yaw [rad] of X_WG, to the task's goal or to ``options["goal"]``. Lead the
+        tips to the points before their contacts.
 
         Raises InfeasibleTaskError if no plan leads from there to the goal.
         """
         super().reset(seed=seed)
-        starts = start_asked(options, 1)
-        cell, plan = self._made(None if starts is None else starts[0])
+        asked = poses_asked(options, 1)
+        goal = (
+            self.task.goal if asked.goal is None else Pose2(*map(float, asked.goal[0]))
+        )
+        cell, plan = self._made(None if asked.start is None else asked.start[0], goal)
         self.loop = RunLoop(cell, plan)
         self._touching = frozenset(contact.arm for contact in plan.contacts)
         while self.loop.approaching:
@@ -140,10 +153,19 @@ class CommandEnv(gymnasium.Env):
         late = measurement.time >= self.task.limits.time
         return observation, reward, over, late, info
 
+    def render(self) -> Pixels | None:
+        """Picture (96, 96, 3) of the current state. None if the environment has no
+        render mode.
+        """
+        if self.render_mode is None:
+            return None
+        measurement, _ = self.loop.measure()
+        return self._camera.picture(observation_row(measurement, self.plan.task.goal))
+
     def _observe(self, measurement: Measurement) -> tuple[Array, dict[str, Any]]:
         """The observation, clipped to its bounds, and its info."""
         space = self.observation_space
-        row = observation_row(measurement, self.task.goal)
+        row = observation_row(measurement, self.plan.task.goal)
         distance, angle = errors(row[1:SEEN])
         tolerance = self.task.tolerance
         success = distance <= tolerance.position and angle <= tolerance.yaw
@@ -154,27 +176,30 @@ class CommandEnv(gymnasium.Env):
         }
         return np.clip(row, space.low, space.high), info
 
-    def _made(self, start: Sequence[float] | Array | None) -> tuple[Cell, Plan]:
-        """A cell and a plan from a start, drawn if none is given.
+    def _made(
+        self, start: Sequence[float] | Array | None, goal: Pose2
+    ) -> tuple[Cell, Plan]:
+        """A cell and a plan to a goal from a start, drawn if none is given.
 
         Objects that only arms or a ledge can carry begin at the task's own start.
         """
         own = self.task.start
         if start is not None:
-            return self._from(Pose2(*map(float, start)))
+            return self._from(Pose2(*map(float, start)), goal)
         if not self.task.scene.rests:
-            return self._from(own)
+            return self._from(own, goal)
         for draw in range(DRAWS):
             x, y, yaw = self.np_random.uniform(-1.0, 1.0, 3) * SPREAD
             try:
-                return self._from(Pose2(own.x + x, own.y + y, own.yaw + yaw))
+                drawn = Pose2(own.x + x, own.y + y, own.yaw + yaw)
+                return self._from(drawn, goal)
             except (InfeasibleTaskError, TaskError):
                 if draw == DRAWS - 1:
                     raise
         raise AssertionError
 
-    def _from(self, start: Pose2) -> tuple[Cell, Plan]:
-        task = replace(self.task, start=start)
+    def _from(self, start: Pose2, goal: Pose2) -> tuple[Cell, Plan]:
+        task = replace(self.task, start=start, goal=goal)
         check_task(task)
         if self.engine == "planar":
             from pushpressslide.planar.cell import planar_cell

@@ -26,6 +26,43 @@ WIDTH = 25
 """Numbers of one tip's command."""
 
 
+COMMAND = (
+    ("force", 3),
+    ("position", 3),
+    ("velocity", 3),
+    ("stiffness", 3),
+    ("damping", 3),
+    ("normal_yaw", 1),
+    ("tool_yaw", 1),
+    ("tool_yaw_rate", 1),
+    ("servo_cap", 1),
+    ("progress", 1),
+    ("acceleration", 3),
+    ("tool_yaw_acceleration", 1),
+    ("catches_up", 1),
+)
+"""Fields of a tip's command, with their numbers."""
+
+
+def state_names(arms: int) -> tuple[str, ...]:
+    """What an observation of ``arms`` arms holds."""
+    names = ["time", "x", "y", "yaw", "goal_x", "goal_y", "goal_yaw"]
+    for arm in range(arms):
+        for what in ("", "v", "f"):
+            names += [f"tip{arm}_{what}{axis}" for axis in "xyz"]
+    return tuple(names)
+
+
+def command_names(arms: int) -> tuple[str, ...]:
+    """What an action of ``arms`` arms holds."""
+    names = []
+    for arm in range(arms):
+        for field, count in COMMAND:
+            ends = [""] if count == 1 else ["_x", "_y", "_z"]
+            names += [f"tip{arm}_{field}{end}" for end in ends]
+    return tuple(names)
+
+
 class CommandScale:
     """A tip's command as numbers in [-1, 1], each scaled from the smallest to the
     largest allowed value of its field.
@@ -35,25 +72,25 @@ class CommandScale:
         """Take the bounds of forces and damping from a task."""
         force = 2.0 * limits.normal_force
         damping = 2.0 * max(motion.servo_damping, LEAST_DAMPING)
-        # name, numbers, least and largest value, in the units of TipCommand
-        self._columns = (
-            ("force", 3, -force, force),
-            ("position", 3, -5.0, 5.0),
-            ("velocity", 3, -0.5, 0.5),
-            ("stiffness", 3, 0.0, 5000.0),
-            ("damping", 3, 0.0, damping),
-            ("normal_yaw", 1, -YAW, YAW),
-            ("tool_yaw", 1, -YAW, YAW),
-            ("tool_yaw_rate", 1, -2.0, 2.0),
-            ("servo_cap", 1, 0.0, 100.0),
-            ("progress", 1, -20.0, 20.0),
-            ("acceleration", 3, -5.0, 5.0),
-            ("tool_yaw_acceleration", 1, -10.0, 10.0),
-            ("catches_up", 1, 0.0, 1.0),
-        )
+        # least and largest value, in the units of TipCommand
+        bounds = {
+            "force": (-force, force),
+            "position": (-5.0, 5.0),
+            "velocity": (-0.5, 0.5),
+            "stiffness": (0.0, 5000.0),
+            "damping": (0.0, damping),
+            "normal_yaw": (-YAW, YAW),
+            "tool_yaw": (-YAW, YAW),
+            "tool_yaw_rate": (-2.0, 2.0),
+            "servo_cap": (0.0, 100.0),
+            "progress": (-20.0, 20.0),
+            "acceleration": (-5.0, 5.0),
+            "tool_yaw_acceleration": (-10.0, 10.0),
+            "catches_up": (0.0, 1.0),
+        }
         low, high = (
-            np.concatenate([np.full(c[1], c[side]) for c in self._columns])
-            for side in (2, 3)
+            np.concatenate([np.full(n, bounds[name][end]) for name, n in COMMAND])
+            for end in (0, 1)
         )
         self._middle = 0.5 * (low + high)
         self._half = 0.5 * (high - low)
@@ -62,7 +99,7 @@ class CommandScale:
         """A command as numbers (25,). A tip without a contact gives zeros."""
         if command is None:
             return np.zeros(WIDTH)
-        values = [np.ravel(getattr(command, c[0])) for c in self._columns]
+        values = [np.ravel(getattr(command, name)) for name, _ in COMMAND]
         scaled = (np.concatenate(values) - self._middle) / self._half
         return np.asarray(np.clip(scaled, -1.0, 1.0))
 
@@ -75,7 +112,7 @@ class CommandScale:
 
     def _fields(self, numbers: Sequence[float]) -> Iterator[tuple[str, Any]]:
         first = 0
-        for name, count, _, _ in self._columns:
+        for name, count in COMMAND:
             values = tuple(numbers[first : first + count])
             first += count
             yield name, values if count > 1 else values[0]

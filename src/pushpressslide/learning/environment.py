@@ -10,9 +10,9 @@ import numpy as np
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Task
 from pushpressslide.learning.exact import ExactPushing
-from pushpressslide.learning.options import METADATA, checked_mode, start_asked
+from pushpressslide.learning.options import METADATA, checked_mode, poses_asked
 from pushpressslide.learning.picture import Camera, Pixels
-from pushpressslide.learning.push_task import push_task
+from pushpressslide.learning.push_task import Threshold, push_task
 from pushpressslide.learning.pushing import Pushing, drawn_start, errors
 from pushpressslide.learning.registration import MISSING
 
@@ -42,15 +42,17 @@ class PushEnv(gymnasium.Env):
         task: Task | str | Path = "rear-push-rear",
         exact: bool = False,
         render_mode: str | None = None,
+        threshold: Threshold | None = None,
     ) -> None:
         """Prepare a task, given directly, by the name of a shipped one, or by the path
         of a file.
 
         ``exact``: the object is on its exact limit surface, by the planar engine,
         instead of an ellipsoid. ``render_mode`` is None, or "rgb_array" for pictures by
-        ``picture.Camera``.
+        ``picture.Camera``. ``threshold`` replaces the task's tolerance: position [m]
+        and yaw [rad].
         """
-        push = push_task(task)
+        push = push_task(task, threshold)
         self.render_mode = checked_mode(render_mode)
         self._camera = Camera(push)
         self.push = push
@@ -62,13 +64,14 @@ class PushEnv(gymnasium.Env):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
         """Start an episode near the task's start, or at ``options["start"]``: x, y [m]
-        and yaw [rad] of X_WG.
+        and yaw [rad] of X_WG. ``options["goal"]`` is a goal in place of the task's.
         """
         super().reset(seed=seed)
-        starts = start_asked(options, 1)
+        asked = poses_asked(options, 1)
+        starts = asked.start
         if starts is None:
             starts = drawn_start(self.push, self.np_random)
-        self._pushing.place(ONE, starts)
+        self._pushing.place(ONE, starts, asked.goal)
         observation = self._pushing.observations()
         return observation[0], _info(observation, False)
 

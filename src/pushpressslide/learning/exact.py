@@ -21,7 +21,9 @@ from pushpressslide.learning.pushing import (
     clipped,
     goal_of,
     outcome,
+    steps_to,
     wrapped,
+    wrapped_poses,
 )
 from pushpressslide.planar.world import World
 
@@ -44,14 +46,22 @@ class ExactPushing:
         self._contact = push.contact
         self._X_GB = task.object.X_GB
         self._world = World(task, (push.contact,), PERIOD / TICKS)
-        self._goal = goal_of(push)
         start = push.task.true_start
         self.place(np.zeros(1, dtype=np.intp), (start.x, start.y, start.yaw))
 
-    def place(self, rows: Indices, start_poses: ArrayLike) -> None:
+    def place(
+        self, rows: Indices, start_poses: ArrayLike, goals: Array | None = None
+    ) -> None:
         """Start an episode with the object at ``start_poses`` (..., 3) X_WG and the tip
         at the middle of its face. ``rows`` always selects the only object.
+
+        ``goals`` (..., 3) X_WG are by default the task's.
         """
+        self._goal = goal_of(self.push)
+        self._most_steps = self.push.steps
+        if goals is not None:
+            self._goal = wrapped_poses(np.reshape(goals, 3))
+            self._most_steps = int(np.max(steps_to(self.push, start_poses, goals)))
         x, y, yaw = np.reshape(np.asarray(start_poses, dtype=np.float64), 3).tolist()
         X_WG = Pose2(x, y, yaw)
         self._now = self._world.start(X_WG, X_WG, 0.0)
@@ -72,7 +82,7 @@ class ExactPushing:
             self._now = self._world.step(self._now, (self._command((vx, vy)),))
         self._steps += 1
         passed = np.array([self._passed()])
-        over = np.array([self._steps >= self.push.steps])
+        over = np.array([self._steps >= self._most_steps])
         return outcome(self.push, self.observations(), passed, over)
 
     def _command(self, velocity: Point) -> TipCommand:

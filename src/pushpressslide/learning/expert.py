@@ -9,6 +9,7 @@ import numpy as np
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.refusal import Refusal
 from pushpressslide.learning.push_task import PERIOD, PushTask, choice
 from pushpressslide.modes.base import Tracker
 from pushpressslide.modes.rear_push import MODE
@@ -24,9 +25,15 @@ class RearPushPolicy:
     def __init__(self, push: PushTask) -> None:
         """Prepare the policy for a task."""
         self._push = push
+        self.refusal: Refusal | None = None  # of the path that is followed all the same
         self._segment: Segment | None = None
         self._tracker: Tracker | None = None
         self._progress = 0.0
+
+    @property
+    def duration(self) -> float:
+        """Time [s] that the path of the episode takes, 0 before there is one."""
+        return 0.0 if self._segment is None else self._segment.profile.duration
 
     def reset(self) -> None:
         """Discard the path, so that the next observation is the first of an episode."""
@@ -36,11 +43,13 @@ class RearPushPolicy:
         """Velocity (2,) [m/s] of the tip in the world for an observation (8,) as
         ``pushing.OBSERVATION``.
         """
-        x, y, yaw, _, _, _, tip_x, tip_y = np.asarray(observation).tolist()
+        x, y, yaw, *goal, tip_x, tip_y = np.asarray(observation).tolist()
         X_WG = Pose2(x, y, yaw)
         if self._segment is None:
-            query = replace(self._push.task.query, start=X_WG)
-            (self._segment,) = choice(query, self._push.face).segments
+            query = replace(self._push.task.query, start=X_WG, goal=Pose2(*goal))
+            chosen = choice(query, self._push.face)
+            (self._segment,) = chosen.segments
+            self.refusal = chosen.refusal
             self._tracker = MODE.tracker(query, self._segment)
             self._progress = 0.0
         assert self._tracker is not None

@@ -17,6 +17,14 @@ from numpy.typing import NDArray
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.learning.demonstrations import Demonstrations
+from pushpressslide.learning.lerobot_video import (
+    IMAGE,
+    VIDEO,
+    VIDEO_PATH,
+    video_columns,
+    write_video,
+)
+from pushpressslide.learning.picture import Picture
 
 VERSION = "v3.0"
 INFO = "meta/info.json"
@@ -49,21 +57,34 @@ INDEXED = {
 }
 
 
-def write_lerobot(shown: Demonstrations, folder: Path, text: str) -> Path:
+def write_lerobot(
+    shown: Demonstrations, folder: Path, text: str, picture: Picture | None = None
+) -> Path:
     """Write demonstrations into a new folder, and return it.
 
-    ``text`` describes the task in words. Raises as ``check_folder`` does.
+    ``text`` describes the task in words. With ``picture``, which draws a state, there
+    is also a video. Raises as ``check_folder`` and ``check_video`` do.
     """
     check_folder(folder)
     arrow = _arrow()
     columns = _columns(shown)
+    episodes = _episodes(shown, columns, text)
+    statistics: dict[str, Any] = _statistics(columns)
+    info = _info(shown, columns)
+    if picture is not None:
+        check_video(folder)
+        video = write_video(shown, picture, folder / VIDEO)
+        episodes |= video_columns(shown, video)
+        statistics[IMAGE] = video.statistics()
+        info["features"][IMAGE] = video.feature
+        info["video_path"] = VIDEO_PATH
     _write_table(folder / DATA, {name: arrow(v) for name, v in columns.items()})
-    _write_table(folder / EPISODES, _episodes(shown, columns, text))
+    _write_table(folder / EPISODES, episodes)
     tasks = {"task_index": [0], "task": [text]}
     _write_table(folder / TASKS, tasks, {"pandas": json.dumps(INDEXED)})
-    write_whole(folder / STATS, json.dumps(_statistics(columns), indent=4))
+    write_whole(folder / STATS, json.dumps(statistics, indent=4))
     # the last one: a folder with it is complete
-    write_whole(folder / INFO, json.dumps(_info(shown, columns), indent=4))
+    write_whole(folder / INFO, json.dumps(info, indent=4))
     return folder
 
 
@@ -88,6 +109,18 @@ def check_folder(folder: Path) -> None:
         raise PushPressSlideError(
             f"--lerobot: {str(folder)!r} is not allowed; allowed: a new or empty folder"
         )
+
+
+def check_video(folder: Path | None) -> None:
+    """Raise PushPressSlideError without a ``folder``, or if av is not installed."""
+    if folder is None:
+        raise PushPressSlideError("--video: allowed with --lerobot DIR")
+    try:
+        import av  # noqa: F401
+    except ImportError as error:
+        raise PushPressSlideError(
+            "av is not installed: pip install 'pushpressslide[lerobot]'"
+        ) from error
 
 
 def _arrow() -> Any:

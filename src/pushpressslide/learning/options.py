@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.learning.push_task import PERIOD
-from pushpressslide.learning.pushing import checked_starts
+from pushpressslide.learning.pushing import checked_poses
 
 MODES = ("rgb_array",)
 METADATA = {"render_modes": list(MODES), "render_fps": round(1.0 / PERIOD)}
@@ -21,14 +21,25 @@ def checked_mode(mode: str | None) -> str | None:
     return mode
 
 
-def start_asked(options: Mapping[str, Any] | None, count: int) -> Array | None:
-    """Starts (count, 3) X_WG in a reset's options. None if the options contain no
-    starts.
+class ResetPoses(NamedTuple):
+    """Poses (count, 3) X_WG in a reset's options, each None if it is not given."""
 
-    Raises ValueError for any option except ``start``.
+    start: Array | None
+    goal: Array | None
+
+
+def poses_asked(options: Mapping[str, Any] | None, count: int) -> ResetPoses:
+    """Starts and goals in a reset's options.
+
+    Raises ValueError for any other option, and for poses outside the field.
     """
-    for name in options or {}:
-        if name != "start":
-            raise ValueError(f"option {name!r} is not allowed; allowed: start")
-    start = (options or {}).get("start")
-    return None if start is None else checked_starts(start, count)
+    names = ResetPoses._fields
+    asked = options or {}
+    for name in asked:
+        if name not in names:
+            allowed = ", ".join(names)
+            raise ValueError(f"option {name!r} is not allowed; allowed: {allowed}")
+    given = {name: asked.get(name) for name in names}
+    return ResetPoses(
+        *(None if v is None else checked_poses(v, count, n) for n, v in given.items())
+    )

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.arrays import Array
-from pushpressslide.core.pose import Pose2
+from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.task import Task
+from pushpressslide.learning.command_rows import SEEN
+from pushpressslide.learning.command_rows import TIP as TIP_WIDTH
 from pushpressslide.learning.push_task import SPREAD, PushTask
 
 Pixels = NDArray[np.uint8]
+Picture = Callable[[Array], Pixels]
 SIDE = 96
 """Pixels along a side of a picture."""
 GROUND = (255, 255, 255)
@@ -21,40 +27,39 @@ DOT = 0.15  # of the object's radius
 AHEAD = 0.5  # of its radius, from G's origin along x
 
 
-class Camera:
+class TopView:
     """Camera looking down on a task: x to the right, y up, start and goal inside."""
 
-    def __init__(self, push: PushTask, side: int = SIDE) -> None:
-        """Prepare square pictures of ``side`` pixels."""
-        task = push.task
+    def __init__(self, task: Task, around: float, side: int = SIDE) -> None:
+        """Prepare square pictures of ``side`` pixels, with ``around`` [m] beyond the
+        object at start and goal.
+        """
         self._outline = np.array(task.object.shape.outline())
         self._radius = task.object.radius
-        self._tip = task.robots[0].tip_radius
-        self._normal = np.array(push.normal)
         xs = (task.true_start.x, task.goal.x)
         ys = (task.true_start.y, task.goal.y)
-        margin = self._radius + 2.0 * (self._tip + SPREAD[0])
+        margin = self._radius + around
         width = max(max(xs) - min(xs), max(ys) - min(ys)) + 2.0 * margin
         across = ((np.arange(side) + 0.5) / side - 0.5) * width
         self._x = 0.5 * sum(xs) + across[None, :]  # (1, side) [m] of pixels
         self._y = 0.5 * sum(ys) - across[:, None]  # (side, 1) from the top down
 
-    def picture(self, observation: Array) -> Pixels:
-        """Picture (side, side, 3) of an observation (8,): goal, object with a dot
-        towards its front, tip.
+    def view(
+        self, X_WG: Pose2, goal: Pose2, tips: Sequence[Point], radius: float
+    ) -> Pixels:
+        """Picture (side, side, 3): goal, object with a dot towards its front, and tips
+        of a ``radius`` [m].
         """
-        x, y, yaw, goal_x, goal_y, goal_yaw, tip_x, tip_y = observation.tolist()
-        X_WG = Pose2(x, y, yaw)
         out = np.empty(
             (*np.broadcast_shapes(self._x.shape, self._y.shape), 3), np.uint8
         )
         out[:] = GROUND
-        out[self._covered(Pose2(goal_x, goal_y, goal_yaw))] = GOAL
+        out[self._covered(goal)] = GOAL
         out[self._covered(X_WG)] = OBJECT
         dot = X_WG.apply((AHEAD * self._radius, 0.0))
         out[self._disc(*dot, DOT * self._radius)] = HEADING
-        nx, ny = X_WG.rotate((float(self._normal[0]), float(self._normal[1])))
-        out[self._disc(tip_x - self._tip * nx, tip_y - self._tip * ny, self._tip)] = TIP
+        for tip in tips:
+            out[self._disc(*tip, radius)] = TIP
         return out
 
     def _disc(self, x: float, y: float, radius: float) -> NDArray[np.bool_]:
@@ -75,3 +80,41 @@ class Camera:
             crossing = ax + (self._y - ay) * (bx - ax) / (by - ay)
             inside ^= between & (self._x < crossing)
         return inside
+
+
+class Camera(TopView):
+    """Camera of the environments of one push."""
+
+    def __init__(
+        self, push: PushTask, side: int = SIDE, spread: float = SPREAD[0]
+    ) -> None:
+        """Prepare square pictures of ``side`` pixels, for starts drawn ``spread`` [m] to
+        either side.
+        """
+        self._tip = push.task.robots[0].tip_radius
+        self._normal = push.normal
+        super().__init__(push.task, 2.0 * (self._tip + spread), side)
+
+    def picture(self, observation: Array) -> Pixels:
+        """Picture (side, side, 3) of an observation (8,)."""
+        x, y, yaw, goal_x, goal_y, goal_yaw, tip_x, tip_y = observation.tolist()
+        X_WG = Pose2(x, y, yaw)
+        nx, ny = X_WG.rotate(self._normal)
+        tip = (tip_x - self._tip * nx, tip_y - self._tip * ny)
+        return self.view(X_WG, Pose2(goal_x, goal_y, goal_yaw), (tip,), self._tip)
+
+
+class CommandCamera(TopView):
+    """Camera of the environments whose tips are commanded, in the support's axes."""
+
+    def __init__(self, task: Task, side: int = SIDE) -> None:
+        """Prepare square pictures of ``side`` pixels."""
+        self._tip = task.robots[0].tip_radius
+        super().__init__(task, 4.0 * self._tip, side)
+
+    def picture(self, observation: Array) -> Pixels:
+        """Picture (side, side, 3) of an observation (7 + 9 A,)."""
+        _, x, y, yaw, goal_x, goal_y, goal_yaw = observation[:SEEN].tolist()
+        tips = observation[SEEN:].reshape(-1, TIP_WIDTH)[:, :2].tolist()
+        goal = Pose2(goal_x, goal_y, goal_yaw)
+        return self.view(Pose2(x, y, yaw), goal, [(a, b) for a, b in tips], self._tip)

@@ -28,6 +28,21 @@ FASTER = 4.0  # times motion.speed that a tip may move along x and along y
 LONGER = 2.0  # times the planned duration that an episode may last
 
 
+Threshold = tuple[float, float]
+"""Errors within which an episode is a success: position [m] and yaw [rad]."""
+
+
+def with_threshold(task: Task, threshold: Threshold | None) -> Task:
+    """A task whose tolerance is the ``threshold``, if one is given.
+
+    Raises InputError for an error that is not > 0.
+    """
+    if threshold is None:
+        return task
+    position, yaw = threshold
+    return replace(task, tolerance=replace(task.tolerance, position=position, yaw=yaw))
+
+
 @dataclass(frozen=True, slots=True)
 class PushTask:
     """True parameters of a task of one push, and its environment's figures.
@@ -60,12 +75,13 @@ class PushTask:
         return FIELD + path + 2.0 * self.task.object.radius
 
 
-def push_task(task: Task | str | Path) -> PushTask:
+def push_task(task: Task | str | Path, threshold: Threshold | None = None) -> PushTask:
     """Task of one push, given directly or by the name or path of a task file.
 
-    Raises TaskError for a task of another kind.
+    ``threshold`` replaces its tolerance. Raises TaskError for a task of another kind.
     """
     loaded = task if isinstance(task, Task) else load_task(task)
+    loaded = with_threshold(loaded, threshold)
     _check(loaded)
     planned = choice(loaded.query)
     (segment,) = planned.segments
@@ -74,6 +90,15 @@ def push_task(task: Task | str | Path) -> PushTask:
     fitted = _face_at(truth.query, contact.point, contact.normal)
     steps = math.ceil(LONGER * segment.profile.duration / PERIOD)
     return _figures(truth, loaded, fitted, steps)
+
+
+def faces_of(push: PushTask) -> list[PushTask]:
+    """The task with each flat face that can be pushed in place of its own."""
+    truth = replace(push.task, belief=Belief(), start_error=Pose2())
+    scene = truth.scene
+    fitted = fitted_faces(scene, replace(truth.motion, face=None))
+    flat = [one for one in fitted if one.face.flat and one.cars]
+    return [_figures(truth, push.task, one, push.steps) for one in flat]
 
 
 def choice(query: MotionQuery, face: int | None = None) -> Choice:

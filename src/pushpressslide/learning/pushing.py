@@ -46,7 +46,8 @@ class Pushing:
         self._bodies = PushedBodies(
             push.foot, push.normal, push.ends, friction, push.rho
         )
-        self._goal = goal_of(push)
+        self._goals = np.tile(goal_of(push), (count, 1))
+        self._most_steps = np.full(count, push.steps)
         self._pushes = self._bodies.initial_states(np.zeros((count, 3)))
         self._tips = np.zeros((count, 2))
         self._steps = np.zeros(count, dtype=np.intp)
@@ -54,16 +55,30 @@ class Pushing:
         everyone = np.arange(count, dtype=np.intp)
         self.place(everyone, np.array([start.x, start.y, start.yaw]))
 
-    def place(self, rows: Indices, start_poses: ArrayLike) -> None:
+    def place(
+        self,
+        rows: Indices,
+        start_poses: ArrayLike,
+        goals: Array | None = None,
+        along: float = 0.0,
+    ) -> None:
         """Start episodes of ``rows`` with the objects at ``start_poses`` (..., 3) X_WG
-        and the tips at the middle of their faces.
+        and the tips ``along`` [m] their faces from the middle.
+
+        ``goals`` (..., 3) X_WG are by default the task's.
         """
+        self._goals[rows] = (
+            goal_of(self.push) if goals is None else wrapped_poses(goals)
+        )
+        self._most_steps[rows] = self.push.steps
+        if goals is not None:
+            self._most_steps[rows] = steps_to(self.push, start_poses, goals)
         poses = np.array(self._pushes.poses)
         X_WG = np.asarray(start_poses, dtype=np.float64)
         poses[rows] = displaced(X_WG, self.push.center, 1.0)
         places = np.array(self._pushes.places)
         gaps = np.array(self._pushes.gaps)
-        places[rows] = 0.0
+        places[rows] = along
         gaps[rows] = 0.0
         self._pushes = Pushes(poses, places, gaps)
         self._tips = self._touching(self._tips)
@@ -74,7 +89,7 @@ class Pushing:
         out = np.empty((self.count, len(OBSERVATION)))
         out[:, :3] = displaced(self._pushes.poses, self.push.center, -1.0)
         out[:, 2] = wrapped(out[:, 2])
-        out[:, 3:6] = self._goal
+        out[:, 3:6] = self._goals
         out[:, 6:] = self._tips
         return out
 
@@ -89,7 +104,7 @@ class Pushing:
         self._tips = self._touching(self._tips + PERIOD * v)
         self._steps += 1
         passed = np.isinf(self._pushes.gaps)
-        over = self._steps >= self.push.steps
+        over = self._steps >= self._most_steps
         return outcome(self.push, self.observations(), passed, over)
 
     def _touching(self, tips: Array) -> Array:
@@ -139,6 +154,31 @@ def goal_of(push: PushTask) -> Array:
     return np.array([goal.x, goal.y, float(wrapped(np.array(goal.yaw)))])
 
 
+def steps_to(push: PushTask, starts: ArrayLike, goals: ArrayLike) -> NDArray[np.intp]:
+    """Steps that episodes to other goals may last: in proportion to the way, and at
+    least as many as to the task's.
+    """
+    start = push.task.true_start
+    own = (start.x, start.y, start.yaw)
+    share = _distance(push, starts, goals) / _distance(push, own, goal_of(push))
+    steps = np.ceil(push.steps * np.maximum(share, 1.0))
+    return np.asarray(steps, dtype=np.intp)
+
+
+def _distance(push: PushTask, starts: ArrayLike, goals: ArrayLike) -> Array:
+    """Distance [m] and rho times the angle between poses (..., 3)."""
+    off = np.asarray(goals) - np.asarray(starts)
+    far = np.hypot(off[..., 0], off[..., 1])
+    return np.asarray(far + push.rho * np.abs(wrapped(off[..., 2])))
+
+
+def wrapped_poses(poses: ArrayLike) -> Array:
+    """Poses (..., 3), each with its yaw between -pi and pi."""
+    out = np.array(poses, dtype=np.float64)
+    out[..., 2] = wrapped(out[..., 2])
+    return out
+
+
 def drawn_start(push: PushTask, rng: np.random.Generator) -> Array:
     """A start X_WG (3,) near the task's."""
     start = push.task.true_start
@@ -146,17 +186,18 @@ def drawn_start(push: PushTask, rng: np.random.Generator) -> Array:
     return np.array([start.x, start.y, start.yaw]) + offset
 
 
-def checked_starts(start_poses: ArrayLike, count: int) -> Array:
-    """Starts (count, 3) X_WG as requested.
+def checked_poses(poses: ArrayLike, count: int, name: str = "start") -> Array:
+    """Starts or goals (count, 3) X_WG as requested.
 
-    Raises ValueError for another shape, and for starts outside the field.
+    Raises ValueError for another shape, and for poses outside the field.
     """
-    X = np.asarray(start_poses, dtype=np.float64)
+    X = np.asarray(poses, dtype=np.float64)
     if X.shape not in ((3,), (count, 3)):
-        raise ValueError(f"start of shape {X.shape} is not allowed; allowed: x, y, yaw")
+        reason = "is not allowed; allowed: x, y, yaw"
+        raise ValueError(f"{name} of shape {X.shape} {reason}")
     if not (np.isfinite(X).all() and (np.abs(X[..., :2]) <= FIELD).all()):
         raise ValueError(
-            f"start {X.tolist()} is not allowed; allowed: x and y in [-{FIELD:g}, "
+            f"{name} {X.tolist()} is not allowed; allowed: x and y in [-{FIELD:g}, "
             f"{FIELD:g}] m"
         )
     return np.broadcast_to(X, (count, 3))

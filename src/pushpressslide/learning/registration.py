@@ -22,6 +22,11 @@ COMMANDS: dict[str, dict[str, Any]] = {
     "pushpressslide/CommandsDrake-v0": {"task": "press-slide", "engine": "drake"},
 }
 """The arguments of each id whose tips are commanded tick by tick."""
+CHOICES: dict[str, dict[str, Any]] = {
+    "pushpressslide/ChoosePush-v0": {"task": "rear-push-rear"},
+}
+"""The arguments of each id whose agent chooses where to push."""
+CHOSEN = "pushpressslide.learning.choice_env:ChoiceEnv"
 SINGLE = "pushpressslide.learning.environment:PushEnv"
 COMMANDED = "pushpressslide.learning.command_env:CommandEnv"
 VECTOR = "pushpressslide.learning.vector:PushVectorEnv"
@@ -46,6 +51,7 @@ def register() -> None:
                 vector_entry_point=None if "exact" in arguments else VECTOR,
                 kwargs=arguments,
             )
-    for name, arguments in COMMANDS.items():
-        if name not in gymnasium.registry:
-            gymnasium.register(id=name, entry_point=COMMANDED, kwargs=arguments)
+    for ids, entry_point in ((COMMANDS, COMMANDED), (CHOICES, CHOSEN)):
+        for name, arguments in ids.items():
+            if name not in gymnasium.registry:
+                gymnasium.register(id=name, entry_point=entry_point, kwargs=arguments)

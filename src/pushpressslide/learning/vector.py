@@ -12,9 +12,9 @@ from pushpressslide.batch import fast
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import MissingPackageError
 from pushpressslide.core.task import Task
-from pushpressslide.learning.options import METADATA, checked_mode, start_asked
+from pushpressslide.learning.options import METADATA, checked_mode, poses_asked
 from pushpressslide.learning.picture import Camera, Pixels
-from pushpressslide.learning.push_task import push_task
+from pushpressslide.learning.push_task import Threshold, push_task
 from pushpressslide.learning.pushing import Flags, Indices, Pushing, drawn_start, errors
 from pushpressslide.learning.registration import MISSING, SLOW
 
@@ -46,15 +46,17 @@ class PushVectorEnv(VectorEnv):
         num_envs: int = 1,
         task: Task | str | Path = "rear-push-rear",
         render_mode: str | None = None,
+        threshold: Threshold | None = None,
     ) -> None:
-        """Prepare ``num_envs`` objects of a task.
+        """Prepare ``num_envs`` objects of a task. ``threshold`` replaces its tolerance:
+        position [m] and yaw [rad].
 
         Raises MissingPackageError without numba, and TaskError for a task that is not
         one push.
         """
         if fast.installed() is None:
             raise MissingPackageError(SLOW)
-        push = push_task(task)
+        push = push_task(task, threshold)
         self.render_mode = checked_mode(render_mode)
         self._camera = Camera(push)
         self.push = push
@@ -74,17 +76,16 @@ class PushVectorEnv(VectorEnv):
         options: dict[str, Any] | None = None,
     ) -> tuple[Array, dict[str, Any]]:
         """Start all episodes. ``options["start"]`` is one start (3,) or one for each
-        (n, 3): x, y [m] and yaw [rad] of X_WG.
+        (n, 3): x, y [m] and yaw [rad] of X_WG; ``options["goal"]`` likewise. An episode
+        that restarts has the task's goal.
         """
-        starts = start_asked(options, self.num_envs)
+        asked = poses_asked(options, self.num_envs)
         if seed is not None:
             self._rngs = self._seeded(seed)
         self._ended[:] = False
         everyone = np.arange(self.num_envs, dtype=np.intp)
-        if starts is None:
-            self._draw(everyone)
-        else:
-            self._pushing.place(everyone, starts)
+        starts = self._random_starts(everyone) if asked.start is None else asked.start
+        self._pushing.place(everyone, starts, asked.goal)
         observations = self._pushing.observations()
         return observations, _info(observations, np.zeros_like(self._ended))
 
@@ -95,7 +96,7 @@ class PushVectorEnv(VectorEnv):
             actions
         )
         if begun.size:
-            self._draw(begun)
+            self._pushing.place(begun, self._random_starts(begun))
             observations[begun] = self._pushing.observations()[begun]
             rewards[begun] = 0.0
             for flags in (terminated, truncated, success):
@@ -115,10 +116,9 @@ class PushVectorEnv(VectorEnv):
             return None
         return tuple(map(self._camera.picture, self._pushing.observations()))
 
-    def _draw(self, rows: Indices) -> None:
-        """Start episodes near the task's start."""
-        starts = [drawn_start(self.push, self._rngs[i]) for i in rows.tolist()]
-        self._pushing.place(rows, starts)
+    def _random_starts(self, rows: Indices) -> Array:
+        """Starts (n, 3) near the task's start."""
+        return np.array([drawn_start(self.push, self._rngs[i]) for i in rows.tolist()])
 
     def _seeded(
         self, seed: int | Sequence[int | None] | None

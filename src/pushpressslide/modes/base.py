@@ -7,7 +7,6 @@ laws. Search and replan are the same for all modes.
 from __future__ import annotations
 
 import math
-import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
@@ -138,15 +137,6 @@ class Continuation(NamedTuple):
     path: MotionPath
 
 
-OLD_NAMES = {
-    "drafts": "candidates",
-    "course": "continue_from",
-    "again": "retry",
-    "touches": "candidate_contacts",
-    "work": "evaluation_cost",
-}
-
-
 class Mode(ABC, Generic[D]):
     """One contact topology, whose segments have drives ``D``."""
 
@@ -165,14 +155,6 @@ class Mode(ABC, Generic[D]):
     pushed_faces: ClassVar[int | None]
     drives: ClassVar[tuple[type[Drive], ...]]  # the classes of its segments' drives
     vehicles: ClassVar[tuple[Vehicle, ...]] = ()  # that ``motion.vehicle`` may name
-
-    def __init_subclass__(cls) -> None:
-        """Accept methods by their names of version 0.4, with a warning, until 0.6."""
-        for old, new in OLD_NAMES.items():
-            if old in vars(cls) and new not in vars(cls):
-                text = f"{cls.__name__}.{old}: call it {new}"
-                warnings.warn(text, DeprecationWarning, stacklevel=2)
-                setattr(cls, new, vars(cls)[old])
 
     def choices(
         self,

@@ -7,7 +7,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 from pushpressslide.core import margins
 from pushpressslide.core.control import Vector3
@@ -104,28 +103,13 @@ def untouchable(scene: Scene, height: float) -> Refusal:
     return Refusal("leaning", text, lean, allowed, "rad")
 
 
-def before_contacts(
-    scene: Scene, motion: Motion, contacts: Sequence[Contact] | None = None
-) -> float:
+def before_contacts(scene: Scene, motion: Motion, contacts: Sequence[Contact]) -> float:
     """Distance [m] before their contacts at which tips start to touch: as the motion
     says, or less in a narrow notch.
-
-    A task and contacts as arguments, as plants pass them, give a warning. They are no
-    longer accepted from version 0.6 on.
     """
-    if contacts is None:
-        return _before_contacts_of(scene, motion)
     wanted = motion.approach_distance
     margins = (room_before(scene, c, wanted, motion.clearance) for c in contacts)
     return min(margins, default=wanted)
-
-
-def _before_contacts_of(task: Any, contacts: Any) -> float:
-    import warnings
-
-    text = "before_contacts: give it a query's scene and motion in place of a task"
-    warnings.warn(text, DeprecationWarning, stacklevel=3)
-    return before_contacts(task.scene, task.motion, contacts)
 
 
 def room_before(

@@ -60,7 +60,7 @@ def result(
         "modes": list(record.modes),
         **dict.fromkeys(OUTCOME_FIELDS + MOTION_FIELDS + CONTACT_FIELDS),
     }
-    if series.ticks(record) > 0:
+    if series.ticks(record) > 0 and plan.segments:
         placements = series.by_placement(plan, record)
         out |= motion_figures(placements, record)
         out |= contact_figures(placements)

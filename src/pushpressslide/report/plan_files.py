@@ -69,7 +69,7 @@ def plan_from_dict(data: Mapping[str, Any], task: Task) -> Plan:
 
 def _plan_from(data: Mapping[str, Any], before: Plan) -> Plan:
     """Plan from the data of ``plan_to_dict`` that continues the task of another plan."""
-    if not data["segments"]:
+    if not data["segments"] and not before.at_goal:
         raise ValueError("a plan without segments")
     task = before.task
     searched = before.from_search

@@ -54,7 +54,7 @@ def plan_figure(plan: Plan) -> Figure:
     segments = plan.segments
     goal = plan.goal
     shape = task.object.shape
-    each = max(2, STATIONS // len(segments))
+    each = max(2, STATIONS // max(1, len(segments)))
     shares = np.linspace(0.0, 1.0, each + 2)
     poses = [
         plan.object_pose(segment, u * segment.path.length)

@@ -20,7 +20,8 @@ def selectable(
     """
     feasible = [c for c in choices if c.segments and (c.feasible or force)]
     if not feasible:
-        raise infeasible(empty, choices)
+        note = ", and none has a path that could be run anyway" if force else ""
+        raise infeasible(empty, choices, note)
     return feasible
 
 

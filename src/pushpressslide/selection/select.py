@@ -8,9 +8,15 @@ from dataclasses import replace
 from itertools import chain, pairwise
 from typing import Any
 
-from pushpressslide.core.plan import Choice, Contact, MotionPath, same_places
+from pushpressslide.core.plan import (
+    Choice,
+    Contact,
+    MotionPath,
+    Plan,
+    same_places,
+)
 from pushpressslide.core.query import MotionQuery
-from pushpressslide.core.refusal import Refusal
+from pushpressslide.core.refusal import SKIPPED, Refusal
 from pushpressslide.core.scene import ARM_NAMES
 from pushpressslide.core.state import HeldContacts
 from pushpressslide.core.task import Task
@@ -28,6 +34,7 @@ FALLS = Refusal(
     "the object falls when the arms let go for it: nothing carries it where the leg "
     "before ends",
 )
+AT_GOAL = Refusal(SKIPPED, "the object is at its goal already")
 ENDS = Refusal("no_continuation", "its contacts allow no continuation")
 
 
@@ -40,7 +47,15 @@ def select(task: Task, enough: int = 1) -> list[Choice]:
     legs, choices are grouped by placement, in order; ``leg`` is their first leg. Raises
     TaskError for a task of several goals.
     """
+    if Plan(task).at_goal:
+        return choices_at_goal(task)
     return list(chain.from_iterable(placements(task.queries(), enough)))
+
+
+def choices_at_goal(task: Task) -> list[Choice]:
+    """All modes, skipped, of a task whose object is at its goal already."""
+    names = MODES if task.modes is None else task.modes
+    return [Choice(name, refusal=AT_GOAL) for name in names]
 
 
 def placements(

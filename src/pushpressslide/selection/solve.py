@@ -26,6 +26,7 @@ from pushpressslide.selection.planner import infeasible, selectable
 from pushpressslide.selection.reach_screen import ReachScreen
 from pushpressslide.selection.search_notes import SearchNotes
 from pushpressslide.selection.select import (
+    choices_at_goal,
     evaluate_motion,
     of_leg,
     placements,
@@ -38,6 +39,7 @@ SEQUENCES = 16  # whose joint paths are looked for
 TRIES_ANEW = 2
 SEQUENCES_ANEW = 6
 JUDGED = 320  # work on motions between two poses in a search
+MOST_FORCE = 1000.0  # [N] that a task file may allow
 MOST_FURTHER = 640  # more, if pushes from the via poses are evaluated too
 
 
@@ -68,6 +70,11 @@ def solve(
     InfeasibleTaskError if nothing leads to the goal.
     """
     return solved(planner, Plan(task), enough, force=force)
+
+
+def rest(task: Task) -> Solution:
+    """Solution of a task whose object is at its goal already: nothing moves."""
+    return Solution(Plan(task), choices_at_goal(task))
 
 
 def solved(
@@ -118,6 +125,8 @@ def _solved(
     """
     choices = _selected(empty, enough)
     clock.lap("selection")
+    if force:
+        choices = _beyond_limits(empty, choices, enough)
     if force or not searchable(empty.task):
         choices = prepared(planner, empty, choices, force, empty.first)
         clock.lap("joint_paths")
@@ -133,6 +142,27 @@ def _solved(
     return Solution(plan, choices, clock.laps, searched)
 
 
+def _beyond_limits(empty: Plan, choices: list[Choice], enough: int) -> list[Choice]:
+    """``choices``; where none of a placement has a path, those of a task without a limit
+    of force and without a workspace, still refused for what the true limits refuse.
+    """
+    with_path = {choice.leg for choice in choices if choice.segments}
+    lacking = {choice.leg for choice in choices} - with_path
+    if not lacking:
+        return choices
+    limits = replace(empty.task.limits, normal_force=MOST_FORCE, workspace=None)
+    free = replace(empty, task=replace(empty.task, limits=limits))
+    refusals = {(one.leg, one.mode): one.refusal for one in reversed(choices)}
+    beyond = [
+        choice.refused(refusals.get((choice.leg, choice.mode), choice.refusal))
+        for choice in _selected(free, enough)
+        if choice.segments and choice.leg in lacking
+    ]
+    found = {choice.leg for choice in beyond}
+    kept = [choice for choice in choices if choice.leg not in found]
+    return sorted([*kept, *beyond], key=lambda choice: choice.leg)
+
+
 def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Plan:
     """Plan for ``choice``, by default the best one, or the best sequence of motions if
     no single choice does the task.
@@ -142,6 +172,8 @@ def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Pl
     plans an infeasible choice all the same if it has a path. Raises InfeasibleTaskError
     with the reasons, one per choice, if nothing can do the task.
     """
+    if Plan(task).at_goal:
+        return Plan(task)
     if choice is None:
         return solve(PlansAlone(), task, 1, force=force).plan
     empty = Plan(task)

@@ -24,14 +24,15 @@ from pushpressslide.core.bodies import (
     start_state,
 )
 from pushpressslide.core.errors import InfeasibleTaskError
-from pushpressslide.core.motion import Limits, Tolerance
+from pushpressslide.core.motion import Limits
+from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.state import WorldState
 from pushpressslide.core.task import Task
 from pushpressslide.planning.free_space import displacement
 from pushpressslide.selection.placement_planner import PlacementPlanner, PlansAlone
 from pushpressslide.selection.put_aside import Moment, in_the_way, spots
-from pushpressslide.selection.solve import Solution, solve
+from pushpressslide.selection.solve import Solution, rest, solve
 
 ORDERS = 400  # with the same number of stages that are compared
 REFUSALS = 16  # of stages as one motion, after which no more are looked at
@@ -65,7 +66,8 @@ def plan_stages(
     """
     first = PlansAlone() if planner is None else planner
     if not task.goals:
-        solution = solve(first, task, enough, force=force)
+        there = Plan(task).at_goal
+        solution = rest(task) if there else solve(first, task, enough, force=force)
         return [PlannedStage(Stage(OBJECT, task.goal), solution, first)]
     search = _OrderSearch(task, first, enough, force)
     moment = Moment(task, start_state(task), goals_of(task))
@@ -77,8 +79,16 @@ def plan_stages(
             for order in orders:
                 planned = search.planned(order, thorough)
                 if planned is not None:
-                    return planned
+                    return planned or [_at_goal(task, first)]
     raise search.refusal or InfeasibleTaskError(_shut_in(moment))
+
+
+def _at_goal(task: Task, planner: PlacementPlanner) -> PlannedStage:
+    """Stage of a task whose bodies are all at their goals."""
+    stage = Stage(task.goals[-1].body, task.goals[-1].pose)
+    return PlannedStage(
+        stage, rest(stage_task(task, stage, start_state(task))), planner
+    )
 
 
 def plan_stage(
@@ -109,13 +119,6 @@ def goals_of(task: Task) -> dict[str, tuple[Pose2, ...]]:
 def after(state: WorldState, stage: Stage) -> WorldState:
     """State after a stage that went as planned."""
     return state.with_body_at(stage.body, stage.goal)
-
-
-def is_there(X: Pose2, goal: Pose2, tolerance: Tolerance) -> bool:
-    """Whether a pose is within the tolerance of a goal."""
-    turn = abs(math.remainder(X.yaw - goal.yaw, 2.0 * math.pi))
-    near = math.dist(X.position, goal.position) <= tolerance.position
-    return near and turn <= tolerance.yaw
 
 
 def estimate(task: Task, order: Sequence[Stage]) -> tuple[int, float]:
@@ -172,9 +175,8 @@ def _visited(moment: Moment) -> Moment:
     tolerance = moment.task.tolerance
     left: dict[str, tuple[Pose2, ...]] = {}
     for body, goals in moment.goals.items():
-        while len(goals) > 1 and is_there(
-            moment.state.poses[body], goals[0], tolerance
-        ):
+        here = moment.state.poses[body]
+        while len(goals) > 1 and tolerance.holds(here, goals[0]):
             goals = goals[1:]
         left[body] = goals
     return replace(moment, goals=left)
@@ -184,7 +186,7 @@ def _stays(moment: Moment, body: str) -> bool:
     """Whether a body is at its last goal."""
     goals = moment.goals[body]
     here = moment.state.poses[body]
-    return len(goals) == 1 and is_there(here, goals[0], moment.task.tolerance)
+    return len(goals) == 1 and moment.task.tolerance.holds(here, goals[0])
 
 
 def _all_there(moment: Moment) -> bool:

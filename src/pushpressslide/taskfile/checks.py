@@ -58,12 +58,12 @@ ROUNDING = 1e-6
 
 
 def check(
-    query: MotionQuery, body: ObjectModel, true_start: Pose2, *, staged: bool = False
+    query: MotionQuery, body: ObjectModel, true_start: Pose2, *, may_rest: bool = False
 ) -> None:
     """Check the consistency of a motion's fields, cheap checks first.
 
-    ``body`` and ``true_start``, X_WG, are the true object. ``staged``: the motion is
-    one of several goals, which are not checked here.
+    ``body`` and ``true_start``, X_WG, are the true object. ``may_rest``: the goal may
+    be the start.
 
     Raises:
         TaskError: the first field that does not fit the others.
@@ -74,7 +74,7 @@ def check(
     refuse(source, _arm_faults(query.motion, len(scene.robots)))
     refuse(source, _mode_faults(query))
     refuse(source, _vehicle_faults(query))
-    if not staged:
+    if not may_rest:
         refuse(source, _goal_faults(query))
     check_places(query, body, true_start)
     refuse(source, _obstacle_faults(scene, query.tool))
@@ -237,19 +237,20 @@ def _vehicle_faults(query: MotionQuery) -> Iterator[Fault]:
 
 
 def _goal_faults(query: MotionQuery) -> Iterator[Fault]:
-    """Yield a goal that the object has already reached."""
-    off = query.start.inverse().compose(query.goal)
-    distance = math.hypot(off.x, off.y)
-    turn = abs(math.remainder(off.yaw, math.tau))
+    """Yield a goal that the object has reached by belief, but not in truth, or before a
+    leg.
+    """
+    if query.tool is not None or not query.tolerance.holds(query.start, query.goal):
+        return
+    distance = math.dist(query.start.position, query.goal.position)
+    turn = abs(math.remainder(query.goal.yaw - query.start.yaw, math.tau))
     tolerance = query.tolerance
-    there = distance <= tolerance.position and turn <= tolerance.yaw
-    if there and query.tool is None:
-        moved = f"{distance * 1e3:.1f} mm and {math.degrees(turn):.2f} deg"
-        allowed = (
-            f"allowed: beyond tolerance, {tolerance.position * 1e3:g} mm or "
-            f"{math.degrees(tolerance.yaw):g} deg; the object is there already"
-        )
-        yield "goal", Shown(f"{moved} from the start"), allowed
+    moved = f"{distance * 1e3:.1f} mm and {math.degrees(turn):.2f} deg"
+    allowed = (
+        f"allowed: beyond tolerance, {tolerance.position * 1e3:g} mm or "
+        f"{math.degrees(tolerance.yaw):g} deg; the object is there already"
+    )
+    yield "goal", Shown(f"{moved} from the start"), allowed
 
 
 def _workspace_faults(limits: Limits, start: Pose2, goal: Pose2) -> Iterator[Fault]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Task, ToolUse
 from pushpressslide.taskfile.kinds import attributes
 from pushpressslide.taskfile.layouts import POSE
 from pushpressslide.taskfile.schema import SCHEMA
@@ -18,15 +18,15 @@ def task_data(task: Task) -> dict[str, Any]:
     """Plain data of the task in the layout and units of the file."""
     values = {**attributes(task), "legs": task.legs or None}
     values["goals"] = task.goals or None
-    tool = values.pop("tool")
-    if tool is not None:
-        values["tool"] = tool
+    del values["source"]
+    if task.tool is None:
+        del values["tool"]
     plain: dict[str, Any] = SCHEMA.encode(values)
-    if tool is not None:
-        plain["goal"] = {**POSE.encode(tool.goal), "body": tool.body}
+    if isinstance(task.tool, ToolUse):
+        plain["goal"] = {**POSE.encode(task.tool.goal), "body": task.tool.body}
     if task.goals:
         plain["goal"] = None
-    if task.legs:
+    if task.legs and isinstance(plain["legs"][-1], dict):
         plain["legs"][-1]["pose"] = None  # the goal
     return plain
 

@@ -3,6 +3,10 @@
 Reading is separate from decoding, so that each field is known to be valid before fields
 are compared. ``read`` gives plain data in the file's units with every default resolved,
 ``decode`` makes the data of a task of it, and ``encode`` is the inverse of ``decode``.
+
+``encode`` also takes what a program may have in place of the data of a task: lists,
+tuples, arrays, mappings laid out like the file, paths. A value that it cannot convert
+stays as it is; ``read`` refuses it.
 """
 
 from __future__ import annotations
@@ -10,10 +14,11 @@ from __future__ import annotations
 import math
 import operator
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, is_dataclass, replace
 from dataclasses import fields as dataclass_fields
 from functools import partial
+from pathlib import PurePath
 from typing import Any
 
 from pushpressslide.core.errors import TaskError
@@ -22,6 +27,21 @@ from pushpressslide.taskfile.place import Place, nearest
 
 
 def _same(value: Any) -> Any:
+    return value
+
+
+def plain_value(value: Any) -> Any:
+    """Arrays and scalars of NumPy, sequences, mappings and paths as plain data. Any
+    other value is returned as it is.
+    """
+    if isinstance(value, PurePath):
+        return str(value)
+    if hasattr(value, "tolist"):  # of NumPy
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {key: plain_value(one) for key, one in value.items()}
+    if isinstance(value, list | tuple | range):
+        return [plain_value(one) for one in value]
     return value
 
 
@@ -39,7 +59,7 @@ class Kind:
     json: Mapping[str, Any]  # JSON Schema
     read: Callable[[Any, Place], Any]  # raises TaskError
     decode: Callable[[Any], Any] = _same
-    encode: Callable[[Any], Any] = _same
+    encode: Callable[[Any], Any] = plain_value
     absent: Any = REQUIRED  # plain value of a field that the file leaves out
     fields: Mapping[str, Field] | None = None  # of a section, or of each in a list
 
@@ -161,6 +181,17 @@ def array(item: Kind, low: float, high: float) -> Kind:
             item.read(one, place.item(i, allowed)) for i, one in enumerate(value)
         )
 
+    def encode(value: Any) -> Any:
+        """Plain list of a sequence, or of a single value in place of it."""
+        if hasattr(value, "tolist"):
+            value = value.tolist()
+        single = isinstance(value, str | PurePath | Mapping)
+        if single or is_dataclass(value):
+            return [item.encode(value)]
+        if not isinstance(value, Iterable):
+            return value
+        return [item.encode(one) for one in value]
+
     schema = {"type": "array", "items": item.json, "minItems": low}
     if math.isfinite(high):
         schema["maxItems"] = high
@@ -170,7 +201,7 @@ def array(item: Kind, low: float, high: float) -> Kind:
         schema,
         read,
         lambda value: tuple(item.decode(one) for one in value),
-        lambda value: [item.encode(one) for one in value],
+        encode,
         REQUIRED if low else [],
         item.fields,
     )
@@ -222,11 +253,15 @@ def section(
     fields: Mapping[str, Field],
     make: Callable[..., Any],
     take: Callable[[Any], Mapping[str, Any]] = attributes,
+    data: type | tuple[type, ...] | None = None,
+    order: tuple[str, ...] = (),
 ) -> Kind:
     """Kind of a section with some fields by their keys.
 
-    In the data it is the result of ``make`` called with the fields by their names.
-    ``take`` is the inverse; fields that it leaves out are not written.
+    In the data it is the result of ``make`` called with the fields by their names, of
+    the type ``data``, by default ``make`` itself. ``take`` is the inverse; fields that
+    it leaves out are not written. A sequence in place of the data has the fields of
+    ``order``.
     """
     listed = f"with the fields {', '.join(fields)}"
     names = {key: f.name or key.removesuffix("_deg") for key, f in fields.items()}
@@ -236,14 +271,33 @@ def section(
         """Make the data of a task from a plain value."""
         return make(**{names[k]: f.kind.decode(value[k]) for k, f in fields.items()})
 
+    typed = data or (make if isinstance(make, type) else object)
+    keys = {name: key for key, name in names.items()}
+
     def encode(value: Any) -> Any:
         """Make a plain value from the data of a task: the inverse of ``decode``."""
-        values = take(value)
-        return {
-            key: field.kind.encode(values[names[key]])
-            for key, field in fields.items()
-            if names[key] in values
-        }
+        if isinstance(value, Mapping):
+            plain = dict(encoded(key, one) for key, one in value.items())
+            return {key: plain[key] for key in (*fields, *plain) if key in plain}
+        if hasattr(value, "tolist"):
+            value = value.tolist()
+        in_order = isinstance(value, list | tuple) and 0 < len(value) <= len(order)
+        if in_order and not hasattr(value, "_fields"):
+            return encode(dict(zip(order, value, strict=False)))
+        if not isinstance(value, typed):
+            return plain_value(value)
+        taken = take(value)
+        return encode({k: v for k, v in taken.items() if k in keys or k in fields})
+
+    def encoded(key: Any, value: Any) -> tuple[Any, Any]:
+        """Key and plain value of a field by its key or by its name in the data."""
+        if key in keys:
+            key = keys[key]
+            return key, fields[key].kind.encode(value)
+        in_degrees = "_deg" in str(key)
+        if in_degrees or key not in fields:
+            return key, plain_value(value)
+        return key, fields[key].kind.encode(value)
 
     return Kind(
         f"a section {listed}",
@@ -294,12 +348,16 @@ def nullable(kind: Kind) -> Kind:
     )
 
 
-def degrees(radians: float) -> float:
+def degrees(radians: Any) -> Any:
     """Angle [deg] that math.radians converts back to exactly ``radians``, with few
     digits if possible.
 
-    If no such angle is found, the result of math.degrees.
+    If no such angle is found, the result of math.degrees. A value that is no number is
+    returned as plain data.
     """
+    radians = plain_value(radians)
+    if isinstance(radians, bool) or not isinstance(radians, int | float):
+        return radians
     value = math.degrees(radians)
     candidates = [round(value, digits) for digits in (0, 1, 2, 3, 4, 6, 8, 10, 12)]
     candidates.append(value)

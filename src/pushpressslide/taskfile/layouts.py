@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import NoneType
 from typing import NamedTuple
 
 from pushpressslide.core.pose import Pose2
@@ -10,7 +11,6 @@ from pushpressslide.taskfile.kinds import (
     NAME,
     Field,
     array,
-    attributes,
     nullable,
     number,
     section,
@@ -38,15 +38,23 @@ _POSE = {
 }
 _BODY = Field(nullable(NAME), "the body to be moved: object, or an obstacle")
 
-POSE = section(_POSE, Pose2)
-GOAL = section({**_POSE, "body": _BODY}, lambda body, **pose: Pose2(**pose))
+_X_Y_YAW = ("x", "y", "yaw")
+
+POSE = section(_POSE, Pose2, order=_X_Y_YAW)
+GOAL = section(
+    {**_POSE, "body": _BODY},
+    lambda body, **pose: Pose2(**pose),
+    data=Pose2,
+    order=_X_Y_YAW,
+)
 BODY_GOAL = section(
     {
         "body": Field(NAME, "the body: object, or an obstacle that is movable"),
         **_POSE,
     },
     lambda body, **pose: BodyGoal(body, Pose2(**pose)),
-    lambda goal: {"body": goal.body, **attributes(goal.pose)},
+    lambda goal: {"body": goal.body, **POSE.encode(goal.pose)},
+    BodyGoal,
 )
 START_ERROR = section(
     {
@@ -55,6 +63,7 @@ START_ERROR = section(
         "yaw_deg": Field(number("deg", "[-180, 180]"), "counter-clockwise", 0.0),
     },
     Pose2,
+    order=_X_Y_YAW,
 )
 STAND = section(
     {
@@ -65,6 +74,7 @@ STAND = section(
     },
     Stand,
     Stand._asdict,
+    order=("x", "y", "z", "yaw"),
 )
 CENTER = section(
     {
@@ -72,7 +82,8 @@ CENTER = section(
         "y": Field(_METRES, "along y", 0.0),
     },
     lambda x, y: (x, y),
-    lambda center: dict(zip("xy", center, strict=True)),
+    data=NoneType,
+    order=("x", "y"),
 )
 WORKSPACE = section(
     {
@@ -81,4 +92,5 @@ WORKSPACE = section(
     },
     lambda x, y: (*x, *y),
     lambda region: {"x": region[:2], "y": region[2:]},
+    tuple,
 )

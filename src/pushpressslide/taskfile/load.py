@@ -6,7 +6,9 @@ Every field is defined by the metadata of ``core/task.py``.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
+from math import radians
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -18,18 +20,20 @@ from pushpressslide.core.scene import (
     doubled_by_tip,
     is_robot_file,
 )
+from pushpressslide.core.slips import warn_of_slip
 from pushpressslide.core.task import ObjectModel, Obstacle, Robot, Task
 from pushpressslide.selection.tool_use import tool_use
 from pushpressslide.taskfile.checks import check, wall_faults
 from pushpressslide.taskfile.dump import dump_task, task_data
 from pushpressslide.taskfile.goals import check_goals, goals_faults
 from pushpressslide.taskfile.gone import without_gone
+from pushpressslide.taskfile.kinds import plain_value
 from pushpressslide.taskfile.legs import inherited, leg_faults, legs_to
 from pushpressslide.taskfile.place import Fault, Place, nearest, refuse
 from pushpressslide.taskfile.schema import SCHEMA
 from pushpressslide.taskfile.shapes import located, mass_faults, shape_faults
 from pushpressslide.taskfile.supports import support_faults
-from pushpressslide.taskfile.yaml_text import apply_overrides, read_yaml
+from pushpressslide.taskfile.yaml_text import Overrides, apply_overrides, read_yaml
 
 __all__ = [
     "check_task",
@@ -64,31 +68,73 @@ def one_line(text: str) -> str:
     return " ".join(text.split())
 
 
-def load_task(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Task:
-    """Complete, checked task of a shipped name or of a YAML file.
+def load_task(
+    task: str | PathLike[str] | Mapping[str, Any], overrides: Overrides = ()
+) -> Task:
+    """Complete, checked task of a shipped name, a YAML file, or a mapping.
 
     Args:
-        name_or_path: name of a shipped task, or path of a YAML file.
-        overrides: ``a.b=c`` each, the value as YAML, in the file's units.
+        task: name of a shipped task, path of a YAML file, or a mapping with the fields
+            of a file. In a mapping, an angle has a key that ends in ``_deg``; poses and
+            shapes may also be ``Pose2`` and ``Box``, or sequences of numbers.
+        overrides: values by field, as ``{"contact.friction": 0.5}``, or texts
+            ``field=value``, the value as YAML.
 
     Raises:
         TaskError: one line that names the file, the field, the value and what is
         allowed.
     """
-    path = file_of(name_or_path)
+    if isinstance(task, Mapping):
+        return _of_python(task, overrides, str(task.get("name", "task")))
+    if not isinstance(task, str | PathLike):
+        allowed = (
+            "allowed: a Task, the name of a shipped task, the path of a YAML file, or "
+            "a mapping with a task's fields"
+        )
+        raise TaskError("", "task", task, allowed)
+    path = file_of(Path(task))
     data = read_yaml(path)
-    apply_overrides(data, overrides)
+    apply_overrides(data, _plain_overrides(overrides))
     return task_from_data(data, str(path))
 
 
-def file_of(name_or_path: str | Path) -> Path:
+def _of_python(data: Mapping[Any, Any], overrides: Overrides, source: str) -> Task:
+    """Checked task of data that a program may have laid out loosely."""
+    plain = SCHEMA.encode(data)
+    apply_overrides(plain, _plain_overrides(overrides))
+    return task_from_data(plain, source)
+
+
+def _plain_overrides(overrides: Overrides) -> Overrides:
+    """Overrides with the values of a mapping as plain data in the file's units."""
+    if not isinstance(overrides, Mapping):
+        return overrides
+    return {name: _plain_field(str(name), v) for name, v in overrides.items()}
+
+
+def _plain_field(name: str, value: Any) -> Any:
+    """Value of a field by its dotted ``name``, as plain data in the file's units."""
+    kind = SCHEMA
+    key = ""
+    for key in name.split("."):
+        if key.isdecimal():  # of a list, whose kind has the fields of its sections
+            continue
+        if key not in (kind.fields or {}):
+            return plain_value(value)
+        kind = (kind.fields or {})[key].kind
+    if key.isdecimal() or "_deg" in key:
+        return plain_value(value)
+    return kind.encode(value)
+
+
+def file_of(name_or_path: Path) -> Path:
     """File of a shipped task, or the given path.
 
     Raises:
         TaskError: for a name of no shipped task.
     """
     shipped = shipped_tasks()
-    path = shipped.get(str(name_or_path)) or Path(name_or_path)
+    path = shipped.get(str(name_or_path)) or name_or_path
     if path.parent == Path() and not path.suffix and not path.exists():
         raise TaskError(
             str(name_or_path),
@@ -100,13 +146,46 @@ def file_of(name_or_path: str | Path) -> Path:
     return path
 
 
-def check_task(task: Task) -> None:
-    """Check a task built or changed in Python like one read from a file.
+def check_task(task: Task, overrides: Overrides = ()) -> Task:
+    """Task built or changed in Python, checked like one read from a file.
+
+    Lists, tuples, mappings and names in place of poses, shapes and robots are
+    converted. ``overrides`` are those of :func:`load_task`.
 
     Raises:
         TaskError: as :func:`load_task`.
     """
-    task_from_data(task_data(task), task.source or task.name)
+    name = str(task.name)
+    try:
+        checked = _of_python(task_data(task), overrides, name)
+    except TaskError as error:
+        raise in_radians(error) from None
+    if not overrides and same_types(task, checked):
+        return task
+    return replace(checked, source=task.source)
+
+
+def in_radians(error: TaskError) -> TaskError:
+    """Error of an angle [deg] in the file, for a program that has it in radians."""
+    value = error.value
+    if not error.field.endswith("_deg") or not isinstance(value, int | float):
+        return error
+    field = error.field.removesuffix("_deg")
+    allowed = f"{error.allowed}; were degrees meant? Pose2.deg takes them"
+    return TaskError(error.source, field, Shown(f"{radians(value):g} rad"), allowed)
+
+
+def same_types(one: Any, other: Any) -> bool:
+    """Whether two tasks, or parts of tasks, have values of the same types throughout."""
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, tuple):
+        same_count = len(one) == len(other)
+        return same_count and all(map(same_types, one, other))
+    if not is_dataclass(one):
+        return True
+    names = [field.name for field in fields(one)]
+    return all(same_types(getattr(one, n), getattr(other, n)) for n in names)
 
 
 def task_from_data(data: Mapping[str, Any], source: str) -> Task:
@@ -137,14 +216,35 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
     refuse(source, leg_faults(plain))
     refuse(source, _workspace_faults(plain["limits"]["workspace"] or {}))
     task = _task(plain, values, source)
+    _warn_of_masses(task)
     refuse(source, wall_faults(task.scene, task.start, task.goal))
-    staged = bool(task.goals)
     true_start = task.true_start
-    for query in (task.query,) if staged else task.queries():
-        check(query, task.object, true_start, staged=staged)
+    rests = not task.legs and task.tolerance.holds(true_start, task.goal)
+    for query in (task.query,) if task.goals else task.queries():
+        check(query, task.object, true_start, may_rest=rests or bool(task.goals))
         true_start = query.goal
     check_goals(task)
     return task
+
+
+OSMIUM = 22_590.0
+"""Density [kg/m^3] of the densest metal."""
+
+
+def _warn_of_masses(task: Task) -> None:
+    """Warn of bodies denser than any metal."""
+    bodies = {"object": (task.object.mass, task.object.shape)}
+    for i, body in enumerate(task.obstacles):
+        if body.movable:
+            bodies[f"obstacles[{i}]"] = (body.mass, body.shape)
+    for name, (mass, shape) in bodies.items():
+        volume = shape.base_area * shape.height
+        if mass > OSMIUM * volume:
+            warn_of_slip(
+                f"{task.source}: {name}.mass: {mass:g} kg in {1e3 * volume:.3g} litres "
+                f"is denser than any metal ({1e-3 * OSMIUM:.1f} kg in a litre); were "
+                "grams meant?"
+            )
 
 
 def load_written_task(path: Path) -> Task:

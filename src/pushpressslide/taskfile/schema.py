@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import MISSING, fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass, replace
 from dataclasses import Field as DataField
+from pathlib import PurePath
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from pushpressslide.core.field_spec import REQUIRED, FieldSpec
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.scene import CENTROID
 from pushpressslide.core.task import (
     BodyGoal,
     ObjectModel,
@@ -80,13 +82,21 @@ def _object(shape: Shape, mass: Any, center_of_mass: Any) -> ObjectModel:
     return ObjectModel(shape, mass, center)
 
 
+def _object_fields(body: ObjectModel) -> dict[str, Any]:
+    center = None if body.center_of_mass is CENTROID else body.center_of_mass
+    return {**kinds.attributes(body), "center_of_mass": center}
+
+
 def _robot(base: layouts.Stand, **others: Any) -> Robot:
     return Robot(base=base[:3], base_yaw=base.yaw, **others)
 
 
 def _robot_fields(robot: Robot) -> dict[str, Any]:
-    stand = layouts.Stand(*robot.base, robot.base_yaw)
-    return {**kinds.attributes(robot), "base": stand}
+    base: Any = kinds.plain_value(robot.base)
+    if isinstance(base, list) and len(base) <= 3:
+        x, y, z = (*base, 0.0, 0.0, 0.0)[:3]
+        base = layouts.Stand(x, y, z, robot.base_yaw)
+    return {**kinds.attributes(robot), "base": base}
 
 
 def _obstacle(**others: Any) -> Obstacle:
@@ -109,6 +119,7 @@ _MAKE: dict[str, Callable[..., Any]] = {
 """How data is made of the file's fields, where its constructor does not take them."""
 
 _TAKE: dict[str, Callable[[Any], dict[str, Any]]] = {
+    "ObjectModel": _object_fields,
     "Obstacle": _obstacle_fields,
     "Robot": _robot_fields,
     "Support": support_fields,
@@ -140,8 +151,23 @@ def _section(data: Any) -> Kind:
         ordered if data is Task else keyed,
         _MAKE.get(name, data),
         _TAKE.get(name, kinds.attributes),
+        data,
     )
+    if data is Robot:
+        return _named_model(kind)
     return with_one_shape(kind) if data is Obstacle else kind
+
+
+def _named_model(robot: Kind) -> Kind:
+    """Kind of a robot that a program may also give as the name of its model."""
+
+    def encode(value: Any) -> Any:
+        """Make a plain value of a robot or of its model."""
+        if isinstance(value, str | PurePath):
+            value = {"model": value}
+        return robot.encode(value)
+
+    return replace(robot, encode=encode)
 
 
 def _field(field: DataField[Any], spec: FieldSpec, kind: Kind) -> Field:

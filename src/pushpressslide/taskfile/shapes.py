@@ -32,6 +32,7 @@ from pushpressslide.taskfile.kinds import (
     choice,
     nullable,
     number,
+    plain_value,
     point,
     section,
     shorthand,
@@ -58,8 +59,12 @@ def _prism(polygon: tuple[Point, ...], height: float) -> Prism:
     return Prism(counter_clockwise(without_straight_corners(polygon)), height)
 
 
-_BOX = replace(array(_LENGTH, 3, 3), decode=Box, encode=lambda box: list(box.size))
-_PRISM = section({"polygon": _POLYGON, "height": _HEIGHT}, _prism)
+_BOX = replace(
+    array(_LENGTH, 3, 3),
+    decode=Box,
+    encode=lambda box: plain_value(getattr(box, "size", box)),
+)
+_PRISM = section({"polygon": _POLYGON, "height": _HEIGHT}, _prism, data=Prism)
 _CYLINDER = section({"radius": _RADIUS, "height": _HEIGHT}, Cylinder)
 
 Row = tuple[str, type[Shape], Kind, str]
@@ -86,7 +91,12 @@ def _fields(rows: Sequence[Row]) -> dict[str, Field]:
     return {name: Field(nullable(kind), meaning) for name, _, kind, meaning in rows}
 
 
-def _named(rows: Sequence[Row], shape: Shape) -> dict[str, Shape]:
+def _named(rows: Sequence[Row], shape: Any) -> dict[str, Any]:
+    if isinstance(shape, Mapping):
+        return dict(shape)
+    sizes = plain_value(shape)
+    if isinstance(sizes, list) and len(sizes) == 3:
+        return {"box": sizes}
     return {name: shape for name, data, *_ in rows if isinstance(shape, data)}
 
 
@@ -105,12 +115,13 @@ _PART = section(
     {**_fields(_PARTS), "pose": Field(_POSE, "pose of the part's own frame in G")},
     _part,
     lambda part: {**_named(_PARTS, part.shape), "pose": part.pose},
+    Part,
 )
 _ALL = array(_PART, 1, 32)
 _COMPOUND = replace(
     _ALL,
     decode=lambda plain: Compound(_ALL.decode(plain)),
-    encode=lambda compound: _ALL.encode(compound.parts),
+    encode=lambda compound: _ALL.encode(getattr(compound, "parts", compound)),
 )
 _MESH = shorthand(
     section(
@@ -127,6 +138,7 @@ _MESH = shorthand(
         },
         read_mesh,
         lambda solid: {"path": solid.path, "scale": solid.scale, "up": solid.up},
+        MeshSolid,
     ),
     "path",
 )
@@ -151,12 +163,12 @@ NAMES = tuple(row[0] for row in _ROWS)
 """Names of the kinds of shapes in the file."""
 
 
-def named_shape(shape: Shape) -> dict[str, Shape]:
-    """Shape by the name of its kind."""
+def named_shape(shape: Any) -> dict[str, Any]:
+    """Shape by the name of its kind. Three numbers are the lengths of a box."""
     return _named(_ROWS, shape)
 
 
-_ANY = section(_fields(_ROWS), one_shape, named_shape)
+_ANY = section(_fields(_ROWS), one_shape, named_shape, (Shape, list, tuple))
 _GIVEN = {"not": {"type": "null"}}
 _ONE = [{"properties": {name: _GIVEN}, "required": [name]} for name in NAMES]
 

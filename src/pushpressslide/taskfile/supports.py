@@ -79,8 +79,10 @@ def make_support(kind: Any, frame: Stand | None, **others: Any) -> Support:
 
 def support_fields(support: Support) -> dict[str, Any]:
     """File fields of a support, without those that its kind lacks."""
-    stand = KINDS[support.kind].stand(support.frame)
     fields: dict[str, Any] = {"kind": support.kind, "friction": support.friction}
+    if support.kind not in KINDS:
+        return fields
+    stand = KINDS[support.kind].stand(support.frame)
     shown: dict[str, Any] = {
         "frame": stand,
         "opening": support.opening,

@@ -5,7 +5,7 @@ line.
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -118,27 +118,24 @@ def _content(path: Path) -> bytes:
     raise _unusable(str(path), reason)
 
 
-def apply_overrides(data: dict[Any, Any], overrides: Sequence[str]) -> None:
+Overrides = Mapping[str, Any] | Sequence[str]
+"""Fields and values: a mapping, or texts ``field=value`` with the value as YAML."""
+
+
+def apply_overrides(data: dict[Any, Any], overrides: Overrides) -> None:
     """Set fields of ``data`` in place.
 
-    Each override is ``a.b=c``; list items are named by index, as in
-    ``robots.0.model=iiwa7``.
+    List items are named by index, as in ``robots.0.model``.
 
     Raises:
-        TaskError: an override without ``=``, an empty name, a value that is not YAML,
+        TaskError: overrides of another form, an empty name, a value that is not YAML,
         an index out of range.
     """
-    if isinstance(overrides, str | Mapping):
-        reason = 'allowed: a list of texts, such as ["limits.time=30"]'
-        raise TaskError("overrides", "", str(overrides)[:80], reason)
-    for override in overrides:
-        source = f"--set {_flat(override)[:80]}"
-        path, equals, text = override.partition("=")
+    for path, value in _pairs(overrides):
+        source = f"override {_flat(path)[:80]}"
         keys = [key.strip() for key in path.split(".")]
-        if not equals or not all(keys):
-            reason = "allowed: field.field=value, such as limits.time=30"
-            raise _unusable(source, reason)
-        value = parse_yaml(text, source)
+        if not all(keys):
+            raise _unusable(source, OVERRIDE)
         holder: Any = data
         for i, key in enumerate(keys[:-1]):
             index = _index(holder, keys[: i + 1], source)
@@ -146,6 +143,25 @@ def apply_overrides(data: dict[Any, Any], overrides: Sequence[str]) -> None:
                 holder[key] = {}
             holder = holder[index]
         holder[_index(holder, keys, source)] = value
+
+
+OVERRIDE = "allowed: field.field=value, such as limits.time=30"
+
+
+def _pairs(overrides: Any) -> Iterator[tuple[str, Any]]:
+    """Yield dotted names of fields with their values. Raises TaskError."""
+    if isinstance(overrides, str):
+        overrides = [overrides]
+    if isinstance(overrides, Mapping):
+        yield from ((str(path), value) for path, value in overrides.items())
+        return
+    texts = list(overrides) if isinstance(overrides, Iterable) else [overrides]
+    for override in texts:
+        source = f"override {_flat(override)[:80]}"
+        path, equals, text = str(override).partition("=")
+        if not equals:
+            raise _unusable(source, OVERRIDE)
+        yield path, parse_yaml(text, source)
 
 
 def _index(holder: Any, keys: Sequence[str], source: str) -> Any:

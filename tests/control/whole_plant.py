@@ -1,14 +1,10 @@
-"""Simulators written for earlier versions: one object with all parts of a cell.
-
-No longer accepted from version 0.6 on.
-"""
+"""Cells of scripted plants: one object with the time, object, arms and truth of a cell."""
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 from pushpressslide.control.cell import (
     Applied,
@@ -20,9 +16,8 @@ from pushpressslide.control.cell import (
 )
 from pushpressslide.control.limits import ArmLimits, ArmReading
 from pushpressslide.control.tracker import StampedPose
-from pushpressslide.core.control import ArmCommand, Commands, Measurement, Vector3
-from pushpressslide.core.plan import JointPath, Plan
-from pushpressslide.selection.placement_planner import PlacementPlanner
+from pushpressslide.core.control import ArmCommand, Measurement, Vector3
+from pushpressslide.core.plan import JointPath
 
 T = TypeVar("T")
 
@@ -34,68 +29,12 @@ class PlantRow:
     # of G's origin along x and y [m/s], and the yaw rate [rad/s]
     object_twist: Vector3
     tip_forces: tuple[Vector3, ...]  # [N] of each tip ON the object during the tick
-    execution_time: float = 0.0  # no longer asked for
     # makes this tick's rows of the arrays of core.record.Record that not every plant has
     extras: Callable[[], Mapping[str, Any]] = dict
 
 
-class Plant(Protocol):
-    """An object on its support with its arms, as one object.
-
-    Superseded by ``control.cell.Cell``.
-    """
-
-    name: str
-
-    @property
-    def time(self) -> float:
-        """Time [s] since the start."""
-
-    @property
-    def joint_paths(self) -> tuple[JointPath, ...]:
-        """Joint path of each arm. Empty for tips without arms."""
-
-    @property
-    def meta(self) -> Mapping[str, Any]:
-        """Facts about the whole run."""
-
-    @property
-    def arm_limits(self) -> tuple[ArmLimits, ...]:
-        """Joint limits of each arm."""
-
-    def readings(self) -> tuple[ArmReading, ...]:
-        """Joint state of each arm at the last measurement."""
-
-    def measure(self) -> Measurement:
-        """True state at this time."""
-
-    def apply(self, commands: Commands) -> None:
-        """Command every arm until the next call."""
-
-    def advance(self) -> None:
-        """Let one control period pass."""
-
-    def row(self) -> PlantRow:
-        """Record fields of the tick."""
-
-    def diverged(self) -> str | None:
-        """Reason why the run cannot go on, or None."""
-
-    def prepare(self) -> PlacementPlanner:
-        """Empty placement planner that starts from the present state of the arms."""
-
-    def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
-        """Go on with the next placement."""
-
-
-def cell_of(plant: Plant, arms: int) -> Cell:
-    """Cell of a plant with a number of ``arms``. Gives a DeprecationWarning."""
-    warnings.warn(
-        "a plant of one piece goes with version 0.6; give run_loop a Cell "
-        "(pushpressslide.control.cell)",
-        DeprecationWarning,
-        stacklevel=3,
-    )
+def cell_of(plant: Any, arms: int) -> Cell:
+    """Cell of a plant with a number of ``arms``."""
     whole = _Whole(plant, arms)
     tips = [_PlantArm(whole, i) for i in range(arms)]
     return Cell(plant.name, whole, tips, whole, plant, whole)
@@ -106,7 +45,7 @@ class _Whole:
 
     simulated = True
 
-    def __init__(self, plant: Plant, arms: int) -> None:
+    def __init__(self, plant: Any, arms: int) -> None:
         self.plant = plant
         self.commands: list[ArmCommand] = [None] * arms
         self.readings: tuple[ArmReading, ...] = ()  # of this tick

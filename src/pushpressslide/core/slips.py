@@ -1,0 +1,34 @@
+"""Warnings of values that are allowed but are probably slips."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from types import FrameType
+
+from pushpressslide.core.errors import TaskWarning
+
+INSIDE = ("pushpressslide", "dataclasses")
+"""Modules that pass on what a program has written."""
+
+
+def warn_of_slip(text: str) -> None:
+    """Give a TaskWarning at the line of the program that called this package."""
+    level = 2
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None and _name(frame).startswith(INSIDE):
+        frame = frame.f_back
+        level += 1
+    warnings.warn(text, TaskWarning, stacklevel=level)
+
+
+def called_from_inside(depth: int) -> bool:
+    """Whether this package, not a program that uses it, is ``depth`` calls above."""
+    frame: FrameType | None = sys._getframe(depth + 1)
+    while frame is not None and _name(frame) == "dataclasses":
+        frame = frame.f_back
+    return frame is not None and _name(frame).startswith("pushpressslide")
+
+
+def _name(frame: FrameType) -> str:
+    return str(frame.f_globals.get("__name__", ""))
