@@ -40,7 +40,7 @@ UPRIGHT = 0.5
 """Share of a layer's height, from which an upright band stands for all of it."""
 MOST_RINGS = 9
 """Cross-sections of a convex part."""
-MOST_PARTS = 64
+MOST_PARTS = 100
 """Convex shapes of a body, from which each distance to an arm is measured."""
 SLACKS = (2e-3, 4e-3, 8e-3, 16e-3)
 """[m] by which fewer shapes may stand out from a body."""
