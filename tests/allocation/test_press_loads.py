@@ -83,7 +83,7 @@ def test_loads_in_a_ratio_drive_the_twist_and_nothing_less_does(presses, nu, sha
     assert loads.normals[1] == pytest.approx(share * sum(loads.normals))
     assert max(loads.normals) <= presses.cap * (1.0 + 1e-12)
     assert (
-        presses.at(tuple(0.999 * n for n in loads.normals), twist).status
+        presses.loads_for(tuple(0.999 * n for n in loads.normals), twist).status
         == "infeasible"
     )
 
@@ -94,7 +94,9 @@ def test_more_press_never_hurts_where_the_centre_of_pressure_stays(nu, mu_a, mor
     twist = Twist(*nu)
     loads = presses.for_share("balanced", twist)
     assume(loads.status == "ok")
-    assert presses.at(tuple(more * n for n in loads.normals), twist).status == "ok"
+    assert (
+        presses.loads_for(tuple(more * n for n in loads.normals), twist).status == "ok"
+    )
 
 
 def test_more_press_can_hurt_where_it_moves_the_centre_of_pressure_and_enough_is_found_all_the_same():
@@ -141,7 +143,7 @@ def test_for_a_centre_of_pressure_on_the_line_through_the_com_nothing_less_does(
     less = 0.99 * total  # with the same centre of pressure
     right = fraction * less - 0.5 * presses.weight
     assume(0.0 < right < less - presses.weight)
-    lighter = presses.at((less - presses.weight - right, right), twist)
+    lighter = presses.loads_for((less - presses.weight - right, right), twist)
     assert lighter.cop == pytest.approx(loads.cop, abs=1e-9)
     assert lighter.status == "infeasible"
 
@@ -196,7 +198,7 @@ def test_turning_on_the_spot_needs_its_part_of_the_load_on_each_contact(mu_a, rh
     def status(part):
         normals = (80.0 * (1.0 - part) - presses.weight, 80.0 * part)
         cop = (0.0, (0.3 * normals[0] - 0.3 * normals[1]) / 80.0)
-        return presses.at(normals, Twist(0.0, 0.0, 1.0, cop)).status
+        return presses.loads_for(normals, Twist(0.0, 0.0, 1.0, cop)).status
 
     assume(r * 80.0 < 80.0 * (1.0 - r) - presses.weight)
     assert status(1.0001 * r) == "ok"
@@ -208,7 +210,7 @@ def test_the_press_for_every_twist_drives_every_twist(nu, mu_a, rho):
     presses = pair(contact_friction=mu_a, rho=rho)
     total = presses.press_for_every_twist()
     assume(math.isfinite(total) and total > 1e-3)
-    assert presses.at((0.5 * total, 0.5 * total), Twist(*nu)).status == "ok"
+    assert presses.loads_for((0.5 * total, 0.5 * total), Twist(*nu)).status == "ok"
 
 
 def test_the_press_for_every_twist_is_tight():
@@ -219,7 +221,7 @@ def test_the_press_for_every_twist_is_tight():
         for a in (i * math.pi / 500 for i in range(500))
     ]
     assert any(
-        presses.at((0.5 * total, 0.5 * total), twist).status == "infeasible"
+        presses.loads_for((0.5 * total, 0.5 * total), twist).status == "infeasible"
         for twist in fan
     )
 
@@ -249,7 +251,7 @@ def test_pressing_only_one_contact_cannot_pivot_about_it():
     """
     presses = pair()
     assert (
-        presses.at((60.0, 0.0), Twist(0.0, 0.0, 1.0, presses.left)).status
+        presses.loads_for((60.0, 0.0), Twist(0.0, 0.0, 1.0, presses.left)).status
         == "infeasible"
     )
 
@@ -268,7 +270,7 @@ def test_on_a_wall_the_least_press_slides_the_object_and_nothing_less_does(
     twist = Twist(math.sqrt(1.0 - up * up), up, 0.0)
 
     def status(press):
-        return presses.at(
+        return presses.loads_for(
             (0.5 * press, 0.5 * press), twist, gravity=(0.0, -weight)
         ).status
 

@@ -31,9 +31,9 @@ def test_the_loads_drive_every_step_of_a_turn_and_a_little_less_does_not(
     steps = [(twist, down(first + turn * i)) for i in range(4)]
     loads = wall_loads(presses(), steps, USES, 2.0)
     pair = presses()(USES[0])
-    assert all(pair.at(loads, *step).status == "ok" for step in steps)
+    assert all(pair.loads_for(loads, *step).status == "ok" for step in steps)
     less = (0.99 * loads[0], 0.99 * loads[1])
-    assert not all(pair.at(less, *step).status == "ok" for step in steps)
+    assert not all(pair.loads_for(less, *step).status == "ok" for step in steps)
 
 
 def test_level_contacts_that_lift_straight_up_need_what_the_closed_form_says() -> None:
@@ -51,7 +51,7 @@ def test_what_is_asked_at_least_is_given_and_the_cap_lets_more_of_the_friction_b
     assert wall_loads(presses(), [step], USES, 65.0) == (65.0, 65.0)
     tight = wall_loads(presses(cap=20.0), [step], USES, 2.0)
     assert max(tight) <= 20.0
-    assert presses(cap=20.0)(USES[0]).at(tight, *step).status != "ok"
+    assert presses(cap=20.0)(USES[0]).loads_for(tight, *step).status != "ok"
 
 
 @pytest.mark.parametrize(

@@ -162,7 +162,7 @@ def behind(count):
 
 def test_a_body_that_no_tip_touches_rests_and_the_tips_fly(engine):
     world = pushed_apart()
-    states = world.begin((0.1, 0.2, 0.3), [[-0.4, 0.2], [0.4, 0.1]])
+    states = world.initial_states((0.1, 0.2, 0.3), [[-0.4, 0.2], [0.4, 0.1]])
     after = world.step(states, [[-0.1, 0.02], [0.1, 0.0]])
     np.testing.assert_array_equal(after.poses, states.poses)
     np.testing.assert_array_equal(after.forces, 0.0)
@@ -174,13 +174,13 @@ def test_a_body_that_no_tip_touches_rests_and_the_tips_fly(engine):
 def test_a_tip_beside_its_face_or_behind_it_touches_nothing(engine):
     world = behind(1)
     tips = [[[-0.096, 0.06]], [[-0.09, 0.0]], [[-0.0951, 0.0]]]
-    after = world.step(world.begin((0.0, 0.0, 0.0), tips), [[0.1, 0.0]])
+    after = world.step(world.initial_states((0.0, 0.0, 0.0), tips), [[0.1, 0.0]])
     assert after.kinds[:, 0].tolist() == [SEPARATE, SEPARATE, STICK]
 
 
 def test_opposite_tips_beside_the_centre_turn_a_body_on_the_spot(engine):
     world = pushed_apart()
-    states = world.begin((0.0, 0.0, 0.0), [[-0.095, -0.04], [0.095, 0.04]])
+    states = world.initial_states((0.0, 0.0, 0.0), [[-0.095, -0.04], [0.095, 0.04]])
     after = world.step(states, [[0.1, 0.0], [-0.1, 0.0]])
     np.testing.assert_array_equal(after.kinds, STICK)
     assert after.twists[2] > 0.1
@@ -204,18 +204,20 @@ def test_two_tips_that_slip_push_along_the_edges_of_their_cones(engine):
 
 def test_one_of_two_tips_leaves_and_the_other_pushes_on_as_if_alone(engine):
     world = behind(2)
-    states = world.begin((0.0, 0.0, 0.0), [[-0.095, -0.03], [-0.095, 0.03]])
+    states = world.initial_states((0.0, 0.0, 0.0), [[-0.095, -0.03], [-0.095, 0.03]])
     after = world.step(states, [[0.05, 0.0], [-0.05, 0.0]])
     assert after.kinds.tolist() == [STICK, SEPARATE]
     alone = behind(1)
-    lone = alone.step(alone.begin((0.0, 0.0, 0.0), [[-0.095, -0.03]]), [[0.05, 0.0]])
+    lone = alone.step(
+        alone.initial_states((0.0, 0.0, 0.0), [[-0.095, -0.03]]), [[0.05, 0.0]]
+    )
     np.testing.assert_allclose(after.poses, lone.poses, atol=1e-12)
     np.testing.assert_allclose(after.forces[:1], lone.forces, atol=1e-9)
 
 
 def test_a_push_below_the_limit_leaves_a_body_at_rest(engine):
     world = behind(1)
-    states = world.begin((0.0, 0.0, 0.0), [[-0.095, 0.0]])
+    states = world.initial_states((0.0, 0.0, 0.0), [[-0.095, 0.0]])
     forces = np.array([[[2.9, 0.0]], [[3.1, 0.0]]])
     after = world.step(states, [[0.0, 0.0]], forces)
     assert abs(after.twists[0]).max() < 1e-6
@@ -229,12 +231,12 @@ def test_what_is_not_finite_moves_nothing_and_leaves_the_others_alone(engine):
     poses = np.zeros((5, 3))
     tips = np.tile([[-0.095, -0.03], [-0.095, 0.03]], (5, 1, 1))
     velocities = np.tile([[0.05, 0.01], [0.06, 0.0]], (5, 1, 1))
-    right = world.step(world.begin(poses, tips), velocities)
+    right = world.step(world.initial_states(poses, tips), velocities)
     poses[1] = np.nan
     tips[2] = np.inf
     velocities[3] = (np.nan, 0.0)
     velocities[4, 0] = (np.inf, 0.0)
-    after = world.step(world.begin(poses, tips), velocities)
+    after = world.step(world.initial_states(poses, tips), velocities)
     np.testing.assert_array_equal(after.poses[0], right.poses[0])
     np.testing.assert_array_equal(after.twists[1:4], 0.0)
     assert (after.kinds[1:4] == SEPARATE).all()
@@ -286,4 +288,4 @@ def test_shapes_and_figures_are_checked():
         )
     world = behind(1)
     with pytest.raises(ValueError, match="velocities"):
-        world.step(world.begin((0.0, 0.0, 0.0), [[0.0, 0.0]]), [[0.1]])
+        world.step(world.initial_states((0.0, 0.0, 0.0), [[0.0, 0.0]]), [[0.1]])

@@ -154,20 +154,22 @@ def goal_of(push: PushTask) -> Array:
     return np.array([goal.x, goal.y, float(wrapped(np.array(goal.yaw)))])
 
 
-def steps_to(push: PushTask, starts: ArrayLike, goals: ArrayLike) -> NDArray[np.intp]:
+def steps_to(
+    push: PushTask, start_poses: ArrayLike, goals: ArrayLike
+) -> NDArray[np.intp]:
     """Steps that episodes to other goals may last: in proportion to the way, and at
     least as many as to the task's.
     """
     start = push.task.true_start
     own = (start.x, start.y, start.yaw)
-    share = _distance(push, starts, goals) / _distance(push, own, goal_of(push))
+    share = _distance(push, start_poses, goals) / _distance(push, own, goal_of(push))
     steps = np.ceil(push.steps * np.maximum(share, 1.0))
     return np.asarray(steps, dtype=np.intp)
 
 
-def _distance(push: PushTask, starts: ArrayLike, goals: ArrayLike) -> Array:
+def _distance(push: PushTask, start_poses: ArrayLike, goals: ArrayLike) -> Array:
     """Distance [m] and rho times the angle between poses (..., 3)."""
-    off = np.asarray(goals) - np.asarray(starts)
+    off = np.asarray(goals) - np.asarray(start_poses)
     far = np.hypot(off[..., 0], off[..., 1])
     return np.asarray(far + push.rho * np.abs(wrapped(off[..., 2])))
 

@@ -143,8 +143,10 @@ def _solved(
 
 
 def _beyond_limits(empty: Plan, choices: list[Choice], enough: int) -> list[Choice]:
-    """``choices``; where none of a placement has a path, those of a task without a limit
-    of force and without a workspace, still refused for what the true limits refuse.
+    """``choices``, with paths beyond the limits for placements that have none.
+
+    These are of a task without a limit of force and without a workspace, and keep the
+    refusals of the true limits.
     """
     with_path = {choice.leg for choice in choices if choice.segments}
     lacking = {choice.leg for choice in choices} - with_path

@@ -193,7 +193,8 @@ def test_joint_term_and_servo_make_up_for_too_little_force(tmp_path: Path) -> No
 
 def test_an_unknown_engine_is_refused_before_anything_runs(tmp_path: Path) -> None:
     with pytest.raises(
-        PushPressSlideError, match="engine: 'plana' is not allowed; allowed: drake"
+        PushPressSlideError,
+        match="engine: 'plana' is not allowed; did you mean 'planar'",
     ):
         reproduce.reproduce(["rear-push"], out=tmp_path / "out", engine="plana")
     assert not (tmp_path / "out").exists()
