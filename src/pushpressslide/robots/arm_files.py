@@ -212,18 +212,24 @@ def _with_home(facts: RobotFacts, robot: Robot) -> RobotFacts:
 
 DRAWS = 4000
 """Random postures by which an arm's reach is measured."""
+DOWNWARD = 200
+"""Of the random postures, those with the tool most downward."""
+SEEDS = 24
+"""Of these, the least twisted, from which postures are searched."""
 HEIGHTS = (0.15, 0.3, 0.45)
-DISTANCES = (0.4, 0.5, 0.6)
+DISTANCES = (0.35, 0.45)
 """Of the reach: places of the tip, over the workspace, that a posture is looked for at."""
 GROUPS = 8
 """Searches from other starts, each of which takes the posture with the best margin."""
+GOOD = 0.6
+"""Share of the best posture's conditioning, from which the least twisted is taken."""
 ENOUGH_MARGIN = 0.5
 """[rad] joint margin above which more counts no more."""
 
 
 def ready_posture(facts: RobotFacts, length: float) -> Array:
-    """Posture (n,) with the tool down over the workspace in front of the base: the one
-    that is best conditioned and far from the joint limits.
+    """Posture (n,) with the tool down over the workspace in front of the base: well
+    conditioned, far from the joint limits, and the least twisted of those.
 
     An arm that cannot point its tool down gets the one of its random postures that
     comes nearest to it. ``length`` [m] is that of the rod.
@@ -239,7 +245,8 @@ def ready_posture(facts: RobotFacts, length: float) -> Array:
     reach = float(np.quantile(np.linalg.norm(p, axis=1), 0.98))
     places = [(d * reach, 0.0, h * reach) for d in DISTANCES for h in HEIGHTS]
     downward = -R[:, 2, 2]
-    seeds = q[np.argsort(-downward)[:24]]
+    down = q[np.argsort(-downward)[:DOWNWARD]]
+    seeds = down[np.argsort(_sideways(kin, down))[:SEEDS]]
     if facts.moving[0].kind == "revolute":
         bearing = np.arctan2(*kin.tip_pose(seeds)[1][:, 1::-1].T)
         ahead = seeds[:, 0] - (kin.turning or 1.0) * bearing
@@ -259,8 +266,22 @@ def ready_posture(facts: RobotFacts, length: float) -> Array:
     J = kin.jacobian(postures)
     J[:, 3:] /= reach
     size = np.linalg.svd(J, compute_uv=False)[:, -1]
-    best: Array = postures[int(np.argmax(margin * size))]
+    good = margin * size
+    sideways = np.where(good >= GOOD * good.max(), _sideways(kin, postures), math.inf)
+    best: Array = postures[int(np.argmin(sideways))]
     return best
+
+
+def _sideways(kin: ArmKinematics, q: Array) -> Array:
+    """Mean distance [m] of the links from the upright plane through base and tip, in
+    postures (m, n): small where an arm with an elbow to spare is not twisted.
+    """
+    poses = kin.link_poses(q)
+    x, y = poses[TIP][1][..., 0], poses[TIP][1][..., 1]
+    across = np.stack([-y, x], axis=-1) / np.hypot(x, y)[..., None]
+    links = [poses[joint.child][1][..., :2] for joint in kin.facts.moving[1:]]
+    out: Array = np.mean([abs((p * across).sum(axis=-1)) for p in links], axis=0)
+    return out
 
 
 def _links_above(kin: ArmKinematics, q: Array) -> NDArray[np.bool_]:
