@@ -1,11 +1,16 @@
 """The change that a refusal names: it is tried, small, and said by every command."""
 
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import count, islice
 
 import pytest
 
 import pushpressslide as pps
-from pushpressslide.jobs.remedy import MOST_TRIED, _Trial, remedy
+from pushpressslide.jobs.remedy import MOST_TRIED, Remedy, _Trial, remedy
+from pushpressslide.jobs.sampling import random_task
+from pushpressslide.taskfile.dump import task_data
+from pushpressslide.taskfile.load import task_from_data
 
 CRATE = """name: crate
 object: {shape: {box: [0.3, 0.3, 0.25]}, mass: 8.0}
@@ -85,3 +90,37 @@ def test_few_changes_are_tried(crate, monkeypatch) -> None:
 
 def test_missing_joint_paths_alone_name_no_change(crate) -> None:
     assert remedy(crate, ()) is None
+
+
+def random_refusals(
+    name: str, seed: int
+) -> Iterator[tuple[pps.Task, pps.InfeasibleTaskError]]:
+    base = pps.load_task(name, ["modes=null"])
+    for index in count():
+        task = random_task(base, index, seed, "any")
+        try:
+            pps.plan(task)
+        except pps.InfeasibleTaskError as error:
+            yield task, error
+
+
+def changed(task: pps.Task, found: Remedy) -> pps.Task:
+    data = task_data(task)
+    place = data
+    *outer, last = (int(k) if k.isdigit() else k for k in found.field.split("."))
+    for key in outer:
+        place = place[key]
+    place[last] = found.value
+    return task_from_data(data, task.name)
+
+
+@pytest.mark.long
+def test_seven_of_ten_random_refusals_name_a_change_and_each_gives_a_plan() -> None:
+    named = 0
+    for task, error in islice(random_refusals("press-slide", 5002), 10):
+        found = remedy(task, error.choices)
+        if found is not None:
+            named += 1
+            assert pps.plan(changed(task, found)).segments
+            assert str(found) in str(error)
+    assert named >= 7
