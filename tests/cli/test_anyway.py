@@ -15,6 +15,7 @@ object: {shape: {box: [0.4, 0.4, 0.3]}, mass: 12.0}
 support: {friction: 0.4}
 start: {x: 0.5, y: 0.25}
 goal: {x: 0.62, y: 0.0}
+limits: {normal_force: 20}
 robots: [{model: iiwa7, base: {x: 0, y: 0.4}}, {model: iiwa7, base: {y: -0.6}}]
 """
 
@@ -33,7 +34,7 @@ def test_a_push_beyond_the_force_limit_runs(mode: str, tmp_path: Path) -> None:
     figures = json.loads((tmp_path / "out" / "result.json").read_text())
     assert figures["modes"] == [mode]
     assert "although it is refused" in " ".join(result.stdout.split())
-    assert "needs 47.1 N" in " ".join(result.stdout.split())
+    assert "N, allowed 18 N, 0.9 of limits" in " ".join(result.stdout.split())
 
 
 def test_what_has_no_path_at_all_says_so(tmp_path: Path) -> None:

@@ -27,8 +27,8 @@ def test_a_refusal_is_one_short_line_that_names_one_reason(
     line = refusal(command, *SLIPPERY, "--out", str(tmp_path))
     assert line == (
         "pps: any-mode: no mode can do this task; bimanual_press_slide: contact "
-        "friction 0.05 must exceed the support's, 0.3: no press drags (--verbose shows "
-        "all)"
+        "friction 0.05 must exceed the support's, 0.3: no press drags; raise "
+        "contact.friction to 0.08: then orthogonal_push can (--verbose shows all)"
     )
 
 

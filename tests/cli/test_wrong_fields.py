@@ -314,7 +314,7 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
     "face in a notch narrower than the tip": (
         notched("motion.face", 4),
         "motion.face:",
-        "does not get to it; allowed: null, 0, 1, 2, 6, 7",
+        "too narrow; allowed: null, 0, 1, 2, 6, 7",
     ),
     "contact in a notch": (
         notched("motion.contacts", [[0.0, 0.03]]),

@@ -184,9 +184,11 @@ def _ladders(
     """
     yield from _prescribed(task)
     yield from _forces(task, refused)
+    pushes = [c for c in refused if all(one.kind == "side" for one in c.contacts)]
     for code, make in _BY_CODE.items():
         if code in codes:
-            yield from make(task, _figures(refused, code))
+            asked = pushes if make is _lower_contact else refused
+            yield from make(task, _figures(asked, code))
     if codes & SMOOTH:
         yield _rougher(task)
     if codes & LARGE:
@@ -243,7 +245,9 @@ def _lower_contact(
     task: Task, figures: Sequence[tuple[float, float]]
 ) -> Iterator[_Ladder]:
     """Yield lower contacts of the side."""
-    allowed = max(bound for _, bound in figures)
+    allowed = max((bound for _, bound in figures), default=0.0)
+    if allowed <= 0.0:
+        return
     values = tuple(math.floor(1e3 * share * allowed) / 1e3 for share in (0.98, *DOWN))
     text = "set motion.contact_height to {value} m"
     yield _Ladder(("motion", "contact_height"), values, text)

@@ -163,10 +163,10 @@ class ParallelPush(TwistPushes):
             except ValueError as error:
                 driven = choice.refused(refusal_of(error, "tipping"))
             if driven.segments:
-                label = f"{choice.label}, {kind}"
-                return in_free_arms(query.scene, replace(driven, label=label))
-            if driven.refusal is not None and driven.refusal.code == "normal_force":
-                return [driven]
+                driven = replace(driven, label=f"{choice.label}, {kind}")
+                return (
+                    in_free_arms(query.scene, driven) if driven.feasible else [driven]
+                )
             reason.append(f"{kind}: {driven.refusal}")
         return [choice.refused(Refusal("no_path", literal("; ".join(reason))))]
 
@@ -191,9 +191,8 @@ class ParallelPush(TwistPushes):
         # the tightest curve of a car is that of one contact which pushes alone
         push = 0.5 * (1.0 + tightest / car.tightest) * drive.max_friction
         refusal = push_refusal(push, query.limits, drive.max_friction)
-        if refusal is not None:
-            return choice.refused(refusal)
-        return replace(choice, segments=(one_segment,), time=time, summary=summary)
+        driven = replace(choice, segments=(one_segment,), time=time, summary=summary)
+        return driven.refused(refusal)
 
     def _by_twists(self, query: MotionQuery, choice: Choice) -> Choice:
         """Choice of a path by twists of the contacts' cone."""
@@ -207,9 +206,7 @@ class ParallelPush(TwistPushes):
             allocate = self.allocator(choice.contacts, friction, surface.rho)
             push = largest_push(path, cone, allocate)
             refusal = push_refusal(push, query.limits, surface.max_force)
-            if refusal is not None:
-                return choice.refused(refusal)
-            return driven_by_twists(query, choice, path, cone)
+            return driven_by_twists(query, choice, path, cone).refused(refusal)
         margin = cone.angle(*cone_goal.direct)
         text = (
             f"the direct path is {describe_cone_margin(margin)}; "

@@ -107,7 +107,7 @@ def _motion_faults(scene: Scene, motion: Motion) -> Iterator[Fault]:
     if height is not None and height >= shape.height:
         allowed = f"allowed: below the object's top at {shape.height:g} m"
         yield "motion.contact_height", height, allowed
-    radius = max(robot.tip_radius for robot in scene.tips)
+    radius = max(robot.tip_radius for robot in scene.robots)
     if height is not None and height < radius:
         allowed = f"allowed: {radius:g} m or more, where the tip is above the support"
         yield "motion.contact_height", height, allowed
