@@ -36,6 +36,7 @@ from pushpressslide.selection.planner import gathered
 
 LINKS = {
     "replay.html": "Watch the replay",
+    "run.mp4": "Video",
     "run.webp": "Video",
     "result.json": "result.json",
     "plan.json": "plan.json",

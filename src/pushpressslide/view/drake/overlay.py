@@ -19,7 +19,7 @@ from pushpressslide.view.drake.contact_marks import (
 )
 from pushpressslide.view.drake.marks import PIN_ROOM
 from pushpressslide.view.drake.playback import Playback
-from pushpressslide.view.drake.sight import Moment, is_seen
+from pushpressslide.view.drake.sight import Moment, are_seen
 from pushpressslide.view.drake.subject import blocks_at
 
 BLUE = rgba("#0072b2")
@@ -45,6 +45,9 @@ class Overlay:
         self._size = size
         ticks = range(0, len(playback.record.arrays["time"]), TRACE_STEP)
         self._trace = [self._on_support(tick) for tick in ticks]
+        self._trace_pixels = [self.pixel(point) for point in self._trace]
+        eye = self._frame.coordinates(tuple(view.position.tolist()))
+        self._eye = np.array(eye)
         self._stretch = playback.record.arrays["stretch"][::TRACE_STEP]
 
     def pixel(self, point: Vector3) -> Pixel:
@@ -91,18 +94,21 @@ class Overlay:
         """
         count = tick // TRACE_STEP + 1
         moment = Moment((), blocks_at(self._playback, tick)[:1], ())
-        eye = np.array(self._frame.coordinates(tuple(self._position.tolist())))
+        points = np.array(self._trace[:count])
+        towards = self._eye - points
+        towards /= np.linalg.norm(towards, axis=1, keepdims=True)
+        seen = are_seen(moment, points, towards).tolist()
         line: list[Pixel] = []
         before = self._stretch[0]
-        for point, number in zip(self._trace[:count], self._stretch, strict=False):
-            towards = eye - np.array(point)
-            hidden = not is_seen(moment, point, towards / np.linalg.norm(towards))
-            if hidden or number != before:
+        for pixel, number, visible in zip(
+            self._trace_pixels, self._stretch, seen, strict=False
+        ):
+            if not visible or number != before:
                 canvas.line(line, BLUE, 3.0)
                 line = []
             before = number
-            if not hidden:
-                line.append(self.pixel(point))
+            if visible:
+                line.append(pixel)
         canvas.line(line, BLUE, 3.0)
 
     def _draw_axle(self, canvas: Canvas, tick: int) -> None:
