@@ -79,6 +79,15 @@ def test_a_lost_contact_is_marked_where_the_arms_let_go(run):
     assert mark.time == told.phases[-1].start
 
 
+def test_a_failure_that_the_run_recovered_from_is_marked_too(run):
+    event = {"time": 5.0, "code": "contact_lost", "text": "slid off"}
+    record = replace(run.record, meta={**run.record.meta, "events": [event]})
+    told = run_timeline(run.plan, record, frames(record.arrays["time"]))
+    assert [(m.name, m.time) for m in told.marks] == [
+        ("contact lost", told.phases[-1].start)
+    ]
+
+
 def test_a_run_that_reaches_or_misses_its_goal_has_no_failure_marked(run):
     for reason in ("goal_reached", "goal_missed"):
         record = replace(run.record, reason=reason)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 FINER = 2  # pixels of the drawing across a pixel of the picture
-HEAD = 13.0  # [pixels] length of an arrow's head
+HEAD = 3.25  # length of an arrow's head over the arrow's width
 INK = (31, 35, 40)
 
 Pixel = tuple[float, float]
@@ -82,7 +82,7 @@ class Canvas:
         if length < 1.0:
             return
         along = ((head[0] - tail[0]) / length, (head[1] - tail[1]) / length)
-        size = min(HEAD, 0.6 * length)
+        size = min(HEAD * width, 0.6 * length)
         neck = (head[0] - size * along[0], head[1] - size * along[1])
         half = 0.45 * size
         left = (neck[0] - half * along[1], neck[1] + half * along[0])

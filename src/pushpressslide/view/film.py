@@ -26,6 +26,8 @@ PICTURES_PER_SECOND = 15.0  # of the other formats, which hold whole pictures
 NAME = "run"
 PICTURES = "pictures"
 """Folder of the pictures of a run: start.webp, contact.webp and end.webp."""
+CLOSE = "contact"
+"""Name of the picture that may be taken from near."""
 STILL_SIZE = (960, 540)  # [pixels] of these
 QUALITY = 75  # of a .webp, up to 100
 LINE = 21.0  # [pixels] between lines of the legend
@@ -122,16 +124,16 @@ def write_film(
 
 
 def write_stills(
-    phase: Array, draw: Callable[[int], Image.Image], out: Path
+    phase: Array, draw: Callable[[str, int], Image.Image], out: Path
 ) -> list[Path]:
-    """Write pictures of start, contact and end of a run, drawn by ``draw`` for a tick,
-    into the folder pictures of ``out``. Return their paths. ``phase`` (N,) is that of
+    """Write pictures of start, contact and end of a run, drawn by ``draw`` for a name
+    and a tick, into the folder pictures of ``out``. Return their paths. ``phase`` (N,) is that of
     each tick.
     """
     paths = []
     for name, tick in still_ticks(phase).items():
         buffer = BytesIO()
-        draw(tick).save(buffer, "webp", quality=QUALITY)
+        draw(name, tick).save(buffer, "webp", quality=QUALITY)
         path = out / PICTURES / f"{name}.webp"
         paths.append(write_whole(path, buffer.getvalue()))
     return paths

@@ -164,9 +164,7 @@ def _marks(record: Record, time: Array) -> tuple[Mark, ...]:
 
 
 def _failures(record: Record, time: Array) -> list[Mark]:
-    """When limits broke, and when the last release of a run began that failed by
-    itself.
-    """
+    """When limits broke, and for other failures when the arms began to let go."""
     if not len(time):
         return []
     first = float(record.arrays["time"][0])
@@ -174,14 +172,23 @@ def _failures(record: Record, time: Array) -> list[Mark]:
         Mark(_words(breach["code"]), round(breach["time"] - first, 3), breach["text"])
         for breach in record.meta.get("breaches", ())
     ]
-    broken = {mark.name for mark in marks}
-    if record.reason in ENDED_WELL or _words(record.reason) in broken:
-        return marks
     released = record.arrays["phase"] == PHASES.index("release")
-    starts = np.flatnonzero(np.diff(released.astype(int), prepend=0) > 0)
-    tick = int(starts[-1]) if len(starts) else len(time) - 1
-    failed = round(float(time[tick]), 3)
-    return [*marks, Mark(_words(record.reason), failed, record.reason_text)]
+    starts = time[np.diff(released.astype(int), prepend=0) > 0]
+    ended = [
+        (_words(event["code"]), event["time"] - first, event["text"])
+        for event in record.meta.get("events", ())
+    ]
+    if record.reason not in ENDED_WELL:
+        ended.append((_words(record.reason), float(time[-1]), record.reason_text))
+    earlier = -math.inf
+    broken = list(marks)
+    for name, end, text in ended:
+        if not any(mark.name == name and earlier < mark.time <= end for mark in broken):
+            before = starts[starts <= end + 1e-9]
+            failed = float(before[-1]) if len(before) else end
+            marks.append(Mark(name, round(failed, 3), text))
+        earlier = end
+    return marks
 
 
 def _words(code: str) -> str:

@@ -25,15 +25,16 @@ from pushpressslide.core.record import Record
 from pushpressslide.core.task import Support
 from pushpressslide.core.whole_file import whole
 from pushpressslide.view.canvas import Canvas
-from pushpressslide.view.drake.camera import FIELD, View, axes
+from pushpressslide.view.drake.camera import FIELD, View, axes, fit_view
 from pushpressslide.view.drake.fade import ArmOpacity
 from pushpressslide.view.drake.light_shapes import lighten_arms
 from pushpressslide.view.drake.overlay import Overlay
 from pushpressslide.view.drake.picture import RENDERER, Picture
 from pushpressslide.view.drake.playback import Placed, Playback
+from pushpressslide.view.drake.subject import near_points
 from pushpressslide.view.drake.views import contact_view
-from pushpressslide.view.film import SIZE as FILM_SIZE
 from pushpressslide.view.film import (
+    CLOSE,
     STILL_SIZE,
     caption,
     film_path,
@@ -43,6 +44,7 @@ from pushpressslide.view.film import (
     write_film,
     write_stills,
 )
+from pushpressslide.view.film import SIZE as FILM_SIZE
 from pushpressslide.view.timeline import run_timeline
 
 OPAQUE = 0.999  # opacity from which on nothing is mixed
@@ -109,11 +111,23 @@ class FrameRenderer:
         self._new_playback = partial(Playback, plan, record, models, goals)
         self._size = size
         self._arms: Arms = tuple(range(len(plan.task.robots)))
-        self._scenes: dict[Arms, tuple[_Scene, Picture]] = {}
+        self._scenes: dict[Arms, _Scene] = {}
         self.playback = self._new_playback()
         width, height = size
-        self.view = contact_view(self.playback, FIELD, width / height)
-        self._opacity = ArmOpacity(self.playback, self.view.position)
+        self.aim(contact_view(self.playback, FIELD, width / height))
+
+    def aim(self, view: View) -> None:
+        """Take pictures from another view."""
+        self.view = view
+        self._opacity = ArmOpacity(self.playback, view.position)
+        self._pictures: dict[Arms, Picture] = {}
+
+    def approach(self, tick: int) -> None:
+        """Go near the object and its contacts at a tick, in the same direction."""
+        width, height = self._size
+        points = near_points(self.playback, tick)
+        direction = self.view.position - self.view.target
+        self.aim(fit_view(points, direction, FIELD, width / height))
 
     def image(self, time: float) -> NDArray[np.uint8]:
         """Picture (height, width, 3) at ``time`` [s] of the run."""
@@ -129,8 +143,7 @@ class FrameRenderer:
         without and with an arm that is seen through are mixed.
         """
         if not opacity:
-            scene, picture = self._scene(shown)
-            return Image.fromarray(scene.image_at(tick, picture))
+            return Image.fromarray(self._picture(tick, shown))
         *others, share = opacity
         full = self._mixed(tick, others, shown)
         if share > OPAQUE:
@@ -138,12 +151,13 @@ class FrameRenderer:
         without = tuple(arm for arm in shown if arm != len(others))
         return Image.blend(self._mixed(tick, others, without), full, share)
 
-    def _scene(self, arms: Arms) -> tuple[_Scene, Picture]:
-        """Scene with these arms and its picture, made when first needed."""
+    def _picture(self, tick: int, arms: Arms) -> NDArray[np.uint8]:
+        """Picture with these arms. Its scene is made when first needed."""
         if arms not in self._scenes:
-            picture = Picture(self._size, look_at(self.view))
-            self._scenes[arms] = (_Scene(self._new_playback(), arms), picture)
-        return self._scenes[arms]
+            self._scenes[arms] = _Scene(self._new_playback(), arms)
+        if arms not in self._pictures:
+            self._pictures[arms] = Picture(self._size, look_at(self.view))
+        return self._scenes[arms].image_at(tick, self._pictures[arms])
 
 
 def render_frames(
@@ -176,14 +190,18 @@ def write_pictures(
     models: str = "generated",
     goals: Sequence[Placed] = (),
 ) -> list[Path]:
-    """Write pictures of start, contact and end of a run into ``out`` and return their
-    paths. Raises SimulationError if this machine cannot render.
+    """Write pictures of start, contact (from near) and end of a run into ``out`` and
+    return their paths. Raises SimulationError if this machine cannot render.
     """
     renderer = FrameRenderer(plan, record, STILL_SIZE, models, goals)
-    overlay = Overlay(renderer.playback, renderer.view, STILL_SIZE)
+    usual = renderer.view
 
-    def picture(tick: int) -> Any:
+    def picture(name: str, tick: int) -> Any:
+        renderer.aim(usual)
+        if name == CLOSE:
+            renderer.approach(tick)
         canvas = Canvas(renderer.image_at(tick))
+        overlay = Overlay(renderer.playback, renderer.view, STILL_SIZE, small=True)
         overlay.draw(canvas, tick)
         return canvas.image()
 

@@ -13,7 +13,9 @@ from pushpressslide.view.canvas import Canvas, Pixel, rgba
 from pushpressslide.view.drake.camera import FIELD, View, axes
 from pushpressslide.view.drake.contact_marks import (
     CONE_LENGTH,
+    FORCE_SCALE,
     LEAST_FORCE,
+    STILL_FORCE_SCALE,
     ContactMarks,
     Disc,
 )
@@ -35,9 +37,20 @@ TRACE_STEP = 20  # ticks between points of the trace
 class Overlay:
     """Draws the marks of a run over its pictures, unoccluded."""
 
-    def __init__(self, playback: Playback, view: View, size: tuple[int, int]) -> None:
-        """Prepare the marks for pictures of ``size`` [pixels] from ``view``."""
-        self.contacts = ContactMarks(playback, view.position - view.target)
+    def __init__(
+        self,
+        playback: Playback,
+        view: View,
+        size: tuple[int, int],
+        small: bool = False,
+    ) -> None:
+        """Prepare the marks for pictures of ``size`` [pixels] from ``view``; bold ones,
+        with longer forces, for pictures that are shown ``small``.
+        """
+        nearer = view.position - view.target
+        largest = STILL_FORCE_SCALE if small else FORCE_SCALE
+        self.contacts = ContactMarks(playback, nearer, largest)
+        self._arrow_width = 9.0 if small else 4.0  # [pixels]
         self._playback = playback
         self._frame = playback.task.support.frame
         self._position = view.position
@@ -77,7 +90,7 @@ class Overlay:
         for arrow, color in arrows:
             if arrow.size > LEAST_FORCE:
                 ends = (self._pixel_of(arrow.tail), self._pixel_of(arrow.head))
-                canvas.arrow(*ends, color, 4.0)
+                canvas.arrow(*ends, color, self._arrow_width)
 
     def _pixel_of(self, point: Array) -> Pixel:
         x, y, z = (float(v) for v in point)

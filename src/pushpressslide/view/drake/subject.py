@@ -82,6 +82,14 @@ def subject(playback: Playback) -> Subject:
     )
 
 
+def near_points(playback: Playback, tick: int) -> Array:
+    """Points (N, 3) [m], in the world, of the object and its contacts at ``tick``."""
+    frame = playback.task.support.frame
+    contacts = contacts_at(playback, tick)
+    points = object_points(playback, tick) + _tip_points(playback, tick, contacts)
+    return np.array([frame.point(point) for point in points])
+
+
 def sighted_ticks(phase: Array) -> NDArray[np.intp]:
     """Ticks at which a contact is checked for visibility. ``phase`` (N,) is per tick."""
     (ticks,) = np.nonzero(np.isin(phase, [PHASES.index("touch"), PHASES.index("move")]))

@@ -97,7 +97,7 @@ def write_pictures(
     width, height = film.STILL_SIZE
     drawing = _Film(plan, record, goals, parts, film.STILL_SIZE)
 
-    def picture(tick: int) -> Any:
+    def picture(_: str, tick: int) -> Any:
         canvas = Canvas(np.full((height, width, 3), 255, dtype=np.uint8))
         drawing.draw(canvas, tick)
         return canvas.image()
