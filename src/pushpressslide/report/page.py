@@ -202,7 +202,7 @@ def _stage_parts(run: Run, number: int) -> tuple[str, str, str, str]:
         _object_part(stage.plan),
         search_part(result.get("search")),
         _filmstrip(stage.plan),
-        segments_table(stage.plan),
+        _segments_part(stage.plan),
     ]
     which = f"stage-{number + 1}-" if run.task.goals else ""
     plots = []
@@ -212,6 +212,12 @@ def _stage_parts(run: Run, number: int) -> tuple[str, str, str, str]:
         plots.append(image(png, key, _caption(key)))
     measured = f"<h3>Figures</h3>{_figures_part(stage.plan, result)}"
     return plan, "".join(details), measured, f"<h3>Plots</h3>{columns(*plots)}"
+
+
+def _segments_part(plan: Plan) -> str:
+    """Segments of a plan. Empty for a plan of one."""
+    segments = segments_table(plan)
+    return f"<h3>Segments</h3>{segments}" if segments else ""
 
 
 def _object_part(plan: Plan) -> str:

@@ -25,15 +25,17 @@ function hides(joints, radius, target, eye) {  // whether links between joints h
 function fadeArms(viewer, scene) {
   const object = path => viewer.scene_tree.find(path).object;
   const goals = scene.goals.map(points => points.map(toCamera)), contacts = scene.contacts.map(at => at.map(p => [toCamera(p)]));
-  const arms = scene.arms.map(links => ({ links, opacity: 1, hidden: -Infinity })), radius = scene.radius;
+  const arms = scene.arms.map((links, i) => ({ links, tip: scene.tips[i], opacity: 1, hidden: -Infinity })), radius = scene.radius;
   let frame = 0, through = false, last = null;
 
-  function joints(arm) {
-    return arm.links.map(path => {
-      const link = object(path);
-      link.updateWorldMatrix(true, false);
-      return [...link.matrixWorld.elements.slice(12, 15)];
-    });
+  function place(path) {
+    const body = object(path);
+    body.updateWorldMatrix(true, false);
+    return [...body.matrixWorld.elements.slice(12, 15)];
+  }
+  function joints(arm) {  // and the flange, on the way to the tip
+    const places = arm.links.map(place), last = places[places.length - 1], rod = minus(place(arm.tip), last);
+    return [...places, plus(last, rod, Math.min(1, scene.flange / Math.max(1e-9, Math.hypot(...rod))))];
   }
   function paint(arm) {
     for (const path of arm.links) object(path).traverse(part => {

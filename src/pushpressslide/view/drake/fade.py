@@ -15,8 +15,13 @@ from pushpressslide.core.control import PHASES, Vector3
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Shape
 from pushpressslide.view.drake.playback import Playback
-from pushpressslide.view.drake.sight import Moment, hidden_by_arms
-from pushpressslide.view.drake.subject import contacts_at, limbs_of_arm, tips_at
+from pushpressslide.view.drake.sight import Limb, Moment, hidden_by_arms
+from pushpressslide.view.drake.subject import (
+    LINK_RADIUS,
+    contacts_at,
+    limbs_of_arm,
+    tips_at,
+)
 
 FAINT = 0.25  # opacity of an arm that is seen through
 RATE = 20.0  # [1/s] at which lines of sight are checked
@@ -25,6 +30,7 @@ RATE = 20.0  # [1/s] at which lines of sight are checked
 HOLD = 0.4
 SOFTEN = 0.3  # [s] of a change of opacity
 SHARE = 0.3  # of a goal's points, from which on it is hidden
+FLANGE = 0.11  # [m] of the last joint's body towards the tip
 TOUCHING = tuple(map(PHASES.index, ("touch", "move")))
 
 Target = tuple[Vector3, ...]
@@ -62,8 +68,15 @@ class ArmOpacity:
 
 
 def links_of_arm(playback: Playback, context: Context, arm: int) -> Moment:
-    """Links of an arm that may hide something: all but the one that holds its tip."""
-    return Moment((), (), limbs_of_arm(playback, context, arm)[:-1])
+    """Links of an arm that may hide something. Of the tip's rod only the flange is one
+    of them.
+    """
+    *links, rod = limbs_of_arm(playback, context, arm)
+    start = np.array(rod.start)
+    along = np.array(rod.end) - start
+    share = min(1.0, FLANGE / max(float(np.linalg.norm(along)), 1e-9))
+    x, y, z = (start + share * along).tolist()
+    return Moment((), (), (*links, Limb(rod.start, (x, y, z), LINK_RADIUS)))
 
 
 def goal_targets(goals: Sequence[tuple[Shape, Pose2]]) -> list[Target]:

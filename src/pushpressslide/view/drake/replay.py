@@ -26,7 +26,7 @@ from pushpressslide.core.whole_file import write_whole
 from pushpressslide.view.bar import filled, json_in_page, package_text
 from pushpressslide.view.drake.camera import FIELD, FILL
 from pushpressslide.view.drake.contact_marks import ContactMarks
-from pushpressslide.view.drake.fade import Target, contact_targets, goal_targets
+from pushpressslide.view.drake.fade import FLANGE, Target, contact_targets, goal_targets
 from pushpressslide.view.drake.marks import Marks
 from pushpressslide.view.drake.playback import Placed, Playback
 from pushpressslide.view.drake.saved_page import small_page
@@ -136,25 +136,38 @@ def _hiding(playback: Playback, ticks: NDArray[np.intp]) -> dict[str, Any]:
     contacts = [contact_targets(playback, tick) for tick in ticks.tolist()]
     return {
         "arms": _link_paths(playback),
+        "tips": _tip_paths(playback),
+        "flange": FLANGE,
         "radius": LINK_RADIUS,
         "goals": [places(target) for target in goal_targets(playback.goals)],
         "contacts": [[places(tip)[0] for tip in tips] for tips in contacts],
     }
 
 
+def _tip_paths(playback: Playback) -> list[list[str]]:
+    """Path in Meshcat's tree of the body that holds each arm's tip."""
+    return [paths[-1] for paths in _body_paths(playback)]
+
+
 def _link_paths(playback: Playback) -> list[list[list[str]]]:
-    """Paths in Meshcat's tree of each arm's drawn links, from its base, without the tip."""
+    """Paths in Meshcat's tree of each arm's links, from its base, without the tip."""
+    return [paths[:-1] for paths in _body_paths(playback)]
+
+
+def _body_paths(playback: Playback) -> list[list[list[str]]]:
+    """Paths in Meshcat's tree of each arm's drawn bodies, from its base to its tip."""
     plant = playback.scene.plant
     inspector = playback.scene.scene_graph.model_inspector()
     arms = []
     for robot in playback.scene.robots:
         name = plant.GetModelInstanceName(robot.model_instance)
         stem = ["drake", "visualizer", *name.split("::")]
-        links = plant.GetBodyIndices(robot.model_instance)[:-1]
+        bodies = plant.GetBodyIndices(robot.model_instance)
         drawn = [
             index
-            for index in links
-            if inspector.NumGeometriesForFrameWithRole(
+            for index in bodies
+            if index == bodies[-1]
+            or inspector.NumGeometriesForFrameWithRole(
                 plant.GetBodyFrameIdOrThrow(index), Role.kIllustration
             )
         ]
