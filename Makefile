@@ -66,7 +66,7 @@ picture: $(READY)
 	$(BIN)/pps reproduce --only rear-push --out runs/picture --force
 	cp runs/picture/rear-push/left/pictures.png docs/figures/rear-push-left.png
 	$(BIN)/pps run post --video --out runs/picture/post --force
-	$(BIN)/python tools/small_film.py runs/picture/post/run.webp docs/figures/post.webp
+	$(BIN)/python tools/small_film.py runs/picture/post/run.mp4 docs/figures/post.webp
 
 # The figures of README.md, docs/mechanics.md and docs/getting-started.md.
 figures: $(READY)

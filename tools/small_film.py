@@ -1,9 +1,8 @@
 """Make a film of a run small enough for a page.
 
-    python tools/small_film.py runs/x/run.webp docs/figures/x.webp
+    python tools/small_film.py runs/x/run.mp4 docs/figures/x.webp
 
-Two thirds of the width, one picture of three, as quick as the run; from when the
-object starts to move.
+One picture of three, as quick as the run; from when the object starts to move.
 """
 
 from __future__ import annotations
@@ -11,12 +10,11 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+import av
 import numpy as np
-from PIL import Image, ImageSequence
 
 from pushpressslide.core.control import PHASES
 
-WIDTH = 800  # [pixels]
 EVERY = 3  # pictures
 QUALITY = 55  # of 100
 LARGEST = 3_000_000  # [bytes]
@@ -25,26 +23,19 @@ LARGEST = 3_000_000  # [bytes]
 def main() -> None:
     """Read a film, and write the small one."""
     source, target = map(Path, sys.argv[1:])
-    start = 1e3 * moving_from(source.parent / "record.npz")
+    start = moving_from(source.parent / "record.npz")
     pictures = []
-    passed = spent = 0
-    with Image.open(source) as film:
-        size = (WIDTH, round(WIDTH * film.height / film.width))
-        for i, picture in enumerate(ImageSequence.Iterator(film)):
-            picture.load()
-            duration = int(picture.info["duration"])
-            passed += duration
-            if passed < start:
-                continue
-            spent += duration
-            if i % EVERY == 0:
-                pictures.append(picture.convert("RGB").resize(size))
+    with av.open(str(source)) as film:
+        rate = float(film.streams.video[0].average_rate)
+        for i, frame in enumerate(film.decode(video=0)):
+            if frame.time >= start and i % EVERY == 0:
+                pictures.append(frame.to_image())
     first, *others = pictures
     first.save(
         target,
         save_all=True,
         append_images=others,
-        duration=round(spent / len(pictures)),
+        duration=round(1e3 * EVERY / rate),
         loop=0,
         quality=QUALITY,
         method=4,

@@ -19,6 +19,7 @@ from pushpressslide.report import series
 from pushpressslide.report.files import save_run
 from pushpressslide.report.metrics import result
 from pushpressslide.report.page import UNFOLDED, command_line, search_part, write_report
+from pushpressslide.report.page_tables import comparison_table
 from pushpressslide.report.plane import path_figure, plan_figure
 from pushpressslide.report.plots import comparison_plot, figures
 from pushpressslide.report.stages import StageRun
@@ -208,9 +209,9 @@ def test_a_folder_gets_its_replay_under_the_usual_name(run, tmp_path):
 
 def test_a_run_without_stored_choices_has_no_table_of_them(run, tmp_path):
     saved(tmp_path, run)
-    assert "Choice of mode" not in write_report([tmp_path]).read_text()
+    assert "Why this mode" not in write_report([tmp_path]).read_text()
     command_line = save(run, tmp_path / "with")
-    assert "Choice of mode" in write_report([command_line]).read_text()
+    assert "Why this mode" in write_report([command_line]).read_text()
 
 
 def test_a_long_choice_of_a_mode_is_folded(run, tmp_path):
@@ -219,9 +220,17 @@ def test_a_long_choice_of_a_mode_is_folded(run, tmp_path):
     for count in (UNFOLDED, UNFOLDED + 1):
         out = tmp_path / str(count)
         saved(out, run, many[:count])
-        part = write_report([out]).read_text().partition("Choice of mode")[2]
+        part = write_report([out]).read_text().partition("<details>")[2]
         folded = f"<summary>All {count} contacts" in part.partition("<h3>")[0]
         assert folded == (count > UNFOLDED)
+
+
+BARE = {
+    "engine": "drake",
+    "modes": ["rear_push"],
+    "success": True,
+    "reason": {"code": "goal_reached", "text": ""},
+}
 
 
 def test_the_page_says_why_the_mode_was_taken(run, tmp_path):
@@ -230,8 +239,27 @@ def test_the_page_says_why_the_mode_was_taken(run, tmp_path):
     assert "rear_push is taken: no other mode was found to do the task." in part
     assert "<td class=n>5.0 s</td>" in part
     # the one that was not excluded, and that one only
-    assert part.count("press_slide") == 1
-    assert "skipped: &lt;24&gt; &amp; more are blocked" in part
+    reason, _, choices = part.partition("<details>")
+    assert reason.count("press_<wbr>slide") == 1
+    assert "skipped: &lt;24&gt; &amp; more are blocked" in reason
+    assert choices.count("rear_<wbr>push") >= 1
+    assert text.count("Why this mode") == 1
+
+
+def test_late_ticks_are_explained_where_there_are_some(run, tmp_path):
+    assert "they do not change the result" not in comparison_table(
+        ["a"], [{**BARE, "late_ticks": 0}]
+    )
+    assert "they do not change the result" in comparison_table(
+        ["a"], [{**BARE, "late_ticks": 3}]
+    )
+
+
+def test_a_page_says_which_tables_are_wider_than_its_window(run, tmp_path):
+    text = write_report([save(run, tmp_path)]).read_text()
+    assert 'classList.toggle("wide"' in text
+    assert ".scroll.wide::before" in text
+    assert "width: 36rem" not in text
 
 
 def broken(run, tick):

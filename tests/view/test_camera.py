@@ -20,7 +20,6 @@ from pushpressslide.view.drake.sight import (
     Moment,
     are_seen,
     force_share,
-    is_seen,
     seen_share,
     segment_distance,
     shown_share,
@@ -33,6 +32,10 @@ AROUND = np.array(
     [(x, y, z) for x in (-0.3, 0.3) for y in (-0.3, 0.3) for z in (0.0, 0.2)]
 )
 ALONG_X = np.array([(1.0, 0.0)])
+
+
+def is_seen(moment, point, direction):
+    return bool(are_seen(moment, np.array([point]), direction)[0])
 
 
 def towards(azimuth, slope=BEST_SLOPE):

@@ -1,10 +1,12 @@
 """An animation is written picture by picture, with a caption of the current state."""
 
+import av
 import numpy as np
 import pytest
 from PIL import Image
 
-from pushpressslide.core.errors import SimulationError
+from pushpressslide.core.errors import MissingPackageError, SimulationError
+from pushpressslide.view import film, mp4
 from pushpressslide.view.canvas import Canvas, rgba
 from pushpressslide.view.film import film_path, film_ticks, moment, write_film
 from pushpressslide.view.planar.video import write_video
@@ -35,9 +37,35 @@ def test_pictures_follow_in_order_as_they_are_drawn(tmp_path, name):
 
 
 def test_a_film_of_an_unknown_kind_is_refused(tmp_path):
+    with pytest.raises(SimulationError, match=r"\.mp4 or \.webp or \.gif"):
+        film_path(tmp_path / "run.avi")
+
+
+def test_a_folder_gets_an_mp4_or_without_av_a_webp(tmp_path, monkeypatch):
+    assert film_path(tmp_path).name == "run.mp4"
+    monkeypatch.setattr(film, "has_encoder", lambda: False)
     assert film_path(tmp_path).name == "run.webp"
-    with pytest.raises(SimulationError, match=r"\.webp or \.gif"):
-        film_path(tmp_path / "run.mp4")
+    monkeypatch.setattr(mp4, "has_encoder", lambda: False)
+    with pytest.raises(MissingPackageError, match=r"pushpressslide\[video\]"):
+        write_film(2, plain, tmp_path / "run.mp4", 25.0)
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_mp4_holds_every_picture_at_its_time(tmp_path):
+    def draw(frame):
+        return Image.fromarray(np.full((32, 48, 3), 40 * frame, dtype=np.uint8))
+
+    out = write_film(6, draw, tmp_path / "a.mp4", 25.0)
+    with av.open(str(out)) as made:
+        frames = list(made.decode(video=0))
+    assert [frame.time for frame in frames] == pytest.approx(
+        [0.04 * k for k in range(6)]
+    )
+    assert (frames[0].width, frames[0].height) == (48, 32)
+    for k, frame in enumerate(frames):
+        level = frame.to_ndarray(format="rgb24").mean()
+        assert level == pytest.approx(40 * k, abs=6.0)
+    assert [p.name for p in tmp_path.iterdir()] == ["a.mp4"]
 
 
 def test_pictures_are_taken_at_even_times_to_the_end():
@@ -67,10 +95,13 @@ def test_what_is_seen_through_is_mixed_with_what_is_under_it():
 
 def test_the_planar_run_is_filmed_with_the_object_on_its_way(run, tmp_path):
     out = write_video(
-        run.plan, run.record, tmp_path, frames_per_second=1.0, size=(320, 180)
+        run.plan,
+        run.record,
+        tmp_path / "run.webp",
+        frames_per_second=1.0,
+        size=(320, 180),
     )
     made = Image.open(out)
-    assert out.name == "run.webp"
     assert (made.n_frames, made.size) == (5, (320, 180))
     first = np.asarray(made.convert("RGB"), dtype=float)
     made.seek(4)

@@ -163,7 +163,7 @@ def test_a_machine_that_cannot_render_says_so_in_one_line(
 
 def test_a_video_of_an_unknown_kind_is_refused(arm_run, tmp_path):
     with pytest.raises(SimulationError, match=r"\.webp or \.gif"):
-        write_video(arm_run.plan, arm_run.record, tmp_path / "run.mp4")
+        write_video(arm_run.plan, arm_run.record, tmp_path / "run.avi")
 
 
 def test_a_video_is_written_whole(arm_run, tmp_path):

@@ -1,9 +1,17 @@
 """The play bar shows the run's time, phases, legs, forces and distance to the goal."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from pushpressslide.view.timeline import GOAL_ERROR, MOST_FRAMES, frames, run_timeline
+from pushpressslide.view.timeline import (
+    GOAL_ERROR,
+    MOST_FRAMES,
+    Mark,
+    frames,
+    run_timeline,
+)
 
 
 def test_frames_are_thirty_a_second_with_both_ends():
@@ -48,6 +56,44 @@ def test_legs_and_placements_are_marked_once_by_the_larger_part(run):
         ("leg 2", 2.0),
         ("placement 3", 3.0),
     ]
+
+
+def test_a_broken_limit_is_marked_when_it_broke_and_not_when_the_run_ended(run):
+    breach = {"time": 2.5, "code": "joint_limit", "text": "joint 5 at 3.40 rad/s"}
+    record = replace(
+        run.record,
+        reason="joint_limit",
+        reason_text="joint 5",
+        meta={**run.record.meta, "breaches": [breach]},
+    )
+    marks = run_timeline(run.plan, record, frames(record.arrays["time"])).marks
+    start = float(record.arrays["time"][0])
+    assert marks == (Mark("joint limit", 2.5 - start, "joint 5 at 3.40 rad/s"),)
+
+
+def test_a_lost_contact_is_marked_where_the_arms_let_go(run):
+    record = replace(run.record, reason="contact_lost", reason_text="arm 1 lost it")
+    told = run_timeline(run.plan, record, frames(record.arrays["time"]))
+    (mark,) = told.marks
+    assert (mark.name, mark.text) == ("contact lost", "arm 1 lost it")
+    assert mark.time == told.phases[-1].start
+
+
+def test_a_failure_that_the_run_recovered_from_is_marked_too(run):
+    event = {"time": 5.0, "code": "contact_lost", "text": "slid off"}
+    record = replace(run.record, meta={**run.record.meta, "events": [event]})
+    told = run_timeline(run.plan, record, frames(record.arrays["time"]))
+    assert [(m.name, m.time) for m in told.marks] == [
+        ("contact lost", told.phases[-1].start)
+    ]
+
+
+def test_a_run_that_reaches_or_misses_its_goal_has_no_failure_marked(run):
+    for reason in ("goal_reached", "goal_missed"):
+        record = replace(run.record, reason=reason)
+        assert not run_timeline(
+            run.plan, record, frames(run.record.arrays["time"])
+        ).marks
 
 
 def test_a_joined_record_brings_the_errors_of_the_body_that_is_moved(run):

@@ -246,7 +246,10 @@ class RunOptions:
         ),
     ] = False
     video: Annotated[
-        bool, typer.Option("--video", help="Also write an animation, run.webp.")
+        bool,
+        typer.Option(
+            "--video", help="Also write a film, run.mp4; without av run.webp."
+        ),
     ] = False
     models: Annotated[
         Models, typer.Option("--models", help="Robot models on Drake.")
@@ -278,6 +281,8 @@ def run(options: RunOptions) -> int:
             f"--live is not allowed with --engine {engine}; allowed: --engine "
             f"{', '.join(allowed)}"
         )
+    if options.video:
+        _note_encoder()
     result = _run(task, options, folder)
 
     def show() -> None:
@@ -292,6 +297,14 @@ def run(options: RunOptions) -> int:
 
     answer(result, options, show)
     return REACHED if result["success"] else MISSED
+
+
+def _note_encoder() -> None:
+    """Say on stderr if a film cannot be an mp4."""
+    from pushpressslide.view.mp4 import MISSING, has_encoder
+
+    if not has_encoder():
+        complain(f"--video: run.webp in place of run.mp4, since {MISSING}")
 
 
 def _run(task: Task, options: RunOptions, folder: Path) -> dict[str, Any]:

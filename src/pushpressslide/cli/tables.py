@@ -211,7 +211,7 @@ def print_result(result: Mapping[str, Any], folder: Path) -> None:
         print_text(text, 4)
     if not result["success"]:
         print_text(reason["text"], 4)
-    for name in ("replay.html", "report.html"):
+    for name in ("run.mp4", "run.webp", "replay.html", "report.html"):
         if (folder / name).exists():
             typer.echo(folder / name)
 

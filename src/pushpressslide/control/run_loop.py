@@ -167,6 +167,7 @@ class RunLoop:
         self.guard = Guard(query.limits.normal_force, period, limits, anew=goes_on)
         self.joint_watches = [JointWatch(each.velocity.tolist()) for each in limits]
         self.breach: Ending | None = None  # the limit that was broken
+        self.breaches: list[dict[str, Any]] = []  # all of them, with their times [s]
         self.stopping: Stop | None = None  # since then
         self.recorder = Recorder(plan)
         self.watches = (self._finished, *watches, self._failed, self._stopped)
@@ -222,7 +223,12 @@ class RunLoop:
             self.options.seed,
             wall_time,
             plan,
-            {**facts, **self._own_laws(), "events": self.events},
+            {
+                **facts,
+                **self._own_laws(),
+                "events": self.events,
+                "breaches": self.breaches,
+            },
         )
 
     def measure(self) -> tuple[Measurement, list[ArmReading]]:
@@ -385,6 +391,7 @@ class RunLoop:
         time = measurement.time
         text = f"{breach.text} (at {time:.2f} s, {phase})"
         self.breach = Ending(breach.code, text)
+        self.breaches.append({"time": time, "code": breach.code, "text": text})
         self.stopping = Stop(self.guard.arms, time, self.guard.period)
         if self.state is None:
             self.approach.halt(time)

@@ -203,7 +203,7 @@ def run_task(
     return done.result
 
 
-PAGES = ("result.json", "replay.html", "report.html", "run.webp")
+PAGES = ("result.json", "replay.html", "report.html", "run.mp4", "run.webp")
 PICTURES = ("plan*.png", "legs*.png", "plots/*.png", "pictures/*.webp")
 
 

@@ -6,21 +6,21 @@ from collections.abc import Sequence
 from html import escape
 
 from pushpressslide.core.plan import Choice, Plan
-from pushpressslide.report.page_tables import table
+from pushpressslide.report.page_tables import mode_words, table
 from pushpressslide.selection.contest import Contest, contests
 
 HEAD = ("Mode", "", "Expected time")
 
 
 def contest_part(plan: Plan, choices: Sequence[Choice]) -> str:
-    """Part of a page that says why each mode of a plan was taken. Empty if its motions
-    were found by a search.
+    """Sentences and tables that say why each mode of a plan was taken. Empty if its
+    motions were found by a search.
     """
     return "".join(_one(contest) for contest in contests(plan, choices))
 
 
 def _one(contest: Contest) -> str:
-    text = f"<h3>Why this mode</h3><p>{escape(contest.sentence)}</p>"
+    text = f"<p>{escape(contest.sentence)}</p>"
     if not contest.rivals:
         return text
     rows = [_row(contest.winner, "taken")]
@@ -32,7 +32,7 @@ def _one(contest: Contest) -> str:
 def _row(choice: Choice, verdict: str) -> list[str]:
     time = "–" if choice.time is None else f"{choice.time:.1f} s"
     return [
-        f"<td>{escape(choice.mode)}</td>",
+        f"<td>{mode_words(choice.mode)}</td>",
         f"<td class=why>{escape(verdict)}</td>",
         f"<td class=n>{time}</td>",
     ]

@@ -24,6 +24,7 @@ from pushpressslide.report.page_tables import (
     comparison_table,
     contacts_table,
     figures_tables,
+    mode_words,
     segments_table,
     table,
 )
@@ -36,6 +37,7 @@ from pushpressslide.selection.planner import gathered
 
 LINKS = {
     "replay.html": "Watch the replay",
+    "run.mp4": "Video",
     "run.webp": "Video",
     "result.json": "result.json",
     "plan.json": "plan.json",
@@ -47,6 +49,12 @@ PICTURES = {
     "contact": "Half-way, with the contact forces.",
     "end": "At the end.",
 }
+HINT = (
+    '<script>for (const box of document.querySelectorAll(".scroll")) new ResizeObserver('
+    '() => box.classList.toggle("wide", box.scrollWidth > box.clientWidth + 1)'
+    ").observe(box);</script>"
+)
+"""Marks the tables that are wider than the window, so that a line says it."""
 NARROW = 2  # contacts whose table fits a column
 UNFOLDED = 8  # rows of the choice of a mode that a page shows at once
 CAPTIONS = {
@@ -105,7 +113,7 @@ def document(title: str, body: str) -> str:
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>{escape(title)} - pushpressslide</title><style>{css}</style></head>\n"
-        f"<body><main>{body}</main></body></html>\n"
+        f"<body><main>{body}</main>{HINT}</body></html>\n"
     )
 
 
@@ -190,12 +198,11 @@ def _stage_parts(run: Run, number: int) -> tuple[str, str, str, str]:
     )
     result = run.result["stages"][number]["figures"] or run.result
     details = [
-        contest_part(stage.plan, stage.choices),
+        _mode_part(stage),
         _object_part(stage.plan),
-        _choice_part(stage),
         search_part(result.get("search")),
         _filmstrip(stage.plan),
-        segments_table(stage.plan),
+        _segments_part(stage.plan),
     ]
     which = f"stage-{number + 1}-" if run.task.goals else ""
     plots = []
@@ -205,6 +212,12 @@ def _stage_parts(run: Run, number: int) -> tuple[str, str, str, str]:
         plots.append(image(png, key, _caption(key)))
     measured = f"<h3>Figures</h3>{_figures_part(stage.plan, result)}"
     return plan, "".join(details), measured, f"<h3>Plots</h3>{columns(*plots)}"
+
+
+def _segments_part(plan: Plan) -> str:
+    """Segments of a plan. Empty for a plan of one."""
+    segments = segments_table(plan)
+    return f"<h3>Segments</h3>{segments}" if segments else ""
 
 
 def _object_part(plan: Plan) -> str:
@@ -333,10 +346,18 @@ def _link(target: Path, page: Path) -> str:
     return Path(os.path.relpath(target.resolve(), page.resolve().parent)).as_posix()
 
 
-def _choice_part(stage: StagePlan) -> str:
-    """Table of all choices considered, with their reasons.
+def _mode_part(stage: StagePlan) -> str:
+    """Reason for the mode, its rivals, and all choices. Empty if none are stored."""
+    reason = contest_part(stage.plan, stage.choices)
+    choices = _choice_part(stage, folded=bool(reason))
+    if not reason and not choices:
+        return ""
+    return f"<h3>Why this mode</h3>{reason}{choices}"
 
-    Empty if the run has none stored.
+
+def _choice_part(stage: StagePlan, folded: bool) -> str:
+    """Table of all choices considered, with their reasons; ``folded`` or long ones open
+    on a click. Empty if the run has none stored.
     """
     if not stage.choices:
         return ""
@@ -354,7 +375,7 @@ def _choice_part(stage: StagePlan) -> str:
         rows.append(
             [
                 f"<td>{escape(verdict)}</td>",
-                f"<td>{escape(choice.mode)}</td>",
+                f"<td>{mode_words(choice.mode)}</td>",
                 _number_cell(choice.path_length, 1.0, " m", 3),
                 _number_cell(choice.time, 1.0, " s", 1),
                 _number_cell(choice.friction_margin, math.degrees(1.0), "°", 1),
@@ -364,10 +385,10 @@ def _choice_part(stage: StagePlan) -> str:
         marks.append(mark)
     head = ("", "Mode", "Path", "Time", "Friction margin", "Why")
     shown = table(head, rows, marks)
-    if len(rows) > UNFOLDED:
+    if folded or len(rows) > UNFOLDED:
         text = f"All {len(rows)} contacts and modes that were weighed"
         shown = f"<details><summary>{text}</summary>{shown}</details>"
-    return "<h3>Choice of mode</h3>" + shown
+    return shown
 
 
 def search_part(search: Mapping[str, Any] | None) -> str:

@@ -22,6 +22,7 @@ class Row:
     factor: float  # from SI to ``unit``
     unit: str
     decimals: int
+    note: str = ""  # said under the label of a value above zero
 
     def text(self, result: Mapping[str, Any], key: str = "") -> str:
         """Figure with its unit, or a dash if it does not apply.
@@ -39,6 +40,10 @@ class Row:
         return f'<td class="n {_tolerance_class(result, self.key)}">{self.text(result)}</td>'
 
 
+LATE = (
+    "Of the wall clock, which a simulation does not follow: they do not change the "
+    "result. On a robot these commands would come late."
+)
 Groups = tuple[tuple[str, tuple[Row, ...]], ...]
 """Rows under a heading each."""
 
@@ -149,7 +154,7 @@ GROUPS: Groups = (
                 "ms",
                 3,
             ),
-            Row("Ticks longer than the period", "late_ticks", 1.0, "", 0),
+            Row("Ticks longer than the period", "late_ticks", 1.0, "", 0, LATE),
         ),
     ),
 )
@@ -211,6 +216,11 @@ def table(
         f"<tr{mark}>{''.join(row)}</tr>" for mark, row in zip(marks, rows, strict=True)
     )
     return f'<div class="scroll"><table>{top}<tbody>{lines}</tbody></table></div>'
+
+
+def mode_words(mode: str) -> str:
+    """A mode's name that may be broken at its underscores, for narrow columns."""
+    return escape(mode).replace("_", "_<wbr>")
 
 
 def number_cells(texts: Iterable[str]) -> list[str]:
@@ -276,7 +286,7 @@ def _grouped_rows(
     marks: list[str] = []
     for group, entries in groups:
         lines = [
-            [f'<th scope="row">{escape(row.label)}</th>', *cells(row)]
+            [f'<th scope="row">{_label(row, results)}</th>', *cells(row)]
             for row in entries
             if any(lookup(result, row.key) is not None for result in results)
         ]
@@ -284,6 +294,14 @@ def _grouped_rows(
             rows += [group_row(group, len(lines[0])), *lines]
             marks += [' class="group"', *[""] * len(lines)]
     return rows, marks
+
+
+def _label(row: Row, results: Sequence[Mapping[str, Any]]) -> str:
+    """Label of a figure, with its note if it needs one."""
+    label = escape(row.label)
+    if row.note and any(lookup(result, row.key) for result in results):
+        label += f"<br><span class=why>{escape(row.note)}</span>"
+    return label
 
 
 def _asked(result: Mapping[str, Any], row: Row) -> str:

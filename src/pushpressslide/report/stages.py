@@ -134,7 +134,8 @@ def joined_record(runs: Sequence[StageRun], ending: Ending, seed: int) -> Record
         joined_plan(runs),
         {
             "time_step": records[0].meta.get("time_step"),
-            "events": _events(runs),
+            "events": _timed(runs, "events"),
+            "breaches": _timed(runs, "breaches"),
             "stages": stages,
         },
     )
@@ -238,11 +239,12 @@ def joined_plan(stages: Sequence[StagePlan]) -> Plan:
     return reduce(Plan.followed, plans)
 
 
-def _events(runs: Sequence[StageRun]) -> list[dict[str, Any]]:
+def _timed(runs: Sequence[StageRun], name: str) -> list[dict[str, Any]]:
+    """What each stage noted under ``name``, with its time in the run and its stage."""
     return [
-        {**event, "time": run.began + event["time"], "stage": number}
+        {**noted, "time": run.began + noted["time"], "stage": number}
         for number, run in enumerate(runs)
-        for event in run.record.meta.get("events", [])
+        for noted in run.record.meta.get(name, [])
     ]
 
 

@@ -63,7 +63,10 @@ function playBar(course, show) {
       if (made.scrollWidth > made.clientWidth) made.textContent = "";
     }
   }
-  for (const m of course.marks) span("mark", m.name, m.time);
+  for (const m of course.marks) {
+    if (m.text) span("mark failure", m.name + ": " + m.text, m.time).textContent = "✕";
+    else span("mark", m.name, m.time);
+  }
   nameThese();
   window.addEventListener("resize", nameThese);
   seek.max = end;

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 FINER = 2  # pixels of the drawing across a pixel of the picture
-HEAD = 13.0  # [pixels] length of an arrow's head
+HEAD = 3.25  # length of an arrow's head over the arrow's width
 INK = (31, 35, 40)
 
 Pixel = tuple[float, float]
@@ -43,9 +43,7 @@ class Canvas:
 
     def image(self) -> Any:
         """Picture with the drawing, as a Pillow image."""
-        from PIL import Image
-
-        return self._drawing.resize(self.size, Image.Resampling.BOX)
+        return self._drawing.reduce(FINER)
 
     def line(self, points: Sequence[Pixel], color: Color, width: float) -> None:
         """Draw a line through ``points``."""
@@ -84,7 +82,7 @@ class Canvas:
         if length < 1.0:
             return
         along = ((head[0] - tail[0]) / length, (head[1] - tail[1]) / length)
-        size = min(HEAD, 0.6 * length)
+        size = min(HEAD * width, 0.6 * length)
         neck = (head[0] - size * along[0], head[1] - size * along[1])
         half = 0.45 * size
         left = (neck[0] - half * along[1], neck[1] + half * along[0])
@@ -101,14 +99,19 @@ class Canvas:
             (FINER * x, FINER * y), text, fill=color, font=_font(FINER * size)
         )
 
-    def width_of(self, text: str, size: float = 15.0) -> float:
-        """Width of a text [pixels]."""
-        return float(self._draw.textlength(text, font=_font(FINER * size))) / FINER
+    def paste(self, other: Canvas) -> None:
+        """Put another drawing, with its picture, into the upper left corner."""
+        self._drawing.paste(other._drawing)
 
     def panel(self, corner: Pixel, end: Pixel) -> None:
         """Draw a light background for text between two corners."""
         box = [FINER * v for v in (*corner, *end)]
         self._draw.rectangle(box, fill=(255, 255, 255, 225))
+
+
+def text_width(text: str, size: float = 15.0) -> float:
+    """Width of a text [pixels]."""
+    return float(_font(FINER * size).getlength(text)) / FINER
 
 
 def _fine(points: Sequence[Pixel]) -> list[Pixel]:

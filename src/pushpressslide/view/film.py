@@ -13,15 +13,21 @@ from PIL import Image
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.whole_file import whole, write_whole
-from pushpressslide.view.canvas import Canvas, rgba
+from pushpressslide.view.canvas import Canvas, rgba, text_width
+from pushpressslide.view.mp4 import has_encoder, write_mp4
 from pushpressslide.view.timeline import RunTimeline, still_ticks
 
-SIZE = (1280, 720)  # [pixels] width and height
-FRAMES_PER_SECOND = 15.0
-FORMATS = (".webp", ".gif")
-NAME = "run.webp"
+# [pixels] width and height. Without a graphics card a film takes time by its pixels
+SIZE = (800, 450)
+MP4 = ".mp4"
+FORMATS = (MP4, ".webp", ".gif")
+FRAMES_PER_SECOND = 25.0  # of an mp4
+PICTURES_PER_SECOND = 15.0  # of the other formats, which hold whole pictures
+NAME = "run"
 PICTURES = "pictures"
 """Folder of the pictures of a run: start.webp, contact.webp and end.webp."""
+CLOSE = "contact"
+"""Name of the picture that may be taken from near."""
 STILL_SIZE = (960, 540)  # [pixels] of these
 QUALITY = 75  # of a .webp, up to 100
 LINE = 21.0  # [pixels] between lines of the legend
@@ -44,16 +50,23 @@ def film_ticks(time: Array, rate: float) -> list[int]:
 
 
 def film_path(out: Path) -> Path:
-    """File of an animation; run.webp if a folder is given.
+    """File of a film. In a folder it is run.mp4, or run.webp if av is not installed.
 
     Raises SimulationError for an unsupported format.
     """
-    out = out / NAME if out.is_dir() else out
+    if out.is_dir():
+        kind = MP4 if has_encoder() else ".webp"
+        return out / f"{NAME}{kind}"
     if out.suffix not in FORMATS:
         raise SimulationError(
             f"{out}: an animation is written as {' or '.join(FORMATS)}"
         )
     return out
+
+
+def film_rate(out: Path) -> float:
+    """Usual pictures per second [1/s] of the format of ``out``."""
+    return FRAMES_PER_SECOND if out.suffix == MP4 else PICTURES_PER_SECOND
 
 
 class _Reel(Image.Image):
@@ -92,7 +105,11 @@ def write_film(
 ) -> Path:
     """Write ``count`` images of ``draw`` as an animation at ``rate`` [1/s], completely
     or not at all. Return its path.
+
+    Raises MissingPackageError for an mp4 without av.
     """
+    if out.suffix == MP4:
+        return write_mp4(count, draw, out, rate)
     reel = _Reel(count, draw)
     with whole(out) as temporary:
         reel.save(
@@ -107,16 +124,16 @@ def write_film(
 
 
 def write_stills(
-    phase: Array, draw: Callable[[int], Image.Image], out: Path
+    phase: Array, draw: Callable[[str, int], Image.Image], out: Path
 ) -> list[Path]:
-    """Write pictures of start, contact and end of a run, drawn by ``draw`` for a tick,
-    into the folder pictures of ``out``. Return their paths. ``phase`` (N,) is that of
+    """Write pictures of start, contact and end of a run, drawn by ``draw`` for a name
+    and a tick, into the folder pictures of ``out``. Return their paths. ``phase`` (N,) is that of
     each tick.
     """
     paths = []
     for name, tick in still_ticks(phase).items():
         buffer = BytesIO()
-        draw(tick).save(buffer, "webp", quality=QUALITY)
+        draw(name, tick).save(buffer, "webp", quality=QUALITY)
         path = out / PICTURES / f"{name}.webp"
         paths.append(write_whole(path, buffer.getvalue()))
     return paths
@@ -129,7 +146,7 @@ def caption(canvas: Canvas, title: str, timeline: RunTimeline, frame: int) -> No
     canvas.panel((0.0, top), (float(width), float(height)))
     canvas.text((ROOM, top + 8.0), title)
     words = moment(timeline, frame)
-    canvas.text((width - canvas.width_of(words) - ROOM, top + 8.0), words)
+    canvas.text((width - text_width(words) - ROOM, top + 8.0), words)
 
 
 def moment(timeline: RunTimeline, frame: int) -> str:
@@ -154,12 +171,14 @@ def moment(timeline: RunTimeline, frame: int) -> str:
     return "   ".join(part for part in parts if part)
 
 
-def legend(canvas: Canvas, entries: Iterable[LegendEntry]) -> None:
-    """Write the meanings of the colours into the upper left corner."""
+def legend(entries: Iterable[LegendEntry]) -> Canvas:
+    """Meanings of the colours, drawn once for all pictures."""
     rows = list(entries)
-    width = max(canvas.width_of(item.text, 13.0) for item in rows) + 40.0
-    canvas.panel((0.0, 0.0), (width, LINE * len(rows) + ROOM))
+    width = round(max(text_width(item.text, 13.0) for item in rows) + 40.0)
+    height = round(LINE * len(rows) + ROOM)
+    canvas = Canvas(np.full((height, width, 3), 255, dtype=np.uint8))
     for i, item in enumerate(rows):
         y = 7.0 + LINE * i
         canvas.line(((ROOM, y + 8.0), (ROOM + 14.0, y + 8.0)), rgba(item.color), 7.0)
         canvas.text((ROOM + 21.0, y), item.text, 13.0)
+    return canvas

@@ -21,6 +21,8 @@ FRAMES_PER_SECOND = 30.0
 MOST_FRAMES = 750  # of a replay, so that a long run is still a page of a few megabytes
 GOAL_ERROR = "goal_error"
 """Array (N, 2) [m, rad] that a joined record brings: the moved body's errors."""
+ENDED_WELL = ("goal_reached", "goal_missed", "interrupted")
+"""Reasons that break nothing: the run ends with them."""
 PARTS = ("stage", "leg", "placement")
 """Arrays whose steps are marked, the largest part first."""
 
@@ -36,10 +38,11 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """Start of a part of the run at ``time`` [s] of the replay."""
+    """Start of a part of the run, or a failure, at ``time`` [s] of the replay."""
 
     name: str
     time: float
+    text: str = ""  # of a failure, with its number; empty for a part
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +51,7 @@ class RunTimeline:
 
     time: tuple[float, ...]  # (F,) [s] since the first tick
     phases: tuple[Span, ...]
-    marks: tuple[Mark, ...]  # of legs, placements and stages
+    marks: tuple[Mark, ...]  # of legs, placements, stages and failures
     arms: tuple[str, ...]  # their names
     force: tuple[tuple[float, ...], ...]  # (A, F) [N] of each arm, its size
     distance: tuple[float, ...]  # (F,) [mm] of the object to its goal
@@ -101,7 +104,7 @@ def run_timeline(plan: Plan, record: Record, ticks: NDArray[np.intp]) -> RunTime
         force=tuple(_row(sizes[:, i], 2) for i in range(sizes.shape[1])),
         distance=_row(1e3 * errors[:, 0], 1),
         turn=_row(np.degrees(np.abs(errors[:, 1])), 1),
-        ending=record.reason.replace("_", " "),
+        ending=_words(record.reason),
     )
 
 
@@ -143,8 +146,8 @@ def _phases(time: Array, phase: Array) -> tuple[Span, ...]:
 
 
 def _marks(record: Record, time: Array) -> tuple[Mark, ...]:
-    """Starts of stages, legs and placements. A common start is named after the largest
-    of them.
+    """Starts of stages, legs and placements, and failures. A common start is named after
+    the largest of them.
     """
     marks: dict[int, str] = {}
     for part in PARTS:
@@ -153,6 +156,40 @@ def _marks(record: Record, time: Array) -> tuple[Mark, ...]:
             continue
         for tick in (np.flatnonzero(np.diff(number)) + 1).tolist():
             marks.setdefault(tick, f"{part} {int(number[tick]) + 1}")
-    return tuple(
+    parts = [
         Mark(name, round(float(time[tick]), 3)) for tick, name in sorted(marks.items())
-    )
+    ]
+    failures = _failures(record, time)
+    return tuple(sorted([*parts, *failures], key=lambda mark: mark.time))
+
+
+def _failures(record: Record, time: Array) -> list[Mark]:
+    """When limits broke, and for other failures when the arms began to let go."""
+    if not len(time):
+        return []
+    first = float(record.arrays["time"][0])
+    marks = [
+        Mark(_words(breach["code"]), round(breach["time"] - first, 3), breach["text"])
+        for breach in record.meta.get("breaches", ())
+    ]
+    released = record.arrays["phase"] == PHASES.index("release")
+    starts = time[np.diff(released.astype(int), prepend=0) > 0]
+    ended = [
+        (_words(event["code"]), event["time"] - first, event["text"])
+        for event in record.meta.get("events", ())
+    ]
+    if record.reason not in ENDED_WELL:
+        ended.append((_words(record.reason), float(time[-1]), record.reason_text))
+    earlier = -math.inf
+    broken = list(marks)
+    for name, end, text in ended:
+        if not any(mark.name == name and earlier < mark.time <= end for mark in broken):
+            before = starts[starts <= end + 1e-9]
+            failed = float(before[-1]) if len(before) else end
+            marks.append(Mark(name, round(failed, 3), text))
+        earlier = end
+    return marks
+
+
+def _words(code: str) -> str:
+    return code.replace("_", " ")

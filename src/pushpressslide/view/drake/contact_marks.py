@@ -18,6 +18,7 @@ from pushpressslide.view.film import LegendEntry
 
 TOUCHING: tuple[Phase, ...] = ("touch", "move", "release")
 FORCE_SCALE = 0.02  # [m/N] largest
+STILL_FORCE_SCALE = 0.06  # [m/N] largest in pictures without a scale
 LONGEST_ARROW = 0.15  # [m] of a force in the plane
 LONGEST_PRESS = 0.10  # [m]
 WIDEST_DISC = 0.09  # [m] radius of a friction disc
@@ -58,8 +59,12 @@ class Disc:
 class ContactMarks:
     """Marks of all contacts of a run, in the support's frame."""
 
-    def __init__(self, playback: Playback, nearer: Array) -> None:
-        """Choose the scales. ``nearer`` (3,) points to the camera, in the world."""
+    def __init__(
+        self, playback: Playback, nearer: Array, largest: float = FORCE_SCALE
+    ) -> None:
+        """Choose the scales, up to ``largest`` [m/N]. ``nearer`` (3,) points to the
+        camera, in the world.
+        """
         self.playback = playback
         self.friction = playback.task.contact_friction
         self.height = playback.task.object.shape.height
@@ -69,10 +74,12 @@ class ContactMarks:
         self.arms = sorted({c.arm for c in every})
         self.pressing = sorted({c.arm for c in every if c.kind == "top"})
         self.pushes = any(c.kind == "side" for c in every)
-        self.scale = _scale(np.linalg.norm(forces[:, :, :2], axis=2), LONGEST_ARROW)
+        flat_forces = np.linalg.norm(forces[:, :, :2], axis=2)
+        self.scale = _scale(flat_forces, LONGEST_ARROW, largest)
         if self.pressing:
-            self.scale = min(self.scale, _scale(self.friction * loads, WIDEST_DISC))
-        self.press_scale = _scale(loads, LONGEST_PRESS)
+            discs = _scale(self.friction * loads, WIDEST_DISC, largest)
+            self.scale = min(self.scale, discs)
+        self.press_scale = _scale(loads, LONGEST_PRESS, largest)
         frame = playback.task.support.frame
         flat: Any = np.array(frame.components(tuple(nearer.tolist())))
         flat[2] = 0.0
@@ -170,6 +177,8 @@ class ContactMarks:
         return self.playback.task.robots[arm].tip_radius
 
 
-def _scale(forces: Array, longest: float) -> float:
-    """Length of an arrow per force [m/N], so that none exceeds ``longest`` [m]."""
-    return min(FORCE_SCALE, longest / max(float(forces.max(initial=0.0)), 1e-9))
+def _scale(forces: Array, longest: float, largest: float) -> float:
+    """Length of an arrow per force [m/N], up to ``largest``, so that none exceeds
+    ``longest`` [m].
+    """
+    return min(largest, longest / max(float(forces.max(initial=0.0)), 1e-9))

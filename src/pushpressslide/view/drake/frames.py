@@ -5,21 +5,19 @@ from __future__ import annotations
 import ctypes
 import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 from pydrake.geometry import (
-    ClippingRange,
-    ColorRenderCamera,
     LightParameter,
     MakeRenderEngineVtk,
-    RenderCameraCore,
     RenderEngineVtkParams,
 )
 from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.systems.sensors import CameraInfo
 
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
@@ -27,15 +25,20 @@ from pushpressslide.core.record import Record
 from pushpressslide.core.task import Support
 from pushpressslide.core.whole_file import whole
 from pushpressslide.view.canvas import Canvas
-from pushpressslide.view.drake.camera import FIELD, View, axes
+from pushpressslide.view.drake.camera import FIELD, View, axes, fit_view
+from pushpressslide.view.drake.fade import ArmOpacity
+from pushpressslide.view.drake.light_shapes import lighten_arms
 from pushpressslide.view.drake.overlay import Overlay
+from pushpressslide.view.drake.picture import RENDERER, Picture
 from pushpressslide.view.drake.playback import Placed, Playback
+from pushpressslide.view.drake.subject import near_points
 from pushpressslide.view.drake.views import contact_view
 from pushpressslide.view.film import (
-    FRAMES_PER_SECOND,
+    CLOSE,
     STILL_SIZE,
     caption,
     film_path,
+    film_rate,
     film_ticks,
     legend,
     write_film,
@@ -44,7 +47,7 @@ from pushpressslide.view.film import (
 from pushpressslide.view.film import SIZE as FILM_SIZE
 from pushpressslide.view.timeline import run_timeline
 
-RENDERER = "frames"
+OPAQUE = 0.999  # opacity from which on nothing is mixed
 BACKGROUND = [0.93, 0.95, 0.97]
 SIZE = (640, 480)  # [pixels] width and height
 # directions of the light along x, y and height of a support
@@ -52,8 +55,42 @@ LIGHT = (-0.4, 0.5, -1.0)
 STEEP_LIGHT = (-0.4, -0.9, -0.8)
 
 
+Arms = tuple[int, ...]
+"""Arms that are shown."""
+
+
+class _Scene:
+    """A run's scene with some of its arms, and its picture."""
+
+    def __init__(self, playback: Playback, arms: Arms) -> None:
+        """Set up the renderer. Raises SimulationError if this machine cannot render."""
+        self.playback = playback
+        lighten_arms(playback, arms)
+        self._graph = playback.scene.scene_graph
+        support = playback.task.support
+        try:
+            engine = MakeRenderEngineVtk(_render_parameters(support))
+            self._graph.AddRenderer(RENDERER, engine)
+        except RuntimeError as error:
+            raise _cannot_render(str(error)) from error
+        self._diagram = playback.scene.builder.Build()
+        self._context = self._diagram.CreateDefaultContext()
+
+    def image_at(self, tick: int, picture: Picture) -> NDArray[np.uint8]:
+        """Update a picture of this scene to a tick."""
+        self.playback.set(self._context, tick)
+        context = self._graph.GetMyContextFromRoot(self._context)
+        query = self._graph.get_query_output_port().Eval(context)
+        try:
+            return picture.update(query)
+        except RuntimeError as error:
+            raise _cannot_render(str(error)) from error
+
+
 class FrameRenderer:
-    """Renders recorded ticks of one run."""
+    """Renders recorded ticks of one run. An arm that hides a contact or a goal is seen
+    through.
+    """
 
     def __init__(
         self,
@@ -71,25 +108,26 @@ class FrameRenderer:
         problem = egl_problem()
         if problem:
             raise _cannot_render(problem)
-        self.playback = Playback(plan, record, models, goals)
-        self._graph = self.playback.scene.scene_graph
-        try:
-            engine = MakeRenderEngineVtk(_render_parameters(plan.task.support))
-            self._graph.AddRenderer(RENDERER, engine)
-        except RuntimeError as error:
-            raise _cannot_render(str(error)) from error
-        self._diagram = self.playback.scene.builder.Build()
-        self._context = self._diagram.CreateDefaultContext()
+        self._new_playback = partial(Playback, plan, record, models, goals)
+        self._size = size
+        self._arms: Arms = tuple(range(len(plan.task.robots)))
+        self._scenes: dict[Arms, _Scene] = {}
+        self.playback = self._new_playback()
         width, height = size
-        core = RenderCameraCore(
-            RENDERER,
-            CameraInfo(width, height, FIELD),
-            ClippingRange(0.05, 20.0),
-            RigidTransform(),
-        )
-        self._camera = ColorRenderCamera(core, False)
-        self.view = contact_view(self.playback, FIELD, width / height)
-        self._X_WC = look_at(self.view)
+        self.aim(contact_view(self.playback, FIELD, width / height))
+
+    def aim(self, view: View) -> None:
+        """Take pictures from another view."""
+        self.view = view
+        self._opacity = ArmOpacity(self.playback, view.position)
+        self._pictures: dict[Arms, Picture] = {}
+
+    def approach(self, tick: int) -> None:
+        """Go near the object and its contacts at a tick, in the same direction."""
+        width, height = self._size
+        points = near_points(self.playback, tick)
+        direction = self.view.position - self.view.target
+        self.aim(fit_view(points, direction, FIELD, width / height))
 
     def image(self, time: float) -> NDArray[np.uint8]:
         """Picture (height, width, 3) at ``time`` [s] of the run."""
@@ -98,16 +136,28 @@ class FrameRenderer:
 
     def image_at(self, tick: int) -> NDArray[np.uint8]:
         """Picture (height, width, 3) at a recorded tick."""
-        self.playback.set(self._context, tick)
-        context = self._graph.GetMyContextFromRoot(self._context)
-        query = self._graph.get_query_output_port().Eval(context)
-        try:
-            seen = query.RenderColorImage(
-                self._camera, self._graph.world_frame_id(), self._X_WC
-            )
-        except RuntimeError as error:
-            raise _cannot_render(str(error)) from error
-        return np.array(seen.data[:, :, :3], dtype=np.uint8)
+        return np.asarray(self._mixed(tick, self._opacity(tick), self._arms))
+
+    def _mixed(self, tick: int, opacity: Sequence[float], shown: Arms) -> Image.Image:
+        """Picture with the arms ``shown``, the first ones at their ``opacity``. Pictures
+        without and with an arm that is seen through are mixed.
+        """
+        if not opacity:
+            return Image.fromarray(self._picture(tick, shown))
+        *others, share = opacity
+        full = self._mixed(tick, others, shown)
+        if share > OPAQUE:
+            return full
+        without = tuple(arm for arm in shown if arm != len(others))
+        return Image.blend(self._mixed(tick, others, without), full, share)
+
+    def _picture(self, tick: int, arms: Arms) -> NDArray[np.uint8]:
+        """Picture with these arms. Its scene is made when first needed."""
+        if arms not in self._scenes:
+            self._scenes[arms] = _Scene(self._new_playback(), arms)
+        if arms not in self._pictures:
+            self._pictures[arms] = Picture(self._size, look_at(self.view))
+        return self._scenes[arms].image_at(tick, self._pictures[arms])
 
 
 def render_frames(
@@ -128,7 +178,7 @@ def render_frames(
     for i, time in enumerate(times):
         path = out_dir / f"frame_{i:03d}.png"
         with whole(path) as temporary:
-            _pillow().fromarray(renderer.image(time)).save(temporary)
+            Image.fromarray(renderer.image(time)).save(temporary)
         paths.append(path)
     return paths
 
@@ -140,14 +190,18 @@ def write_pictures(
     models: str = "generated",
     goals: Sequence[Placed] = (),
 ) -> list[Path]:
-    """Write pictures of start, contact and end of a run into ``out`` and return their
-    paths. Raises SimulationError if this machine cannot render.
+    """Write pictures of start, contact (from near) and end of a run into ``out`` and
+    return their paths. Raises SimulationError if this machine cannot render.
     """
     renderer = FrameRenderer(plan, record, STILL_SIZE, models, goals)
-    overlay = Overlay(renderer.playback, renderer.view, STILL_SIZE)
+    usual = renderer.view
 
-    def picture(tick: int) -> Any:
+    def picture(name: str, tick: int) -> Any:
+        renderer.aim(usual)
+        if name == CLOSE:
+            renderer.approach(tick)
         canvas = Canvas(renderer.image_at(tick))
+        overlay = Overlay(renderer.playback, renderer.view, STILL_SIZE, small=True)
         overlay.draw(canvas, tick)
         return canvas.image()
 
@@ -158,7 +212,7 @@ def write_video(
     plan: Plan,
     record: Record,
     out: Path,
-    frames_per_second: float = FRAMES_PER_SECOND,
+    frames_per_second: float | None = None,
     size: tuple[int, int] = FILM_SIZE,
     models: str = "generated",
     goals: Sequence[Placed] = (),
@@ -166,25 +220,28 @@ def write_video(
     """Write the run as an animated picture in real time, with its forces, paths and a
     caption. Return its path.
 
-    The format, .webp or .gif, follows from the name of ``out``; a folder gets run.webp.
-    ``size`` is (width, height) [pixels], ``goals`` are as in ``Playback``. Raises
-    SimulationError if this machine cannot render, or for another format.
+    Format and usual rate follow from the name of ``out``: .mp4, .webp or .gif; a folder
+    gets run.mp4, or run.webp without av. ``size`` is (width, height) [pixels], ``goals``
+    are as in ``Playback``. Raises SimulationError if this machine cannot render, or for
+    another format.
     """
     out = film_path(out)
+    rate = frames_per_second or film_rate(out)
     renderer = FrameRenderer(plan, record, size, models, goals)
     overlay = Overlay(renderer.playback, renderer.view, size)
-    ticks = film_ticks(record.arrays["time"], frames_per_second)
+    ticks = film_ticks(record.arrays["time"], rate)
     told = run_timeline(plan, record, np.array(ticks))
     title = f"{plan.task.name}: {', '.join(record.modes)}"
+    meanings = legend(overlay.contacts.entries())
 
     def picture(frame: int) -> Any:
         canvas = Canvas(renderer.image_at(ticks[frame]))
         overlay.draw(canvas, ticks[frame])
-        legend(canvas, overlay.contacts.entries())
+        canvas.paste(meanings)
         caption(canvas, title, told, frame)
         return canvas.image()
 
-    return write_film(len(ticks), picture, out, frames_per_second)
+    return write_film(len(ticks), picture, out, rate)
 
 
 def _render_parameters(support: Support) -> RenderEngineVtkParams:
@@ -241,10 +298,3 @@ def _cannot_render(problem: str) -> SimulationError:
     return SimulationError(
         f"this machine cannot render pictures ({reason}); on Debian, install libegl1"
     )
-
-
-def _pillow() -> Any:
-    """Pillow's image module, which comes with matplotlib."""
-    from PIL import Image
-
-    return Image

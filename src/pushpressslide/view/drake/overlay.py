@@ -13,13 +13,15 @@ from pushpressslide.view.canvas import Canvas, Pixel, rgba
 from pushpressslide.view.drake.camera import FIELD, View, axes
 from pushpressslide.view.drake.contact_marks import (
     CONE_LENGTH,
+    FORCE_SCALE,
     LEAST_FORCE,
+    STILL_FORCE_SCALE,
     ContactMarks,
     Disc,
 )
 from pushpressslide.view.drake.marks import PIN_ROOM
 from pushpressslide.view.drake.playback import Playback
-from pushpressslide.view.drake.sight import Moment, is_seen
+from pushpressslide.view.drake.sight import Moment, are_seen
 from pushpressslide.view.drake.subject import blocks_at
 
 BLUE = rgba("#0072b2")
@@ -35,9 +37,20 @@ TRACE_STEP = 20  # ticks between points of the trace
 class Overlay:
     """Draws the marks of a run over its pictures, unoccluded."""
 
-    def __init__(self, playback: Playback, view: View, size: tuple[int, int]) -> None:
-        """Prepare the marks for pictures of ``size`` [pixels] from ``view``."""
-        self.contacts = ContactMarks(playback, view.position - view.target)
+    def __init__(
+        self,
+        playback: Playback,
+        view: View,
+        size: tuple[int, int],
+        small: bool = False,
+    ) -> None:
+        """Prepare the marks for pictures of ``size`` [pixels] from ``view``; bold ones,
+        with longer forces, for pictures that are shown ``small``.
+        """
+        nearer = view.position - view.target
+        largest = STILL_FORCE_SCALE if small else FORCE_SCALE
+        self.contacts = ContactMarks(playback, nearer, largest)
+        self._arrow_width = 9.0 if small else 4.0  # [pixels]
         self._playback = playback
         self._frame = playback.task.support.frame
         self._position = view.position
@@ -45,6 +58,9 @@ class Overlay:
         self._size = size
         ticks = range(0, len(playback.record.arrays["time"]), TRACE_STEP)
         self._trace = [self._on_support(tick) for tick in ticks]
+        self._trace_pixels = [self.pixel(point) for point in self._trace]
+        eye = self._frame.coordinates(tuple(view.position.tolist()))
+        self._eye = np.array(eye)
         self._stretch = playback.record.arrays["stretch"][::TRACE_STEP]
 
     def pixel(self, point: Vector3) -> Pixel:
@@ -74,7 +90,7 @@ class Overlay:
         for arrow, color in arrows:
             if arrow.size > LEAST_FORCE:
                 ends = (self._pixel_of(arrow.tail), self._pixel_of(arrow.head))
-                canvas.arrow(*ends, color, 4.0)
+                canvas.arrow(*ends, color, self._arrow_width)
 
     def _pixel_of(self, point: Array) -> Pixel:
         x, y, z = (float(v) for v in point)
@@ -91,18 +107,21 @@ class Overlay:
         """
         count = tick // TRACE_STEP + 1
         moment = Moment((), blocks_at(self._playback, tick)[:1], ())
-        eye = np.array(self._frame.coordinates(tuple(self._position.tolist())))
+        points = np.array(self._trace[:count])
+        towards = self._eye - points
+        towards /= np.linalg.norm(towards, axis=1, keepdims=True)
+        seen = are_seen(moment, points, towards).tolist()
         line: list[Pixel] = []
         before = self._stretch[0]
-        for point, number in zip(self._trace[:count], self._stretch, strict=False):
-            towards = eye - np.array(point)
-            hidden = not is_seen(moment, point, towards / np.linalg.norm(towards))
-            if hidden or number != before:
+        for pixel, number, visible in zip(
+            self._trace_pixels, self._stretch, seen, strict=False
+        ):
+            if not visible or number != before:
                 canvas.line(line, BLUE, 3.0)
                 line = []
             before = number
-            if not hidden:
-                line.append(self.pixel(point))
+            if visible:
+                line.append(pixel)
         canvas.line(line, BLUE, 3.0)
 
     def _draw_axle(self, canvas: Canvas, tick: int) -> None:

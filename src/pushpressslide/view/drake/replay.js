@@ -68,6 +68,7 @@ function whenLoaded(viewer, start) {
 
 function startReplay(viewer, course, views, look) {
   const pane = document.getElementById("meshcat-pane"), bar = document.getElementById("views");
+  const fading = fadeArms(viewer, look.hiding);
   const animator = viewer.animator, camera = viewer.camera, controls = viewer.controls;
   let view = views[0], frame = 0, moved = false, before = null, yaw = 0;
   animator.play(); animator.pause();  // its actions are active, and only seek moves them
@@ -85,7 +86,7 @@ function startReplay(viewer, course, views, look) {
     controls.update(); moved = false; viewer.set_dirty();
   }
   function show(time, at) {
-    frame = at;
+    frame = at; fading.show(at);
     animator.seek(time);
     if (view.follow.length) {
       const now = place(at), step = toCamera(minus(now, before)), angle = turn(at) - yaw;
@@ -107,19 +108,11 @@ function startReplay(viewer, course, views, look) {
   function choose(v, made) {
     view = v;
     for (const other of buttons) other.setAttribute("aria-pressed", other === made);
-    seeThrough();
+    fading.through(view.through);
     aim();
   }
-  function seeThrough() {  // the arms hide what is under them from above
-    for (const path of look.arms) viewer.scene_tree.find(path).object.traverse(part => {
-      for (const m of [].concat(part.material || [])) {  // a mesh may have several
-        m.transparent = view.through; m.opacity = view.through ? 0.25 : 1; m.depthWrite = !view.through; m.needsUpdate = true;
-      }
-    });
-    viewer.set_dirty();
-  }
   const put = viewer.set_object;  // meshes of arms may come later
-  viewer.set_object = (path, object) => { put.call(viewer, path, object); seeThrough(); };
+  viewer.set_object = (path, object) => { put.call(viewer, path, object); fading.paint(); };
   button("Meshcat", "Meshcat's own controls: hide parts of the scene, save a picture", () => {
     const own = viewer.gui.domElement.style;
     own.display = own.display === "none" ? "" : "none"; own.top = "40px"; viewer.gui.open();

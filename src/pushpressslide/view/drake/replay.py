@@ -26,9 +26,11 @@ from pushpressslide.core.whole_file import write_whole
 from pushpressslide.view.bar import filled, json_in_page, package_text
 from pushpressslide.view.drake.camera import FIELD, FILL
 from pushpressslide.view.drake.contact_marks import ContactMarks
+from pushpressslide.view.drake.fade import FLANGE, Target, contact_targets, goal_targets
 from pushpressslide.view.drake.marks import Marks
 from pushpressslide.view.drake.playback import Placed, Playback
 from pushpressslide.view.drake.saved_page import small_page
+from pushpressslide.view.drake.subject import LINK_RADIUS
 from pushpressslide.view.drake.views import PageView, page_views
 from pushpressslide.view.film import LegendEntry
 from pushpressslide.view.timeline import RunTimeline, frames, run_timeline
@@ -66,7 +68,7 @@ def write_replay(
     look(meshcat)
     contacts = ContactMarks(playback, np.array(views[0].direction))
     _animate(meshcat, contacts, ticks)
-    body = _body(contacts, run_timeline(plan, record, ticks), views)
+    body = _body(contacts, run_timeline(plan, record, ticks), views, ticks)
     page = small_page(
         meshcat.StaticHtml(), package_text("replay_head.html", ROOM), body
     )
@@ -74,7 +76,10 @@ def write_replay(
 
 
 def _body(
-    contacts: ContactMarks, timeline: RunTimeline, views: Sequence[PageView]
+    contacts: ContactMarks,
+    timeline: RunTimeline,
+    views: Sequence[PageView],
+    ticks: NDArray[np.intp],
 ) -> str:
     """Parts of the page around Meshcat's scene."""
     playback = contacts.playback
@@ -84,12 +89,12 @@ def _body(
         package_text("replay.html", ROOM),
         {
             "STYLE": package_text("replay.css", ROOM),
-            "SCRIPT": package_text("replay.js", ROOM),
+            "SCRIPT": package_text("replay.js", ROOM) + package_text("fade.js", ROOM),
             "TITLE": escape(title),
             "LEGEND": "".join(map(_item, contacts.entries())),
             "COURSE": json_in_page(timeline.plain()),
             "VIEWS": json_in_page([view.plain() for view in views]),
-            "LOOK": json_in_page(_look(playback, np.array(views[0].points))),
+            "LOOK": json_in_page(_look(playback, np.array(views[0].points), ticks)),
         },
     )
 
@@ -98,8 +103,12 @@ def _item(item: LegendEntry) -> str:
     return f'<li style="--c:{item.color}">{escape(item.text)}</li>'
 
 
-def _look(playback: Playback, points: NDArray[np.float64]) -> dict[str, Any]:
-    """Field of view [deg], light, and extent of the shadows, for the page."""
+def _look(
+    playback: Playback, points: NDArray[np.float64], ticks: NDArray[np.intp]
+) -> dict[str, Any]:
+    """Field of view [deg], light, extent of the shadows, and what arms may hide, for the
+    page.
+    """
     frame = playback.task.support.frame
     light = LIGHT if frame.faces_up else STEEP_LIGHT
     center = 0.5 * (points.min(axis=0) + points.max(axis=0))
@@ -110,16 +119,60 @@ def _look(playback: Playback, points: NDArray[np.float64]) -> dict[str, Any]:
         "light": list(frame.direction(light)),
         "center": [round(float(v), 3) for v in center],
         "radius": round(radius, 3),
-        "arms": _arm_paths(playback),
+        "hiding": _hiding(playback, ticks),
     }
 
 
-def _arm_paths(playback: Playback) -> list[list[str]]:
-    """Paths of the arms in Meshcat's tree."""
+def _hiding(playback: Playback, ticks: NDArray[np.intp]) -> dict[str, Any]:
+    """Paths of each arm's links in Meshcat's tree, without the tip, and what they may
+    hide: goals, and the contacts at ``ticks`` (F,), in the world [m].
+    """
+    frame = playback.task.support.frame
+
+    def places(target: Target) -> list[list[float]]:
+        points = map(frame.point, target)
+        return [[round(float(v), 3) for v in point] for point in points]
+
+    contacts = [contact_targets(playback, tick) for tick in ticks.tolist()]
+    return {
+        "arms": _link_paths(playback),
+        "tips": _tip_paths(playback),
+        "flange": FLANGE,
+        "radius": LINK_RADIUS,
+        "goals": [places(target) for target in goal_targets(playback.goals)],
+        "contacts": [[places(tip)[0] for tip in tips] for tips in contacts],
+    }
+
+
+def _tip_paths(playback: Playback) -> list[list[str]]:
+    """Path in Meshcat's tree of the body that holds each arm's tip."""
+    return [paths[-1] for paths in _body_paths(playback)]
+
+
+def _link_paths(playback: Playback) -> list[list[list[str]]]:
+    """Paths in Meshcat's tree of each arm's links, from its base, without the tip."""
+    return [paths[:-1] for paths in _body_paths(playback)]
+
+
+def _body_paths(playback: Playback) -> list[list[list[str]]]:
+    """Paths in Meshcat's tree of each arm's drawn bodies, from its base to its tip."""
     plant = playback.scene.plant
-    robots = playback.scene.robots
-    names = [plant.GetModelInstanceName(robot.model_instance) for robot in robots]
-    return [["drake", "visualizer", *name.split("::")] for name in names]
+    inspector = playback.scene.scene_graph.model_inspector()
+    arms = []
+    for robot in playback.scene.robots:
+        name = plant.GetModelInstanceName(robot.model_instance)
+        stem = ["drake", "visualizer", *name.split("::")]
+        bodies = plant.GetBodyIndices(robot.model_instance)
+        drawn = [
+            index
+            for index in bodies
+            if index == bodies[-1]
+            or inspector.NumGeometriesForFrameWithRole(
+                plant.GetBodyFrameIdOrThrow(index), Role.kIllustration
+            )
+        ]
+        arms.append([[*stem, plant.get_body(index).name()] for index in drawn])
+    return arms
 
 
 def _animate(meshcat: Meshcat, contacts: ContactMarks, ticks: NDArray[np.intp]) -> None:

@@ -90,23 +90,35 @@ def _share(moment: Moment, points: tuple[Vector3, ...], direction: Array) -> flo
     return float(np.mean(are_seen(moment, np.array(points), direction)))
 
 
-def is_seen(moment: Moment, point: Vector3, direction: Array) -> bool:
-    """Whether nothing is between ``point`` and the camera."""
-    return bool(are_seen(moment, np.array([point]), direction)[0])
-
-
 def are_seen(moment: Moment, points: Array, direction: Array) -> NDArray[np.bool_]:
-    """Whether nothing is between each of ``points`` (P, 3) and the camera."""
+    """Whether nothing is between each of ``points`` (P, 3) and the camera.
+
+    ``direction``, (3,) or (P, 3), are unit vectors towards it.
+    """
     hidden = np.zeros(len(points), dtype=bool)
     for polygon, height in moment.polygons:
         hidden |= _behind_block(polygon, height, points, direction)
     if moment.limbs:
-        begins, ends, radii = moment.links
+        starts, ends, radii = moment.links
         near = (points + OWN * direction)[:, None]
         far = (points + REACH * direction)[:, None]
-        gaps = segment_distance(near, far, begins[None], ends[None])
+        gaps = segment_distance(near, far, starts[None], ends[None])
         hidden |= (gaps < radii).any(axis=1)
     return ~hidden
+
+
+def hidden_by_arms(moment: Moment, points: Array, eye: Array) -> NDArray[np.bool_]:
+    """Mask of the ``points`` (P, 3) that the arms hide from a camera at ``eye`` (3,)
+    [m].
+    """
+    if not moment.limbs or not len(points):
+        return np.zeros(len(points), dtype=bool)
+    lines = eye - points
+    lengths = np.linalg.norm(lines, axis=1, keepdims=True)
+    near = points + np.minimum(OWN / np.maximum(lengths, TINY), 1.0) * lines
+    starts, ends, radii = moment.links
+    gaps = segment_distance(near[:, None], eye[None, None], starts[None], ends[None])
+    return np.asarray((gaps < radii).any(axis=1))
 
 
 def _behind_block(
@@ -114,11 +126,13 @@ def _behind_block(
 ) -> NDArray[np.bool_]:
     """Mask of the ``points`` (P, 3) that a block of a ``height`` [m] hides."""
     under = height - points[:, 2]
+    rise = np.broadcast_to(direction, points.shape)[:, 2]
+    upward = rise > 0.0
     lengths = np.full(len(points), REACH)
-    rise = float(direction[2])
-    if rise > 0.0:
-        lengths = np.minimum(REACH, np.maximum(under, 0.0) / rise)
-    ends = points[:, :2] + lengths[:, None] * direction[:2]
+    out = np.maximum(under[upward], 0.0) / rise[upward]
+    lengths[upward] = np.minimum(REACH, out)
+    flat = np.asarray(direction)[..., :2]
+    ends = points[:, :2] + lengths[:, None] * flat
     lines = shapely.linestrings(np.stack([points[:, :2], ends], axis=1))
     return np.asarray((under > 0.0) & shapely.intersects(polygon, lines))
 

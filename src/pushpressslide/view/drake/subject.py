@@ -82,6 +82,14 @@ def subject(playback: Playback) -> Subject:
     )
 
 
+def near_points(playback: Playback, tick: int) -> Array:
+    """Points (N, 3) [m], in the world, of the object and its contacts at ``tick``."""
+    frame = playback.task.support.frame
+    contacts = contacts_at(playback, tick)
+    points = object_points(playback, tick) + _tip_points(playback, tick, contacts)
+    return np.array([frame.point(point) for point in points])
+
+
 def sighted_ticks(phase: Array) -> NDArray[np.intp]:
     """Ticks at which a contact is checked for visibility. ``phase`` (N,) is per tick."""
     (ticks,) = np.nonzero(np.isin(phase, [PHASES.index("touch"), PHASES.index("move")]))
@@ -153,19 +161,26 @@ def _block(shape: Shape, pose: Pose2) -> Block:
 
 def arm_limbs(playback: Playback, context: Context) -> tuple[Limb, ...]:
     """Links of all arms in the plant's ``context``."""
+    count = len(playback.scene.robots)
+    return tuple(
+        limb for arm in range(count) for limb in limbs_of_arm(playback, context, arm)
+    )
+
+
+def limbs_of_arm(playback: Playback, context: Context, arm: int) -> tuple[Limb, ...]:
+    """Links of one arm in the plant's ``context``."""
     plant = playback.scene.plant
     frame = playback.task.support.frame
-    out = []
-    for robot in playback.scene.robots:
-        places = []
-        for index in plant.GetBodyIndices(robot.model_instance):
-            X = plant.EvalBodyPoseInWorld(context, plant.get_body(index))
-            x, y, z = X.translation()
-            places.append(frame.coordinates((float(x), float(y), float(z))))
-        pairs = list(pairwise(places))
-        out += [Limb(start, end, LINK_RADIUS) for start, end in pairs[:-1]]
-        out += [Limb(start, end, ROD_RADIUS) for start, end in pairs[-1:]]
-    return tuple(out)
+    robot = playback.scene.robots[arm]
+    places = []
+    for index in plant.GetBodyIndices(robot.model_instance):
+        X = plant.EvalBodyPoseInWorld(context, plant.get_body(index))
+        x, y, z = X.translation()
+        places.append(frame.coordinates((float(x), float(y), float(z))))
+    pairs = list(pairwise(places))
+    links = [Limb(start, end, LINK_RADIUS) for start, end in pairs[:-1]]
+    rod = [Limb(start, end, ROD_RADIUS) for start, end in pairs[-1:]]
+    return (*links, *rod)
 
 
 def corners(shape: Shape, pose: Pose2) -> list[Vector3]:

@@ -53,34 +53,35 @@ def write_video(
     out: Path,
     goals: Sequence[Placed] = (),
     parts: Sequence[Record] = (),
-    frames_per_second: float = film.FRAMES_PER_SECOND,
+    frames_per_second: float | None = None,
     size: tuple[int, int] = film.SIZE,
 ) -> Path:
     """Write the run as an animated picture in real time and return its path.
 
-    The format, .webp or .gif, follows from the name of ``out``; a folder gets run.webp.
-    ``size`` is (width, height) [pixels]; ``goals`` and ``parts`` as in
-    ``write_replay``. Raises SimulationError for another format.
+    Format and usual rate follow from the name of ``out``: .mp4, .webp or .gif; a folder
+    gets run.mp4, or run.webp without av. ``size`` is (width, height) [pixels]; ``goals``
+    and ``parts`` as in ``write_replay``. Raises SimulationError for another format.
     """
     out = film.film_path(out)
-    ticks = film.film_ticks(record.arrays["time"], frames_per_second)
+    rate = frames_per_second or film.film_rate(out)
+    ticks = film.film_ticks(record.arrays["time"], rate)
     told = run_timeline(plan, record, np.array(ticks))
     title = f"{plan.task.name}: {', '.join(record.modes)}"
     drawing = _Film(plan, record, goals, parts, size)
-    entries = [
+    legend_drawing = film.legend(
         film.LegendEntry(color, text)
         for color, text, _ in legend(plan)
         if color != REFERENCE
-    ]
+    )
 
     def picture(frame: int) -> Any:
         canvas = Canvas(np.full((size[1], size[0], 3), 255, dtype=np.uint8))
         drawing.draw(canvas, ticks[frame])
-        film.legend(canvas, entries)
+        canvas.paste(legend_drawing)
         film.caption(canvas, title, told, frame)
         return canvas.image()
 
-    return film.write_film(len(ticks), picture, out, frames_per_second)
+    return film.write_film(len(ticks), picture, out, rate)
 
 
 def write_pictures(
@@ -96,7 +97,7 @@ def write_pictures(
     width, height = film.STILL_SIZE
     drawing = _Film(plan, record, goals, parts, film.STILL_SIZE)
 
-    def picture(tick: int) -> Any:
+    def picture(_: str, tick: int) -> Any:
         canvas = Canvas(np.full((height, width, 3), 255, dtype=np.uint8))
         drawing.draw(canvas, tick)
         return canvas.image()
