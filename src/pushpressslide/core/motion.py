@@ -19,16 +19,16 @@ from pushpressslide.core.scene import ARM_NAMES, ArmName
 Vehicle = Literal[
     "unicycle", "car", "forklift", "pivot", "mixed", "differential", "synchronised"
 ]
-"""Reduced model that a mode drives the object as, one of its ``Mode.vehicles``."""
+"""Reduced model as which a mode drives the object, one of its ``Mode.vehicles``."""
 
 Cop = Literal["balanced", "left", "right"] | float
-"""Where two presses put the centre of pressure: "balanced" (equal presses); as far
-"left" or "right" as a turn on the spot allows at the press that the motion takes; or a
-fraction in [0, 1] of the way from left to right contact.
+"""Position of the centre of pressure between two presses. "balanced" means equal
+presses. "left" and "right" mean as far to that side as a turn on the spot allows at the
+press of the motion. A fraction in [0, 1] counts from the left contact to the right one.
 """
 
 
-PLANNED_SHARE = 0.9  # of limits.normal_force
+PLANNED_SHARE = 0.9  # share of limits.normal_force
 FORCE_ALLOWED = f"allowed {{allowed:Ng}}, {PLANNED_SHARE:g} of limits.normal_force"
 """End of the text of a refusal for too large a normal force."""
 
@@ -58,7 +58,7 @@ class Tolerance:
 
 
 ON_THE_WAY = Tolerance(margins.ARM.via, margins.ARM.turned_via)
-"""Of poses that a search leads the object by: nobody asked for them."""
+"""Tolerance of via poses, which a search chose and nobody asked for."""
 
 
 @documented
@@ -69,7 +69,7 @@ class ToolUse:
     """
 
     body: str  # name of a movable obstacle
-    goal: Pose2  # of that body's centre, in the world
+    goal: Pose2  # pose of that body's centre in the world
     face: int = field(
         metadata=field_spec(
             "index of the edge of the tool's footprint that pushes, as in motion.face",
@@ -77,7 +77,7 @@ class ToolUse:
             default_in_file=1,
         )
     )
-    straight: float  # [m] of way from the touch to the goal
+    straight: float  # [m] length of the straight push from the touch to the goal
 
     def __post_init__(self) -> None:
         check_fields(self)

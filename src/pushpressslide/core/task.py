@@ -79,13 +79,13 @@ class Restart:
     """State and beliefs from which a task is continued after a recovery."""
 
     state: WorldState  # as seen
-    leg: int  # of the task, that is not done
+    leg: int  # first leg of the task that is not done
     center_of_mass: Point  # [m] in G
     support_friction: float
     rho: float | None  # [m]; None: that of the base's pressure
-    # whether face, contacts and vehicle are free that the task names for its first attempt
+    # whether face, contacts and vehicle of the first attempt may change
     free: bool = False
-    # that were found for the rest, in place of the task's; None: the task's go on
+    # legs found for the rest; None: those of the task
     legs: tuple[Leg, ...] | None = None
 
 
@@ -104,7 +104,7 @@ class Task:
     start: Pose2 = field(
         metadata=field_spec("pose of the shape's frame G at which the plan begins")
     )
-    # X_WG; of a tool, where it has the other body at that body's goal; with ``goals``
+    # X_WG; for a tool, the pose at which the other body is at its goal; with ``goals``,
     # the start
     goal: Pose2 = field(
         metadata=field_spec(
@@ -173,7 +173,7 @@ class Task:
     )
     motion: Motion = setting(Motion(), "how the object is moved")
     description: str = setting("", "one line, shown by `pps tasks`")
-    # the file it came from, for messages
+    # its file, for messages
     source: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
@@ -187,7 +187,7 @@ class Task:
 
     @property
     def full_belief(self) -> Belief:
-        """Assumptions of planner and controller, with every field but rho given."""
+        """Assumptions of planner and controller, with all fields but rho filled in."""
         scene = self.scene
         return Belief(
             scene.support.friction,

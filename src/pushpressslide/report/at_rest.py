@@ -1,4 +1,4 @@
-"""Record of a task in which nothing moves, since the object is at its goal already."""
+"""Record of a task without motion: the object is at its goal already."""
 
 from __future__ import annotations
 
