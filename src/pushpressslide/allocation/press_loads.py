@@ -334,10 +334,10 @@ def wall_press(
 ) -> float:
     """Smallest sum [N] of two equal normals that slides an object along a wall.
 
-    Inf if none does. ``weight`` [N] acts in the plane and does not press. ``up`` is the
-    upward component of the direction of sliding: 1 up, 0 sideways, -1 down. Without
-    turning, and with the contacts level with the CoM on either side, the press is mg /
-    (sqrt(mu_w^2 up^2 + mu_a^2 - mu_w^2) - mu_w up).
+    Infinite if none does. ``weight`` [N] acts in the plane and does not press. ``up``
+    is the upward component of the direction of sliding: 1 up, 0 sideways, -1 down.
+    Without turning, and with the contacts level with the CoM on either side, the press
+    is mg / (sqrt(mu_w^2 up^2 + mu_a^2 - mu_w^2) - mu_w up).
     """
     b = wall_friction * up
     square = b * b + contact_friction**2 - wall_friction**2

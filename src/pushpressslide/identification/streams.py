@@ -1,8 +1,7 @@
-"""Streams of a recording: object, tip and force, each with its own stamps. All readers
-make them.
+"""Streams of a recording: object, tip and force, each with its own stamps. Every reader
+returns them.
 
-The object's pose has a clock of its own, that of a camera. Tip and force share the
-arm's clock.
+The object's pose has the clock of its camera; tip and force share the arm's clock.
 """
 
 from __future__ import annotations

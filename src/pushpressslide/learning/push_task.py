@@ -149,7 +149,7 @@ def _refused(source: str, field: str, value: str, allowed: str) -> TaskError:
 def _face_at(query: MotionQuery, foot: Point, normal: Point) -> FittedFace:
     """Pushed face of the true object.
 
-    Raises TaskError for a round one, and if the push tips the object.
+    Raises TaskError if the face is round, or if the push tips the object.
     """
     fitted = min(
         fitted_faces(query.scene, query.motion),

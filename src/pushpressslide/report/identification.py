@@ -1,6 +1,6 @@
 """Page of identified supports.
 
-A table, and for each set a figure of predictions, limit surface and support.
+It has tables, and for each set a figure of predictions, limit surface and support.
 """
 
 from __future__ import annotations

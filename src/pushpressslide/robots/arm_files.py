@@ -114,7 +114,7 @@ def _completed(robot: Robot, changed: int) -> RobotFacts:
 def _fitting(
     values: tuple[float, ...], facts: RobotFacts, robot: Robot, name: str
 ) -> tuple[float, ...]:
-    """The values of a field. Raises RobotFileError unless there is one for each joint."""
+    """Values of a field. Raises RobotFileError unless there is one for each joint."""
     if len(values) != facts.size:
         joints = ", ".join(joint.name for joint in facts.moving)
         allowed = f"allowed: {facts.size} numbers, one for each of {joints}"

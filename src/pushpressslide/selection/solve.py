@@ -145,8 +145,8 @@ def _solved(
 def _beyond_limits(empty: Plan, choices: list[Choice], enough: int) -> list[Choice]:
     """``choices``, with paths beyond the limits for placements that have none.
 
-    These are of a task without a limit of force and without a workspace, and keep the
-    refusals of the true limits.
+    Such paths are planned without limits on force and workspace. Their refusals are
+    those under the true limits.
     """
     with_path = {choice.leg for choice in choices if choice.segments}
     lacking = {choice.leg for choice in choices} - with_path

@@ -171,8 +171,8 @@ def _orders(
 
 
 def _visited(moment: Moment) -> Moment:
-    """The given moment with the goals removed that a body with several goals has
-    reached. The last goal of each body stays.
+    """The moment without the goals already reached by bodies with several goals. The
+    last goal of each body stays.
     """
     tolerance = moment.task.tolerance
     left: dict[str, tuple[Pose2, ...]] = {}

@@ -1,12 +1,12 @@
 """Kinds of fields: the allowed values in words, a reader, and the JSON Schema.
 
 Reading is separate from decoding: every field is valid before fields are compared.
-``read`` gives plain data in the file's units with every default resolved, ``decode``
-makes the data of a task of it, and ``encode`` is the inverse of ``decode``.
+``read`` returns plain data in the file's units with every default filled in. ``decode``
+converts it to the data of a task, and ``encode`` is the inverse.
 
-``encode`` also takes what a program may have in place of the data of a task: lists,
-tuples, arrays, mappings laid out like the file, paths. A value that it cannot convert
-is returned unchanged, and ``read`` refuses it.
+``encode`` also accepts the loose values of a program: lists, tuples, arrays, paths, and
+mappings laid out like the file. A value that it cannot convert is returned unchanged,
+and ``read`` refuses it.
 """
 
 from __future__ import annotations
@@ -257,12 +257,11 @@ def section(
     data: type | tuple[type, ...] | None = None,
     order: tuple[str, ...] = (),
 ) -> Kind:
-    """Kind of a section with some fields by their keys.
+    """Kind of a section with the given fields, by key.
 
-    In the data it is the result of ``make`` called with the fields by their names, of
-    the type ``data``, by default ``make`` itself. ``take`` is the inverse; fields that
-    it leaves out are not written. A sequence in place of the data has the fields of
-    ``order``.
+    ``make`` is called with the fields by name, and returns the data of type ``data``,
+    by default ``make`` itself. ``take`` is the inverse; fields that it omits are not
+    written. A sequence may stand for the data, with its items in ``order``.
     """
     listed = f"with the fields {', '.join(fields)}"
     names = {key: f.name or key.removesuffix("_deg") for key, f in fields.items()}
