@@ -34,9 +34,9 @@ def crate(tmp_path) -> pps.Task:
 def test_a_force_that_lacks_is_named_with_the_mode_that_then_can(crate) -> None:
     error = refused(crate)
     assert error.brief.endswith(
-        "; raise limits.normal_force to 36 N: then rear_push can"
+        "; raise limits.normal_force to 36 N to make rear_push feasible"
     )
-    assert str(error).endswith("then rear_push can")
+    assert str(error).endswith("to make rear_push feasible")
     enough = replace(crate, limits=replace(crate.limits, normal_force=36.0))
     assert pps.plan(enough).segments
     less = replace(crate, limits=replace(crate.limits, normal_force=34.0))

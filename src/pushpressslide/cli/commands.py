@@ -93,7 +93,7 @@ def select(
 
     loaded = task_of(task, sets, mode)
     if joints and (loaded.goals or loaded.legs):
-        reason = "--joints: allowed for a task of one motion, without goals and legs"
+        reason = "--joints: allowed for a task of one motion, without goals or legs"
         raise PushPressSlideError(f"{loaded.source or loaded.name}: {reason}")
     folder = None
     if out is not None:

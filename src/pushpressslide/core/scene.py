@@ -320,16 +320,16 @@ class Robot:
     rotor_inertia: tuple[float, ...] | None = setting(
         None,
         "inertia of the rotors of a model given by its path, from the base to the tip; "
-        "without gear_ratio the motor's times gear ratio squared; null: that of the "
-        "file, or 0.003 kg m^2 for each N m of effort",
+        "if gear_ratio is null, the motor's times the gear ratio squared; null: that of "
+        "the file, or 0.003 kg m^2 for each N m of effort",
         "kg m^2",
         "[0, 1000]",
         count=(1, 16),
     )
     gear_ratio: tuple[float, ...] | None = setting(
         None,
-        "gear ratios of a model given by its path, from the base to the tip, of which "
-        "the square multiplies the inertia of a rotor; null: those of the file, or 1",
+        "gear ratios of a model given by its path, from the base to the tip; their "
+        "squares multiply the inertia of the rotors; null: those of the file, or 1",
         "",
         "(0, 10000]",
         count=(1, 16),
@@ -345,11 +345,11 @@ class Robot:
     limits: tuple[JointLimits, ...] | None = setting(
         None,
         "limits of joints of a model given by its path, in place of those of the file; "
-        "required for what it lacks",
+        "required where the file has none",
         count=(1, 16),
     )
     packages: tuple[str, ...] = setting(
-        (), "folders with the packages that a model's meshes are in", count=(0, 16)
+        (), "folders of the packages that contain a model's meshes", count=(0, 16)
     )
 
     def __post_init__(self) -> None:
@@ -376,7 +376,9 @@ class Obstacle:
     )
     # in the world (on a wall: in the wall's plane)
     pose: Pose2 = field(metadata=field_spec("pose of the shape's frame G"))
-    movable: bool = setting(False, "whether it can be pushed away; else it is fixed")
+    movable: bool = setting(
+        False, "whether it can be pushed away; otherwise it is fixed"
+    )
     mass: float = setting(1.0, "mass, if movable", "kg", "(0, 1000]")
     friction: float = setting(
         0.3,

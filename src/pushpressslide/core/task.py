@@ -134,18 +134,18 @@ class Task:
     )
     tool: ToolUse | None = setting(
         None,
-        "how the object pushes `goal.body`, where that is another body",
+        "how the object pushes `goal.body`, if that is another body",
         default_in_file={},
     )
     modes: tuple[str, ...] | None = setting(
         None,
-        "contact modes to choose from; null: all that need no more arms than there are",
+        "contact modes to choose from; null: all for which there are enough arms",
         count=(1, math.inf),
     )
     goals: tuple[BodyGoal, ...] = setting(
         (),
-        "in place of `goal`, where each of several bodies is to be brought, or one body "
-        "to several poses, one after the other; null: `goal` is the only one",
+        "in place of `goal`: goals of several bodies, or several goals of one body in "
+        "order; null: `goal` is the only one",
         count=(1, 64),
         default_in_file=None,
     )
@@ -161,7 +161,7 @@ class Task:
     limits: Limits = setting(Limits(), "limits of the run")
     belief: Belief = setting(
         Belief(),
-        "what planner and controller assume where it differs from the truth",
+        "assumptions of planner and controller that differ from the truth",
         default_in_file={},
     )
     # the true start is start + this
@@ -169,7 +169,7 @@ class Task:
         Pose2(), "true start pose minus `start`, in world axes"
     )
     sensing: Sensing = setting(
-        Sensing(), "noise and delay of what the controller measures"
+        Sensing(), "noise and delay of the controller's measurements"
     )
     motion: Motion = setting(Motion(), "how the object is moved")
     description: str = setting("", "one line, shown by `pps tasks`")

@@ -151,7 +151,9 @@ def _stream(path: Path, topic: str, samples: Sequence[_Sample]) -> Stream:
         raise PushPressSlideError(f"{path}: topic {topic!r} is in frames {listed}")
     clock, first = np.unique(times, return_index=True)
     if not np.isfinite(values).all():
-        raise PushPressSlideError(f"{path}: topic {topic!r} holds values not finite")
+        raise PushPressSlideError(
+            f"{path}: topic {topic!r} holds values that are not finite"
+        )
     return stream_of(str(path), topic, clock, values[first])
 
 

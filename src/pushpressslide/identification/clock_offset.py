@@ -65,7 +65,7 @@ class OffsetFit:
             raise PushPressSlideError(
                 f"{self.source}: {max(counts)} poses are in contact (force above "
                 f"{self._touch:.2g} N); at least {LEAST_CONTACT} are needed; --offset S "
-                f"joins clocks that differ by over {SEARCH:g} s"
+                f"sets the offset of clocks that differ by over {SEARCH:g} s"
             )
         spreads = [_spread(gaps) for gaps in found]
         seconds = float(offsets[int(np.argmin(spreads))])

@@ -157,13 +157,13 @@ def layout_note(name: str) -> str:
     if not pins:
         if WHOLE_BASE in name.lower():
             return ""
-        return "its name gives no pins; the whole base is taken to touch."
+        return "its name gives no pins; the whole base is assumed to touch."
     numbers = [
         f"{1e3 * v:.10g}" for v in (*(x for x, _ in pins), *(y for _, y in pins))
     ]
     if NUMBERS.fullmatch(name) and len(name.split("_")) == 6:
         return ""
-    return f"its pins are taken to be {'_'.join(numbers)}."
+    return f"its pins are assumed to be {'_'.join(numbers)}."
 
 
 def _names(folders: Sequence[Path]) -> dict[Path, str]:

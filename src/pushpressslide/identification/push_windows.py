@@ -161,7 +161,7 @@ def _without_bias(
     gaps = tip_contact.gaps(times[known], tip, placed)
     free = np.flatnonzero(known)[gaps > FREE_GAP]
     if len(free) < LEAST_FREE:
-        return force, "the tip is never free; forces are taken to have no bias."
+        return force, "the tip is never free; forces are assumed to have no bias."
     bias = np.median(force.values[free], axis=0)
     return replace(force, values=force.values - bias), ""
 
@@ -172,7 +172,7 @@ def _check_rate(source: str, name: str, stream: Stream) -> None:
     if step > LONGEST_GAP:
         raise PushPressSlideError(
             f"{source}: the samples of {name} are {step:.3g} s apart; allowed: "
-            f"{LONGEST_GAP:g} s at most; --unit time=ms reads milliseconds, also us, ns"
+            f"at most {LONGEST_GAP:g} s; --unit time=ms reads milliseconds (also us, ns)"
         )
 
 
@@ -201,8 +201,8 @@ def _check_reach(
     nearest = float(tip_contact.gaps(times, tip, placed).min())
     if nearest > FAR:
         raise PushPressSlideError(
-            f"{source}: the tip is never nearer than {nearest:.3g} m to the object; "
-            "allowed: metres in one frame; --unit object=mm and --unit tip=mm read others"
+            f"{source}: the tip never comes within {nearest:.3g} m of the object; "
+            "allowed: metres in one frame; --unit object=mm --unit tip=mm reads millimetres"
         )
 
 
@@ -222,9 +222,10 @@ def _check_contact(
     if near < LEAST_NEAR:
         raise PushPressSlideError(
             f"{source}: the tip is within {1e3 * NEAR:g} mm of the shape's side in "
-            f"{100.0 * near:.0f} % of the contact, half of it within "
-            f"{1e3 * float(np.median(gaps)):.0f} mm; allowed: {100.0 * LEAST_NEAR:g} % at "
-            "least; a tip pushes the side, and the pose is that of the shape's frame G"
+            f"{100.0 * near:.0f} % of the contact, with a median gap of "
+            f"{1e3 * float(np.median(gaps)):.0f} mm; allowed: at least "
+            f"{100.0 * LEAST_NEAR:g} %; the tip must push the side, and the pose must be "
+            "that of the shape's frame G"
         )
 
 

@@ -132,7 +132,7 @@ def _with_tip_height(
     elif np.isnan(values[:, 2]).any():
         values[:, 2] = 0.5 * body.shape.height
         note = (
-            f"{streams.source}: no height of the tip; taken to be "
+            f"{streams.source}: no height of the tip; assumed to be "
             f"{500.0 * body.shape.height:.0f} mm, half of the object's (--tip-height)."
         )
     return replace(streams, tip=Stream(tip.times, values)), note
@@ -156,7 +156,7 @@ def _check_forces(source: str, pairs: Pairs, weight: float) -> None:
         return
     raise PushPressSlideError(
         f"{source}: a force of {force:.3g} N at a load of {weight:.3g} N is not allowed; "
-        f"allowed: {low:g} to {high:g} of the load; --unit force=N|mN|gf, or object.mass"
+        f"allowed: {low:g} to {high:g} times it; --unit force=N|mN|gf, or object.mass"
     )
 
 

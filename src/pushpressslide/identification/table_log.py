@@ -140,7 +140,7 @@ class _Columns:
         lacking = quantities[int(np.argmin(filled[row]))]
         raise PushPressSlideError(
             f"{self._place(row)}: column {self.columns[lacking].title!r} is empty; allowed: "
-            f"a number, as the others of {', '.join(quantities)} have one"
+            f"a number, as in the other columns of {', '.join(quantities)}"
         )
 
     def _check_times(self, times: Array, rows: Any) -> None:
@@ -178,7 +178,7 @@ def _continuous(source: str, placed: Stream, columns: dict[str, Column]) -> Stre
     if largest > LARGEST_YAW and column is not None and not column.stated:
         raise PushPressSlideError(
             f"{source}: column {column.title!r}: {largest:.4g} rad is not allowed; "
-            "allowed: a turn at most; --unit yaw=deg reads degrees, yaw=rad more turns"
+            "allowed: at most one turn; --unit yaw=deg reads degrees, yaw=rad more turns"
         )
     return Stream(placed.times, np.column_stack([values[:, :2], np.unwrap(yaw)]))
 
@@ -216,8 +216,8 @@ def _csv_table(path: Path) -> Table:
     for i, (line, cells) in enumerate(rows[1:]):
         if len(cells) != len(titles):
             raise PushPressSlideError(
-                f"{path}: line {line}: {len(cells)} cells; allowed: {len(titles)}, as the "
-                "first line has names"
+                f"{path}: line {line}: {len(cells)} cells; allowed: {len(titles)}, one "
+                "for each name in the first line"
             )
         for k, cell in enumerate(cells):
             text = cell.strip()

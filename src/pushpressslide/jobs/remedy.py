@@ -64,7 +64,7 @@ class Remedy:
 
     def __str__(self) -> str:
         """One line of English."""
-        return f"{self.text}: then {self.mode} can"
+        return f"{self.text} to make {self.mode} feasible"
 
 
 @dataclass(frozen=True)

@@ -164,7 +164,7 @@ class OrthogonalPush(TwistPushes):
         fx, fy, tau, _ = cones[0].wrench(*direct)
         margin = cones[0].angle(*direct)
         text = (
-            f"to the goal it takes ({fx:.1f}, {fy:.1f}) N and {tau:.2f} N m, "
+            f"the goal requires ({fx:.1f}, {fy:.1f}) N and {tau:.2f} N m, "
             f"{describe_cone_margin(margin)}; no path of three twists "
             f"within {cone_goal.longest:.2f} m"
         )

@@ -32,7 +32,7 @@ EASY = 0.5
 ASIDE = (math.radians(20.0), math.radians(60.0))
 # angles from behind the contact, for a tool that turns with the object
 LEANS = tuple(math.radians(a) for a in (0.0, -45.0, 45.0, -75.0, 75.0))
-UNKNOWN = Refusal("reach", "the arm does not reach it, upright or tilted, for sure")
+UNKNOWN = Refusal("reach", "the arm does not surely reach it, upright or tilted")
 TURNING = 0.3  # [rad] turn of the object on its path above which such tools are tried
 
 

@@ -31,8 +31,8 @@ MANY = 3 * ENOUGH
 Way = tuple[tuple[Contact, ...], tuple[MotionPath, ...]]
 FALLS = Refusal(
     "falls",
-    "the object falls when the arms let go for it: nothing carries it where the leg "
-    "before ends",
+    "the object falls when the arms let go: nothing carries it where the previous leg "
+    "ends",
 )
 AT_GOAL = Refusal(SKIPPED, "the object is at its goal already")
 ENDS = Refusal("no_continuation", "its contacts allow no continuation")

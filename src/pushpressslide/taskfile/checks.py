@@ -143,7 +143,7 @@ def _face_faults(scene: Scene, face: int) -> Iterator[Fault]:
     if face not in touched:
         allowed = ", ".join(["null", *(str(index) for index in sorted(touched))])
         reason = (
-            f"a tip of radius {scene.tip_radius * 1e3:g} mm does not get to it, or it is "
+            f"a tip of radius {scene.tip_radius * 1e3:g} mm cannot reach it, or it is "
             f"too narrow; allowed: {allowed}"
         )
         yield "motion.face", face, reason
@@ -309,7 +309,7 @@ def _near_edge(
         return
     inside = f"{1e3 * min_margin:.1f} mm or more inside the edge of support.region"
     if min_margin == 0.0:
-        inside = "over what support.region carries of the base"
+        inside = "over the part of the base on support.region"
     where = f"{1e3 * abs(depth):.1f} mm {'inside' if depth > 0.0 else 'beyond'}"
     yield name, pose_text(X_WG), f"allowed: centre of mass {inside}, here {where}"
 
@@ -354,7 +354,7 @@ def _limit_faults(kin: ArmKinematics, field: str) -> Iterator[Fault]:
 
     lines = limits_to_fill(kin.facts)
     if lines:
-        missing = "it is missing, and the file has no limit of some joints"
+        missing = "it is missing, and the file lacks limits of some joints"
         yield field, None, f"{missing}; allowed: the maker's, as {lines}"
 
 
