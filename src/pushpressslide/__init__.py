@@ -183,7 +183,7 @@ _HOMES = {
     "run_loop": "control.run_loop.run_loop",
     "select": "jobs.ask.select",
 }
-"""Where each name stands."""
+"""Module of each public name."""
 
 
 def __getattr__(name: str) -> Any:

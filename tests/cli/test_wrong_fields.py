@@ -304,7 +304,7 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
     "region that excludes the start": (
         put("support.region", [[0.5, -1], [1, -1], [1, 1], [0.5, 1]]),
         "start:",
-        "over what support.region carries of the base",
+        "over the part of the base on support.region",
     ),
     "region that excludes the goal": (
         put("support.region", [[0, -0.1], [1, -0.1], [1, 1], [0, 1]]),
@@ -314,7 +314,7 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
     "face in a notch narrower than the tip": (
         notched("motion.face", 4),
         "motion.face:",
-        "too narrow; allowed: null, 0, 1, 2, 6, 7",
+        "cannot reach it, or it is too narrow; allowed: null, 0, 1, 2, 6, 7",
     ),
     "contact in a notch": (
         notched("motion.contacts", [[0.0, 0.03]]),

@@ -98,10 +98,10 @@ def test_a_folder_names_its_pins() -> None:
     ("name", "note"),
     [
         ("30_90_30_30_30_90", ""),
-        ("wood_30_90_30_30_30_90", "taken to be 30_90_30_30_30_90"),
-        ("wood-30_90_30_30_30_90", "taken to be 30_90_30_30_30_90"),
-        ("30_90_30_30_30_90_mixed", "taken to be 30_90_30_30_30_90"),
-        ("08_17_30_90_30_30_30_90", "taken to be 30_90_30_30_30_90"),
+        ("wood_30_90_30_30_30_90", "assumed to be 30_90_30_30_30_90"),
+        ("wood-30_90_30_30_30_90", "assumed to be 30_90_30_30_30_90"),
+        ("30_90_30_30_30_90_mixed", "assumed to be 30_90_30_30_30_90"),
+        ("08_17_30_90_30_30_30_90", "assumed to be 30_90_30_30_30_90"),
     ],
 )
 def test_pins_are_understood_beside_other_words_and_said(name: str, note: str) -> None:

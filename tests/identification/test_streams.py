@@ -185,7 +185,7 @@ def test_a_window_is_left_out_where_poses_are_missing_and_said(
         ("object_yaw [deg]", "spin", (), "column object_yaw is missing"),
         (",fx,fy", ",gx,gy", (), "force missing; needed: object x y yaw"),
         ("object_x [mm]", "x [furlong]", (), "unit 'furlong' is not allowed"),
-        ("object_x [mm]", "object_x [m]", (), "the tip is never nearer than"),
+        ("object_x [mm]", "object_x [m]", (), "the tip never comes within"),
         ("object_yaw [deg]", "object_yaw", (), "--unit yaw=deg"),
         ("t [s]", "t [min]", (), "unit 'min' is not allowed; allowed: s, sec, ms"),
         ("", "", ("--unit", "object_yaw=rad"), "of the shape's side in"),

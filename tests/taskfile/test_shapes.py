@@ -197,7 +197,7 @@ SLIT += [[0.1, 0.1], [0, 0.1]]
 def test_a_face_that_no_tip_reaches_is_refused_by_name() -> None:
     line = refusal(prism(SLIT), motion={"face": 4})
     assert "motion.face: 4 is not allowed" in line
-    assert "a tip of radius 10 mm does not get to it" in line
+    assert "a tip of radius 10 mm cannot reach it" in line
     assert "allowed: null, 0, 1, 2, 6, 7" in line
     assert task(prism(SLIT), motion={"face": 7}).motion.face == 7
 

@@ -1,5 +1,5 @@
-"""Normal loads of two top contacts: in a given ratio, for a given centre of pressure,
-the smallest, and against a wall (docs/mechanics.md, section 7).
+"""Normal loads of two top contacts (docs/mechanics.md, section 7): for a given ratio,
+for a given centre of pressure, with the smallest sum, and on a wall.
 
 The wrench that slides the object grows with the load, and the centre of pressure moves
 with the ratio. The loads for one twist are therefore found by iteration, in a tenth of
@@ -31,10 +31,9 @@ from pushpressslide.mechanics.checks import (
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 
 Side = Literal["balanced", "left", "right"]
-# part of the load that the lighter contact carries beyond the least for a turn on the
-# spot
-EXACT = 1e-9  # part of the largest load to which the least is found
-TOPS = (1.0, 0.7, 0.5, 0.35, 0.25)  # parts of the largest load that are tried as enough
+# share of the load on the lighter contact beyond the minimum for a turn on the spot
+EXACT = 1e-9  # accuracy of the smallest load, as a share of the largest
+TOPS = (1.0, 0.7, 0.5, 0.35, 0.25)  # shares of the largest load that are tried first
 RATIOS = 16
 SECTIONS = 10  # looked at, then between them, for the ratio that needs least press
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
@@ -49,8 +48,8 @@ class PressLoads(NamedTuple):
     forces: tuple[Point, Point]
     normals: Point  # [N] of the left and right contact
     cop: Point  # [m] centre of pressure, in B
-    margin: float  # [N] least distance of a force to the edge of its friction disc
-    # [N] least sum of normals in this ratio for the wrench at this load; decides
+    margin: float  # [N] smallest distance of a force from the edge of its friction disc
+    # [N] smallest sum of normals in this ratio for the wrench at this load; decides
     needed: float
     # "projected": feasible, but not in the ratio that was asked for
     status: AllocationStatus
@@ -71,7 +70,7 @@ class TwoPresses:
     support_friction: float  # of the pair object/support
     contact_friction: float  # of the pair tip/object
     rho: float  # [m] of the ellipsoid about the centre of pressure
-    cap: float  # [N] most that one contact may press
+    cap: float  # [N] largest load of one contact
 
     def __post_init__(self) -> None:
         check_friction(self.support_friction, "support_friction")
@@ -97,7 +96,7 @@ class TwoPresses:
         )
 
     def press_for_every_twist(self) -> float:
-        """Sum [N] of two equal normals that drives every twist. Inf if no press does.
+        """Sum [N] of two equal normals that drives every twist. Infinite if none does.
 
         For contacts opposite each other about the CoM; needs mu_a > mu_s sqrt(1 + 4
         rho^2 / l^2).
@@ -128,8 +127,8 @@ class TwoPresses:
     def in_ratio(
         self, share: float | Side, twist: Twist, gravity: Point = (0.0, 0.0)
     ) -> PressLoads:
-        """Smallest loads with a given ratio. If the cap does not suffice, the loads at
-        the cap, with status "infeasible".
+        """Smallest loads with a given ratio. If the cap does not suffice, these are the
+        loads at the cap, with status "infeasible".
         """
         total = min(self._least_total(share, twist, gravity), self._max_total(share))
         return self.loads_for(self._shared(share, total), twist, gravity)
@@ -235,7 +234,7 @@ class TwoPresses:
     def _wrench(
         self, normals: Point, twist: Twist, gravity: Point
     ) -> tuple[Point, tuple[float, float, float]]:
-        """Centre of pressure, and the wrench about it that the contacts have to give."""
+        """Centre of pressure, and the wrench about it required of the contacts."""
         left, right = normals
         load = self.weight + left + right
         cop = (
@@ -256,8 +255,8 @@ class TwoPresses:
         mu = self.contact_friction
 
         def surplus(total: float) -> float:
-            """Excess of a sum [N] of normals over the press that it makes necessary,
-            which depends on the sum through the drag.
+            """Excess of a sum [N] of normals over the required press. The requirement
+            depends on the sum through the drag.
             """
             normals = self._shared(share, total)
             cop, wrench = self._wrench(normals, twist, gravity)
@@ -307,7 +306,7 @@ def _first_enough(surplus: Callable[[float], float], upper: float) -> float:
         return math.inf
     at_low = surplus(low)
     at_high = surplus(high)
-    kept = 0  # which end the last step kept
+    kept = 0  # bracket end kept by the last step
     while at_low < 0.0 and high - low > width:
         middle = 0.5 * (low + high)
         total = middle
@@ -335,10 +334,10 @@ def wall_press(
 ) -> float:
     """Smallest sum [N] of two equal normals that slides an object along a wall.
 
-    Inf if none does. ``weight`` [N] acts in the plane and does not press; ``up`` is the
-    upward component of the direction of sliding: 1 up, 0 sideways, -1 down. Without
-    turning, and with the contacts level with the CoM on either side, the press is mg /
-    (sqrt(mu_w^2 up^2 + mu_a^2 - mu_w^2) - mu_w up).
+    Infinite if none does. ``weight`` [N] acts in the plane and does not press. ``up``
+    is the upward component of the direction of sliding: 1 up, 0 sideways, -1 down.
+    Without turning, and with the contacts level with the CoM on either side, the press
+    is mg / (sqrt(mu_w^2 up^2 + mu_a^2 - mu_w^2) - mu_w up).
     """
     b = wall_friction * up
     square = b * b + contact_friction**2 - wall_friction**2

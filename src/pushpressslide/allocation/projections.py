@@ -77,8 +77,8 @@ class WrenchCone:
         self.facets: tuple[Vector, ...] = tuple(
             facet for plane in planes for facet in self._facets(plane)
         )
-        """Rows (a, b, c): the cone is a fx + b fy + c tau >= 0 in all of them; none if
-        it is all wrenches.
+        """Rows (a, b, c): the cone is a fx + b fy + c tau >= 0 for all rows. Empty if
+        the cone contains all wrenches.
         """
         self._push = (normals[0][0] + normals[1][0], normals[0][1] + normals[1][1])
 
@@ -118,8 +118,8 @@ class WrenchCone:
         )
 
     def nearest(self, fx: float, fy: float, tau: float) -> EdgeForces:
-        """Contact forces of the wrench of the cone that is nearest to a given wrench
-        outside the cone.
+        """Contact forces for a given wrench outside the cone: those of the nearest
+        wrench inside.
         """
         k1, k2, k3, k4 = nearest_parts(fx, fy, tau / self._rho, self._cone)
         a, b, c, d = self._cone[0]

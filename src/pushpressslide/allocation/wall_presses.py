@@ -12,8 +12,7 @@ from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist
 
 Step = tuple[Twist, Point]
-"""How the object slides at one place of a motion, and its weight in the plane [N], in
-B.
+"""Direction of sliding at one pose of a motion, and the weight in the plane [N], in B.
 """
 
 

@@ -1,8 +1,8 @@
-"""A joint trajectory inside limits of speed, acceleration and jerk, from joint paths.
+"""A joint trajectory within limits of speed, acceleration and jerk, from joint paths.
 
 The planned joint path is a polyline with kinks. A spline of degree five through evenly
-spaced points of it rounds them; wherever it exceeds a limit, time is stretched there.
-Along the contact all arms share one clock, so they stay in step with the object.
+spaced points of the path rounds them. Wherever the spline exceeds a limit, more time is
+given. Along the contact all arms share one clock, so they stay in step with the object.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Phase
 from pushpressslide.core.plan import JointPath, Plan
 
-SPACING = 0.01  # [rad] or [m] between points, of the joint that moves most
-FREE_SPEED = 0.05  # [m/s] of a tip before its touch and as it is drawn back
-STRETCH = 1.3  # largest factor on a time in one step
-STEPS = 200  # most of them
-SAMPLES = 12  # of each span, at which limits are checked
-SHARE = 0.98  # of a limit that is used: a peak may lie between two samples
-DEGREE = 5  # of the spline: its jerk is continuous
+SPACING = 0.01  # [rad] or [m] between points, by the joint that moves most
+FREE_SPEED = 0.05  # [m/s] of a tip before its touch and on its retreat
+STRETCH = 1.3  # largest factor on the time of a span in one step
+STEPS = 200  # largest number of steps
+SAMPLES = 12  # per span, at which limits are checked
+SHARE = 0.98  # usable share of a limit: a peak may lie between two samples
+DEGREE = 5  # degree of the spline: its jerk is continuous
 
 
 @dataclass(frozen=True, eq=False)
 class JointLimits:
-    """Limits of n joints; of sliding ones in metres."""
+    """Limits of n joints, in metres for sliding ones."""
 
     speed: Array  # (n,) [rad/s]
     acceleration: Array  # (n,) [rad/s^2]
@@ -45,7 +45,7 @@ class Polyline:
     phases: tuple[Phase, ...]  # (k,)
 
     def followed_by(self, other: Polyline) -> Polyline:
-        """This one and then another, which begins where this ends."""
+        """This polyline followed by another one, which starts at its end."""
         shift = self.times[-1] - other.times[0]
         return Polyline(
             np.concatenate([self.times, other.times[1:] + shift]),
@@ -93,7 +93,7 @@ def planned_joints(plan: Plan, paths: Sequence[JointPath]) -> Polyline:
 def smooth_trajectory(
     planned: Polyline, limits: JointLimits, period: float
 ) -> JointTrajectory:
-    """Trajectory from rest to rest along the ``planned`` joints, with a sample every
+    """Trajectory from rest to rest along the ``planned`` joints, sampled every
     ``period`` [s] and at the end.
     """
     knots = _evenly_spaced(planned)
@@ -103,7 +103,7 @@ def smooth_trajectory(
         excess = _excess(_spline(knots.joints, spans), spans, limits)
         if excess.max() <= 1.0:
             break
-        # the spans beside one that is too short shape its spline, too
+        # neighbouring spans also shape the spline of one that is too short
         near = np.maximum.reduce([excess, np.roll(excess, 1), np.roll(excess, -1)])
         spans = spans * np.clip(near, 1.0, STRETCH)
     else:
@@ -113,15 +113,15 @@ def smooth_trajectory(
 
 
 def _approach(paths: Sequence[JointPath]) -> Polyline:
-    """Approaches of all arms; one that ends first waits."""
+    """Approaches of all arms. An arm that arrives early waits."""
     times = np.unique(np.concatenate([path.approach_time for path in paths]))
     rows = [_interpolated(times, path.approach_time, path.approach) for path in paths]
     return Polyline(times, np.hstack(rows), _phases("approach", len(times)))
 
 
 def _evenly(rows: Sequence[Array], duration: float, phase: Phase) -> Polyline:
-    """Rows (k, n) of each arm, evenly spaced over a ``duration`` [s]. A single row is a
-    rest.
+    """Rows (k, n) of each arm, evenly spaced over a ``duration`` [s]. A single row
+    stands for an arm at rest.
     """
     count = max(len(one) for one in rows)
     shares = np.linspace(0.0, 1.0, count)
@@ -159,14 +159,16 @@ def _interpolated(grid: Array, places: Array, rows: Array) -> Array:
 
 
 def _lengths(joints: Array) -> Array:
-    """Way (k,) of the joint that moves most, up to each row of ``joints`` (k, n)."""
+    """Path length (k,) of the joint that moves most, up to each row of ``joints`` (k,
+    n).
+    """
     steps = np.abs(np.diff(joints, axis=0)).max(axis=1)
     lengths: Array = np.concatenate([[0.0], np.cumsum(steps)])
     return lengths
 
 
 def _evenly_spaced(planned: Polyline) -> Polyline:
-    """Points of a polyline at most ``SPACING`` apart; rests are left out."""
+    """Points of a polyline at most ``SPACING`` apart, without rests."""
     lengths = _lengths(planned.joints)
     count = max(8, int(np.ceil(lengths[-1] / SPACING)))
     grid = np.linspace(0.0, lengths[-1], count + 1)
@@ -181,7 +183,7 @@ def _evenly_spaced(planned: Polyline) -> Polyline:
 
 
 def _without_rests(times: Array, moving: Array) -> Array:
-    """Times of the rows that move, without those of the others."""
+    """Times of the moving rows, without the durations of the rests."""
     spans = np.where(moving[1:], np.diff(times), 0.0)
     clock: Array = np.concatenate([[0.0], np.cumsum(spans)])[moving]
     return clock
@@ -198,8 +200,8 @@ def _spline(joints: Array, spans: Array) -> Any:
 
 
 def _excess(spline: Any, spans: Array, limits: JointLimits) -> Array:
-    """Factor (k - 1,) by which the time of each span is too short, at most 1 if it is
-    long enough.
+    """Factor (k - 1,) by which the time of each span is too short. It is at most 1 for
+    a span that is long enough.
     """
     firsts = np.concatenate([[0.0], np.cumsum(spans)])[:-1]
     shares = np.linspace(0.0, 1.0, SAMPLES)
@@ -215,7 +217,7 @@ def _excess(spline: Any, spans: Array, limits: JointLimits) -> Array:
 def _sampled(
     planned: Polyline, knots: Polyline, spans: Array, period: float
 ) -> JointTrajectory:
-    """Samples of the spline, and how far it is from the planned path."""
+    """Samples of the spline, with its deviation from the planned path."""
     spline = _spline(knots.joints, spans)
     clock = np.concatenate([[0.0], np.cumsum(spans)])
     times = np.append(np.arange(0.0, clock[-1], period), clock[-1])

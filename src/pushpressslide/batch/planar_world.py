@@ -37,7 +37,7 @@ class Faces(NamedTuple):
 
     foot: ArrayLike  # (..., k, 2) [m] a point of the face
     normal: ArrayLike  # (..., k, 2) unit inward normal
-    # (..., k, 2) [m] of the face to the right (< left) and to the left of its foot
+    # (..., k, 2) [m] ends of the face, to the right (< left) and left of its foot
     ends: ArrayLike
 
 
@@ -84,7 +84,7 @@ class PlanarWorld:
         self.shape = np.broadcast_shapes(tuple(shape), *own)
         """The leading shape of the bodies."""
         self.count = count
-        """How many tips a body has."""
+        """Number of tips per body."""
         self._support = support
         faces_of_kernel = _faces(vectors, numbers, (*shape, count))
         self._figures = _figures(support, faces_of_kernel, dt)
@@ -112,7 +112,7 @@ class PlanarWorld:
 
         A tip's force is ``forces`` (..., k, 2) [N] plus its damping times the lag of
         its own velocity behind ``velocities`` (..., k, 2) [m/s], all in the world. A
-        spring k [N/m] is a force k (x - tip), and k dt more of damping.
+        spring k [N/m] is a force k (x - tip) with k dt added to the damping.
         """
         u, f = figures(velocities, forces)
         check_last(u, (2,), "velocities")

@@ -36,8 +36,9 @@ class Pushes(NamedTuple):
     """Poses of bodies and positions of their pushers."""
 
     poses: Array  # (..., 3) X_WB: x, y [m] and yaw [rad]; B at the centre of pressure
-    places: Array  # (...) [m] of the pusher along the face, to the left of its foot
-    # (...) [m] between pusher and face; infinite once it has passed an edge
+    # (...) [m] position of the pusher along the face, to the left of its foot
+    places: Array
+    # (...) [m] between pusher and face; infinite once the pusher has passed an edge
     gaps: Array
 
 

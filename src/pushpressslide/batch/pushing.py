@@ -77,8 +77,8 @@ class SideContact:
         """The leading shape of the contact."""
 
     def motion_cones(self) -> tuple[Array, Array]:
-        """Right and left edges (..., 2) of the velocities at which the contact sticks,
-        as ``mechanics.friction.motion_cone``.
+        """Right and left edges (..., 2) of the cone of velocities at which the contact
+        sticks, as in ``mechanics.friction.motion_cone``.
         """
         table, like = self._contact
         contact = Figures(table[..., :-1], like[:1])

@@ -19,7 +19,7 @@ from pushpressslide.core.arrays import Array
 Kernel = Callable[..., tuple[Any, ...]]
 AnyArray = NDArray[Any]
 Like = tuple[Any, ...]
-"""Nested tuples of floats: what a kernel is given."""
+"""Nested tuples of floats, the arguments of a kernel."""
 
 
 class Figures(NamedTuple):

@@ -1,6 +1,6 @@
 """The command ``pps``.
 
-A command does its heavy imports when it runs, so that help answers at once.
+A command imports heavy packages only when it runs, so that help answers at once.
 """
 
 from pushpressslide.cli import (

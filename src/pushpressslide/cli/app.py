@@ -94,7 +94,7 @@ def task_of(name: str, sets: list[str] | None, mode: str | None = None) -> Task:
 
 
 def _note_files(task: Task) -> None:
-    """Say on stderr what is held, left out or assumed of robots and meshes in files."""
+    """Report on stderr what is fixed, ignored or assumed in files of robots and meshes."""
     from pushpressslide.robots.arm_files import robot_facts
 
     shapes = {"object": task.object.shape}
@@ -115,7 +115,7 @@ def print_json(value: Any) -> None:
     try:
         text.encode(sys.stdout.encoding or "utf-8")
     except UnicodeEncodeError:
-        text = json.dumps(json.loads(text), indent=2) + "\n"  # by escapes alone
+        text = json.dumps(json.loads(text), indent=2) + "\n"  # as escapes alone
     typer.echo(text, nl=False)
 
 
@@ -124,7 +124,7 @@ class Answered(Protocol):
 
     @property
     def as_json(self) -> bool:
-        """Output as JSON and nothing more."""
+        """Output as JSON only."""
 
     @property
     def quiet(self) -> bool:

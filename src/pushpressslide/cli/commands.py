@@ -93,7 +93,7 @@ def select(
 
     loaded = task_of(task, sets, mode)
     if joints and (loaded.goals or loaded.legs):
-        reason = "--joints: allowed for a task of one motion, without goals and legs"
+        reason = "--joints: allowed for a task of one motion, without goals or legs"
         raise PushPressSlideError(f"{loaded.source or loaded.name}: {reason}")
     folder = None
     if out is not None:
@@ -104,7 +104,7 @@ def select(
         return REACHED
     choices = ranked(loaded, joints)
     rows = tables.choice_rows(choices)
-    fields = {"joint_paths": joints or None, "choices": rows}  # None: not looked at
+    fields = {"joint_paths": joints or None, "choices": rows}  # None: not checked
     tables.write_selection(loaded, fields, folder)
     if as_json:
         print_json(rows)
@@ -172,7 +172,7 @@ def plan(
     with remedies_named(loaded):
         planned = plan_stages(loaded, planner)
     stages = [planned_part(one) for one in planned]
-    (folder / "plan.json").unlink(missing_ok=True)  # one that is there is complete
+    (folder / "plan.json").unlink(missing_ok=True)  # an existing file is complete
     data, *pictures = write_plans(loaded, stages, folder)
     said = [] if trajectory is None else _write_trajectory(loaded, planned, trajectory)
     if as_json:
@@ -189,7 +189,7 @@ def plan(
 
 
 def _joint_planner(trajectory: Path) -> PlacementPlanner:
-    """A planner of joint paths, for a file that can be written."""
+    """A planner of joint paths, after a check that the file can be written."""
     from pushpressslide.jobs.engines import engine_named
     from pushpressslide.jobs.trajectory import check_trajectory_file
 
@@ -200,7 +200,7 @@ def _joint_planner(trajectory: Path) -> PlacementPlanner:
 def _write_trajectory(
     task: Task, planned: Sequence[PlannedStage], path: Path
 ) -> list[str]:
-    """Write the joint trajectory of planned stages; lines on it."""
+    """Write the joint trajectory of planned stages. Return lines that describe it."""
     from pushpressslide.jobs.trajectory import trajectory, write_trajectory
 
     made = trajectory(planned, task.robots)
@@ -332,7 +332,7 @@ def _run(task: Task, options: RunOptions, folder: Path) -> dict[str, Any]:
 
 
 def command_line() -> str:
-    """Command line of this process, as it can be typed again."""
+    """Command line of this process, ready to be typed again."""
     return shlex.join(["pps", *sys.argv[1:]])
 
 

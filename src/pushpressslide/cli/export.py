@@ -1,4 +1,4 @@
-"""The command export: a run's record for other programs."""
+"""The command export: converts a run's record for other programs."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ def new(
         bool, typer.Option("--force", help="Replace a file that is there already.")
     ] = False,
 ) -> None:
-    """Write a task file to begin with, every field in it."""
+    """Write a task file with every field, to start from."""
     from pushpressslide.core.errors import PushPressSlideError
     from pushpressslide.core.whole_file import write_whole
     from pushpressslide.taskfile.starter import starter
@@ -45,7 +45,7 @@ def show(
     """Print the file of a task."""
     from pushpressslide.taskfile.load import dump_task, file_of, load_task
 
-    # loaded in any case: what is printed is a task
+    # loaded in any case, so that only a valid task is printed
     loaded = load_task(task)
     text = (
         dump_task(loaded) if full else file_of(Path(task)).read_text(encoding="utf-8")

@@ -15,8 +15,8 @@ from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.whole_file import PART, remove_parts
 
 LOCK = ".pps.lock"
-"""File of a folder in which a command writes, with its process. The system gives the
-lock on it back when that process ends, however it ends.
+"""File that marks a folder in which a command writes. It names the process. The system
+releases its lock when that process ends, for whatever reason.
 """
 SHOWN = 8  # names of files in a message
 

@@ -1,4 +1,4 @@
-"""Tables of ``pps identify``: plain text, at most 80 columns with short names."""
+"""Tables of ``pps identify`` as plain text, at most 80 columns wide for short names."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ SUPPORTS = ("pushes", "friction", "rho fitted", "predicted", "rigid face")
 def lines(
     identifications: Iterable[Identification], result: Mapping[str, Any]
 ) -> list[str]:
-    """Two tables, a line for each set, and a sentence on the errors.
+    """Two tables with a line for each set, and a sentence on the errors.
 
-    It compares them with those of the one-parameter ellipsoid.
+    The sentence compares the errors with those of the one-parameter ellipsoid.
     """
     from pushpressslide.report.identification import ERRORS, cells
 
@@ -34,7 +34,7 @@ def lines(
 
 
 def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """A table in columns, with the sets to the left, their figures to the right."""
+    """A table with the sets on the left and their figures on the right."""
     whole = [("set", *columns), *rows]
     widths = [max(map(len, column)) for column in zip(*whole, strict=True)]
     head, *body = (_line(row, widths) for row in whole)

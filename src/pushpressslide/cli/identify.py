@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 
 
 class ForceFrame(StrEnum):
-    """Axes that forces are given in."""
+    """Axes in which forces are given."""
 
     world = "world"
     tip = "tip"
 
 
 class ForceOn(StrEnum):
-    """Body that a measured force acts on."""
+    """Body on which a measured force acts."""
 
     object = "object"
     tip = "tip"
@@ -159,7 +159,7 @@ def identify(options: IdentifyOptions) -> None:
         _write(options.write, written, found)
 
     def show() -> None:
-        """Print the tables, what was found, and the location of the page."""
+        """Print the tables, the identified parameters, and the location of the page."""
         from pushpressslide.cli.identification_table import lines
         from pushpressslide.report.identification import summary
 
@@ -175,9 +175,9 @@ def identify(options: IdentifyOptions) -> None:
 
 
 def _text_of(path: Path | None) -> str:
-    """Text of the task file that is to be written. Empty without one.
+    """Text of the task file to be changed. Empty if there is none.
 
-    Raises TaskError for a file that is no task.
+    Raises TaskError if the file is not a task.
     """
     from pushpressslide.core.errors import PushPressSlideError
     from pushpressslide.taskfile.load import load_task, shipped_tasks
@@ -194,7 +194,7 @@ def _text_of(path: Path | None) -> str:
 
 
 def _write(path: Path, text: str, results: list[IdentifiedSet]) -> None:
-    """Write the one set's belief into a task file."""
+    """Write the belief of a single set into a task file."""
     from pushpressslide.core.errors import PushPressSlideError
     from pushpressslide.core.whole_file import write_whole
     from pushpressslide.taskfile.belief_text import with_belief
@@ -207,7 +207,7 @@ def _write(path: Path, text: str, results: list[IdentifiedSet]) -> None:
 
 
 def _log_options(options: IdentifyOptions) -> LogOptions:
-    """What the command line says of the logs."""
+    """Options of the command line that concern the logs."""
     from pushpressslide.identification.log_options import LogOptions
 
     return LogOptions(
@@ -223,7 +223,7 @@ def _log_options(options: IdentifyOptions) -> LogOptions:
 
 
 def _named(texts: list[str] | None, option: str, example: str) -> dict[str, str]:
-    """Names and values of an option a=b."""
+    """Names and values of a repeatable option a=b."""
     from pushpressslide.core.errors import PushPressSlideError
 
     out = {}

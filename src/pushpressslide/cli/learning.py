@@ -73,8 +73,8 @@ class DemonstrateOptions:
 def demonstrate(options: DemonstrateOptions) -> None:
     """Write demonstrations of a task, to learn from.
 
-    The controller of mode rear_push plays the task of one push; of another mode the
-    commands of all tips are written. docs/learning.md says what the file holds.
+    The controller of mode rear_push plays a task of one push. For any other mode the
+    commands of all tips are written. docs/learning.md describes the file.
     """
     from pushpressslide.learning.lerobot import (
         check_folder,
@@ -107,7 +107,7 @@ def demonstrate(options: DemonstrateOptions) -> None:
 def _player(
     task: Task, options: DemonstrateOptions
 ) -> tuple[Callable[[Sequence[int], Progress], Demonstrations], Picture]:
-    """Function that plays episodes of a task, and one that draws their frames."""
+    """A function that plays episodes of a task, and one that draws their frames."""
     from pushpressslide.learning import demonstrations
     from pushpressslide.learning.picture import Camera, CommandCamera
     from pushpressslide.learning.push_task import push_task

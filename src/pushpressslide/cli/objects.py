@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 SUPPORT = 0.35
 """Friction of the support of an object without a task."""
 MASS = 1.0
-"""[kg] of an object in a mesh: base, side and top do not depend on it."""
+"""Mass [kg] assumed for an object in a mesh. Base, side and top do not depend on it."""
 
 
 @app.command(name="object")
@@ -83,7 +83,7 @@ def _task_of(file: str, scale: float, up: str, tip: tuple[float, float]) -> Task
 
 
 def sheet_data(task: Task, sheet: ObjectSheet) -> dict[str, Any]:
-    """What ``pps object`` says, as plain data."""
+    """Output of ``pps object`` as plain data."""
     body = task.scene.body
     return {
         "shape": body.shape.description,

@@ -69,7 +69,9 @@ def _robot(model: str, link: str | None, radius: float, length: float) -> Robot:
 
 
 def robot_lines(robot: Robot, model: str, facts: RobotFacts) -> str:
-    """The ``robots`` of a task file with this robot, its ``model`` as it was given."""
+    """Text of a task file's ``robots`` with this robot, whose ``model`` is kept as
+    given.
+    """
     from pushpressslide.core.scene import MODELS, TIP_LENGTH, TIP_RADIUS
     from pushpressslide.robots.sheet import limits_to_fill
 
@@ -90,7 +92,7 @@ def robot_lines(robot: Robot, model: str, facts: RobotFacts) -> str:
 
 
 def sheet_data(kin: ArmKinematics, space: Workspace, lines: str) -> dict[str, Any]:
-    """What ``pps robot`` says, as plain data."""
+    """Output of ``pps robot`` as plain data."""
     import numpy as np
 
     from pushpressslide.robots.sheet import missing_limits

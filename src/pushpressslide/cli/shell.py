@@ -58,7 +58,8 @@ class Interruption(Exception):
 class Commands(TyperGroup):
     """The commands, with their promised exit statuses and one-line errors.
 
-    Those of other packages are looked up when one of them, or all, are requested.
+    Commands of other packages are looked up when one of them, or the whole list, is
+    requested.
     """
 
     def list_commands(self, ctx: Any) -> list[str]:
@@ -150,7 +151,7 @@ def _note_interrupts(presses: list[int]) -> Callable[[], object]:
         return lambda: None
 
     def handler(number: int, frame: FrameType | None) -> None:
-        """Record it and interrupt."""
+        """Record the signal, and raise the interrupt."""
         presses.append(number)
         raise KeyboardInterrupt
 

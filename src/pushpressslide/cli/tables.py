@@ -29,7 +29,7 @@ JOINT_PATHS = (
     "Not checked: whether the arm's joints can follow. `pps select --joints` checks it, "
     "and `pps run` in Drake does; it then takes another contact or a sequence."
 )
-"""Of choices that were ranked without an engine."""
+"""Note on choices that were ranked without an engine."""
 
 MISSING = "-"
 """Shown for a figure that does not apply."""

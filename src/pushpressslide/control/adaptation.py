@@ -20,7 +20,7 @@ LED = 1e-4  # [m/s] below which tips count as not commanded to move
 
 
 TipSpeed = tuple[Vector3, Vector3]
-"""How fast a tip is led, and how fast it moves [m/s]."""
+"""Commanded and measured velocity [m/s] of a tip."""
 
 
 class Adaptation(NamedTuple):

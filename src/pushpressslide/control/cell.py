@@ -21,7 +21,9 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.selection.placement_planner import PlacementPlanner, PlansAlone
 
 Interface = Literal["tip", "torque", "velocity", "position"]
-"""What an arm's driver takes; ``tip``: a tip without an arm obeys the command itself."""
+"""Kind of command that an arm's driver accepts. With ``tip``, a tip without an arm
+obeys the command itself.
+"""
 
 
 class ArmState(NamedTuple):

@@ -80,7 +80,7 @@ class Step(NamedTuple):
     commands: Commands  # one per arm; None: it has no contact
     log: ControlLog
     state: ControllerState
-    event: Settled | Moment | None  # what the supervisor is to decide on
+    event: Settled | Moment | None  # for the supervisor to decide on
 
 
 class PhaseStep(NamedTuple):
@@ -88,7 +88,7 @@ class PhaseStep(NamedTuple):
 
     commands: tuple[TipCommand, ...]  # one per contact
     state: ControllerState
-    decision: Decision | None = None  # of the law of the motion
+    decision: Decision | None = None  # of the motion's tracking law
     event: Settled | Moment | None = None
 
 
@@ -180,7 +180,8 @@ class Controller:
     ) -> ControllerState:
         """State that ends the run safely because of ``failure``.
 
-        The tips slow down, then draw back or hold; tips that were drawing back stay.
+        The tips slow down, then draw back or hold. Tips that were already drawing back
+        stop.
         """
         drawn = 0.0 if state.phase.name == "release" else 1.0
         stopped = enter_phase(state, "release", measurement, failure)
@@ -299,8 +300,8 @@ class Controller:
         return state.estimate.X_WG.compose(self.X_GB).compose(self.X_BG)
 
     def missed(self, pose: Pose2) -> Ending | None:
-        """Error by which an object at ``pose``, X_WG, misses the goal of this
-        placement, or None.
+        """Text on the error by which an object at ``pose``, X_WG, misses the goal of
+        this placement, or None.
         """
         goal = self.placement.last.goal
         tolerance = self.placement.last.tolerance
@@ -315,7 +316,7 @@ class Controller:
         contacts = state.following.binding.segment.contacts
         elapsed = instant.time - phase.since
         aligned = 0.0
-        if phase.align:  # together, however far each has to go
+        if phase.align:  # together, whatever the distance of each
             parts = zip(self.touches, phase.tips, contacts, strict=True)
             X_WB = instant.X_WB
             aligned = max(t.align_time(memory, c, X_WB) for t, memory, c in parts)
@@ -478,7 +479,7 @@ def _law(query: MotionQuery, execution: Execution, placement: Placement) -> Law:
         tuple(robot.tip_radius for robot in query.scene.robots),
         _sunk(into),
     )
-    # the servo and what adds to it; an experiment without them gives the force alone
+    # the servo and its additions; an experiment without them commands the force alone
     servo = execution.servo and execution.force_gain is None
     floor_speed = margins.FLOOR_SPEED * query.motion.speed
     tracks_joints = execution.joint_stiffness > 0.0
@@ -509,15 +510,13 @@ def _rest(phase: PhaseState) -> float:
 
 
 def _ramp_back(phase: PhaseState, time: float) -> float:
-    """Elapsed fraction of the retreat's time, as if the retreat had not been halted."""
+    """Elapsed fraction of the retreat's time, ignoring a halt."""
     elapsed = time - phase.since - _rest(phase)
     return elapsed / ramp_time(margins.ARM.retreat)
 
 
 def _share_back(phase: PhaseState, time: float) -> float:
-    """Fraction of the retreat's length that the tips have moved, as if the retreat had
-    not been halted.
-    """
+    """Fraction of the retreat's length that the tips have moved, ignoring a halt."""
     return smooth(_ramp_back(phase, time))
 
 

@@ -14,9 +14,11 @@ from pushpressslide.control.limits import ArmLimits
 from pushpressslide.core.plan import JointPath
 
 SHARE = 0.85
-"""Of a joint's speed limit, that a followed path may ask for: corrections come on top."""
+"""Share of a joint's speed limit that a followed path may use. The rest is for
+corrections.
+"""
 NEIGHBOURS = 1
-"""Samples before and after a place that count there, too."""
+"""Number of samples before and after a point that also count there."""
 
 
 @dataclass(frozen=True)

@@ -68,7 +68,7 @@ class Placement:
         return MODES[segment.mode].center_identifier(query, segment, center)
 
     def bound_laws(self, segment: Segment) -> BoundLaws:
-        """Laws of a segment."""
+        """Control laws bound to a segment."""
         query = self.queries[segment.leg]
         return bind_laws(self.scene, segment, self._tracker(query, segment))
 

@@ -69,10 +69,10 @@ from pushpressslide.core.task import Restart
 from pushpressslide.identification.parameter_estimates import NOTHING
 from pushpressslide.planning.side_contacts import before_contacts
 
-AT_BASE = 0.01  # [m] from its base at which a tip without an arm waits
+AT_BASE = 0.01  # [m] from its robot's base at which a tip without an arm waits
 T = TypeVar("T")
-PROGRESS_TICKS = 25  # between two reports of the progress
-TOUCH_AND_RELEASE = 4.0  # [s] typical time of both, for the progress
+PROGRESS_TICKS = 25  # ticks between two progress reports
+TOUCH_AND_RELEASE = 4.0  # [s] typical duration of both, for the progress
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,22 +80,22 @@ class RunOptions:
     """Options of a run in any cell."""
 
     seed: int = 0  # of the sensor noise
-    # called with time and expected duration [s] every PROGRESS_TICKS
+    # called every PROGRESS_TICKS with the time and the expected duration [s]
     progress: Callable[[float, float], None] | None = None
-    # asked at every tick whether to end the run with reason "interrupted"
+    # called at every tick; True ends the run with reason "interrupted"
     stop: Callable[[], bool] = bool
-    # changes the controller's commands at a time [s] on their way to the guard and the
-    # arms, until a limit is broken; the record keeps the commands as given
+    # changes the controller's commands at a time [s] before the guard and the arms get
+    # them, until a limit is broken; the record keeps the original commands
     disturb: Callable[[float, Commands], Commands] | None = None
-    # the laws, where an experiment changes them
+    # the control laws, for experiments
     execution: Execution = USUAL
     # of each placement
     controller: type[Controller] = Controller
-    # makes what estimates pose and figures of the object, from what was asked for
+    # makes the estimator of the object's pose and parameters from the motion query
     estimator: Callable[[MotionQuery], Estimator] = ObjectEstimator
-    # given what sees the object, returns what sees it in its place
+    # replaces the engine's object tracker
     tracker: Callable[[ObjectTracker], ObjectTracker] | None = None
-    # that the run goes on from; None: the task's start, with the arms before the object
+    # from which the run continues; None: the task's start, with the arms at the object
     begin: WorldState | None = None
 
 
@@ -158,15 +158,15 @@ class RunLoop:
         self.options = options
         self.time_limit = query.limits.time
         self.recoveries = query.motion.recoveries  # left
-        self.events: list[dict[str, Any]] = []  # what was recovered from
-        # plans that others took the place of, and how many placements were begun of each
+        self.events: list[dict[str, Any]] = []  # recoveries so far
+        # replaced plans, each with its number of started placements
         self.earlier: list[tuple[Plan, int]] = []
-        self.tracked = StampedPose(cell.clock.time, query.start)  # as last seen
+        self.tracked = StampedPose(cell.clock.time, query.start)  # last measurement
         goes_on = options.begin is not None
         limits = cell.arm_limits
         self.guard = Guard(query.limits.normal_force, period, limits, anew=goes_on)
         self.joint_watches = [JointWatch(each.velocity.tolist()) for each in limits]
-        self.breach: Ending | None = None  # the limit that was broken
+        self.breach: Ending | None = None  # broken limit
         self.breaches: list[dict[str, Any]] = []  # all of them, with their times [s]
         self.stopping: Stop | None = None  # since then
         self.recorder = Recorder(plan)
@@ -176,7 +176,7 @@ class RunLoop:
         self.number = 0  # of the present placement
         self.state: ControllerState | None = None  # None before the touch
         self.event: Settled | Moment | None = None  # of this tick
-        self.holding: Commands | None = None  # what the arms obey while one plans
+        self.holding: Commands | None = None  # commands during planning
         self.log: ControlLog  # of the last tick
         before = self.measure()[0] if goes_on else None
         self._begin_placement((None,) * arms, cell.clock.time, before)
@@ -193,7 +193,7 @@ class RunLoop:
         """Pass one control period: measure, decide, guard, send, advance, record.
 
         Returns the reason why the run is over, or None while it goes on. After a
-        recovery the tick is the last one before the new approach.
+        recovery, ``tick`` is the last one before the new approach.
         """
         if self.cell.clock.time >= self.time_limit:
             text = f"limits.time of {self.time_limit:g} s is over"
@@ -307,8 +307,8 @@ class RunLoop:
         return [arm.send(command) for arm, command in arms]
 
     def _truth(self, measurement: Measurement) -> Truth:
-        """True state of the completed tick for the record, or the measured one if no
-        witness knows better.
+        """State of the completed tick for the record: the true one if a witness knows
+        it, otherwise the measured one.
         """
         witness = self.cell.witness
         if witness is not None:
@@ -345,13 +345,13 @@ class RunLoop:
             return
         held_commands = still(commands, measurement.tips)
         state = self._while_holding(partial(supervisor.step, event), held_commands)
-        if self.stopping is None:  # or else the stop goes on
+        if self.stopping is None:  # otherwise the stop continues
             passed = self.cell.clock.time - event.instant.time
             self.state = state.delayed(passed)
 
     def _while_holding(self, plan: Callable[[], T], held_commands: Commands) -> T:
-        """Result of ``plan``. If the clock runs meanwhile, the arms hold their
-        positions, tick by tick, by ``held_commands``.
+        """Result of ``plan``. If the clock runs meanwhile, ``held_commands`` keep the
+        arms in position, tick by tick.
         """
         if self.cell.clock.simulated:
             return plan()
@@ -377,7 +377,7 @@ class RunLoop:
         readings: Sequence[ArmReading],
         commands: Commands,
     ) -> Ending | None:
-        """Limit that is broken at this tick, or None."""
+        """Limit broken at this tick, or None."""
         if self.state is None:
             forces = [math.hypot(*tip.force) for tip in measurement.tips]
         else:
@@ -417,7 +417,7 @@ class RunLoop:
         paths = self.cell.joint_paths
         gap = before_contacts(query.scene, query.motion, placement.contacts)
         back = min((path.max_retreat for path in paths), default=math.inf)
-        if paths:  # what the approach really leaves
+        if paths:  # gap that the approach really leaves
             self.approach: Approach = JointApproach(
                 query.start, paths, held_commands, time
             )
@@ -467,10 +467,10 @@ class RunLoop:
 
     def _recovers(self, ending: Ending, tick: Tick, measurement: Measurement) -> bool:
         """Try to recover: replan the remaining task from the current state and start
-        it. False if no plan ends in time.
+        it. Return False if no plan ends in time.
 
-        The arms hold meanwhile, since planning may take seconds of a cell's time. There
-        is no recovery from an arm that did not draw back.
+        The arms hold meanwhile, since planning may take seconds of a cell's time. A run
+        with an arm that did not draw back is not recovered.
         """
         gave_up = self.stopping is not None and self.stopping.took_over
         if self.recoveries == 0 or gave_up:
@@ -498,8 +498,8 @@ class RunLoop:
         return True
 
     def _retriable_ending(self, ending: Ending, pose: Pose2) -> Ending | None:
-        """Failure to recover from, if the arms have drawn back and a restart is
-        possible. Otherwise None.
+        """Failure from which the run can recover. None unless the arms have drawn back
+        and a restart is possible.
         """
         if ending.code == "goal_reached":
             return self.controller.missed(pose)
@@ -588,7 +588,7 @@ class RunLoop:
         )
 
     def _ending(self, tick: Tick) -> Ending | None:
-        """First ending that a watch reports."""
+        """First ending reported by a watch."""
         for watch in self.watches:
             ending = watch(tick)
             if ending is not None:
@@ -676,8 +676,8 @@ def tip_paths(
     """Path of each tip without an arm, over the object, to a point before its planned
     contact.
 
-    A tip without a contact goes to its robot's base, where it waits. None for one that
-    keeps its contact, and at the start of a run.
+    A tip without a contact goes to its robot's base, where it waits. None for a tip
+    that keeps its contact, and at the start of a run.
     """
     query = placement.query
     scene = query.scene

@@ -30,7 +30,7 @@ SERVO_CAP = 25.0
 ALIGN_SPEED = 0.10  # [m/s] of the free tip
 
 Failure = tuple[ReasonCode, str]
-"""What went wrong, and in words."""
+"""Code of a failure, and its description in words."""
 
 
 class TipContext(NamedTuple):

@@ -1,8 +1,8 @@
-"""Checks of the numbers of a scene, one each, for all constructors of public data.
+"""Checks of a scene's numbers for the constructors of all public data.
 
-Each raises InputError, in one line, with the field, the value and the allowed range.
-The ranges of a file are narrower: they are in ``core.entry``, and the reader checks
-them.
+Each check raises InputError, in one line, with the field, the value and the allowed
+range. The ranges in a task file are narrower. They are in ``core.field_spec``, and the
+reader checks them.
 """
 
 from __future__ import annotations

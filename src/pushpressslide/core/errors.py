@@ -25,8 +25,8 @@ class TaskError(PushPressSlideError):
     """A task file that cannot be used: names the file, the field, the value and the
     allowed range.
 
-    One line: ``file: field: value is not allowed; what is allowed``, or ``file: what is
-    wrong`` if no field is to blame.
+    One line: ``file: field: value is not allowed; what is allowed``, or ``file: fault``
+    if no single field is to blame.
     """
 
     def __init__(self, source: str, field: str, value: object, allowed: str) -> None:
@@ -74,7 +74,7 @@ class InputError(PushPressSlideError, ValueError):
 
 
 class MissingFrameError(PushPressSlideError):
-    """A robot's model without the frame named as its tip."""
+    """A robot model that lacks the frame named as its tip."""
 
 
 class MissingPackageError(PushPressSlideError, ImportError):
@@ -113,8 +113,8 @@ class InfeasibleTaskError(PushPressSlideError):
         self, message: str, brief: str = "", choices: Sequence[Choice] = ()
     ) -> None:
         super().__init__(message)
-        self.brief = brief or message  # the reason of one choice alone
-        self.choices = tuple(choices)  # that were evaluated; may be empty
+        self.brief = brief or message  # reason of one choice alone
+        self.choices = tuple(choices)  # evaluated choices; may be empty
 
 
 class SimulationError(PushPressSlideError):

@@ -26,14 +26,17 @@ class FieldSpec:
     """Spec of one field of the task file."""
 
     meaning: str
-    # of the file; an angle is in degrees there ("deg", key in _deg), in radians here
+    # unit in the file; an angle is in degrees there ("deg", key in _deg), in radians
+    # here
     unit: str = ""
-    within: str = ""  # range of a number, an open end in a round bracket: "(0, 2]"
-    key: str = ""  # in the file, if it is not the field's name
-    section: str = ""  # meaning of the section of its own that ``a`` of key ``a.b`` is
-    default_in_file: Any = REQUIRED  # if it is not the data's
-    count: tuple[int, float] = (0, math.inf)  # least and most items of a list
-    is_name: bool = False  # a text that names something: letters, digits, - _ .
+    within: str = ""  # range of a number, with a round bracket at an open end: "(0, 2]"
+    key: str = ""  # key in the file, if it is not the field's name
+    section: str = ""  # meaning of section ``a``, for a key ``a.b``
+    # default in the file, if it is not that of the data
+    default_in_file: Any = REQUIRED
+    # smallest and largest number of items in a list
+    count: tuple[int, float] = (0, math.inf)
+    is_name: bool = False  # a text that is a name: letters, digits, - _ .
 
 
 def field_spec(
@@ -41,7 +44,7 @@ def field_spec(
 ) -> Mapping[str, FieldSpec]:
     """Metadata of a field of the task file.
 
-    ``details`` are those of :class:`Entry`.
+    ``details`` are fields of :class:`FieldSpec`.
     """
     return {"entry": FieldSpec(meaning, unit, within, **details)}
 
@@ -89,6 +92,6 @@ def _help_text(spec: FieldSpec, one: Field[Any]) -> str:
 
 
 def _in_radians(within: str) -> str:
-    """Range of an angle [rad] of its range [deg]."""
+    """Range of an angle in radians, from its range in degrees."""
     low, high = (math.radians(float(end)) for end in within[1:-1].split(","))
     return f"{within[0]}{low:.4g}, {high:.4g}{within[-1]}"

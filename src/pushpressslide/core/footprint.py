@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pushpressslide.core.arrays import Array
 
 SAME_EDGE = 1e-6
-"""[m] within which two edges are the same: rounding."""
+"""Distance [m] below which two edges are the same: round-off."""
 
 
 def overlap_area(shape_1: Shape, X_W1: Pose2, shape_2: Shape, X_W2: Pose2) -> float:

@@ -1,5 +1,5 @@
-"""The one table of physical margins: distances to limits in plans and control, and
-thresholds for small, slow or off-path.
+"""Table of all physical margins: distances to limits in planning and control, and
+thresholds below which something counts as small, slow or off its path.
 
 A margin that concerns the physics of the object is dimensionless. It is an angle, a
 fraction of the friction, a length divided by the radius of the object
@@ -17,278 +17,320 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-# --- where contacts may be
+# --- positions of contacts
 
 INSET = 0.6
-"""Tip radii from a contact to the edges of its face or of the top: a tip that rolls or
-creeps by half of that is still on it.
+"""Smallest distance of a contact from the edges of its face or of the top, in tip
+radii. A tip that rolls or creeps by half of this is still on the face.
 """
 CREEP = 0.15
-"""Tip radii by which a pushing tip may creep along a side before it is put back."""
+"""Largest creep of a pushing tip along a side before the tip is put back, in tip radii.
+"""
 CREPT_TURN = 0.25
-"""[rad] by which the side's normal may turn within that: half of a usual friction angle.
-A push on the fillet of a corner would leave its cone.
+"""Largest turn [rad] of the side's normal within ``CREEP``: half of a usual friction
+angle. A push on the fillet of a corner would leave its friction cone.
 """
 LEAST_LEVER = 0.25
-"""Radii of the object: the least lever of a push about a pinned point. With less, what
-the push's place is wrong by matters more than the push.
+"""Smallest lever of a push about a pinned point, in radii of the object. With a shorter
+one the error of the contact's position dominates.
 """
 SIDE_LEAN = 0.35
-"""Tangent of a pushed side's lean over the tip's friction: the friction that is left in
-the plane is a tenth smaller at most.
+"""Largest tangent of a pushed side's lean, as a share of the tip's friction. The
+friction left in the plane is then at most a tenth smaller.
 """
 ROD_RADIUS = 0.008
-"""[m] of the steel rod between flange and tip."""
+"""Radius [m] of the steel rod between flange and tip."""
 ROD_SHARE = 0.4
-"""Of the tip's radius, at most, for its rod: that of a small tip must not come near to
-what the tip touches.
+"""Largest radius of a rod, as a share of its tip's radius. The rod of a small tip must
+stay clear of the touched object.
 """
 SURE_LEVER = 4.0
-"""Times the distance by which the centre of mass may be elsewhere: the least lever of a
-press that steers. With that the heading is wrong by a quarter of a radian at most, which
-the way there tells.
+"""Smallest lever of a press that steers, as a multiple of the uncertainty of the centre
+of mass. The heading is then wrong by at most a quarter of a radian, which the
+controller corrects on the way.
 """
 PATCH = 0.16
-"""Of a tip's radius: the arm of the friction by which the patch under a press holds the
-object's turn, two thirds of the patch's own radius. Where the drag about the centre of
-pressure has less moment the object turns as the tool does, whatever the force: no
-vehicle is steered so.
+"""Lever arm of the friction under a press, in tip radii: two thirds of the patch's
+radius. This friction makes the object turn with the tool. If the drag has a smaller
+moment about the centre of pressure, no force steers the object like a vehicle.
 """
 HELD_TURN = 8.0
-"""Of the drag's moment: as much of the patch's friction a turn may have, which the tool
-makes along with the object. Of 31 random objects of 50 to 160 g those with up to 9.5
-came within 1.7 mm and 1 degree of their goals, the two with more missed by 5 and 9.5.
+"""Largest moment of the patch's friction, as a multiple of the drag's moment, in a turn
+that the tool makes together with the object. Of 31 random objects of 50 to 160 g, those
+with a ratio of up to 9.5 came within 1.7 mm and 1 degree of their goals. The two with a
+larger ratio missed by 5 and 9.5 mm.
 """
 LEVER_SHARE = 0.5
-"""Of the longest lever about a pinned point: places with less are left out."""
+"""Smallest lever of a contact, as a share of the longest one about a pinned point."""
 OVER_EDGE = 0.3
-"""Tip radii by which a pushing tip's centre may be above the object's upper edge, where
-its force leans down by the arcsine of that: 17 degrees.
+"""Largest height of a pushing tip's centre above the object's upper edge, in tip radii.
+The force leans down by the arcsine of this: 17 degrees.
 """
 OVER_EDGE_FRICTION = 0.7
-"""Of the tip's friction: the same for a smooth tip, whose force stays inside its cone."""
+"""Upper bound of the same height, as a share of the tip's friction. The force of a
+smooth tip then stays inside its friction cone.
+"""
 WIDTHS = (1.0, 0.8, 0.6, 0.4, 0.25)
-"""Of the room on a face: half the distances of two contacts on it that are tried."""
+"""Half the distances of two contacts on a face that are tried, as shares of the free
+width.
+"""
 
-# --- tipping: half widths of the base
+# --- tipping: in half widths of the base
 
 TIPPING_MARGIN = 0.15
-"""That the centre of pressure stays inside the base's edge: the pressure's own
-uncertainty, and what a drag that is a tenth higher moves it by.
+"""Distance of the centre of pressure inside the base's edge. It covers the uncertainty
+of the pressure, and the shift by a drag that is a tenth higher.
 """
 PUSH_TIPPING_MARGIN = 0.05
-"""Of the height at which a pushed object tips, that its contact stays below. Up to there
-pushes reach their goals as they do lower down: the axle is read from the pressure as
-the push leaves it.
+"""Margin of a contact's height below the height at which a pushed object tips, as a
+share of the latter. Pushes at this height reach their goals as well as lower ones: the
+axle follows from the pressure during the push.
 """
 PUSH_STANDS = 0.8
-"""Of that height by Coulomb's law alone, up to which tools stay upright: nearer to it the
-object tips where it turns. Tools that lean back touch it lower.
+"""Largest height of a contact with the tool upright, as a share of the tipping height
+by Coulomb's law. Closer to it, the object tips when it turns. Tools that lean back
+touch it lower.
 """
 SAFE_MARGIN = 0.5
-"""Inside the base's edge from which on an object is driven at full speed: nearer to it
-the pressure, and with it the virtual axle, changes quickly.
+"""Distance of the centre of pressure inside the base's edge from which an object is
+driven at full speed. Closer to the edge the pressure, and with it the virtual axle,
+changes quickly.
 """
 EDGE_MARGIN = 0.3
-"""That the centre of pressure stays inside the edge of a table: as at the base's own edge,
-and as much again for an object that is off its path.
+"""Distance of the centre of pressure inside the edge of a table: the margin to the
+base's own edge, and as much again for an object that is off its path.
 """
 LEAN = 0.15
-"""By which a weight in the plane may move the centre of pressure."""
+"""Largest shift of the centre of pressure by a weight in the plane."""
 
-# --- friction: shares
+# --- friction: in shares
 
 FRICTION_USES = (0.7, 0.8, 0.9, 0.96)
-"""Of a contact's friction that a motion may take, the best first: what is left is for
-the servo, and for a friction that is less than believed.
+"""Shares of a contact's friction that a motion may use, the best first. The rest is for
+the servo, and for a friction that is lower than believed.
 """
 PIN_USES = (0.5, 0.6, *FRICTION_USES)
-"""The same of a press that holds a point in its place: what it slips, it keeps."""
+"""The same shares for a press that holds a point in place, where slip cannot be undone.
+"""
 CORRECTION_USE = 0.9
-"""Of the friction, that corrections within a cone may use."""
+"""Share of the friction that corrections within a cone may use."""
 PREFERRED_USE = 0.8
-"""Of the friction, within which forces are kept where the wrench leaves a choice."""
+"""Share of the friction that is used if the wrench leaves a choice of forces."""
 CONE_USE = 0.93
-"""Measured utilisation beyond which the steering is eased."""
+"""Measured friction utilisation above which the steering is reduced."""
 HARDER = 1.3
-"""Times as hard tips press where the friction turns out too little: two where the
-drag's lever takes more of it, and one that crept.
+"""Factor on the press if the friction turns out lower than planned: of two presses if
+the drag's lever takes more of it, of one if it has crept.
 """
 SPARE_LOAD = 0.02
-"""Of the load, that the lighter of two presses carries beyond the least for a turn on
-the spot.
+"""Extra share of the load on the lighter of two presses, beyond the minimum for a turn
+on the spot.
 """
 SQUEEZE = 1.6
-"""Times the drag that one of two contacts may push with: more is spent against the
-other.
+"""Largest push of one of two contacts, as a multiple of the drag. A larger one is
+mostly spent against the other contact.
 """
 GIVEN = 1e-3
-"""Of a wanted wrench: less that contacts can give counts as this."""
+"""Smallest share of a wanted wrench that the contacts are assumed to give. It bounds a
+division.
+"""
 
-# --- cones and steering: angles and shares
+# --- cones and steering: in angles and shares
 
 CONE_MARGIN = math.radians(6.0)
-"""That a planned twist stays inside its motion cone: the limit surface's own error, and
-room for corrections.
+"""Angle of a planned twist inside its motion cone. It covers the error of the limit
+surface, and leaves room for corrections.
 """
 BENT_MARGIN = math.radians(12.0)
-"""The same of every piece of a way of several twists, where there is such a way: the
-shortest goes along the cone's edge, where a correction to the outside has no room.
+"""The same angle for each twist of a path of several twists, if there is such a path.
+The shortest path runs along the cone's edge, where there is no room for a correction
+outwards.
 """
 REPLAN_MARGIN = math.radians(2.0)
-"""The same of a plan made under way, from a pose and contacts that were seen."""
+"""The same angle for a replan, from a measured pose and measured contacts."""
 AMPLE_MARGIN = math.radians(30.0)
-"""Inside the cone, from which on a placement with less force is the better one."""
+"""Angle inside the cone above which a placement with less force is preferred."""
 STEERING_RESERVE = 0.12
-"""Of a rear push's cone, kept from either edge for the servo and the model."""
+"""Share of a rear push's cone that is kept free at either edge for the servo and for
+model errors.
+"""
 STEERING_SHARE = 0.85
-"""Of the tightest curve of a pushed car, that steering may ask for."""
+"""Share of a pushed car's largest curvature that steering may command."""
 PLANNED_STEERING = 0.6
-"""Of the steering of a pressed vehicle, that a plan's turns use."""
+"""Share of a pressed vehicle's steering that planned turns use."""
 CORRECTING = math.radians(14.0)
-"""That a force must be free to turn on a run-in, so that errors decay on it."""
+"""Angle by which the force can be turned to either side on a run-in, so that errors
+decay.
+"""
 AXLE_SLIP = math.radians(6.0)
-"""Of a virtual axle, sideways: more is not followed like a unicycle's."""
+"""Largest slip angle of a virtual axle. With more, the object is not followed like a
+unicycle.
+"""
 FIRM = 0.5
-"""Least change of a pressed contact's direction per change of its force's."""
+"""Smallest turn of a pressed contact's direction of motion, as a share of the force's
+turn.
+"""
 PUSHED_SPEED = 0.8
-"""Of the speed, of a vehicle that is pushed: what is ahead of the contact swings more."""
+"""Speed of a pushed vehicle, as a share of the planned speed. The part ahead of the
+contact swings more.
+"""
 SWING = 1.2
-"""Times the axle's speed that a pressed contact may move at; tighter turns are slower."""
+"""Largest speed of a pressed contact, as a multiple of the axle's speed. Tighter turns
+are slower.
+"""
 CONTACT_PACE = math.hypot(1.0, SWING)
-"""Times motion.speed that a contact moves at, at most: along and across the heading."""
+"""Largest speed of a contact, along and across the heading together, as a multiple of
+``motion.speed``.
+"""
 PACE = (0.6, 5.0)
-"""Speed of a pressed contact over the speed of the axle, within which turns are used."""
+"""Smallest and largest speed of a pressed contact in a usable turn, as multiples of the
+axle's speed.
+"""
 FARTHEST_AXLE = 3.0
-"""Radii of the object, from the centre of pressure: a virtual axle beyond is not used,
-its place is too sensitive to the pressure's.
+"""Largest distance of a virtual axle from the centre of pressure, in radii of the
+object. A farther one is too sensitive to the pressure.
 """
 STRAIGHTEST = 0.006
-"""Curvature times the object's radius, below which a turn counts as straight: over a
-way of ten radii it is off by 0.3 radii, which the run-in takes.
+"""Curvature times the object's radius below which a turn counts as straight. Over ten
+radii of path the error is 0.3 radii, which the run-in corrects.
 """
 CORRECTED = 0.02
-"""Radii of the object: the lateral error that all of a turn's steering is used for."""
+"""Lateral error for which a turn uses all of its steering, in radii of the object."""
 MISSED = 0.1
-"""Radii of the object: the error that is left where a run-in begins, above which other
-turns are sought: it decays by no more than ten times on a run-in.
+"""Largest error at the start of a run-in, in radii of the object, before other turns
+are sought. On a run-in it decays to a tenth at best.
 """
 LOOK_AHEAD = 0.35
-"""Lengths of a pressed vehicle: its look-ahead, where the arm allows it. Longer ones
-correct less, shorter ones swing the contact more.
+"""Look-ahead of a pressed vehicle, in lengths of the vehicle, if the arm allows it.
+Longer ones correct less; shorter ones swing the contact more.
 """
 ROLLED = 0.25
-"""Of a press's distance from the CoM: its heading axis turns by no more than that is
-steered.
+"""Largest distance that a press may roll, as a share of its distance from the CoM. Its
+heading axis turns by at most what steering corrects.
 """
 CREPT = 0.2
-"""Of a press's distance from the CoM, above which a single one is taken anew: a tip
-creeps along its force, and pushed towards the CoM it ends where the drag tips the
-object.
+"""Creep of a single press, as a share of its distance from the CoM, above which it is
+placed anew. A tip creeps along its force. Pushed towards the CoM, it ends where the
+drag tips the object.
 """
 
-# --- ways
+# --- paths
 
 LOOP_RATIO = 1.6
-"""Times the direct way, and LOOP_SLACK on top: a longer way has turned a loop."""
+"""Ratio to the direct path, with ``LOOP_SLACK`` on top, above which a path is taken to
+contain a loop.
+"""
 LOOP_SLACK = 0.25
-"""Radii of the object."""
+"""Addition to this length, in radii of the object."""
 LOOP_FOR_RUN_IN = 1.25
-"""Times the shortest loop of a push, that one may take for a longer run-in: where it
-ends in a turn, what it is off there stays.
+"""Largest length of a push with a longer run-in, as a multiple of the shortest path
+with a loop. If a path ends in a turn, the error of the turn stays.
 """
 LONGEST_LOOP = 2.5
-"""Radii of the object: what a path of a vehicle that was asked for may be longer than
-one without a loop.
+"""Largest extra length of a path with a loop, in radii of the object, for a vehicle
+that the task names.
 """
 DETOUR = (1.1, 0.05)
-"""Times the way that is left, and radii of the object: what a plan made under way may
-take.
+"""Largest length of a replan: a multiple of the remaining path, plus some radii of the
+object.
 """
 TOUCH_DETOUR = (1.2, 0.25)
-"""The same after a touch, where object and contact are as they were found."""
+"""The same bound after a touch, with object and contact as they were found."""
 RUN_INS = (3.0, 2.0)
-"""Look-aheads of straight end after the turns of a manoeuvre."""
+"""Lengths of the straight run-in after the turns of a manoeuvre, in look-aheads."""
 RUN_INS_UNSURE = (6.0, 4.5)
-"""The same where the centre of mass may be elsewhere: on the way it is seen where it is,
-and then the heading is corrected.
+"""The same lengths if the centre of mass is uncertain. It is identified on the way, and
+the heading is then corrected.
 """
 VEHICLE_RUN_INS = (5.0, 3.0, 1.5)
-"""The same after the path of one vehicle; the longest that fits is taken."""
+"""The same lengths after the path of one vehicle. The longest that fits is taken."""
 LEAST_RUN_IN = 0.75
-"""Of the shortest straight end that is planned, that a run-in keeps under way."""
+"""Length of the run-in that a replan keeps, as a share of the shortest one that is
+planned.
+"""
 BACK_UPS = (0.0, 2.5, 5.0, 7.5)
-"""Look-aheads that a vehicle first goes back straight, where the goal is too near."""
+"""Lengths by which a vehicle first backs up straight if the goal is too near, in
+look-aheads.
+"""
 CAR_LOOK_AHEAD = 2.0
-"""Shortest ways over which the arm corrects: the look-ahead of a pushed car."""
+"""Look-ahead of a pushed car, as a multiple of the shortest path over which the arm
+corrects.
+"""
 CAR_RUN_IN_UNSURE = 1.0
-"""Of ``motion.run_in``: the least straight end of a rear push, where the centre of mass
-may be elsewhere.
+"""Shortest run-in of a rear push if the centre of mass is uncertain, as a share of
+``motion.run_in``.
 """
 CAR_RUN_INS = (1.0, 0.5, 0.25)
-"""Of ``motion.run_in``: the straight ends of a pushed car that are tried."""
+"""Run-ins of a pushed car that are tried, as shares of ``motion.run_in``."""
 RUN_INS_ONWARD = (1.0, 0.5, 0.25, 0.125)
-"""Of the planned straight end of a rear push, on a path made under way: what is left of
-the old one is no room for the turns to a new one.
+"""Run-ins of a rear push's replan that are tried, as shares of the planned one. The
+rest of the old run-in leaves no room for new turns.
 """
 REST_TO_REST = 1.2
-"""Times speed over acceleration: what a turn that begins and ends at rest takes
-besides.
-"""
+"""Extra time of a turn from rest to rest, as a multiple of speed over acceleration."""
 NARROW = 1.3
-"""Radii of the object over the speed: the time that a turn with little steering to
-correct it has to save to be taken.
+"""Time that a turn with little steering reserve has to save, as a multiple of the
+object's radius over the speed.
 """
 LONGEST = 0.75
-"""Of ``limits.time``, that a manoeuvre may take: the rest is for another attempt."""
+"""Largest share of ``limits.time`` for a manoeuvre. The rest is for another attempt."""
 
 # --- contact and speed
 
 TOUCH_SHARE = 0.4
-"""Of the force that would move the object, pressed before the motion."""
+"""Force of a touch before the motion, as a share of the force that would move the
+object.
+"""
 LOSS_SHARE = 0.6
-"""Of its planned load, below which a press counts as lost."""
+"""Share of its planned load below which a press counts as lost."""
 KEPT_SHARE = 0.5
-"""Of the force that tells of a contact, which tells that it is still there."""
+"""Share of the detection force above which a detected contact counts as kept."""
 LEAST_SHARE = 0.2
-"""Of its planned force, below which a push counts as lost."""
+"""Share of its planned force below which a push counts as lost."""
 HELD_SHARE = 0.1
-"""Of what two tips push with, that each of them is led on to feel: one that feels less
-parts from its face as soon as the object turns a little more than planned.
+"""Smallest force of each of two pushing tips, as a share of their sum. A tip with less
+is advanced: it would leave its face as soon as the object turns a little more than
+planned.
 """
 FELT_SIGMAS = 4.0
-"""Standard deviations of a force sensor's noise, from which on a contact is felt."""
+"""Force above which a contact is detected, in standard deviations of the sensor's
+noise.
+"""
 LOSS_SIGMAS = 6.0
-"""Standard deviations of the mean force between a contact that holds and one that counts
-as lost: one false loss in 10^9 measurements.
+"""Distance between the mean force of a kept contact and that of a lost one, in standard
+deviations: one false loss in 10^9 measurements.
 """
 FLOOR_SPEED = 0.12
-"""Of ``motion.speed``: the least speed while the goal is not reached."""
+"""Smallest speed before the goal is reached, as a share of ``motion.speed``."""
 
 STALL = 0.05
-"""Of ``motion.speed``: the mean speed below which an object stands still."""
-
-POSTURE_SPEED = 0.4
-"""Of a joint's velocity limit: how fast the posture is led to another one in contact."""
-DRAG = (0.5, 2.5)
-"""Of the drag that was believed: what is measured counts within these bounds."""
-SURE_DRAG = 0.05
-"""Of the drag that was believed, that what is measured may be off as the mean of a force
-that steers: less is no reason to plan with another friction.
+"""Mean speed below which an object counts as standing still, as a share of
+``motion.speed``.
 """
 
-# --- what counts as there: shares of the task's tolerances
+POSTURE_SPEED = 0.4
+"""Speed of a change of posture in contact, as a share of a joint's velocity limit."""
+DRAG = (0.5, 2.5)
+"""Bounds of the measured drag, as multiples of the believed one."""
+SURE_DRAG = 0.05
+"""Deviation of the measured from the believed drag below which the believed friction is
+kept. The mean of a force that steers varies by this much.
+"""
+
+# --- goals: in shares of the task's tolerances
 
 RETRY_ABOVE = 0.97
-"""Of both tolerances: final errors beyond it trigger a retry."""
+"""Share of both tolerances above which final errors trigger a retry."""
 RETRY_ABOVE_SEATED = 0.3
-"""The same in an opening: the fall into it pushes the object off its path."""
+"""The same share in an opening. The fall into it pushes the object off its path."""
 TOOL_ASIDE = 0.2
-"""Of ``tolerance.position``, that a tool may be off the straight push."""
+"""Largest distance of a tool from the straight push, as a share of
+``tolerance.position``.
+"""
 ASKEW = math.radians(2.0)
-"""Of a tool's face, from the straight push, while it pushes."""
+"""Largest angle of a tool's face to the straight push."""
 SQUARE = math.radians(20.0)
-"""That the sides of a tool's body may be turned against the tool's face."""
+"""Largest angle between the sides of a tool's body and the tool's face."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -296,171 +338,190 @@ class ArmMargins:
     """Margins set by arms, tools and sensors, independent of the object."""
 
     response: float = field(default=0.8, metadata={"unit": "s"})
-    """In which the servo has an object's motion where it is wanted: a law that corrects
-    over less than the way of that time asks for forces that come too late.
+    """Time in which the servo brings an object's motion to its reference. A law that
+    corrects errors within less path commands forces that come too late.
     """
     longest_look_ahead: float = field(default=0.1, metadata={"unit": "m"})
-    """The arm's reach has no room for run-ins of longer ones."""
+    """Longest look-ahead. With a longer one, the run-in would not fit the arm's reach.
+    """
     quick: float = field(default=0.3, metadata={"unit": "s"})
-    """The same as ``response`` of an object that tips hold from above."""
+    """The same time as ``response``, for an object held from above."""
     turn_rate: float = field(default=0.8, metadata={"unit": "1/s"})
-    """Of a pushed object: beyond it the tip slips where the steering jumps."""
+    """Largest turn rate of a pushed object. Beyond it the tip slips when the steering
+    jumps.
+    """
     steering_time: float = field(default=0.4, metadata={"unit": "s"})
-    """In which the steering of a push goes from one arc to the next: a tip that is led
-    aside at once slides along the face of a light object, and hammers it.
+    """Time in which the steering of a push changes from one arc to the next. A tip that
+    is moved sideways at once slides along the face of a light object, and hammers it.
     """
     regrasp: float = field(default=10.0, metadata={"unit": "s"})
-    """Of a placement beside its motion: the way there, the touch, the release."""
+    """Time of a placement without its motion: transfer, touch and release."""
     felt_force: float = field(default=0.05, metadata={"unit": "N"})
-    """Of a contact, that a sensor without noise is sure of."""
+    """Contact force that a sensor without noise detects with certainty."""
     least_friction: float = field(default=0.5, metadata={"unit": "N"})
-    """Of an object that two tips push: below it one tip alone moves it off the other."""
+    """Smallest friction on an object pushed by two tips. Below it one tip alone moves
+    the object off the other.
+    """
     least_press: float = field(default=3.0, metadata={"unit": "N"})
-    """Below it a contact is not felt for sure, and bounces."""
+    """Smallest press. Below it a contact is not detected with certainty, and bounces.
+    """
     firm_lever: float = field(default=0.004, metadata={"unit": "m"})
-    """From the centre of pressure to a press that steers: its heading turns by a quarter
-    of a radian for each millimetre that the tip creeps.
+    """Smallest distance of a press that steers from the centre of pressure. There its
+    heading turns by a quarter of a radian for each millimetre of creep.
     """
     table_gap: float = field(default=0.006, metadata={"unit": "m"})
-    """Of a pushing tip above the support."""
+    """Smallest gap between a pushing tip and the support."""
     tool_gap: float = field(default=0.01, metadata={"unit": "m"})
-    """The same, where there is a choice."""
+    """The same gap if there is a choice."""
     wrist_gap: float = field(default=0.04, metadata={"unit": "m"})
-    """Of the flange above the object's top."""
+    """Height of the flange above the object's top."""
     low: float = field(default=0.04, metadata={"unit": "m"})
-    """Height of a push, where the tool is long enough: low, so that nothing tips, and
-    high enough that the hand clears the support.
+    """Height of a push if the tool is long enough: low, so that nothing tips, and high
+    enough that the hand clears the support.
     """
     tool_room: float = field(default=0.06, metadata={"unit": "m"})
-    """Between two tips that push, for the tools that hold them."""
+    """Distance between two pushing tips that leaves room for their tools."""
     hand_room: float = field(default=0.1, metadata={"unit": "m"})
-    """Between two tips that press, for the hands above them."""
+    """Distance between two pressing tips that leaves room for the hands above them."""
     leaving: float = field(default=0.05, metadata={"unit": "m"})
-    """Of way from a start or goal that is nearer to an obstacle than motion.clearance, on
-    which the gap that is asked for grows to it.
+    """Path length from a start or goal near an obstacle over which the required gap
+    grows to ``motion.clearance``.
     """
     waiting: float = field(default=0.05, metadata={"unit": "m"})
-    """That an arm without a contact keeps from all else, where it can: half of what the
-    object may be ``beside`` its planned way.
+    """Preferred clearance of an arm without a contact: half of how far the object may
+    be ``beside`` its planned path.
     """
     touch_speed: float = field(default=0.03, metadata={"unit": "m/s"})
-    """Of a tip on the last centimetres before a contact."""
+    """Speed of a tip over the last centimetres before a contact."""
     pressing: float = field(default=0.4, metadata={"unit": "s"})
-    """Until a typical press has its load."""
+    """Time until a typical press has its load."""
     approach: float = field(default=5.0, metadata={"unit": "s"})
-    """From the home posture to before the touch, typically; the planar engine begins
-    there.
+    """Typical time from the home posture to the start of the touch, at which the planar
+    engine begins.
     """
     settling: float = field(default=1.8, metadata={"unit": "s"})
-    """Of lining up, believing the touch, and drawing back."""
+    """Time of aligning the tips, confirming the touch, and drawing back."""
     slid: float = field(default=0.0025, metadata={"unit": "m"})
-    """Of a contact, before a replan: what the measured tip and pose resolve.
+    """Slip of a contact that triggers a replan: the resolution of measured tip and
+    pose.
     """
     off_path: float = field(default=0.001, metadata={"unit": "m"})
-    """The same of the object from its path."""
+    """The same bound for the object's distance from its path."""
     off_heading: float = field(default=math.radians(1.0), metadata={"unit": "1"})
-    """The same of its heading [rad]."""
+    """The same bound for its heading [rad]."""
     off_line: float = field(default=math.radians(2.0), metadata={"unit": "1"})
-    """Of the line from the centre of mass to a contact [rad], before the centre counts
-    as elsewhere: the virtual axle's own change with the force looks like a degree.
+    """Turn [rad] of the line from the centre of mass to a contact above which the
+    centre counts as displaced. The virtual axle changes with the force by about a
+    degree.
     """
     off_line_unsure: float = field(default=math.radians(0.5), metadata={"unit": "1"})
-    """The same where the belief says that the centre of mass may be elsewhere [rad]."""
+    """The same turn [rad] if the belief allows for another centre of mass."""
     stop: float = field(default=2e-4, metadata={"unit": "m"})
-    """Of path left, at which the motion ends."""
+    """Remaining path at which the motion ends."""
     astray: float = field(default=0.1, metadata={"unit": "m"})
-    """Of the tracking point from its path: the run is given up. The joint path that was
-    planned along it is of no use any more.
+    """Distance of the tracking point from its path at which the run is given up. The
+    planned joint path is no longer valid.
     """
     via: float = field(default=0.02, metadata={"unit": "m"})
-    """That a pose on the way may be missed by: the arms still find their next contacts."""
+    """Position error allowed at a via pose. The arms still find their next contacts."""
     turned_via: float = field(default=math.radians(5.0), metadata={"unit": "1"})
-    """The same of its yaw [rad]."""
+    """The same for its yaw [rad]."""
     near_plan: float = field(default=0.1, metadata={"unit": "m"})
-    """Of an object from its planned way, within which the arms' joints can follow."""
+    """Distance of an object from its planned path within which the arms' joints can
+    follow.
+    """
     turned_beside: float = field(default=0.4, metadata={"unit": "1"})
-    """The same of its yaw [rad]."""
+    """The same for its yaw [rad]."""
     stall_time: float = field(default=5.0, metadata={"unit": "s"})
-    """In which an object that is led has to move, or the run is given up."""
+    """Time after which a run with an object that does not move is given up."""
     retouch: float = field(default=0.012, metadata={"unit": "m"})
-    """Of slid contact, and of path left, above which a tip lets go and touches the
-    planned place again: what a touch costs is the arm's.
+    """Slip of a contact, and remaining path, above which a tip lets go and touches the
+    planned point again. The cost of a touch is the arm's.
     """
     slid_side: float = field(default=0.003, metadata={"unit": "m"})
-    """Off its contact along the face, above which one of two pushing tips is led back:
-    what touching it leaves.
+    """Slip along the face above which one of two pushing tips is moved back: the
+    accuracy of a touch.
     """
     return_share: float = field(default=0.1, metadata={"unit": "1"})
-    """Of its speed, at most, at which one of two pushing tips is led back along the face:
-    more of it turned objects by degrees while they crawled up to the goal.
+    """Largest speed along the face of a tip that is moved back, as a share of its
+    speed. A higher one turned objects by degrees during their slow approach to the
+    goal.
     """
     led_on: float = field(default=0.01, metadata={"unit": "m/s"})
-    """At most, of one of two pushing tips that is led on into a face it hardly feels."""
+    """Largest speed at which one of two pushing tips is advanced into a face that it
+    hardly feels.
+    """
     off_axle: float = field(default=0.015, metadata={"unit": "m"})
-    """Of the virtual axle from where it is planned: what noisy poses tell apart."""
+    """Distance of the virtual axle from its planned position that noisy poses can
+    resolve.
+    """
     least_left: float = field(default=0.02, metadata={"unit": "m"})
     """Remaining path below which nothing is replanned."""
     touch_depth: float = field(default=0.05, metadata={"unit": "m"})
-    """Beyond an expected contact, at which the object counts as not there."""
+    """Distance beyond an expected contact at which the object counts as absent."""
     felt_time: float = field(default=0.03, metadata={"unit": "s"})
-    """Of normal force, before a touch is believed."""
+    """Time of normal force after which a touch is confirmed."""
     settle_time: float = field(default=0.2, metadata={"unit": "s"})
-    """That the force of a touch must hold."""
+    """Time for which the force of a touch has to hold."""
     sunk: float = field(default=0.005, metadata={"unit": "m"})
-    """Below where a tip rests on top of an object, at which it is beside it: more than
-    an object tilts by, or is believed too high.
+    """Depth of a pressing tip below its height on the object's top at which it counts
+    as slid off. It exceeds the object's tilt, and the error of its believed height.
     """
     longest_touch: float = field(default=2.0, metadata={"unit": "s"})
-    """Beyond the way to a contact, that a tip which loses it again may go on trying."""
+    """Extra time for a tip that loses its contact during the touch."""
     push_loss_time: float = field(default=0.12, metadata={"unit": "s"})
-    """Without contact force before a pushing tip goes back to touch: it rides over a
-    gap.
+    """Time without contact force after which a pushing tip returns to the touch. It
+    bridges a gap.
     """
     press_loss_time: float = field(default=0.008, metadata={"unit": "s"})
-    """The same of a press, which must not."""
+    """The same time for a press, which must not lose contact."""
     base: float = field(default=0.14, metadata={"unit": "m"})
-    """Radius of an arm's lowest link, which the object keeps off."""
+    """Radius of an arm's lowest link, of which the object keeps clear."""
     retreat: float = field(default=0.06, metadata={"unit": "m"})
-    """That a tip is drawn back on release."""
+    """Distance by which a tip is drawn back on release."""
     longest_stop: float = field(default=4.0, metadata={"unit": "s"})
-    """After a failure until the run ends, at rest or not."""
+    """Longest time from a failure to the end of the run, at rest or not."""
     at_rest: float = field(default=0.005, metadata={"unit": "m/s"})
-    """Of a tip that counts as at rest."""
+    """Speed below which a tip counts as at rest."""
     rest_time: float = field(default=0.3, metadata={"unit": "s"})
-    """That the tips stand still before they draw back, after a failure."""
+    """Time for which the tips stand still after a failure before they draw back."""
     joint_buffer: float = field(default=0.03, metadata={"unit": "1"})
-    """Of a joint to its limit [rad], inside which the tool's attitude gives way to keep
-    it there: more than the 0.02 that planned postures keep.
+    """Distance [rad] of a joint from its limit at which the tool's attitude yields. It
+    exceeds the 0.02 rad that planned postures keep.
     """
     attitude: float = field(default=0.2, metadata={"unit": "1"})
-    """Of a tool from its wanted attitude [rad], beyond which it is turned no harder."""
+    """Error [rad] of a tool's attitude above which the restoring moment no longer
+    grows.
+    """
     replan_pause: float = field(default=0.4, metadata={"unit": "s"})
-    """Between two plans made under way."""
+    """Shortest time between two replans."""
 
     def shortest(self, speed: float) -> float:
-        """Shortest path [m] over which errors are corrected at ``speed`` [m/s]."""
+        """Length [m] of the shortest path over which errors are corrected at ``speed``
+        [m/s].
+        """
         return self.response * speed
 
     def loss_time(self, kind: str) -> float:
-        """Time [s] without contact force before a tip of a contact of a ``kind``
-        returns to the touch.
+        """Time [s] without contact force after which a tip with a contact of this
+        ``kind`` returns to the touch.
         """
         return self.push_loss_time if kind == "side" else self.press_loss_time
 
     def look_ahead(self, length: float, speed: float, min_length: float = 0.0) -> float:
-        """Look-ahead [m] of a vehicle of some ``length`` [m], at least ``min_length``
-        [m] if possible.
+        """Look-ahead [m] of a vehicle of the given ``length`` [m], at least
+        ``min_length`` [m] if possible.
         """
         wanted = max(LOOK_AHEAD * length, min_length, self.shortest(speed))
         return min(wanted, max(self.longest_look_ahead, self.shortest(speed)))
 
 
 ARM = ArmMargins()
-"""Those of the shipped arms."""
+"""Margins of the shipped arms."""
 
 
 def side_lean(friction: float) -> float:
-    """Lean [rad] of a side up to which a tip of a ``friction`` pushes it."""
+    """Largest lean [rad] of a side that a tip with this ``friction`` can push."""
     return math.atan(SIDE_LEAN * friction)
 
 
@@ -470,7 +531,7 @@ def rod_radius(tip_radius: float) -> float:
 
 
 def inset(tip_radius: float) -> float:
-    """Distance [m] of a contact inside the edges of its face or of the top."""
+    """Distance [m] that a contact keeps from the edges of its face or of the top."""
     return INSET * tip_radius
 
 
@@ -481,8 +542,8 @@ def drag_ratio(measured: float, expected: float) -> float:
 
 
 def longest(detour: tuple[float, float], left: float, radius: float) -> float:
-    """Longest allowed path [m] of a replan with ``left`` [m] remaining, for an object
-    of a ``radius`` [m].
+    """Longest allowed path [m] of a replan for an object of this ``radius`` [m] with
+    ``left`` [m] of path remaining.
     """
     ratio, slack = detour
     return ratio * left + slack * radius

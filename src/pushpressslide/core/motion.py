@@ -19,16 +19,16 @@ from pushpressslide.core.scene import ARM_NAMES, ArmName
 Vehicle = Literal[
     "unicycle", "car", "forklift", "pivot", "mixed", "differential", "synchronised"
 ]
-"""Reduced model that a mode drives the object as, one of its ``Mode.vehicles``."""
+"""Reduced model as which a mode drives the object, one of its ``Mode.vehicles``."""
 
 Cop = Literal["balanced", "left", "right"] | float
-"""Where two presses put the centre of pressure: "balanced" (equal presses); as far
-"left" or "right" as a turn on the spot allows at the press that the motion takes; or a
-fraction in [0, 1] of the way from left to right contact.
+"""Position of the centre of pressure between two presses. "balanced" means equal
+presses. "left" and "right" mean as far to that side as a turn on the spot allows at the
+press of the motion. A fraction in [0, 1] counts from the left contact to the right one.
 """
 
 
-PLANNED_SHARE = 0.9  # of limits.normal_force
+PLANNED_SHARE = 0.9  # share of limits.normal_force
 FORCE_ALLOWED = f"allowed {{allowed:Ng}}, {PLANNED_SHARE:g} of limits.normal_force"
 """End of the text of a refusal for too large a normal force."""
 
@@ -42,7 +42,7 @@ class Tolerance:
     yaw: float = setting(math.radians(2.0), "largest yaw error", "deg", "(0, 180]")
     bodies: float = setting(
         0.005,
-        "that movable obstacles may be displaced, but for a tool's and those that may move",
+        "largest displacement of movable obstacles, except a tool's and those with `may_move`",
         "m",
         "(0, 1]",
     )
@@ -58,7 +58,7 @@ class Tolerance:
 
 
 ON_THE_WAY = Tolerance(margins.ARM.via, margins.ARM.turned_via)
-"""Of poses that a search leads the object by: nobody asked for them."""
+"""Tolerance of via poses, which a search chose and nobody asked for."""
 
 
 @documented
@@ -69,7 +69,7 @@ class ToolUse:
     """
 
     body: str  # name of a movable obstacle
-    goal: Pose2  # of that body's centre, in the world
+    goal: Pose2  # pose of that body's centre in the world
     face: int = field(
         metadata=field_spec(
             "index of the edge of the tool's footprint that pushes, as in motion.face",
@@ -77,7 +77,7 @@ class ToolUse:
             default_in_file=1,
         )
     )
-    straight: float  # [m] of way from the touch to the goal
+    straight: float  # [m] length of the straight push from the touch to the goal
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -98,8 +98,8 @@ class Limits:
     )
     legs: int = setting(
         5,
-        "motions, one after the other, that are searched for where one does not lead to "
-        "the goal; 1: no other than one",
+        "largest number of motions in a sequence, searched if one motion does not reach "
+        "the goal; 1: no sequences",
         within="[1, 20]",
     )
 
@@ -126,7 +126,7 @@ class Sensing:
         0.0, "standard deviation of the object's yaw", "deg", "[0, 45]"
     )
     tip_noise: float = setting(
-        0.0, "standard deviation of a tip's place, each axis", "m", "[0, 0.01]"
+        0.0, "standard deviation of a tip's position, each axis", "m", "[0, 0.01]"
     )
     force_noise: float = setting(
         0.0, "standard deviation of a contact force, each axis", "N", "[0, 100]"
@@ -138,24 +138,24 @@ class Sensing:
         0.0, "constant error of the object's yaw", "deg", "[-45, 45]"
     )
     tip_bias: Vector3 = setting(
-        (0.0, 0.0, 0.0), "constant error of every tip's place", "m", "[-0.01, 0.01]"
+        (0.0, 0.0, 0.0), "constant error of every tip's position", "m", "[-0.01, 0.01]"
     )
     force_bias: Vector3 = setting(
         (0.0, 0.0, 0.0), "constant error of every contact force", "N", "[-20, 20]"
     )
-    delay: float = setting(0.0, "of every sensor", "s", "[0, 1]")
+    delay: float = setting(0.0, "delay of every sensor", "s", "[0, 1]")
     pose_delay: float | None = setting(
-        None, "of the object's pose; null: `delay`", "s", "[0, 1]"
+        None, "delay of the object's pose; null: `delay`", "s", "[0, 1]"
     )
     tip_delay: float | None = setting(
-        None, "of the tips' places; null: `delay`", "s", "[0, 1]"
+        None, "delay of the tips' positions; null: `delay`", "s", "[0, 1]"
     )
     force_delay: float | None = setting(
-        None, "of the contact forces; null: `delay`", "s", "[0, 1]"
+        None, "delay of the contact forces; null: `delay`", "s", "[0, 1]"
     )
     pose_dropout: float = setting(
         0.0,
-        "probability that a control period brings no pose of the object",
+        "probability that a control period has no measured pose of the object",
         within="[0, 0.95]",
     )
 
@@ -279,11 +279,11 @@ class Motion:
     )
     vehicle: Vehicle | None = setting(
         None,
-        "reduced model that the object is driven as. press_slide: unicycle (pulled or "
+        "reduced model as which the object is driven. press_slide: unicycle (pulled or "
         "pushed), car (pulled), forklift (pushed), pivot (turned about its virtual "
         "axle); null: unicycle. parallel_push: mixed (any twist inside the motion "
         "cone), differential (turned by the difference of the normal forces), "
-        "synchronised (by equal friction forces); null: mixed, else differential",
+        "synchronised (by equal friction forces); null: mixed, otherwise differential",
     )
     look_ahead: float | None = setting(
         None,

@@ -13,6 +13,6 @@ MAKERS = "pushpressslide.jobs.notebook"
 
 
 def html_of(thing: Any, maker: str) -> str:
-    """HTML of a thing by the function ``maker``."""
+    """HTML of an object, made by the function ``maker``."""
     made: str = getattr(importlib.import_module(MAKERS), maker)(thing)
     return made

@@ -38,7 +38,7 @@ class Contact:
     # unit, in B: inward face normal of a side contact; (0, 0) for a top contact
     normal: Point
     height: float  # [m] of the contact above the support
-    load: float = 0.0  # [N] that a top contact is pressed with, as planned
+    load: float = 0.0  # [N] planned normal force of a top contact
 
     def same_place(self, other: Contact) -> bool:
         """Whether the same arm touches the same place, with any load."""
@@ -84,8 +84,9 @@ class Segment:
     path: MotionPath  # of the vehicle frame V in the world
     profile: SpeedProfile
     goal: Pose2  # X_WG at its end
-    cone_margin: float | None = None  # [rad] least distance of forces to a cone's edge
-    leg: int = 0  # index of the task's leg that it belongs to
+    # [rad] smallest distance of the forces from a cone's edge
+    cone_margin: float | None = None
+    leg: int = 0  # index of its leg in the task
 
     @cached_property
     def X_BV(self) -> Pose2:
@@ -99,7 +100,7 @@ class Segment:
 
     @property
     def arcs(self) -> ArcPath:
-        """The path of a segment along arcs.
+        """Path of a segment along arcs.
 
         Raises TypeError for another kind of path.
         """
@@ -126,13 +127,13 @@ class Choice:
     """One mode at one placement of its contacts, evaluated for a task."""
 
     mode: str
-    label: str = ""  # which placement it is, in words; nothing reads it again
+    label: str = ""  # description of the placement; no code reads it
     contacts: tuple[Contact, ...] = ()
     segments: tuple[Segment, ...] = ()  # empty: no path was found or looked for
     time: float | None = None  # [s] estimated
-    summary: str = ""  # what is good to know of it, in words; nothing reads it again
+    summary: str = ""  # notes for the user; no code reads them
     refusal: Refusal | None = None  # None: it can do the task
-    leg: int = 0  # of the task, that it begins with
+    leg: int = 0  # first leg of the task
 
     @property
     def feasible(self) -> bool:
@@ -146,7 +147,7 @@ class Choice:
 
     @property
     def verdict(self) -> str:
-        """The decision in a word or two."""
+        """Decision in one or two words."""
         if self.feasible:
             return "possible"
         return "refused" if self.evaluated else "skipped"
@@ -184,11 +185,13 @@ class Plan:
     """A task and its segments, in order. The plan of a run also contains its replans."""
 
     task: Task
-    segments: tuple[Segment, ...] = ()  # none: nothing is planned, or has to move
-    restart: Restart | None = None  # that the task goes on from; None: its start
-    from_search: bool = False  # whether the task's legs were found, not prescribed
-    may_push: bool = False  # whether the object pushes on its way what may move
-    # that took the place of the rest after recoveries, one after the other
+    # empty: nothing is planned, or nothing has to move
+    segments: tuple[Segment, ...] = ()
+    # state from which the task continues; None: its start
+    restart: Restart | None = None
+    from_search: bool = False  # whether the legs come from a search, not from the task
+    may_push: bool = False  # whether the object pushes movable obstacles on its way
+    # plans that replaced the rest after recoveries, in order
     later: tuple[Plan, ...] = ()
 
     @property
@@ -203,14 +206,14 @@ class Plan:
 
     @property
     def at_goal(self) -> bool:
-        """Whether nothing has to move, since the object is at its goal already."""
+        """Whether nothing has to move because the object is at its goal already."""
         task = self.task
         free = not (self.segments or task.legs or task.goals or self.restart)
         return free and task.query.at_goal
 
     @property
     def first(self) -> int:
-        """The first leg that is not done after the restart."""
+        """Index of the first leg that is not done after the restart."""
         return 0 if self.restart is None else self.restart.leg
 
     def of_choices(self, chosen: Sequence[Choice]) -> Plan:
@@ -220,7 +223,7 @@ class Plan:
 
     @property
     def placements(self) -> tuple[tuple[Segment, ...], ...]:
-        """Groups of segments between which the arms do not let go."""
+        """Groups of segments within which the arms do not let go."""
         groups: list[list[Segment]] = []
         for segment in self.segments:
             if groups and groups[-1][-1].same_placement(segment):
@@ -315,13 +318,14 @@ class JointPath:
     arc_length: NDArray[np.float64]  # (k,) [m]
     move: NDArray[np.float64]  # (k, n) [rad]
     tool_yaw_offset: float  # [rad] tool yaw minus object yaw while in contact
-    joint_margin: float  # [rad] least distance to a joint limit
+    joint_margin: float  # [rad] smallest distance from a joint limit
     condition: float  # largest condition number of the tip's 6 x n Jacobian
-    clearance: float  # [m] least distance of the arm to table, object and obstacles
-    gap: float  # [m] free way before the touch that the approach leaves
-    # (g, n) [rad] along that way, evenly spaced, the last in contact; None: not known
+    # [m] smallest distance of the arm from table, object and obstacles
+    clearance: float
+    gap: float  # [m] gap that the approach leaves before the touch
+    # (g, n) [rad] across that gap, evenly spaced, the last in contact; None: not known
     touch: NDArray[np.float64] | None = None
     # (b, n) [rad] as the tip is drawn back from the end of the path, evenly spaced, the
     # first in contact; None: not known
     back: NDArray[np.float64] | None = None
-    max_retreat: float = math.inf  # [m] of that way
+    max_retreat: float = math.inf  # [m] longest retreat

@@ -11,7 +11,7 @@ from pushpressslide.kernels.plane import from_axis as from_axis
 from pushpressslide.kernels.plane import in_axis as in_axis
 
 Point = tuple[float, float]
-"""A point or a vector in the plane: (x, y) [m]; its frame is said where it is used."""
+"""A point or a vector in the plane: (x, y) [m]. Its frame is stated at each use."""
 
 
 def wrap_angle(angle: float) -> float:
@@ -30,8 +30,7 @@ class Pose2:
     """Pose X_AB of a frame B in a frame A: origin (x, y) [m] in A, yaw [rad]
     counter-clockwise.
 
-    A program that makes one with a yaw above 2 pi is warned; ``Pose2.deg`` takes
-    degrees.
+    A yaw above 2 pi gives a TaskWarning. ``Pose2.deg`` takes degrees.
     """
 
     x: float = 0.0

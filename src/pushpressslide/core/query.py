@@ -9,7 +9,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.scene import ObjectModel, Obstacle, Scene
 
 Ends = tuple[Pose2, Pose2]
-"""Poses of an object at the start and at the goal of a way."""
+"""Poses of an object at the start and at the goal of a motion."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,10 +28,10 @@ class MotionQuery:
     sensing: Sensing
     tool: ToolUse | None
     modes: tuple[str, ...] | None  # None: all
-    source: str  # what it is asked for, in messages
-    # whether it is one of many, that are asked to find a sequence of motions
+    source: str  # task named in messages
+    # whether it is one of many queries of a search for a sequence of motions
     from_search: bool = False
-    may_push: bool = False  # what may move
+    may_push: bool = False  # whether movable obstacles may be pushed
 
     @property
     def body(self) -> ObjectModel:

@@ -48,7 +48,7 @@ class Ending:
 class Record:
     """Time series of one run, and its ending."""
 
-    # (N, ...) for N ticks, by the names of docs/results.md
+    # (N, ...) for N ticks, with the names in docs/results.md
     arrays: Mapping[str, NDArray[np.float64]]
     reason: ReasonCode
     reason_text: str
@@ -56,16 +56,16 @@ class Record:
     seed: int
     wall_time: float  # [s] of the whole loop
     modes: tuple[str, ...]
-    plan: Plan  # as it was run, replans included
+    plan: Plan  # as executed, replans included
     # versions, time step, joint margin, clearance, ...
     meta: Mapping[str, Any] = field(default_factory=dict)
-    # what result.json holds, where the run was measured; ``report.metrics.result``
+    # content of result.json if the run was measured; from ``report.metrics.result``
     figures: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def success(self) -> bool:
-        """Whether the goal was reached, nothing moved that should stay, and no limit
-        was broken.
+        """Whether the goal was reached, no other body was displaced, and no limit was
+        broken.
 
         Raises RuntimeError for a run that was not measured.
         """

@@ -1,7 +1,7 @@
 """Names of a record's columns, for data frames and CSV files.
 
-A name says body and quantity: ``object_x``, ``tip0_fx``, ``arm0_joint3_torque``. SI
-units and radians; NaN where there is no value.
+A name consists of body and quantity: ``object_x``, ``tip0_fx``, ``arm0_joint3_torque``.
+SI units and radians; NaN where there is no value.
 """
 
 from __future__ import annotations
@@ -42,13 +42,13 @@ TIPS: dict[str, tuple[str, Sequence[str]]] = {
     "tip_reference": ("reference_", POINT),
     "contact_point": ("contact_", POINT),
 }
-"""Parts of the names of an array (N, A, 3) behind ``tip0_``."""
+"""Parts of the names of an array (N, A, 3), after ``tip0_``."""
 
 
 def named_columns(
     arrays: Mapping[str, NDArray[np.float64]],
 ) -> dict[str, NDArray[np.float64] | list[str]]:
-    """Columns of a record's arrays that have a value for each tick, by name.
+    """Columns of a record's per-tick arrays, by name.
 
     ``time`` is the first; phases are words.
     """

@@ -1,4 +1,4 @@
-"""The physical scene of a task, as planner and controller believe it to be.
+"""The physical scene of a task as believed by planner and controller.
 
 It is a body on a support with arms and obstacles around it. The motion of the body is
 not part of it. SI units and radians; docs/task-file.md documents the fields as a file
@@ -25,8 +25,8 @@ from pushpressslide.geometry.shapes import Shape
 if TYPE_CHECKING:
     from shapely import Polygon
 
-FIT = 1e-6  # [m] by which what just fits an opening may be larger
-LEDGE_GAP = 2e-3  # [m] to a ledge below it at which an object counts as lying on it
+FIT = 1e-6  # [m] tolerance for an outline that just fits an opening
+LEDGE_GAP = 2e-3  # [m] gap to a ledge below which an object counts as lying on it
 Value = TypeVar("Value")
 
 
@@ -120,7 +120,7 @@ class Support:
 
 
 CENTROID: Point = (math.nan, math.nan)
-"""A centre of mass that is not given."""
+"""Placeholder for a centre of mass that is not given."""
 
 
 @documented
@@ -184,18 +184,18 @@ MODELS: tuple[str, ...] = (
     "gen3",
     "hand",
 )
-"""Robots that the package describes itself; ``hand`` is a tip without an arm."""
+"""Robots with a description in the package. ``hand`` is a tip without an arm."""
 FILES = (".urdf", ".sdf", ".xml", ".mjcf")
-"""Endings of a robot's file; URDF and MJCF may both be XML."""
+"""Suffixes of a robot's file. URDF and MJCF may both be XML."""
 PATHS = "the path of a URDF, SDF or MJCF file (.urdf, .sdf, .xml)"
 TIP_RADIUS = 0.02
-"""[m] of a tip by default."""
+"""Default radius [m] of a tip."""
 TIP_LENGTH = 0.15
-"""[m] of the rod from the flange to a tip by default."""
+"""Default length [m] of the rod from the flange to a tip."""
 
 
 def is_robot_file(path: Path) -> bool:
-    """Whether a path ends as a robot's file does."""
+    """Whether a path has the suffix of a robot's file."""
     return path.suffix.lower() in FILES
 
 
@@ -229,7 +229,7 @@ class Tip:
 @documented
 @dataclass(frozen=True, slots=True)
 class JointLimits:
-    """Limits of one joint, in place of those of its file or where that has none."""
+    """Limits of one joint, which override or complete those of its file."""
 
     joint: str = field(metadata=field_spec("name of the joint"))
     position: tuple[float, float] | None = setting(
@@ -259,8 +259,8 @@ class JointLimits:
 def doubled_by_tip(
     robot: Mapping[str, Any], radius: float, length: float
 ) -> str | None:
-    """Name of a robot's field that its tip, with a ``radius`` and a ``length`` [m],
-    states as well. None if there is none.
+    """Name of a robot's field whose value its tip, with a ``radius`` and a ``length``
+    [m], states as well. None if there is none.
     """
     if robot["tip_frame"] is not None:
         return "tip_frame"
@@ -290,7 +290,7 @@ class Robot:
     base: tuple[float, float, float] = field(
         default=(0.0, 0.0, 0.0), metadata=field_spec("pose of the base")
     )
-    base_yaw: float = 0.0  # [rad] in the file part of the base
+    base_yaw: float = 0.0  # [rad]; part of ``base`` in the file
     tip_frame: str | None = setting(
         None,
         "frame at the tip's centre; a model given by its path needs this or tip",
@@ -320,16 +320,16 @@ class Robot:
     rotor_inertia: tuple[float, ...] | None = setting(
         None,
         "inertia of the rotors of a model given by its path, from the base to the tip; "
-        "without gear_ratio the motor's times gear ratio squared; null: that of the "
-        "file, or 0.003 kg m^2 for each N m of effort",
+        "if gear_ratio is null, the motor's times the gear ratio squared; null: that of "
+        "the file, or 0.003 kg m^2 for each N m of effort",
         "kg m^2",
         "[0, 1000]",
         count=(1, 16),
     )
     gear_ratio: tuple[float, ...] | None = setting(
         None,
-        "gear ratios of a model given by its path, from the base to the tip, of which "
-        "the square multiplies the inertia of a rotor; null: those of the file, or 1",
+        "gear ratios of a model given by its path, from the base to the tip; their "
+        "squares multiply the inertia of the rotors; null: those of the file, or 1",
         "",
         "(0, 10000]",
         count=(1, 16),
@@ -345,11 +345,11 @@ class Robot:
     limits: tuple[JointLimits, ...] | None = setting(
         None,
         "limits of joints of a model given by its path, in place of those of the file; "
-        "required for what it lacks",
+        "required where the file has none",
         count=(1, 16),
     )
     packages: tuple[str, ...] = setting(
-        (), "folders with the packages that a model's meshes are in", count=(0, 16)
+        (), "folders of the packages that contain a model's meshes", count=(0, 16)
     )
 
     def __post_init__(self) -> None:
@@ -376,7 +376,9 @@ class Obstacle:
     )
     # in the world (on a wall: in the wall's plane)
     pose: Pose2 = field(metadata=field_spec("pose of the shape's frame G"))
-    movable: bool = setting(False, "whether it can be pushed away; else it is fixed")
+    movable: bool = setting(
+        False, "whether it can be pushed away; otherwise it is fixed"
+    )
     mass: float = setting(1.0, "mass, if movable", "kg", "(0, 1000]")
     friction: float = setting(
         0.3,
@@ -434,7 +436,7 @@ class Belief:
     rho: float | None = setting(
         None, "rho of the limit surface; null: that of the shape", "m", "(0, 10]"
     )
-    # of each: a motion is planned so that it holds for all of them
+    # uncertainties: a motion is planned for every value within them
     friction_error: float = setting(
         0.0,
         "share by which both frictions may be wrong, up or down",
@@ -452,7 +454,7 @@ class Belief:
 
 
 def assumption(belief: Value | None, true: Value) -> Value:
-    """The believed value, or the true one if the belief is None."""
+    """Believed value, or the true one if the belief is None."""
     return true if belief is None else belief
 
 
@@ -466,9 +468,9 @@ class Scene:
     robots: tuple[Robot, ...]
     obstacles: tuple[Obstacle, ...]
     rho: float | None = None  # [m] of the limit surface; None: that of the shape
-    friction_error: float = 0.0  # share by which both frictions may be wrong
-    center_error: float = 0.0  # [m] by which the centre of mass may be elsewhere
-    arm: int | None = None  # the only one that may touch the body; None: any
+    friction_error: float = 0.0  # relative error of both frictions
+    center_error: float = 0.0  # [m] uncertainty of the centre of mass
+    arm: int | None = None  # the only arm that may touch the body; None: any
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -485,7 +487,7 @@ class Scene:
 
     @property
     def weight(self) -> Point:
-        """Weight [N]: its component along the support, and into it."""
+        """Components [N] of the weight along the support and into it."""
         return math.hypot(*self.weight_along), self.weight_on
 
     @property
@@ -496,8 +498,8 @@ class Scene:
 
     @property
     def weight_on(self) -> float:
-        """Component of the weight that presses the object on its support [N]. Zero on a
-        wall.
+        """Component [N] of the weight that presses the object onto its support. Zero on
+        a wall.
         """
         return -self._weight()[2]
 

@@ -1,4 +1,4 @@
-"""Warnings of values that are allowed but are probably slips."""
+"""Warnings about values that are allowed but are probably slips."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from types import FrameType
 from pushpressslide.core.errors import TaskWarning
 
 INSIDE = ("pushpressslide", "dataclasses")
-"""Modules that pass on what a program has written."""
+"""Modules that pass on values of a calling program."""
 
 
 def warn_of_slip(text: str) -> None:
-    """Give a TaskWarning at the line of the program that called this package."""
+    """Issue a TaskWarning at the line of the program that called this package."""
     level = 2
     frame: FrameType | None = sys._getframe(1)
     while frame is not None and _name(frame).startswith(INSIDE):
@@ -23,7 +23,7 @@ def warn_of_slip(text: str) -> None:
 
 
 def called_from_inside(depth: int) -> bool:
-    """Whether this package, not a program that uses it, is ``depth`` calls above."""
+    """Whether the caller ``depth`` calls above belongs to this package."""
     frame: FrameType | None = sys._getframe(depth + 1)
     while frame is not None and _name(frame) == "dataclasses":
         frame = frame.f_back

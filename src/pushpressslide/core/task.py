@@ -79,13 +79,13 @@ class Restart:
     """State and beliefs from which a task is continued after a recovery."""
 
     state: WorldState  # as seen
-    leg: int  # of the task, that is not done
+    leg: int  # first leg of the task that is not done
     center_of_mass: Point  # [m] in G
     support_friction: float
     rho: float | None  # [m]; None: that of the base's pressure
-    # whether face, contacts and vehicle are free that the task names for its first attempt
+    # whether face, contacts and vehicle of the first attempt may change
     free: bool = False
-    # that were found for the rest, in place of the task's; None: the task's go on
+    # legs found for the rest; None: those of the task
     legs: tuple[Leg, ...] | None = None
 
 
@@ -104,7 +104,7 @@ class Task:
     start: Pose2 = field(
         metadata=field_spec("pose of the shape's frame G at which the plan begins")
     )
-    # X_WG; of a tool, where it has the other body at that body's goal; with ``goals``
+    # X_WG; for a tool, the pose at which the other body is at its goal; with ``goals``,
     # the start
     goal: Pose2 = field(
         metadata=field_spec(
@@ -134,18 +134,18 @@ class Task:
     )
     tool: ToolUse | None = setting(
         None,
-        "how the object pushes `goal.body`, where that is another body",
+        "how the object pushes `goal.body`, if that is another body",
         default_in_file={},
     )
     modes: tuple[str, ...] | None = setting(
         None,
-        "contact modes to choose from; null: all that need no more arms than there are",
+        "contact modes to choose from; null: all for which there are enough arms",
         count=(1, math.inf),
     )
     goals: tuple[BodyGoal, ...] = setting(
         (),
-        "in place of `goal`, where each of several bodies is to be brought, or one body "
-        "to several poses, one after the other; null: `goal` is the only one",
+        "in place of `goal`: goals of several bodies, or several goals of one body in "
+        "order; null: `goal` is the only one",
         count=(1, 64),
         default_in_file=None,
     )
@@ -161,7 +161,7 @@ class Task:
     limits: Limits = setting(Limits(), "limits of the run")
     belief: Belief = setting(
         Belief(),
-        "what planner and controller assume where it differs from the truth",
+        "assumptions of planner and controller that differ from the truth",
         default_in_file={},
     )
     # the true start is start + this
@@ -169,11 +169,11 @@ class Task:
         Pose2(), "true start pose minus `start`, in world axes"
     )
     sensing: Sensing = setting(
-        Sensing(), "noise and delay of what the controller measures"
+        Sensing(), "noise and delay of the controller's measurements"
     )
     motion: Motion = setting(Motion(), "how the object is moved")
     description: str = setting("", "one line, shown by `pps tasks`")
-    # the file it came from, for messages
+    # its file, for messages
     source: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
@@ -187,7 +187,7 @@ class Task:
 
     @property
     def full_belief(self) -> Belief:
-        """Assumptions of planner and controller, with every field but rho given."""
+        """Assumptions of planner and controller, with all fields but rho filled in."""
         scene = self.scene
         return Belief(
             scene.support.friction,

@@ -22,7 +22,7 @@ TwistRate = tuple[float, float, float]
 """Body twist per metre of path: vx, vy [-], w [rad/m]."""
 
 SHORTEST = 1e-12
-"""Two poses that are closer than this [m] are one: less is rounding of their numbers."""
+"""Distance [m] below which two poses count as one: round-off."""
 
 
 def integrate(pose: Pose2, rate: TwistRate, length: float) -> Pose2:
@@ -51,7 +51,7 @@ def reached(pose: Pose2, twists: NDArray[np.float64]) -> NDArray[np.float64]:
 
     vx, vy, w = twists.T
     half = 0.5 * w
-    # of the chord: its length over the arc's, and where it leads
+    # chord: ratio of its length to the arc's, and its direction
     chord = np.sinc(half / math.pi)
     heading = pose.yaw + half
     c = chord * np.cos(heading)

@@ -32,9 +32,11 @@ if TYPE_CHECKING:
 ENOUGH = 0.5
 """Share of the largest touchable length, from which a height serves as well."""
 JOINT = 1e-3
-"""[m] between two sides that go on from one to the next."""
+"""Gap [m] below which two sides continue each other."""
 WALL_ROOM = 2.0
-"""Of a place's margin to the edges of its patch: its distance to the walls beside it."""
+"""Distance of a contact point from the walls beside it, as a multiple of its margin to
+the edges of its patch.
+"""
 HEIGHT_DIGITS = 3
 """Decimal places [m] of a section's height."""
 HEIGHTS = 24
@@ -42,11 +44,13 @@ HEIGHTS = 24
 QUADRANT = 16
 """Chords of a quarter of an offset corner."""
 BESIDE = 0.05
-"""Of the tip's radius, by which other parts of the body may stand in its way: as a side
-does that leans by 18 degrees.
+"""Overlap with other parts of the body that a tip may have, in tip radii: that of a
+side which leans by 18 degrees.
 """
 NEAR = 0.2
-"""Of the tip's radius: how far above and below it the lean of a side is read."""
+"""Distance above and below a contact at which the lean of a side is measured, in tip
+radii.
+"""
 PLACES = 9
 """Along a side, at which its lean is read."""
 

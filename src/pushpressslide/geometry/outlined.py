@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from pushpressslide.core.arrays import Array
 
 FAR = 100.0  # [m] beyond every footprint
-TURNED = 1.0  # [m] off a side that a normal off by one radian counts as
+TURNED = 1.0  # [m] of distance from a side that equals a normal's error of one radian
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +152,7 @@ class Outlined(Shape):
         return max(0.0, -self.depth(point))
 
     def holds(self, point: Point, margin: float, origin: Point) -> bool:
-        """Whether ``point`` [m] in B is ``margin`` [m] inside the footprint."""
+        """Whether ``point`` [m] in B is at least ``margin`` [m] inside the footprint."""
         return self.depth((point[0] + origin[0], point[1] + origin[1])) >= margin
 
     def depths(self, points: Array, origin: Point) -> Array:
@@ -177,8 +177,8 @@ class Outlined(Shape):
     def side_places(
         self, clearance: float, tip_radius: float, origin: Point
     ) -> tuple[SidePlace, ...]:
-        """Places on the touchable part of each side, several on an arc. A round part that
-        is too sharp for the tip has none.
+        """Places on the touchable part of each side, several on an arc. An arc that is
+        too sharp for the tip has none.
         """
         out: list[SidePlace] = []
         sharp = margins.CREEP * tip_radius / margins.CREPT_TURN

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from pushpressslide.core.pose import Point, cross, turned_left
 
 MIN_AREA = 1e-6
-"""Least area of a footprint [m^2]."""
+"""Smallest area of a footprint [m^2]."""
 
 STRAIGHT = 1e-6
-"""[rad] turn of the border below which a corner is none."""
+"""Turn [rad] of the border below which a corner is ignored."""
 
 
 def signed_area(polygon: tuple[Point, ...]) -> float:

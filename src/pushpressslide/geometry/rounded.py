@@ -15,17 +15,21 @@ from pushpressslide.geometry.border import Arc, Border, BorderSide, Edge
 from pushpressslide.geometry.polygon import distance_to_segment
 
 MOST_TURN = math.radians(25.0)
-"""Between neighbouring chords of an arc: those of a circle with 15 corners."""
+"""Largest angle [rad] between neighbouring chords of an arc: that of a circle with 15
+corners.
+"""
 FEWEST = 3
 """Corners inside an arc: fewer lie on a circle by chance."""
 ROUND = 0.02
-"""Of an arc's radius, by which its corners may miss it."""
+"""Largest distance of corners from their arc, as a share of its radius."""
 ALIKE = 0.1
 """Relative difference of the radii at two corners of one arc."""
 FLAT = 5e-6
-"""[m] by which a corner stands out from the line of its neighbours."""
+"""Distance [m] of a corner from the line through its neighbours below which the border
+is straight.
+"""
 SHORTEST = 2e-3
-"""[m] of an arc."""
+"""Length [m] of the shortest arc."""
 
 
 @dataclass(frozen=True, slots=True)

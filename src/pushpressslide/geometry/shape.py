@@ -30,8 +30,8 @@ Ends = tuple[Point, Point]
 
 
 InwardEdge = tuple[float, float, float, float]
-"""Of an edge: inward unit normal (x, y), depth [m] of a point of G inside it, width [m]
-of the footprint across.
+"""An edge: its inward unit normal (x, y), the depth [m] inside it of a point of G, and
+the width [m] of the footprint across it.
 """
 
 KEPT = 256  # footprints of which the edges are remembered
@@ -70,7 +70,7 @@ class Shape:
 
         @property
         def note(self) -> str:
-            """What stands for the surface in a file, and why. Empty for most shapes."""
+            """How the surface in a file was simplified, and why. Empty for most shapes."""
 
         @property
         def file_mass(self) -> float | None:

@@ -38,7 +38,7 @@ __all__ = [
     "Shape",
 ]
 
-OUTLINE_POINTS = 48  # of a drawn circle
+OUTLINE_POINTS = 48  # per drawn circle
 
 
 @dataclass(frozen=True, slots=True)
@@ -312,9 +312,9 @@ class Part:
 class Compound(Outlined):
     """The union of upright parts of the same height, connected and without holes.
 
-    Where a cylinder's side belongs to the border, it stays round. Raises InputError if
-    there are no parts. Its border raises ValueError if the union has a hole or is not
-    connected.
+    A cylinder's side stays round wherever it is part of the border. Raises InputError
+    if there are no parts. Its border raises ValueError if the union has a hole or is
+    not connected.
     """
 
     parts: tuple[Part, ...]
@@ -351,13 +351,13 @@ class MeshSolid(Outlined):
     """
 
     path: str  # of the file
-    scale: float  # [m] of one unit of the file
+    scale: float  # [m] per unit of the file
     polygon: tuple[Point, ...]  # [m] corners in G, counter-clockwise
     height: float  # [m]
-    center: Point  # [m] in G, centroid of the solid, from above
+    center: Point  # [m] in G, centroid of the solid as seen from above
     up: str = "z"  # axis of the file that points up: x, y, z, -x, -y or -z
-    note: str = ""  # what stands for the surface in the file, and why
-    file_mass: float | None = None  # [kg] that the file gives
+    note: str = ""  # how the file's surface was simplified, and why
+    file_mass: float | None = None  # [kg] mass in the file
 
     def __post_init__(self) -> None:
         check_positive(self.scale, "scale")

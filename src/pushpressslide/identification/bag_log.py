@@ -1,7 +1,7 @@
 """Logs as ROS messages: MCAP files, rosbag2 folders and rosbag1 files, by topics.
 
-The stamps are those of the headers. All poses are in one frame; forces are in that
-frame, or in the tip's.
+Stamps are taken from the headers. All poses are in one frame; forces are in that frame
+or in the tip's.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from pushpressslide.identification.pairs import yaw_of
 from pushpressslide.identification.streams import Stream, Streams, stream_of
 
 TOPICS = {"object": "/object/pose", "tip": "/tip0/pose", "force": "/tip0/wrench"}
-"""Topics by default: those that ``pps export --mcap`` writes."""
+"""Default topics: those written by ``pps export --mcap``."""
 
 Numbers = tuple[float, ...]
 
@@ -32,7 +32,7 @@ class _Sample(NamedTuple):
 
 
 def _pose_numbers(pose: Any) -> Numbers:
-    """Position, and quaternion w, x, y, z."""
+    """Position, followed by the quaternion w, x, y, z."""
     p, q = pose.position, pose.orientation
     return (p.x, p.y, p.z, q.w, q.x, q.y, q.z)
 
@@ -62,8 +62,9 @@ KINDS = {"object": POSES, "tip": POSES, "force": FORCES}
 def read_bag(path: Path, options: LogOptions) -> list[Streams]:
     """The one recording of a bag.
 
-    Raises PushPressSlideError for a file that is no bag, a topic or type that is not
-    there, and frames that differ; MissingPackageError without rosbags.
+    Raises PushPressSlideError for a file that is not a bag, a missing topic, a type
+    that is not allowed, and frames that differ. Raises MissingPackageError without
+    rosbags.
     """
     topics = {**TOPICS, **options.topics}
     for name in options.topics:
@@ -85,7 +86,7 @@ def read_bag(path: Path, options: LogOptions) -> list[Streams]:
             Stream(placed.times, np.column_stack([placed.values[:, :2], yaw])),
             Stream(tip.times, tip.values[:, :3]),
             Stream(force.times, values[:, :2]),
-            # forces are in world axes already
+            # forces in world axes stay as they are
             Stream(tip.times, np.zeros((len(tip.times), 1))),
         )
     ]
@@ -141,7 +142,7 @@ def _of_topic(path: Path, reader: Any, name: str, topic: str) -> list[_Sample]:
 
 
 def _stream(path: Path, topic: str, samples: Sequence[_Sample]) -> Stream:
-    """Stream of a topic; a stamp that comes twice counts once."""
+    """Stream of a topic. Of samples with the same stamp, one is kept."""
     times = np.array([sample.time for sample in samples])
     values = np.array([sample.values for sample in samples])
     frames = {sample.frame for sample in samples}
@@ -150,7 +151,9 @@ def _stream(path: Path, topic: str, samples: Sequence[_Sample]) -> Stream:
         raise PushPressSlideError(f"{path}: topic {topic!r} is in frames {listed}")
     clock, first = np.unique(times, return_index=True)
     if not np.isfinite(values).all():
-        raise PushPressSlideError(f"{path}: topic {topic!r} holds values not finite")
+        raise PushPressSlideError(
+            f"{path}: topic {topic!r} holds values that are not finite"
+        )
     return stream_of(str(path), topic, clock, values[first])
 
 

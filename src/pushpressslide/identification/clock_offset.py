@@ -1,8 +1,8 @@
 """Offset between the clock of the object's poses and that of the arm.
 
 While the tip pushes, its gap to the object is constant. If poses are stamped late, the
-gap seems to grow with the speed at which the object gives way. The offset is the one
-that leaves a constant gap: least squares with the gap as a second unknown.
+gap seems to grow with the speed of the object. The offset is the one that leaves a
+constant gap: least squares with the gap as a second unknown.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.identification.streams import Stream
 from pushpressslide.identification.tip_contact import TipContact
 
-SEARCH = 0.5  # [s] to either side that an offset is looked for
-STEP = 0.01  # [s] of the search
-SLOPE_TIME = 0.02  # [s] to either side, over which the speed of a gap is taken
-GAP_ERROR = 5e-4  # [m] by which outline and radius of the tip may be wrong
-TOUCH_SHARE = 0.3  # of the force of pushing, from which on the tip is in contact
-LEAST_TOUCH = 0.1  # [N] from which on it is, however light the push
-OUTLIER = 4.0  # standard deviations of a gap that is left out
-LEAST_CONTACT = 20  # poses in contact
+SEARCH = 0.5  # [s] largest offset searched, to either side
+STEP = 0.01  # [s] step of the search
+SLOPE_TIME = 0.02  # [s] to either side, for the rate of change of a gap
+GAP_ERROR = 5e-4  # [m] error of the outline and of the tip's radius
+TOUCH_SHARE = 0.3  # share of the pushing force above which the tip counts as in contact
+LEAST_TOUCH = 0.1  # [N] lower bound of that force, for light pushes
+OUTLIER = 4.0  # standard deviations beyond which a gap is an outlier
+LEAST_CONTACT = 20  # smallest number of poses in contact
 CONFIDENCE = 1.96  # standard deviations of a 95 % interval
 
 
 @dataclass(frozen=True)
 class ClockOffset:
-    """What has to be added to the stamps of poses, so that they are the arm's."""
+    """Time to add to the stamps of poses so that they agree with the arm's clock."""
 
     seconds: float
-    half_width: float = 0.0  # [s] of its 95 % interval; 0 for one that was given
+    half_width: float = 0.0  # [s] of its 95 % interval; 0 for a given offset
 
 
 class _Solution(NamedTuple):
@@ -45,7 +45,7 @@ class _Solution(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class OffsetFit:
-    """Finds the offset of one recording, whose forces have no bias."""
+    """Fit of the offset of one recording, whose forces have no bias."""
 
     source: str
     object: Stream
@@ -56,7 +56,7 @@ class OffsetFit:
     def offset(self) -> ClockOffset:
         """The offset, with an interval from the covariance of the fit.
 
-        Raises PushPressSlideError if the streams have too little contact in common.
+        Raises PushPressSlideError if the streams share too little contact.
         """
         offsets = np.arange(-SEARCH, SEARCH + 0.5 * STEP, STEP)
         found = [self._gaps(offset, 0.0) for offset in offsets]
@@ -65,7 +65,7 @@ class OffsetFit:
             raise PushPressSlideError(
                 f"{self.source}: {max(counts)} poses are in contact (force above "
                 f"{self._touch:.2g} N); at least {LEAST_CONTACT} are needed; --offset S "
-                f"joins clocks that differ by over {SEARCH:g} s"
+                f"sets the offset of clocks that differ by over {SEARCH:g} s"
             )
         spreads = [_spread(gaps) for gaps in found]
         seconds = float(offsets[int(np.argmin(spreads))])
@@ -90,7 +90,9 @@ class OffsetFit:
         return rows
 
     def _gaps(self, offset: float, later: float) -> Array:
-        """Gaps [m] of the poses in contact to the tip as it is ``later`` [s]."""
+        """Gaps [m] between the object and the tip ``later`` [s], for the poses in
+        contact.
+        """
         rows = self._rows(offset)
         tip = self.tip.values_at(self.object.times[rows] + offset + later)
         return self.tip_contact.contacts(tip[:, :2], self.object.values[rows]).gaps
@@ -116,13 +118,13 @@ class OffsetFit:
 
 
 def touching_force(force: Stream) -> float:
-    """Force [N] from which on the tip is in contact: a share of that of pushing."""
+    """Force [N] above which the tip counts as in contact, a share of the pushing force."""
     size = np.hypot(*force.values.T)
     return max(LEAST_TOUCH, TOUCH_SHARE * float(np.percentile(size, 90.0)))
 
 
 def _spread(gaps: Array) -> float:
-    """Robust measure [m] of how far gaps are from a common one near zero."""
+    """Robust spread [m] of gaps about a common value near zero."""
     if len(gaps) < LEAST_CONTACT:
         return math.inf
     middle = float(np.median(gaps))

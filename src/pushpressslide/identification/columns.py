@@ -1,4 +1,4 @@
-"""Columns of a table by name: which quantity a column holds, and in which unit."""
+"""Columns of a table, identified by name: the quantity and the unit of each."""
 
 from __future__ import annotations
 
@@ -81,8 +81,8 @@ class Column:
 
     index: int
     title: str  # as in the file
-    factor: float  # from its unit to SI
-    stated: bool  # whether its unit is given
+    factor: float  # factor from its unit to SI
+    stated: bool  # whether the title or an option states its unit
 
 
 def find_columns(
@@ -127,7 +127,7 @@ def _check_options(options: LogOptions) -> None:
 
 
 def _meaning(title: str, options: LogOptions) -> tuple[Quantity | None, str | None]:
-    """Quantity of a column, and the unit in its title. None for what it lacks."""
+    """Quantity of a column, and the unit in its title. Each is None if it is missing."""
     named = {column: name for name, column in options.columns.items()}
     if title in named:
         return BY_NAME[named[title]], _unit_in(title)[1]
@@ -144,7 +144,7 @@ def _meaning(title: str, options: LogOptions) -> tuple[Quantity | None, str | No
 
 
 def _unit_in(title: str) -> tuple[str, str | None]:
-    """A title in lower case with underscores, and the unit that it has in brackets."""
+    """A title in lower case with underscores, and its unit in brackets, if any."""
     match = UNIT.match(title)
     text = match.group(1) if match else title
     unit = match.group(2).strip().lower() if match else None

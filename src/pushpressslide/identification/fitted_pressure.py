@@ -20,12 +20,12 @@ from pushpressslide.identification.sliding import slide
 from pushpressslide.mechanics.pressure import PressureSamples
 from pushpressslide.mechanics.rho import rho_pole
 
-# [m] torsional radius of a pin; from 1 to 5 mm the predictions are alike
+# [m] torsional radius of a pin; the predictions hardly change from 1 to 5 mm
 PIN_RADIUS = 2e-3
-# scatter of a direction over that of a coefficient of the log pressure; tried in turn,
-# each from the fit before
+# ridges: scatter of a direction over that of a coefficient of the log pressure, tried
+# in turn, each from the previous fit
 RIDGES = (4.0, 2.0, 1.0, 0.5)
-SURE = 1.5  # standard errors by which a fit must beat what statics expects
+SURE = 1.5  # standard errors by which a fit must beat the pressure expected by statics
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,8 +55,8 @@ class PressureModel:
         return self.slides(wrenches, heights)[0]
 
     def slides(self, wrenches: Array, heights: Array) -> tuple[Array, Array]:
-        """Unit directions (n, 3) of sliding, and for each wrench the mu N (n,) [N] at
-        which it lies on the limit surface.
+        """Unit directions (n, 3) of sliding, and the friction mu N (n,) [N] that puts
+        each wrench on the limit surface.
         """
         return slide(
             self.points, self.pushed_shares(wrenches, heights), self.radii, wrenches
@@ -91,7 +91,9 @@ def static_model(pressure: PressureSamples, friction: float = 1.0) -> PressureMo
 
 
 def nearest_pressure(pairs: Pairs, loads: Sequence[PressureSamples]) -> PressureSamples:
-    """The one of the ``loads`` at rest that predicts ``pairs`` best without a fit."""
+    """Element of ``loads``, pressures at rest, that predicts ``pairs`` best without a
+    fit.
+    """
     if len(loads) == 1:
         return loads[0]
 

@@ -1,4 +1,4 @@
-"""All that is identified from one set of pushes."""
+"""All results identified from one set of pushes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pushpressslide.identification.next_push import NextPush, next_push
 from pushpressslide.identification.recorded_sets import RecordedSet
 from pushpressslide.identification.scoring import Identification
 
-LARGEST_ERROR = 0.5  # that belief.friction_error takes
+LARGEST_ERROR = 0.5  # largest value of belief.friction_error
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,28 +24,28 @@ class IdentifiedSet:
 
     @property
     def contact_friction(self) -> float | None:
-        """Friction of the tip, if it slid."""
+        """Friction of the tip, or None if it did not slide."""
         return None if self.recorded is None else self.recorded.contact_friction
 
     @property
     def expected_error(self) -> float:
-        """Mean held-out error [rad] of the load that the shape leads to expect."""
+        """Mean held-out error [rad] of the load expected from the shape."""
         scores = self.models.scores
         names = ("no_fit", "no_fit_uniform")
         return min(scores[name].mean for name in names if name in scores)
 
     @property
     def needs_rho(self) -> bool:
-        """Whether an ellipsoid predicts the pushes better than the shape's own load, by
-        which plans are made without a rho.
+        """Whether an ellipsoid predicts the pushes better than the load expected from
+        the shape, which plans use if no rho is given.
         """
         return self.models.scores["ellipsoid"].mean < self.expected_error
 
     @property
     def belief(self) -> dict[str, float | None]:
-        """Fields of a task file's ``belief`` that the set gives, in the file's units.
+        """Identified fields of a task file's ``belief``, in the file's units.
 
-        Rho is None, the shape's, where that predicts the pushes better.
+        ``rho`` is None if the shape's own load predicts the pushes better.
         """
         known = self.intervals
         belief: dict[str, float | None] = {
@@ -63,6 +63,6 @@ class IdentifiedSet:
 def identified_set(
     models: Identification, recorded: RecordedSet | None, seed: int
 ) -> IdentifiedSet:
-    """The set with intervals, and with the push that would narrow them most."""
+    """The set with intervals, and the push that would narrow them most."""
     known = intervals(models, seed)
     return IdentifiedSet(models, known, next_push(models.push_set, known), recorded)

@@ -1,8 +1,8 @@
 """Intervals of identified parameters: bootstrap over whole pushes.
 
 Windows of one push share its errors, so pushes are drawn, not windows. The shape of the
-pressure is kept; what is wrong for all pushes alike, such as the mass, is in no
-interval.
+pressure is kept. The intervals exclude errors common to all pushes, such as that of the
+mass.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ class Interval:
 
     @property
     def half_width(self) -> float:
-        """Larger distance of an end from the value."""
+        """Larger of the distances from the value to either end."""
         return max(self.high - self.value, self.value - self.low)
 
     @property
     def relative(self) -> float:
-        """Half width as a share of the value."""
+        """Half width relative to the value."""
         return self.half_width / self.value
 
 

@@ -1,4 +1,4 @@
-"""What a user says of a log: names, units and frames that its file does not tell."""
+"""Options of a log: names, units and frames that its file does not state."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Recordings in files of any known kind, by the end of their names."""
+"""Recordings in files of any known kind, identified by suffix."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pushpressslide.identification.streams import Streams, joined
 from pushpressslide.identification.table_log import read_csv, read_parquet
 
 Reader = Callable[[Path, LogOptions], list[Streams]]
-"""Recordings of one file, or parts of them."""
+"""Function that reads the recordings of one file, or parts of them."""
 
 READERS: dict[str, Reader] = {
     ".csv": read_csv,
@@ -27,17 +27,17 @@ READERS: dict[str, Reader] = {
     ".json": read_json_push,
     ".npz": read_record,
 }
-# files that this package writes beside its records
+# files that this package writes next to its records
 RESULTS = ("result.json", "plan.json", "select.json", "foxglove.json")
 BAG = "metadata.yaml"  # in a folder of rosbag2
 RECORD = "record.npz"  # in a folder of a run
 
 
 def log_files(data: Sequence[Path]) -> list[Path]:
-    """Files with streams, and folders of rosbag2, at or in each of ``data``.
+    """Files with streams, and folders of rosbag2, at or in each path of ``data``.
 
-    Empty if there are none: the data may be logs of text. Raises PushPressSlideError for
-    what is not there.
+    Empty if there are none: the data may be text logs. Raises PushPressSlideError for a
+    path that does not exist.
     """
     found: list[Path] = []
     for path in data:
@@ -62,14 +62,16 @@ def _files_at(path: Path) -> list[Path]:
 
 
 def _may_hold(path: Path) -> bool:
-    """Whether a member of a folder is looked into. Results of other commands are not."""
+    """Whether a file or folder in a folder is searched. Results of other commands are
+    not.
+    """
     return path.name not in RESULTS and not path.name.startswith(".")
 
 
 def read_logs(files: Sequence[Path], options: LogOptions) -> list[Streams]:
     """Complete recordings of files.
 
-    Raises PushPressSlideError for what cannot be read, and for a stream that is missing.
+    Raises PushPressSlideError for a file that cannot be read, and for a missing stream.
     """
     parts: list[Streams] = []
     for path in files:

@@ -18,7 +18,7 @@ from pushpressslide.identification.log_options import LogOptions
 from pushpressslide.identification.streams import Stream, Streams, stream_of
 
 SETS = ("object_pose", "tip_pose", "ft_wrench")
-WIDTH = 4  # columns of each
+WIDTH = 4  # columns of each array
 
 
 def read_hdf5(path: Path, options: LogOptions) -> list[Streams]:
@@ -78,6 +78,6 @@ def _streams(path: Path, arrays: dict[str, Array]) -> Streams:
 
 
 def _sorted(source: str, name: str, rows: Array) -> Stream:
-    """Stream of rows t and three values; a stamp that comes twice counts once."""
+    """Stream of rows of t and three values. Of rows with the same stamp, one is kept."""
     times, first = np.unique(rows[:, 0], return_index=True)
     return stream_of(source, name, times, rows[first, 1:WIDTH])

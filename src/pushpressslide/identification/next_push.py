@@ -1,9 +1,9 @@
-"""The push that would say most about the parameter known least.
+"""The most informative next push, for the less certain of the two parameters.
 
-On an ellipsoid a push square to a face with a lever d turns the object by an angle a of
-its direction, tan a = LENGTH d / rho^2. Its change with the logarithm of rho is sin 2a:
-largest at d = rho^2 / LENGTH. Friction is seen best without a lever, where the force
-does not depend on rho.
+On an ellipsoid, a push square to a face with a lever d gives a direction of motion at
+an angle a, tan a = LENGTH d / rho^2. The derivative of a with respect to the logarithm
+of rho is -sin 2a. Its size is largest at d = rho^2 / LENGTH. Friction is identified
+best without a lever, where the force does not depend on rho.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from pushpressslide.identification.intervals import Intervals
 from pushpressslide.identification.pairs import LENGTH, Pairs
 from pushpressslide.identification.push_sets import PushSet
 
-PLACES = 41  # along each side that are compared
-INSET = 0.1  # of a side that stays free at its ends
-MORE = 5  # pushes for which the interval is predicted
+PLACES = 41  # points compared along each side
+INSET = 0.1  # share of a side that stays free at either end
+MORE = 5  # number of pushes for which the interval is predicted
 
 
 @dataclass(frozen=True)
@@ -31,12 +31,12 @@ class NextPush:
     parameter: Literal["friction", "rho"]
     point: Point  # [m] in G
     direction: Point  # unit, in G
-    lever: float  # [m] of its line of action about the centre of mass
-    narrowed: float  # share of the interval that is left after ``MORE`` such pushes
+    lever: float  # [m] lever of its line of action about the centre of mass
+    narrowed: float  # share of the interval that remains after ``MORE`` such pushes
 
 
 def next_push(push_set: PushSet, known: Intervals) -> NextPush:
-    """The push that narrows the wider of the two relative intervals most."""
+    """Push that most narrows the wider of the two relative intervals."""
     rho = known.rho.value
     by_rho = known.rho.relative >= known.friction.relative
     cx, cy = push_set.body.center_of_mass
@@ -61,15 +61,17 @@ def next_push(push_set: PushSet, known: Intervals) -> NextPush:
 
 
 def sensitivity(lever: float, rho: float) -> float:
-    """Change [rad] of a motion's direction with the logarithm of rho, for a push at a
-    ``lever`` [m].
+    """Size [rad] of the derivative of the direction of motion with respect to the
+    logarithm of rho, for a push with a ``lever`` [m].
     """
     angle = math.atan(LENGTH * abs(lever) / rho**2)
     return math.sin(2.0 * angle)
 
 
 def _left(push_set: PushSet, rho: float, merit: float) -> float:
-    """Share of an interval of rho that more pushes of a sensitivity leave."""
+    """Share of the interval of rho that remains after ``MORE`` pushes with this
+    sensitivity.
+    """
     pairs: Pairs = push_set.pairs
     levers = pairs.wrenches[:, 2] / np.hypot(*pairs.wrenches[:, :2].T).clip(1e-9)
     seen = np.array([sensitivity(float(lever), rho) ** 2 for lever in levers])
@@ -78,5 +80,5 @@ def _left(push_set: PushSet, rho: float, merit: float) -> float:
 
 
 def _left_of_mean(push_set: PushSet) -> float:
-    """Share of the interval of a mean that more pushes leave."""
+    """Share of the interval of a mean that remains after ``MORE`` pushes."""
     return math.sqrt(push_set.count / (push_set.count + MORE))

@@ -17,14 +17,15 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point, wrap_angle
 from pushpressslide.identification.recordings import RecordedPush
 
-# [m] that makes a turn comparable with a translation: a direction is (vx, vy, LENGTH
-# w), unit
+# [m] length that makes rotation comparable with translation: a direction is the unit
+# vector along (vx, vy, LENGTH w)
 LENGTH = 0.05
-FREE_SHARE = 0.3  # of the samples in contact, the first, that are left out
-LEAST_FORCE = 0.2  # [N] mean; a push with less has not touched
-LEAST_MOTION = 1e-3  # [m] of (x, y, LENGTH yaw); a push with less gives no direction
-# From the force on the sensor, in its frame, to that on the object, in the frame of the
-# tool.
+FREE_SHARE = 0.3  # share of the samples in contact that are left out, from the first on
+LEAST_FORCE = 0.2  # [N] smallest mean force; a push with less has not touched
+# [m] smallest norm of (x, y, LENGTH yaw); a push with less has no direction
+LEAST_MOTION = 1e-3
+# From the force on the sensor, in its frame, to the force on the object, in the tool's
+# frame.
 TOOL_FROM_SENSOR = -math.sqrt(0.5) * np.array([[1.0, 1.0], [1.0, -1.0]])
 
 
@@ -57,7 +58,7 @@ class Pairs:
 
 
 def unit(rows: Array) -> Array:
-    """The rows (n, 3), each divided by its norm."""
+    """Rows (n, 3), each divided by its norm."""
     out: Array = rows / np.linalg.norm(rows, axis=1)[:, None]
     return out
 
@@ -102,7 +103,8 @@ def _measured(push: RecordedPush, center_of_mass: Point) -> Array | str:
     first, last = push.forces[touching[[0, -1]], 0]
     late = touching[int(FREE_SHARE * len(touching)) :]
     time = push.forces[late, 0]
-    done = (time - first) / max(last - first, 1e-9)  # part of the object's motion
+    # elapsed fraction of the object's motion
+    done = (time - first) / max(last - first, 1e-9)
     tip, probe_yaw = _probe_at(push, time)
     object_yaw = yaw + done * turn
     contact = rotated(tip - start - done[:, None] * shift, -object_yaw)
@@ -130,7 +132,7 @@ def yaw_of(quaternion: Array) -> Array:
 
 
 def rotated(vectors: Array, angle: Array | float) -> Array:
-    """The ``vectors`` (n, 2), each turned by its ``angle`` [rad]."""
+    """Vectors (n, 2), each rotated by its ``angle`` [rad]."""
     c = np.cos(angle)
     s = np.sin(angle)
     x = vectors[..., 0]

@@ -23,7 +23,7 @@ class ParameterEstimates(NamedTuple):
 
 
 NOTHING = ParameterEstimates()
-"""Nothing contradicts what was believed."""
+"""No estimates: nothing contradicts the belief."""
 
 
 def dragged_friction(scene: Scene, load: float, drag: float | None) -> float:

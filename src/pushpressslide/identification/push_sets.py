@@ -1,7 +1,7 @@
 """Sets of recorded pushes: the object, its pins, and the pairs of wrench and motion.
 
-The object of the published sets is an aluminium prism (docs/uncertainty.md); that of
-other logs is a task's. A folder's name gives the pins that it stands on.
+The object of the published sets is an aluminium prism (docs/uncertainty.md). For other
+logs a task describes it. A folder's name gives the pins under the object.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ from pushpressslide.mechanics.pressure import (
 )
 from pushpressslide.mechanics.punch import punch_pressure
 
-LEAST_PUSHES = 4  # that fit and test need
-WHOLE_BASE = "patch"  # in the name of a folder: the object stands on its whole base
+LEAST_PUSHES = 4  # smallest number of pushes for fit and test
+WHOLE_BASE = "patch"  # in a folder's name: the object stands on its whole base
 NUMBERS = re.compile(r"(?<![\d.])\d+(?:\.\d+)?(?:_\d+(?:\.\d+)?)*(?![\d.])")
 
 
@@ -60,13 +60,13 @@ class PushSet:
     # [m] in B, the frame at the CoM; none: the whole base touches
     pins: tuple[Point, ...]
     pairs: Pairs
-    numbers: NDArray[np.intp]  # (n,) of the push that a pair is a part of
-    refused: tuple[str, ...]  # pushes that give no pair, and why
-    notes: tuple[str, ...] = ()  # what was assumed of the object and the logs
+    numbers: NDArray[np.intp]  # (n,) number of each pair's push
+    refused: tuple[str, ...]  # pushes without a pair, and why
+    notes: tuple[str, ...] = ()  # assumptions about the object and the logs
 
     @property
     def count(self) -> int:
-        """Number of pushes that give pairs."""
+        """Number of pushes with pairs."""
         return len(np.unique(self.numbers))
 
     @property
@@ -81,8 +81,8 @@ class PushSet:
         return tuple((x - cx, y - cy) for x, y in self.body.base)
 
     def static_pressure(self) -> PressureSamples:
-        """Load at rest [N] in B: on the pins by statics, otherwise that of a rigid
-        face, or of an elastic one where an edge of the rigid face would lift.
+        """Load at rest [N] in B. It is on the pins by statics, otherwise that of a
+        rigid face. If an edge of a rigid face would lift, it is that of an elastic one.
         """
         if self.pins:
             return pin_pressure(self.pins, (0.0, 0.0), self.weight)
@@ -92,8 +92,8 @@ class PushSet:
             return self._elastic_pressure()
 
     def uniform_pressure(self) -> PressureSamples | None:
-        """Even load at rest [N] in B, linear where the CoM is off the centroid. None if
-        the object stands on pins.
+        """Even load at rest [N] in B, or a linear one if the CoM is off the centroid.
+        None if the object stands on pins.
         """
         return None if self.pins else self._elastic_pressure()
 
@@ -138,8 +138,8 @@ def load_sets(
 def pins_of_name(name: str) -> tuple[Point, ...]:
     """Pins [m] in the tracked frame for x1_x2_x3_y1_y2_y3 [mm].
 
-    Words may stand before and after them, also numbers before them. Empty if the name
-    holds no six numbers in a row.
+    Words may stand before and after the numbers, and other numbers before them. Empty
+    if the name holds no six numbers in a row.
     """
     for row in NUMBERS.findall(name):
         numbers = [1e-3 * float(word) for word in row.split("_")][-6:]
@@ -149,7 +149,7 @@ def pins_of_name(name: str) -> tuple[Point, ...]:
 
 
 def layout_note(name: str) -> str:
-    """Note on what a folder's name does not specify of the object's supports.
+    """Note on assumptions about the pins, if a folder's name leaves them open.
 
     Empty for x1_x2_x3_y1_y2_y3 alone and for a name with ``WHOLE_BASE``.
     """
@@ -157,13 +157,13 @@ def layout_note(name: str) -> str:
     if not pins:
         if WHOLE_BASE in name.lower():
             return ""
-        return "its name gives no pins; the whole base is taken to touch."
+        return "its name gives no pins; the whole base is assumed to touch."
     numbers = [
         f"{1e3 * v:.10g}" for v in (*(x for x, _ in pins), *(y for _, y in pins))
     ]
     if NUMBERS.fullmatch(name) and len(name.split("_")) == 6:
         return ""
-    return f"its pins are taken to be {'_'.join(numbers)}."
+    return f"its pins are assumed to be {'_'.join(numbers)}."
 
 
 def _names(folders: Sequence[Path]) -> dict[Path, str]:
@@ -215,7 +215,7 @@ def check_count(source: str, used: int, count: int, refused: Sequence[str]) -> N
 
 
 def _broken_off(recordings: Sequence[Recording]) -> list[str]:
-    """A note on each log that holds another number of pushes than it announces."""
+    """A note on each log whose number of pushes differs from the announced one."""
     return [
         f"{recording.path.name}: announces {recording.announced} pushes, holds "
         f"{len(recording.pushes)}."

@@ -1,7 +1,7 @@
-"""Pairs of wrench and motion from streams: windows in which a tip pushes the object.
+"""Pairs of wrench and motion from streams, one for each window of a push.
 
-A push is an interval of contact. It is cut into windows of equal motion; a window gives
-the mean wrench, and by a straight line through its poses the motion.
+A push is an interval of contact, cut into windows of equal motion. A window gives the
+mean wrench, and the motion by a straight line through its poses.
 """
 
 from __future__ import annotations
@@ -26,18 +26,18 @@ from pushpressslide.identification.pairs import LENGTH, Pairs, rotated
 from pushpressslide.identification.streams import LONGEST_GAP, Stream, Streams
 from pushpressslide.identification.tip_contact import TipContact
 
-# [m] of (x, y, LENGTH yaw) that a window moves at least; noise of 0.3 mm turns its
+# [m] smallest motion (x, y, LENGTH yaw) in a window; noise of 0.3 mm turns its
 # direction by 2 degrees
 WINDOW = 0.01
-LEAST_POSES = 6  # of a window
-FREE_GAP = 5e-3  # [m] from which on the tip is not in contact: the force is its bias
-LEAST_FREE = 20  # samples of a bias
+LEAST_POSES = 6  # smallest number of poses in a window
+FREE_GAP = 5e-3  # [m] gap above which the tip is free: the force is its bias
+LEAST_FREE = 20  # smallest number of samples for a bias
 NEAR = (
     8e-3  # [m] of a gap that contact may seem to have, by errors of outline and radius
 )
-LEAST_NEAR = 0.6  # share of the contact in which the tip is that near
-FAR = 0.3  # [m] that the tip is never near the object: the units are wrong
-PULLING = math.radians(60.0)  # off the face's normal: the force has other axes
+LEAST_NEAR = 0.6  # share of the contact with the tip within NEAR
+FAR = 0.3  # [m] smallest gap of a recording with wrong units
+PULLING = math.radians(60.0)  # from the face's normal: the force has other axes
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,11 +45,11 @@ class PushedWindows:
     """Windows of a recording."""
 
     pairs: Pairs
-    numbers: NDArray[np.intp]  # (n,) of the pushes
+    numbers: NDArray[np.intp]  # (n,) number of each window's push
     offset: ClockOffset
     normals: Array  # (n, 2) mean unit normal of the contact, in B, into the object
-    travels: Array  # (n,) [m] of the contact along the face
-    refused: tuple[str, ...]  # windows and pushes that are left out, and why
+    travels: Array  # (n,) [m] travel of the contact along the face
+    refused: tuple[str, ...]  # omitted windows and pushes, and why
     notes: tuple[str, ...]
 
 
@@ -101,8 +101,8 @@ def push_windows(
 
 
 def align(streams: Streams, tip_contact: TipContact, options: LogOptions) -> _Aligned:
-    """The streams of a recording on the arm's clock, with forces of the tip on the
-    object in world axes and without bias.
+    """Streams of a recording on the arm's clock, with unbiased forces of the tip on the
+    object in world axes.
 
     Raises PushPressSlideError as ``push_windows``.
     """
@@ -155,24 +155,24 @@ def _in_world(streams: Streams, force: Stream, options: LogOptions) -> Stream:
 def _without_bias(
     placed: Stream, tip: Stream, force: Stream, tip_contact: TipContact
 ) -> tuple[Stream, str]:
-    """Force less its median while the tip is free, and a note where it is never free."""
+    """Force less its median while the tip is free, and a note if the tip is never free."""
     times = force.times
     known = tip.covers(times) & placed.covers(times)
     gaps = tip_contact.gaps(times[known], tip, placed)
     free = np.flatnonzero(known)[gaps > FREE_GAP]
     if len(free) < LEAST_FREE:
-        return force, "the tip is never free; forces are taken to have no bias."
+        return force, "the tip is never free; forces are assumed to have no bias."
     bias = np.median(force.values[free], axis=0)
     return replace(force, values=force.values - bias), ""
 
 
 def _check_rate(source: str, name: str, stream: Stream) -> None:
-    """Raise PushPressSlideError for samples that are too far apart."""
+    """Raise PushPressSlideError if samples are too far apart."""
     step = float(np.median(np.diff(stream.times)))
     if step > LONGEST_GAP:
         raise PushPressSlideError(
             f"{source}: the samples of {name} are {step:.3g} s apart; allowed: "
-            f"{LONGEST_GAP:g} s at most; --unit time=ms reads milliseconds, also us, ns"
+            f"at most {LONGEST_GAP:g} s; --unit time=ms reads milliseconds (also us, ns)"
         )
 
 
@@ -201,8 +201,8 @@ def _check_reach(
     nearest = float(tip_contact.gaps(times, tip, placed).min())
     if nearest > FAR:
         raise PushPressSlideError(
-            f"{source}: the tip is never nearer than {nearest:.3g} m to the object; "
-            "allowed: metres in one frame; --unit object=mm and --unit tip=mm read others"
+            f"{source}: the tip never comes within {nearest:.3g} m of the object; "
+            "allowed: metres in one frame; --unit object=mm --unit tip=mm reads millimetres"
         )
 
 
@@ -222,14 +222,15 @@ def _check_contact(
     if near < LEAST_NEAR:
         raise PushPressSlideError(
             f"{source}: the tip is within {1e3 * NEAR:g} mm of the shape's side in "
-            f"{100.0 * near:.0f} % of the contact, half of it within "
-            f"{1e3 * float(np.median(gaps)):.0f} mm; allowed: {100.0 * LEAST_NEAR:g} % at "
-            "least; a tip pushes the side, and the pose is that of the shape's frame G"
+            f"{100.0 * near:.0f} % of the contact, with a median gap of "
+            f"{1e3 * float(np.median(gaps)):.0f} mm; allowed: at least "
+            f"{100.0 * LEAST_NEAR:g} %; the tip must push the side, and the pose must be "
+            "that of the shape's frame G"
         )
 
 
 def _check_axes(source: str, pairs: Pairs, normals: Array) -> None:
-    """Raise PushPressSlideError if forces do not push."""
+    """Raise PushPressSlideError if the forces do not point into the object."""
     along = (pairs.wrenches[:, :2] * normals).sum(1)
     angle = np.arccos(along / np.hypot(*pairs.wrenches[:, :2].T).clip(1e-12))
     typical = float(np.median(angle))
@@ -249,7 +250,7 @@ def _pushes(aligned: _Aligned) -> list[tuple[float, float]]:
     times = aligned.force.times
     size = np.hypot(*aligned.force.values.T)
     touching = size > touching_force(aligned.force)
-    # a moment without force, or a gap of the stream, does not end a push
+    # a moment without force, or a gap in the stream, does not end a push
     edges = np.diff(np.concatenate([[False], touching, [False]]).astype(int))
     starts = times[np.flatnonzero(edges == 1)]
     ends = times[np.flatnonzero(edges == -1) - 1]
@@ -264,14 +265,15 @@ def _pushes(aligned: _Aligned) -> list[tuple[float, float]]:
 
 @dataclass(frozen=True, eq=False)
 class _Windows:
-    """Cuts pushes into windows."""
+    """Division of pushes into windows."""
 
     aligned: _Aligned
     tip_contact: TipContact
-    center: Array  # (2,) [m] of mass, in G
+    center: Array  # (2,) [m] centre of mass in G
 
     def of_push(self, first: float, last: float) -> tuple[list[Array], str]:
-        """Figures (12,) of each window of a push, and the reason why some are missing.
+        """Figures (12,) of each window of a push, and the reason if windows are
+        missing.
 
         They are fx, fy, tau, dx, dy, yaw, contact x, y, height, the normal, and the
         contact's travel along the face.
@@ -298,7 +300,7 @@ class _Windows:
         return rows, reason
 
     def _row(self, inside: NDArray[np.intp]) -> Array | str:
-        """Figures of one window, or the reason why it has none."""
+        """Figures of one window, or the reason for having none."""
         aligned = self.aligned
         times = aligned.object.times[inside]
         if (np.diff(times) > LONGEST_GAP).any():
@@ -330,10 +332,10 @@ class _Windows:
 
 
 def _cuts(poses: Array) -> list[int]:
-    """Indices that cut poses (n, 3) [m] into windows of ``WINDOW`` and ``LEAST_POSES``
-    at least.
+    """Indices that cut poses (n, 3) [m] into windows of at least ``WINDOW`` and
+    ``LEAST_POSES``.
 
-    Rest before and after the motion is in no window.
+    No window contains the rest before or after the motion.
     """
     cuts: list[int] = []
     start = _first_motion(poses)
@@ -348,7 +350,7 @@ def _cuts(poses: Array) -> list[int]:
 
 
 def _first_motion(poses: Array) -> int | None:
-    """Index of the first pose that has moved by a tenth of a window. None without one."""
+    """Index of the first pose that has moved by a tenth of a window, or None."""
     moved = np.linalg.norm(poses - poses[: LEAST_POSES // 2].mean(0), axis=1)
     moving = np.flatnonzero(moved > 0.1 * WINDOW)
     return int(moving[0]) if len(moving) else None

@@ -1,4 +1,4 @@
-"""Streams of a run of this package: record.npz, one recording for each leg in contact."""
+"""Streams of a run of this package, from record.npz."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pushpressslide.identification.log_options import LogOptions
 from pushpressslide.identification.streams import Streams, stream_of
 
 NAMES = ("time", "object_pose", "tip_position", "measured_force")
-IDLE = 0.5  # [N] that an arm without a contact may measure
+IDLE = 0.5  # [N] largest force that an arm without a contact may measure
 
 
 def read_record(path: Path, options: LogOptions) -> list[Streams]:
@@ -32,7 +32,7 @@ def read_record(path: Path, options: LogOptions) -> list[Streams]:
 
 
 def streams_of_record(source: str, arrays: Mapping[str, Array]) -> Streams:
-    """Streams of the arrays of a record, of the tip that pushed.
+    """Streams of the pushing tip, from the arrays of a record.
 
     Raises PushPressSlideError as ``read_record``.
     """

@@ -1,4 +1,4 @@
-"""Sets of pushes from recordings with streams, of an object that a task describes."""
+"""Sets of pushes from recordings with streams. A task describes the object."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from pushpressslide.identification.push_windows import PushedWindows, push_windo
 from pushpressslide.identification.streams import Stream, Streams
 from pushpressslide.identification.tip_contact import TipContact
 
-SLIP = 4e-3  # [m] along the face within a window, from which on the tip slides
-FRICTIONS = (0.02, 3.0)  # that a support can have
-LEAST_SLIDING = 3  # windows that give the friction of the tip
+SLIP = 4e-3  # [m] travel along the face in a window above which the tip slides
+FRICTIONS = (0.02, 3.0)  # range of a support's friction
+LEAST_SLIDING = 3  # smallest number of windows for the friction of the tip
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class RecordedSet:
 
     push_set: PushSet
     clocks: tuple[RecordedClock, ...]
-    contact_friction: float | None  # of the tip, where it slid; None: it did not
+    contact_friction: float | None  # friction of the tip; None: it did not slide
     least_contact_friction: float  # 95th percentile of the ratio of forces
 
 
@@ -66,7 +66,7 @@ def recorded_set(
     """One set of all pushes of complete recordings.
 
     Raises PushPressSlideError for recordings without usable pushes, and for forces that
-    no friction of the support explains.
+    no support friction explains.
     """
     body = pushed_object(scene)
     notes: list[str] = []
@@ -119,7 +119,7 @@ def _tip_contact(streams: Streams, scene: Scene, options: LogOptions) -> TipCont
 def _with_tip_height(
     streams: Streams, body: ObjectModel, options: LogOptions
 ) -> tuple[Streams, str]:
-    """The streams with a height [m] of the tip above the support, and a note if it is
+    """Streams with a height [m] of the tip above the support, and a note if this is
     assumed.
     """
     tip = streams.tip
@@ -132,7 +132,7 @@ def _with_tip_height(
     elif np.isnan(values[:, 2]).any():
         values[:, 2] = 0.5 * body.shape.height
         note = (
-            f"{streams.source}: no height of the tip; taken to be "
+            f"{streams.source}: no height of the tip; assumed to be "
             f"{500.0 * body.shape.height:.0f} mm, half of the object's (--tip-height)."
         )
     return replace(streams, tip=Stream(tip.times, values)), note
@@ -156,12 +156,12 @@ def _check_forces(source: str, pairs: Pairs, weight: float) -> None:
         return
     raise PushPressSlideError(
         f"{source}: a force of {force:.3g} N at a load of {weight:.3g} N is not allowed; "
-        f"allowed: {low:g} to {high:g} of the load; --unit force=N|mN|gf, or object.mass"
+        f"allowed: {low:g} to {high:g} times it; --unit force=N|mN|gf, or object.mass"
     )
 
 
 def tip_friction(recordings: Sequence[PushedWindows]) -> tuple[float | None, float]:
-    """Friction of the tip where it slides along a face, and the 95th percentile of the
+    """Friction of the tip, None if it does not slide, and the 95th percentile of the
     ratio of forces.
     """
     ratios = []

@@ -32,7 +32,8 @@ MM = 1e-3
 POSE = "7 numbers: x y z [mm] and a unit quaternion w x y z"
 FORCE = "3 numbers: time [s], fx, fy [N]"
 PROBE = "8 numbers: time [s], x y z [mm] and a unit quaternion w x y z"
-NORM_TOLERANCE = 0.05  # of a quaternion; the logs round to three digits
+# tolerance of a quaternion's norm; the logs round to three digits
+NORM_TOLERANCE = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +51,7 @@ class Recording:
     """One log file."""
 
     path: Path
-    # pushes that the first line speaks of; a session that was broken off holds fewer
+    # number of pushes in the first line; an interrupted session holds fewer
     announced: int
     pushes: tuple[RecordedPush, ...]
 
@@ -91,7 +92,7 @@ def find_recordings(data: Path) -> tuple[list[Path], list[Path]]:
     """Logs in ``data``, a log or a folder with logs at any depth, and the text files
     that are not logs.
 
-    In a folder every .txt file counts whose first line is a number, except the
+    In a folder, every .txt file with a number in its first line counts, except the
     recorder's lists of commanded pushes ("pushaction"). Raises PushPressSlideError if
     there is no log.
     """

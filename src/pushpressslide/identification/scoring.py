@@ -35,12 +35,12 @@ Progress = Callable[[float, float], None]
 class Score:
     """Held-out predictions of one model over s splits."""
 
-    # each (t,) [rad] for the t rows of a test: angle between predicted and measured
+    # each (t,) [rad] for the t rows of a test: angle from the measured to the predicted
     # direction
     errors: tuple[Array, ...]
     mean_directions: (
-        # (n, 3) unit: mean held-out prediction of each push; NaN where it was never
-        # held out
+        # (n, 3) unit: mean held-out prediction of each push; NaN if it was never held
+        # out
         Array
     )
 
@@ -73,10 +73,10 @@ def identified(
     progress: Progress | None = None,
 ) -> Identification:
     """Models of a set, fitted to all of its pushes, and scores of models fitted to
-    parts.
+    random parts.
 
-    ``splits`` random parts with ``fit_share`` of the pushes each; the same seed gives
-    the same parts.
+    There are ``splits`` parts, each with a share ``fit_share`` of the pushes. The same
+    seed gives the same parts.
     """
     pairs = push_set.pairs
     parts = split_pushes(push_set.numbers, fit_share, splits, seed)
@@ -86,7 +86,7 @@ def identified(
 
 
 def expected_loads(push_set: PushSet) -> tuple[PressureSamples, ...]:
-    """Loads at rest [N] in B that are expected of the set's object."""
+    """Expected loads at rest [N] in B for the set's object."""
     even = push_set.uniform_pressure()
     expected = push_set.static_pressure()
     return (expected,) if even is None else (expected, even)
@@ -110,9 +110,9 @@ def fits_of(push_set: PushSet) -> dict[str, Fit]:
 def split_pushes(
     numbers: Rows, fit_share: float, splits: int, seed: int
 ) -> list[tuple[Rows, Rows]]:
-    """Random ``splits`` into rows to fit and rows to test that never part a push.
+    """Random ``splits`` into rows to fit and rows to test, without dividing a push.
 
-    ``numbers`` (n,) are those of the pushes that the rows belong to.
+    ``numbers`` (n,) gives each row's push.
     """
     pushes = np.unique(numbers)
     rows = [np.flatnonzero(numbers == push) for push in pushes]
@@ -128,8 +128,8 @@ def split_pushes(
 def random_splits(
     n: int, fit_share: float, splits: int, seed: int
 ) -> list[tuple[Rows, Rows]]:
-    """Random ``splits`` of n pushes into rows to fit and rows to test, at least one in
-    each part.
+    """Random ``splits`` of n pushes into rows to fit and rows to test, with at least
+    one row in each part.
     """
     generator = np.random.default_rng(seed)
     cut = min(max(round(fit_share * n), 1), n - 1)

@@ -1,8 +1,7 @@
-"""Streams of a recording: object, tip and force, each with its own stamps. All readers
-make them.
+"""Streams of a recording: object, tip and force, each with its own stamps. Every reader
+returns them.
 
-The object's pose has a clock of its own, that of a camera. Tip and force share the
-arm's clock.
+The object's pose has the clock of its camera; tip and force share the arm's clock.
 """
 
 from __future__ import annotations
@@ -16,8 +15,8 @@ from numpy.typing import NDArray
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import PushPressSlideError
 
-LONGEST_GAP = 0.25  # [s] between two samples that is bridged by a straight line
-LEAST_SAMPLES = 10  # of a stream
+LONGEST_GAP = 0.25  # [s] longest gap between two samples that is interpolated
+LEAST_SAMPLES = 10  # smallest number of samples in a stream
 NEEDED = ("object", "tip", "force")
 """Streams of a complete recording."""
 
@@ -53,26 +52,27 @@ class Stream:
 
 @dataclass(frozen=True, eq=False)
 class Streams:
-    """A recording in world axes. A reader leaves out what its file lacks."""
+    """A recording in world axes. Streams that a file lacks are None."""
 
     source: str  # names the file
     object: Stream | None = None  # x, y [m], yaw [rad] of G, continuous
     tip: Stream | None = None  # x, y, z [m] of its centre; z NaN if not recorded
     force: Stream | None = None  # fx, fy [N] of the tip on the object
-    tip_yaw: Stream | None = None  # [rad] of the axes that forces may be given in
+    # [rad] yaw of the tip's axes, in which forces may be given
+    tip_yaw: Stream | None = None
     notes: tuple[str, ...] = ()
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Names of the streams that identification needs and the recording lacks."""
+        """Names of the streams required by identification that the recording lacks."""
         return tuple(name for name in NEEDED if getattr(self, name) is None)
 
 
 def stream_of(source: str, name: str, times: Array, values: Array) -> Stream:
     """Checked stream of a file.
 
-    Raises PushPressSlideError if it is too short, not finite, or if its clock stands
-    still or runs back.
+    Raises PushPressSlideError if it is too short or not finite, or if its clock stands
+    still or runs backward.
     """
     if len(times) < LEAST_SAMPLES:
         raise PushPressSlideError(
@@ -89,7 +89,8 @@ def stream_of(source: str, name: str, times: Array, values: Array) -> Stream:
 
 
 def joined(parts: Sequence[Streams]) -> list[Streams]:
-    """Recordings of several files: those that are complete, and one made of the parts.
+    """Recordings of several files: the complete ones, and one joined from the partial
+    ones.
 
     Raises PushPressSlideError if a stream is missing, or is in two parts.
     """
@@ -99,7 +100,7 @@ def joined(parts: Sequence[Streams]) -> list[Streams]:
 
 
 def _one(parts: Sequence[Streams]) -> Streams:
-    """One recording of parts that have different streams."""
+    """One recording, joined from parts with different streams."""
     source = ", ".join(part.source for part in parts)
     found: dict[str, Stream] = {}
     for part in parts:

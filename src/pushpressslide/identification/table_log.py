@@ -1,7 +1,7 @@
-"""Logs as tables, CSV or Parquet: columns by name, and a row for each stamp.
+"""Logs as tables, CSV or Parquet, with named columns and a row for each stamp.
 
-In the long form a row holds the streams that have a sample at its time; the cells of
-the others are empty.
+In the long form a row holds the streams with a sample at its time; the other cells are
+empty.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from pushpressslide.identification.pairs import yaw_of
 from pushpressslide.identification.streams import Stream, Streams, stream_of
 
 EMPTY = ("", "nan", "NaN", "NAN", "null", "NA")
-LARGEST_YAW = 6.5  # [rad] beyond it an angle without a unit is one in degrees
+LARGEST_YAW = 6.5  # [rad] above which an angle without a unit is taken to be in degrees
 OBJECT = ("object_x", "object_y", "object_yaw")
 ROTATION = ("object_qw", "object_qx", "object_qy", "object_qz")
 TIP = ("tip_x", "tip_y", "tip_z")
@@ -38,22 +38,22 @@ class Table:
     titles: tuple[str, ...]
     values: Array  # (n, k) as in the file; NaN: an empty cell
     lines: tuple[int, ...]  # line of each row in the file
-    word: str  # what a row is called in messages: ``line`` or ``row``
-    # row, column and text of the cells that are not numbers
+    word: str  # word for a row in messages: ``line`` or ``row``
+    # row, column and text of each cell that is not a number
     texts: tuple[tuple[int, int, str], ...] = ()
 
 
 def read_csv(path: Path, options: LogOptions) -> list[Streams]:
-    """The one recording, or part of one, of a CSV file.
+    """The one recording, or part of one, in a CSV file.
 
-    The first line holds the names; lines that begin with # are skipped. Raises
-    PushPressSlideError with the line or the column at fault.
+    The first line holds the names; lines that start with # are skipped. Raises
+    PushPressSlideError that names the line or the column at fault.
     """
     return [streams_of(_csv_table(path), options)]
 
 
 def read_parquet(path: Path, options: LogOptions) -> list[Streams]:
-    """The one recording, or part of one, of a Parquet file.
+    """The one recording, or part of one, in a Parquet file.
 
     Raises PushPressSlideError as ``read_csv``, and MissingPackageError without pyarrow.
     """
@@ -63,8 +63,8 @@ def read_parquet(path: Path, options: LogOptions) -> list[Streams]:
 def streams_of(table: Table, options: LogOptions) -> Streams:
     """Streams of a table.
 
-    Raises PushPressSlideError for columns that are missing or doubled, cells that are
-    missing within a sample, and times that do not increase.
+    Raises PushPressSlideError for missing or duplicate columns, for missing cells in a
+    sample, and for times that do not increase.
     """
     columns = find_columns(table.source, table.titles, options)
     body = _Columns(table, columns)
@@ -85,7 +85,7 @@ def streams_of(table: Table, options: LogOptions) -> Streams:
 
 @dataclass(frozen=True, eq=False)
 class _Columns:
-    """The columns of a table by their quantities."""
+    """Columns of a table by quantity."""
 
     table: Table
     columns: dict[str, Column]
@@ -132,7 +132,7 @@ class _Columns:
         return self._values(quantity)
 
     def _check_whole(self, filled: Any, rows: Any, quantities: Sequence[str]) -> None:
-        """Raise PushPressSlideError for a row with a part of a sample alone."""
+        """Raise PushPressSlideError for a row with an incomplete sample."""
         partial = rows & ~filled.all(axis=1)
         if not partial.any():
             return
@@ -140,12 +140,12 @@ class _Columns:
         lacking = quantities[int(np.argmin(filled[row]))]
         raise PushPressSlideError(
             f"{self._place(row)}: column {self.columns[lacking].title!r} is empty; allowed: "
-            f"a number, as the others of {', '.join(quantities)} have one"
+            f"a number, as in the other columns of {', '.join(quantities)}"
         )
 
     def _check_times(self, times: Array, rows: Any) -> None:
-        """Raise PushPressSlideError at the row whose time is missing or not after the
-        one before.
+        """Raise PushPressSlideError for a row whose time is missing, or not later than
+        the previous one.
         """
         if len(times) == 0:
             return
@@ -169,7 +169,7 @@ class _Columns:
 def _continuous(source: str, placed: Stream, columns: dict[str, Column]) -> Stream:
     """The object's stream with a yaw [rad] that does not jump.
 
-    Raises PushPressSlideError for a yaw without a unit that is one in degrees.
+    Raises PushPressSlideError for a yaw without a unit that seems to be in degrees.
     """
     values = placed.values
     yaw = values[:, 2] if values.shape[1] == len(OBJECT) else yaw_of(values[:, 2:])
@@ -178,7 +178,7 @@ def _continuous(source: str, placed: Stream, columns: dict[str, Column]) -> Stre
     if largest > LARGEST_YAW and column is not None and not column.stated:
         raise PushPressSlideError(
             f"{source}: column {column.title!r}: {largest:.4g} rad is not allowed; "
-            "allowed: a turn at most; --unit yaw=deg reads degrees, yaw=rad more turns"
+            "allowed: at most one turn; --unit yaw=deg reads degrees, yaw=rad more turns"
         )
     return Stream(placed.times, np.column_stack([values[:, :2], np.unwrap(yaw)]))
 
@@ -192,7 +192,7 @@ def _with_height(tip: Stream) -> Stream:
 
 
 def _unused(table: Table, columns: dict[str, Column]) -> tuple[str, ...]:
-    """A note on a second tip, which is not used."""
+    """Note that a second tip is not used."""
     used = {column.title for column in columns.values()}
     second = [
         t for t in table.titles if t.lower().startswith("tip1_") and t not in used
@@ -216,8 +216,8 @@ def _csv_table(path: Path) -> Table:
     for i, (line, cells) in enumerate(rows[1:]):
         if len(cells) != len(titles):
             raise PushPressSlideError(
-                f"{path}: line {line}: {len(cells)} cells; allowed: {len(titles)}, as the "
-                "first line has names"
+                f"{path}: line {line}: {len(cells)} cells; allowed: {len(titles)}, one "
+                "for each name in the first line"
             )
         for k, cell in enumerate(cells):
             text = cell.strip()
@@ -232,7 +232,7 @@ def _csv_table(path: Path) -> Table:
 
 
 def _csv_rows(path: Path) -> list[tuple[int, list[str]]]:
-    """Lines of a CSV file with their numbers, without blank ones and comments."""
+    """Numbered lines of a CSV file, without blank ones and comments."""
     try:
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:

@@ -1,4 +1,4 @@
-"""Contact of a spherical tip with the side of an object, for many samples at once."""
+"""Contacts of a spherical tip with the side of an object, for many samples at once."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ class Contacts:
     """Contacts of n samples, in the object's frame G."""
 
     gaps: Array  # (n,) [m] from the tip's surface to the object; < 0: they overlap
-    points: Array  # (n, 2) [m] of the object nearest to the tip
+    points: Array  # (n, 2) [m] points of the object nearest to the tip
     normals: Array  # (n, 2) unit, into the object
 
 
 @dataclass(frozen=True)
 class TipContact:
-    """A tip and the outline that it meets."""
+    """A tip, and the outline of the object at its height."""
 
     outline: shapely.Polygon  # [m] in G, at the height of the tip
     radius: float  # [m]
@@ -43,5 +43,5 @@ class TipContact:
         return Contacts(outside * distance - self.radius, nearest, normals)
 
     def gaps(self, times: Array, tip: Stream, placed: Stream) -> Array:
-        """Gaps (n,) [m] at ``times`` (n,) [s], of streams on one clock."""
+        """Gaps (n,) [m] at ``times`` (n,) [s], from streams on one clock."""
         return self.contacts(tip.values_at(times)[:, :2], placed.values_at(times)).gaps

@@ -1,5 +1,5 @@
-"""Top-level Python functions that select and plan. They check a task built in Python as
-a task file is checked.
+"""Top-level Python functions that select and plan. A task built in Python is checked
+like a task file.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pushpressslide.taskfile.yaml_text import Overrides
 
 AnyTask = Task | str | PathLike[str] | Mapping[str, Any]
-"""A task, or what ``load_task`` makes one of."""
+"""A task, or any argument of ``load_task``."""
 
 
 def select(task: AnyTask, enough: int = 1) -> list[Choice]:
@@ -63,9 +63,9 @@ def plan(
 def checked(
     task: AnyTask, overrides: Overrides = (), *, mode: str | None = None
 ) -> Task:
-    """A task checked as a task file is, with ``mode`` as the only one, if given.
+    """Task, checked like a task file, with ``mode`` as its only mode if one is given.
 
-    Raises TaskError for a task that no task file could describe, and for what is none.
+    Raises TaskError for a task that no task file could describe, and for anything else.
     """
     from pushpressslide.taskfile.load import check_task, load_task
 

@@ -46,12 +46,13 @@ class ArmOptions:
     """Options of engines with arms; an engine without arms ignores them."""
 
     models: str = "generated"  # of the robots
-    paths: JointPaths | None = None  # of the preparation; None: they are made
+    # joint paths from planning; None: they are planned here
+    paths: JointPaths | None = None
     # called with the address of a page that shows the run
     live: Callable[[str], None] | None = None
     video: bool = False  # also write an animation
     knock: Knock | None = None  # another body that pushes the object aside
-    # drawn in a replay in place of the object's goal: shapes at poses X_WG
+    # drawn in a replay instead of the object's goal: shapes at poses X_WG
     goals: Sequence[tuple[Shape, Pose2]] = ()
 
 
@@ -128,7 +129,7 @@ class _Drake:
         plan = record.plan
         record = finite_part(replayed_record(runs, record))
         write_replay(plan, record, out, arms.models, arms.goals)
-        # the replay needs no renderer of this machine; an animation is asked for
+        # a replay needs no renderer on this machine; an animation only on request
         with suppress(SimulationError):
             write_pictures(plan, record, out, arms.models, arms.goals)
         if arms.video:

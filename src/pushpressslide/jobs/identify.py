@@ -45,12 +45,12 @@ Progress = Callable[[float, float], None]
 
 @dataclass(frozen=True)
 class IdentifyOptions:
-    """Scoring of models, and the object and the logs that are read."""
+    """Options for scoring the models, and for reading the object and the logs."""
 
     seed: int = 0
     splits: int = 20
     fit_share: float = 0.5
-    # of the object; None: that of a run, or the prism of the published text logs
+    # task of the object; None: that of a run, or the prism of the published text logs
     task: Task | None = None
     log: LogOptions = field(default_factory=LogOptions)
 
@@ -63,7 +63,7 @@ def identify(
 ) -> tuple[dict[str, Any], list[IdentifiedSet]]:
     """Identify every set of pushes in ``data``: logs, or folders with logs.
 
-    Recordings with streams are one set; of text logs each folder is one. Returns the
+    Recordings with streams form one set. Each folder of text logs is a set. Returns the
     contents of result.json, and the sets. Writes result.json, report.html and a plot of
     each set to ``out``. Raises PushPressSlideError for logs that cannot be read.
     """
@@ -85,7 +85,7 @@ def identify(
     models = [each.models for each in results]
     notes = _notes(models, passed_over)
     result = _result(data, options, results, notes)
-    # of an older run: a folder that has one is complete
+    # from an older run: a folder with a result is complete
     (out / "result.json").unlink(missing_ok=True)
     shares = f"{100.0 * options.fit_share:g} % of each set's pushes fitted"
     how = f"{options.splits} random splits, {shares}, the rest held out."
@@ -202,7 +202,7 @@ def _figures(one: Identification) -> dict[str, Any]:
 
 
 def _more_figures(result: IdentifiedSet) -> dict[str, Any]:
-    """Intervals, the push to make next and what the streams say; SI units."""
+    """Intervals, the next push, and results of the streams; SI units."""
     recorded = result.recorded
     clocks = () if recorded is None else recorded.clocks
     return {
@@ -226,7 +226,9 @@ def _more_figures(result: IdentifiedSet) -> dict[str, Any]:
 
 
 def _reductions(identifications: Sequence[Identification]) -> dict[str, float]:
-    """Mean over the sets of 1 - error / error of the one-parameter ellipsoid, by model."""
+    """Reduction of the error below that of the one-parameter ellipsoid, as a share: the
+    mean over the sets for each model.
+    """
     names = [
         name
         for name in identifications[0].scores
@@ -245,7 +247,7 @@ def _reductions(identifications: Sequence[Identification]) -> dict[str, float]:
 def _notes(
     identifications: Sequence[Identification], passed_over: Sequence[str]
 ) -> list[str]:
-    """Notes on unused data, and on what a set's name leaves open."""
+    """Notes on unused data, and on assumptions about each set."""
     notes: list[str] = []
     for each in identifications:
         notes += each.push_set.notes

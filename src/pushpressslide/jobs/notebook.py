@@ -17,7 +17,7 @@ from pushpressslide.report.plane import plan_figure
 from pushpressslide.report.series import finite_part, ticks
 from pushpressslide.view.planar.replay import write_replay
 
-HEIGHT = 560  # [pixels] of a replay
+HEIGHT = 560  # [pixels] height of a replay
 
 
 def plan_html(plan: Plan) -> str:
@@ -42,10 +42,10 @@ def record_html(record: Record) -> str:
 
 
 def _replay(record: Record) -> str:
-    """Replay as a page inside the page.
+    """Replay as an embedded page.
 
-    Empty if nothing was recorded or moved, and for a run in stages, whose other bodies
-    the view from above does not move.
+    Empty if nothing was recorded or moved. Empty for a run in stages, too: the view
+    from above does not move the other bodies.
     """
     moved = ticks(record) and record.plan.segments
     if not moved or "stage" in record.arrays:

@@ -1,5 +1,5 @@
-"""The smallest change of one field by which a refused task becomes feasible, tried
-before it is named.
+"""The smallest change of one field that makes a refused task feasible, tested before it
+is reported.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from pushpressslide.taskfile.dump import task_data
 from pushpressslide.taskfile.load import task_from_data
 
 MOST_TRIED = 12
-"""Evaluations of a changed task."""
+"""Largest number of changed tasks that are evaluated."""
 UP = (1.1, 1.25, 1.5, 2.0, 3.0, 4.0)
-"""Factors by which a limit is raised."""
+"""Factors on a limit that is raised."""
 DOWN = (0.75, 0.5, 0.25)
-"""Factors by which a distance is reduced."""
+"""Factors on a distance that is reduced."""
 SMALLER = (0.75, 0.5, 0.35, 0.25)
-"""Factors by which a tip is smaller."""
+"""Factors on a tip's radius."""
 SHIFTS = (0.05, 0.1, 0.15, 0.2, 0.3)
-"""[m] by which a base is moved towards the object, or away from it."""
+"""Distances [m] by which a base is moved towards the object or away from it."""
 TURNS = (10.0, 20.0, 30.0, 45.0, 60.0, 90.0)
-"""[deg] by which the goal is turned."""
+"""Angles [deg] by which the goal is turned."""
 SPARE = 1.02
-"""Of a figure that a refusal names."""
+"""Factor on a figure named in a refusal, to leave a margin."""
 PRESCRIBED = (
     "face",
     "contacts",
@@ -42,7 +42,7 @@ PRESCRIBED = (
     "cop",
     "look_ahead",
 )
-"""Fields of ``motion`` that a task may leave out."""
+"""Fields of ``motion`` that a task can leave to the mode."""
 SMOOTH = {"friction", "smooth_tip", "leaning", "squeeze", "outside_cone", "steering"}
 """Codes of refusals that a rougher tip may lift."""
 LARGE = {"off_top", "tipping", "above_object", "no_faces", "hollow", "too_close"}
@@ -59,7 +59,7 @@ class Remedy:
 
     field: str
     value: Any  # in the task file's units
-    text: str  # what to do, as "raise limits.time to 140"
+    text: str  # instruction, such as "raise limits.time to 140"
     mode: str
 
     def __str__(self) -> str:
@@ -69,13 +69,13 @@ class Remedy:
 
 @dataclass(frozen=True)
 class _Ladder:
-    """Values of one field, the smallest change first. If one helps, so do those after
-    it.
+    """Values of one field, the smallest change first. If one helps, so do all later
+    ones.
     """
 
     path: Path
     values: tuple[Any, ...]
-    text: str  # with {value}
+    text: str  # instruction, with {value} to fill in
 
     @property
     def field(self) -> str:
@@ -84,7 +84,7 @@ class _Ladder:
 
 @contextmanager
 def remedies_named(task: Task) -> Iterator[None]:
-    """Let a refusal of ``task`` end in its remedy, if one is found."""
+    """Context that appends a remedy to a refusal of ``task``, if one is found."""
     try:
         yield
     except InfeasibleTaskError as error:
@@ -97,11 +97,11 @@ def remedies_named(task: Task) -> Iterator[None]:
 
 
 def remedy(task: Task, refused: Sequence[Choice]) -> Remedy | None:
-    """The first change that makes the task feasible, of those that the ``refused``
-    choices suggest, at most ``MOST_TRIED`` of them tried. None if none does.
+    """First change suggested by the ``refused`` choices that makes the task feasible,
+    or None. At most ``MOST_TRIED`` changes are tried.
 
-    Joint paths are not planned. None for a task of several goals, and where joint paths
-    alone are missing.
+    Joint paths are not planned. None for a task of several goals, and if only joint
+    paths are missing.
     """
     codes = {choice.refusal.code for choice in refused if choice.refusal is not None}
     if task.goals or not codes or "joint_path" in codes:
@@ -144,7 +144,7 @@ class _Trial:
 
 
 def _smallest(trial: _Trial, ladder: _Ladder) -> Remedy | None:
-    """The smallest change of a ladder that helps, by bisection."""
+    """Smallest change of a ladder that helps, found by bisection."""
     values = ladder.values
     modes: dict[int, str] = {}
     low, high = 0, len(values) - 1
@@ -179,8 +179,8 @@ def _written(value: Any) -> str:
 def _ladders(
     task: Task, refused: Sequence[Choice], codes: set[str]
 ) -> Iterator[_Ladder]:
-    """Yield the changes that refusals suggest: what the task prescribes first, then the
-    fields that a refusal names, then the cell and the goal.
+    """Yield the changes suggested by refusals: prescribed fields first, then the fields
+    that a refusal names, then the cell and the goal.
     """
     yield from _prescribed(task)
     yield from _forces(task, refused)
@@ -200,7 +200,9 @@ def _ladders(
 
 
 def _figures(refused: Sequence[Choice], code: str) -> list[tuple[float, float]]:
-    """Figure and bound of the refusals of a code, the nearest to feasible first."""
+    """Figure and bound of each refusal with a given code, the nearest to feasible
+    first.
+    """
     out = []
     for choice in refused:
         reason = choice.refusal
@@ -210,7 +212,7 @@ def _figures(refused: Sequence[Choice], code: str) -> list[tuple[float, float]]:
 
 
 def _prescribed(task: Task) -> Iterator[_Ladder]:
-    """Yield what the task leaves no choice of."""
+    """Yield the removal of each prescribed field."""
     if task.modes is not None and not task.legs:
         yield _Ladder(("modes",), (None,), "leave modes out")
     usual = Motion()
@@ -220,7 +222,7 @@ def _prescribed(task: Task) -> Iterator[_Ladder]:
 
 
 def _forces(task: Task, refused: Sequence[Choice]) -> Iterator[_Ladder]:
-    """Yield larger normal forces, those first that refusals ask for."""
+    """Yield larger normal forces, those required by refusals first."""
     force = task.limits.normal_force
     asked = [
         figure / PLANNED_SHARE * SPARE
@@ -244,7 +246,7 @@ def _longer(task: Task, figures: Sequence[tuple[float, float]]) -> Iterator[_Lad
 def _lower_contact(
     task: Task, figures: Sequence[tuple[float, float]]
 ) -> Iterator[_Ladder]:
-    """Yield lower contacts of the side."""
+    """Yield lower contacts on the side."""
     allowed = max((bound for _, bound in figures), default=0.0)
     if allowed <= 0.0:
         return
@@ -265,12 +267,12 @@ def _nearer_obstacles(
 def _no_workspace(
     task: Task, figures: Sequence[tuple[float, float]]
 ) -> Iterator[_Ladder]:
-    """Yield no bounds of the object's place."""
+    """Yield the removal of the workspace's bounds."""
     yield _Ladder(("limits", "workspace"), (None,), "leave limits.workspace out")
 
 
 def _smaller_tips(task: Task) -> Iterator[_Ladder]:
-    """Yield smaller tips, down to a quarter of their radius."""
+    """Yield smaller tips, down to a quarter of the radius."""
     for i, robot in enumerate(task.robots):
         if robot.tip is None and robot.tip_frame is None:
             values = tuple(round(robot.tip_radius * share, 4) for share in SMALLER)
@@ -279,7 +281,7 @@ def _smaller_tips(task: Task) -> Iterator[_Ladder]:
 
 
 def _rougher(task: Task) -> _Ladder:
-    """Rougher tips."""
+    """Tips with more friction."""
     path: Path = ("contact", "friction")
     friction = task.contact_friction
     if task.belief.contact_friction is not None:
@@ -293,7 +295,7 @@ def _rougher(task: Task) -> _Ladder:
 def _moved_bases(
     task: Task, figures: Sequence[tuple[float, float]]
 ) -> Iterator[_Ladder]:
-    """Yield bases nearer to the way of the object, then farther from it."""
+    """Yield bases nearer to the object's path, then farther from it."""
     middle = (
         0.5 * (task.start.x + task.goal.x),
         0.5 * (task.start.y + task.goal.y),
@@ -319,7 +321,7 @@ def _moved_bases(
 
 
 def _turned_goals(task: Task) -> Iterator[_Ladder]:
-    """Yield goals of another attitude, to either side."""
+    """Yield goals turned to either side."""
     yaw = math.degrees(task.goal.yaw)
     back = math.degrees(math.remainder(task.start.yaw - task.goal.yaw, math.tau))
     for sign in (1.0, -1.0) if back >= 0.0 else (-1.0, 1.0):
@@ -328,7 +330,7 @@ def _turned_goals(task: Task) -> Iterator[_Ladder]:
 
 
 def _rounded_up(value: float) -> float:
-    """A value with two digits, not below ``value``."""
+    """``value`` rounded up to two digits."""
     size = 10.0 ** (math.floor(math.log10(value)) - 1)
     return math.ceil(value / size - 1e-9) * size
 

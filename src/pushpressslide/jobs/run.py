@@ -1,5 +1,5 @@
-"""Whole pipeline for one task: select, plan, run on an engine, measure, and write
-everything that a user looks at.
+"""Complete pipeline for one task: select, plan, run on an engine, measure, and write
+all files for the user.
 """
 
 from __future__ import annotations
@@ -237,7 +237,7 @@ def write_pages(out: Output, done: Done, *, models: str = "generated") -> None:
         write_plan_pictures(done.stages, folder)
         begun = [stage for stage in done.stages if isinstance(stage, StageRun)]
         arms = ArmOptions(models, video=out.video, goals=goals)
-        if done.record.plan.segments:  # something moved
+        if done.record.plan.segments:  # empty for a run without motion
             engine.write_replay(begun, done.record, folder, arms)
         write_report([folder])
     except KeyboardInterrupt:

@@ -40,7 +40,7 @@ FIGURES = (
     "torque_limit_violation_fraction",
     "realtime_factor",
 )
-"""Of a run's result, what its row holds."""
+"""Figures of a run's result that its row contains."""
 OURS = (
     SimulationError,
     ArithmeticError,
@@ -56,7 +56,7 @@ OURS = (
 exits.
 """
 KNOCKED = (0.25, 0.65)
-"""Of the direct way, where the object is knocked."""
+"""Range of the point of the knock, as a share of the direct path."""
 FORCED = 3
 """Choices of a refused task that are run all the same: the best that have a path."""
 

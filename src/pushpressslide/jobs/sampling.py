@@ -27,9 +27,9 @@ from pushpressslide.modes import MODES
 
 Range = tuple[float, float]
 Draw = Literal["ahead", "any", "cluttered"]
-"""Which tasks are drawn: goals about ahead of the push, objects of medium size; goals in
-any direction, objects of any size, the centre of mass off centre; or start and goal
-anywhere in reach, among obstacles (``jobs/cluttered.py``).
+"""Kind of drawn tasks. "ahead": goals about ahead of the push, objects of medium size.
+"any": goals in any direction, objects of any size, the centre of mass off centre.
+"cluttered": start and goal anywhere in reach, among obstacles (``jobs/cluttered.py``).
 """
 Poses = tuple[Pose2, Pose2]
 """X_WG at the start and at the goal."""

@@ -50,13 +50,14 @@ class StageOptions:
     """Options for planning and running the stages of a task."""
 
     engine: str
-    seed: int = 0  # of the first stage's noise; the others' are the next ones
+    # seed of the first stage's noise; later stages use the following ones
+    seed: int = 0
     # run the best choice that has a path, even if it is infeasible
     force: bool = False
     models: str = "generated"  # of the robots
     monitor: Monitor = field(default_factory=Monitor)
     knock: Knock | None = None  # another body that pushes the object aside
-    # what of the loop is another one; seed, progress and stop are those of each stage
+    # options of the run loop; seed, progress and stop are set for each stage
     loop: RunOptions = field(default_factory=RunOptions)
 
 
@@ -64,10 +65,10 @@ class StageOptions:
 class Done:
     """Result of a run."""
 
-    task: Task  # as it was run, with the motions that were searched for
-    stages: tuple[StagePlan, ...]  # in order, those that were not begun last
+    task: Task  # as executed, with the motions found by search
+    stages: tuple[StagePlan, ...]  # in order, with stages that were not started last
     record: Record
-    result: dict[str, Any]  # empty where it was not measured
+    result: dict[str, Any]  # empty if the run was not measured
 
 
 class StageRunner:
@@ -89,11 +90,12 @@ class StageRunner:
             self.enough,
             force=options.force,
         )
-        self.runs: list[StageRun] = []  # those that have ended
-        self.lacking: Ending | None = None  # why a stage was not begun
-        self._time = 0.0  # [s] since the first stage began
-        self._expected = start_state(task)  # by the plans
-        self._within: dict[str, Tolerance] = {}  # of these, where not the task's
+        self.runs: list[StageRun] = []  # finished runs
+        self.lacking: Ending | None = None  # why a stage was not started
+        self._time = 0.0  # [s] since the start of the first stage
+        self._expected = start_state(task)  # state expected by the plans
+        # tolerances of bodies that finished stages have moved
+        self._within: dict[str, Tolerance] = {}
         self._state = start_state(task).with_body_at(
             OBJECT, task.true_start
         )  # as it is
@@ -121,7 +123,7 @@ class StageRunner:
         return len(self.runs) == len(self.planned)
 
     def done(self) -> Done:
-        """Result of the run, once it has ended."""
+        """Result of the finished run."""
         runs = self.runs
         stages = [planned.stage for planned in self.planned]
         if not self.task.goals:
@@ -133,7 +135,7 @@ class StageRunner:
         return self._done(joined_record(runs, ending, self.options.seed), result)
 
     def so_far(self) -> Done:
-        """Result of the stages that have ended."""
+        """Result of the finished stages."""
         text = f"stage {len(self.runs)} of {len(self.planned)} has ended"
         ending = Ending("interrupted", text)
         return self._done(joined_record(self.runs, ending, self.options.seed), {})

@@ -13,7 +13,7 @@ from pushpressslide.core.whole_file import whole
 from pushpressslide.jobs.rows import Row
 
 ATTEMPTED = ("reached", "missed", "failed")
-"""How a sample ends that was not refused."""
+"""Outcomes of a sample that was not refused."""
 SPREADS = ("final_position_error", "final_yaw_error", "duration", "slip_distance")
 CONFIDENCE = 0.95
 HEAD = (

@@ -1,4 +1,4 @@
-"""The joint trajectory of a task's arms, as a file for other programs."""
+"""Joint trajectory of a task's arms as a file for other programs."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from pushpressslide.robots.joint_names import joint_names
 from pushpressslide.selection.stages import PlannedStage
 
 PERIOD = 0.01  # [s] between samples
-# [s] to the largest speed, of a joint whose maker states no acceleration
+# [s] to the largest speed, for a joint without a stated acceleration limit
 SPEED_TIME = 0.3
-# [s] to the largest acceleration: that of Franka's limits of jerk
+# [s] to the largest acceleration, as in Franka's jerk limits
 ACCELERATION_TIME = 2e-3
 ENDS = (".csv", ".yaml", ".yml")
 
@@ -43,7 +43,7 @@ def check_trajectory_file(path: Path) -> None:
 def arm_limits(robots: Sequence[Robot]) -> JointLimits:
     """Limits of the joints of all arms.
 
-    A maker's acceleration is taken where it is stated.
+    The maker's acceleration is used if it is stated.
     """
     joints = [joint for robot in robots for joint in robot_facts(robot).moving]
     speed = np.array([joint.velocity for joint in joints])

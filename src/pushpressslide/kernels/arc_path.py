@@ -14,14 +14,14 @@ from pushpressslide.kernels.kernel import compiled_as, kernel
 TURN = 2.0 * pi
 
 Piece = tuple[float, float, float, float, float, float, float, float]
-"""A piece of a path; all: arc length [m] at start and end, curvature [1/m]. Arc: the yaw
-[rad] that it had at arc length 0, its centre, its radius and its side. Line: its yaw, its
-direction, and arc length and offset to the left of the world's origin. After the last one
-the path goes on with a line without end.
+"""A piece of a path; all: arc length [m] at start and end, curvature [1/m]. Arc: its
+yaw [rad] extrapolated to arc length 0, its centre, its radius and its side. Line: its
+yaw, its direction, and arc length and offset to the left of the world's origin. After
+the last piece the path continues with an infinite line.
 """
 Bend = tuple[float, float, float]
-"""Where the curvature changes: arc length [m], by how much [1/m], and how far the nearer
-end of the path is [m].
+"""A jump of the curvature: its arc length [m], its size [1/m], and the distance [m] of
+the nearer end of the path.
 """
 Nearest = tuple[float, float, float, float]
 """Arc length [m], offset to the left of a point [m], heading [rad] and curvature [1/m]."""

@@ -38,7 +38,7 @@ friction of the pair tip/body; [m/s] at which the tip may come nearer to the fac
 gap over the tick.
 """
 Slope = tuple[float, float, float, float]
-"""What a force loses per velocity of the tip's centre [N s/m]: xx, xy, yx, yy."""
+"""Decrease of a force per velocity of the tip's centre [N s/m]: xx, xy, yx, yy."""
 Touch = tuple[Vector, Slope, int, Vector, Vector]
 """Force on the body [N] and its slope, status, point where it acts [m], centre of the
 tip [m].

@@ -44,14 +44,16 @@ which the series holds; the square of rho.
 Series = Sequence[complex]
 """Ten complex coefficients, ``mechanics.face_pressure.series``."""
 Center = tuple[float, float, float, float, float]
-"""The centre of rotation c: its place x, y, the unit vector e to it, and p(c)."""
+"""The centre of rotation c: its position x, y, the unit vector e to it, and p(c)."""
 Forces = tuple[float, float, float, float]
 """Sums over the edges: of k int f ds, of k int p f ds, and of n int p f ds."""
 Stretches = tuple[float, float, float, float, float]
-"""Sums over the edges: of n int |R| ds, and xx, xy, yy of what p R R^T / |R|^3 has."""
+"""Sums over the edges: of n int |R| ds, and of the components xx, xy, yy of the
+integral of p R R^T / |R|^3.
+"""
 Side = tuple[float, float, float, float, float]
-"""Of one edge: k; half the logarithm in int ds / |R|; what |R| gains along it; int |R| ds;
-p(c).
+"""Terms of one edge: k; half the logarithm in int ds / |R|; the increase of |R| along
+it; int |R| ds; p(c).
 """
 
 

@@ -37,7 +37,7 @@ Sample = tuple[Column, Column, Column, Column]
 Samples = Any
 """An array (4, m): a ``Sample`` in each column."""
 Blur = Vector
-"""What is added to the square of a sample's radius, and to the square of its speed."""
+"""Additions to the square of a sample's radius, and to the square of its speed."""
 Power = tuple[
     Column, Column, Column, Column, Column, Column, Column, Column, Column, Column
 ]

@@ -14,7 +14,7 @@ APART: list[Callable[..., Any]] = []
 WIDE: list[Callable[..., Any]] = []
 """Kernels of which compiled loops take four rows at once, every branch of each."""
 COMPILED: dict[Callable[..., Any], Callable[..., Any]] = {}
-"""What compiled code runs in the place of a kernel."""
+"""Function that compiled code runs in place of each kernel."""
 SUMS: list[Callable[..., Any]] = []
 """Kernels that compiled code may add up in any order, and so several at a time."""
 

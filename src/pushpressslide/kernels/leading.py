@@ -12,12 +12,12 @@ from pushpressslide.kernels.kernel import kernel
 from pushpressslide.kernels.plane import Pose
 
 Pace = tuple[float, float, float, float]
-"""What bounds the speed along a path: how fast it may end [m/s] and the most [m/s], its
-acceleration [m/s^2], and the pull of the time reference on the progress [1/s].
+"""Bounds of the speed along a path: final speed [m/s], largest speed [m/s],
+acceleration [m/s^2], and gain of the time reference on the progress [1/s].
 """
 SteeringScale = tuple[float, float, float, float]
-"""Friction utilisation above which the share of the steering that may be used falls; how
-fast it falls and rises [1/s]; the least share.
+"""Scale of the steering: friction utilisation above which it decreases, rates of
+decrease and increase [1/s], and smallest scale.
 """
 
 

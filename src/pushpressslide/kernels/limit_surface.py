@@ -12,11 +12,12 @@ from pushpressslide.kernels.kernel import kernel
 
 Twist = tuple[float, float, float]
 Ellipsoid = tuple[float, float, float]
-"""Largest force mu_s N [N], rho [m], and how far that force moves the centre of pressure
-[m]: h mu_s of forces at the height h.
+"""Largest force mu_s N [N], rho [m], and the shift [m] of the centre of pressure by
+that force: h mu_s for forces at height h.
 """
 Placed = tuple[float, float, float, float, float]
-"""An ``Ellipsoid`` and the place [m] in B of the centre of pressure without drag."""
+"""An ``Ellipsoid``, and the position [m] in B of the centre of pressure without drag.
+"""
 
 
 @kernel

@@ -21,8 +21,8 @@ SideContact = tuple[float, float, float, float, float]
 """One side contact in B: point x, y [m], unit inward normal x, y, friction."""
 
 Nearness = tuple[float, float, float]
-"""The norm diag(1, 1, 1/rho^2): rho [m], 1 / rho^2, and by how much a force's part that
-turns shrinks in it.
+"""Terms of the norm diag(1, 1, 1/rho^2): rho [m], 1 / rho^2, and the factor by which it
+shrinks the turning component of a force.
 """
 
 

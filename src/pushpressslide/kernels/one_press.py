@@ -15,8 +15,8 @@ the friction disc [N].
 """
 
 Nearness = tuple[float, float]
-"""The norm diag(1, 1, 1/rho^2): 1 / rho^2, and by how much a force's part that turns
-shrinks in it.
+"""Terms of the norm diag(1, 1, 1/rho^2): 1 / rho^2, and the factor by which it shrinks
+the turning component of a force.
 """
 
 

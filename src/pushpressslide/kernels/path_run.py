@@ -35,7 +35,7 @@ UNDER_WAY = 0.0
 ARRIVED = 1.0
 LEFT_FACE = 2.0
 ASTRAY = 3.0
-"""How a run stands."""
+"""Status of a run."""
 THINNEST = 1e-12  # [m^2] of an ellipsoid's rho^2
 
 Clock = tuple[float, float, float, float, float, float]
@@ -57,9 +57,9 @@ Lead = tuple[float, Vector, float, Stanley, Car, SteeringScale]
 in B [m]; direction of the car's heading axis in B [rad]; its law and figures, and how its steering is scaled.
 """
 Touch = tuple[Face, Vector, float, float, float, float, float]
-"""The face and the tip at it; the tip's centre as planned [m]; friction as believed; force
-[N] that counts as contact, and below which it is lost; how fast the tip's reference may
-change [m/s^2]; how long [s] a contact may be lost.
+"""The face and the tip at it; planned centre of the tip [m]; believed friction; force
+[N] that counts as contact, and force below which contact is lost; largest change of the
+tip's reference velocity [m/s^2]; longest loss of contact [s].
 """
 Base = tuple[float, float, float, float]
 """rho^2 [m^2] of the ellipsoid about the centre of pressure, as the exact surface has it
@@ -67,9 +67,10 @@ for a force at the tangent k to the line through the centre of mass, less the sq
 distance between the two centres: at k = 0, per |k|, per k^2, and |k| beyond which it stays.
 """
 Course = tuple[Pace, float, float, float, float, float, float, float]
-"""What bounds the speed; length of the path [m], cruising speed of its profile [m/s], time
-over which bends are averaged [s], path left [m] at which the motion ends, distance off the
-path [m] at which it is given up, tick [s], and time [s] after which the run is ended.
+"""Bounds of the speed; length of the path [m], cruising speed of its profile [m/s],
+time over which bends are averaged [s], remaining path [m] at which the motion ends,
+distance off the path [m] at which it is given up, tick [s], and time limit [s] of the
+run.
 """
 Laws = tuple[Lead, Touch, Base, Course]
 Rows = Sequence[Sequence[float]]

@@ -19,8 +19,8 @@ from pushpressslide.kernels.sliding import REST, Triple
 Edges = tuple[Vector, Vector]
 """The right and the left edge of a cone."""
 Contact = tuple[Vector, Vector, float, float]
-"""From the centre of pressure to the contact [m]; unit inward normal; friction of the
-pair; rho [m].
+"""Vector from the centre of pressure to the contact [m]; unit inward normal; friction
+of the pair; rho [m].
 """
 Push = tuple[int, Triple, float]
 """Status, with ``FREE`` for a pusher that leaves; twist of the centre of pressure; slip
@@ -31,8 +31,8 @@ Face = tuple[Vector, Vector, Vector, float, float]
 end [m] from its foot; friction of the pair; rho [m].
 """
 Pushed = tuple[Pose, float, float]
-"""Pose of a body; place of its pusher along the face [m], and the gap between them [m],
-infinite once it has passed an edge.
+"""Pose of a body; position of its pusher along the face [m]; gap between them [m],
+infinite once the pusher has passed an edge.
 """
 
 

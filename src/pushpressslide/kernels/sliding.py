@@ -37,15 +37,16 @@ Triple = tuple[float, float, float]
 """A twist (m/s, rad/s), or a force [N] and moment [N m], at the centre of pressure."""
 Matrix = tuple[Triple, Triple, Triple]
 Drag = tuple[float, Triple]
-"""A drag [N s/m], and the twist that it holds the body back to."""
+"""A drag [N s/m], and the twist towards which it acts."""
 Support = tuple[Any, float, float]
-"""What ``Laws`` know the support by, mu N [N], rho [m]."""
+"""Description of the support for ``Laws``, mu N [N], rho [m]."""
 Laws = tuple[
     Callable[[float, float, float, Any, float, bool], Friction],
     Callable[[float, float, float, Any], Touch],
 ]
-"""The friction of a twist, of what the support is known by and of mu N [N]; it may leave
-out the slope without the last. What a contact does under a twist.
+"""Two functions. The first returns the friction for a twist, a description of the
+support and mu N [N]. Unless the last argument is true, it may omit the slope. The
+second returns the reaction of a contact to a twist.
 """
 REST = (0.0, 0.0, 0.0)
 FREED: Drag = (0.0, REST)
@@ -128,7 +129,9 @@ def solved(
 def left_over_and_slope(
     twist: Triple, drag: Drag, contacts: Sequence[Any], support: Support, laws: Laws
 ) -> tuple[Triple, Matrix]:
-    """Unbalanced force [N] and moment [N m], and their derivative by the twist."""
+    """Unbalanced force [N] and moment [N m], and their derivative with respect to the
+    twist.
+    """
     vx, vy, w = twist
     surface, limit, rho = support
     friction, touch = laws

@@ -16,7 +16,8 @@ CREEP = 1e-8  # [m/s] up to which the friction grows with the speed; stands for 
 STILL = 1.0 / CREEP  # slope of the friction of a body that does not move
 
 Slope = tuple[float, float, float, float, float, float]
-"""The symmetric derivative of a wrench by the twist: xx, xy, xw, yy, yw, ww."""
+"""Symmetric derivative of a wrench with respect to the twist: xx, xy, xw, yy, yw, ww.
+"""
 Friction = tuple[float, float, float, float, float, float, float, float, float]
 """The wrench that slides a body with a twist, x, y and moment, and its slope."""
 

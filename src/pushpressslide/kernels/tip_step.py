@@ -32,33 +32,35 @@ from pushpressslide.kernels.sliding import Laws, Triple, slide
 PASSED = 1e-3  # [m] behind a face: a tip there came round its end, not through it
 
 Command = tuple[Vector, Vector, Vector, Vector, Vector]
-"""What a tip is led by, in the plane: a force [N], how far it is from where it should be
-[m] and the velocity [m/s] that it should have, in the world; stiffness [N/m] and damping
-[N s/m] along an axis and to its left.
+"""Command of a tip in the plane. In the world: force [N], position error [m] and
+reference velocity [m/s]. Along an axis and to its left: stiffness [N/m] and damping [N
+s/m].
 """
 Led = tuple[Vector, Vector, Vector]
-"""Where a tip's centre is [m], and the velocity [m/s] and force [N] that it is led by, in
+"""Position of a tip's centre [m], with its reference velocity [m/s] and force [N], in
 the world.
 """
 Face = tuple[Vector, float, float, float, float, float, float]
-"""A flat side and its tip: unit inward normal; how far the side is along it [m]; the
-side's right and left end to the left of it [m]; radius of the tip [m], friction of the
+"""A flat side and its tip: unit inward normal; position of the side along it [m]; right
+and left end of the side, to the left of it [m]; radius of the tip [m], friction of the
 pair, damping [N s/m].
 """
 Body = tuple[Vector, float, float, float]
 """Centre of pressure [m]; mu_s N [N]; rho [m]; how long the tick is [s]."""
 Reach = tuple[Vector, Vector, Vector, Law]
-"""A tip at the start of a tick: B's axis and the tip's place [m] in the world; its place
-[m] and its law in B.
+"""A tip at the start of a tick. In the world: B's axis and the tip's position [m]. In
+B: its position [m] and its law.
 """
 Motion = tuple[Triple, Vector, Pose, float]
 """A body in a tick: twist of its centre of pressure, that centre [m], pose at the end,
 and how long the tick is [s].
 """
 After = tuple[Vector, Vector, Vector]
-"""A tip's place [m] and velocity [m/s], and its force on the body [N], in the world."""
+"""Position [m] and velocity [m/s] of a tip, and its force on the body [N], in the
+world.
+"""
 State = tuple[Vector, Vector, int]
-"""A tip's place [m] and force on the body [N] in the world, and its status."""
+"""Position [m] of a tip and its force on the body [N] in the world, and its status."""
 
 
 @kernel

@@ -22,8 +22,8 @@ Car = tuple[float, float, float, float, float, float]
 contact to centre of pressure, -D [m], and -D / rho^2 [1/m].
 """
 Pull = tuple[float, float, float, float]
-"""Speed [m/s] in the path's metric, way [m] over which an error falls to 1/e, radius [m]
-of the metric, and the error [m] up to which the pull is in proportion.
+"""Speed [m/s] in the path's metric, length [m] over which an error decays to 1/e,
+radius [m] of the metric, and error [m] up to which the correction is proportional.
 """
 
 

@@ -20,8 +20,8 @@ Edge = tuple[float, float, float, float]
 Edges = tuple[Edge, Edge, Edge, Edge]
 """The right and left edge of contact 1, then of contact 2."""
 Span = Vector
-"""Of two edges: their product, and one over the square of their cross product, 0 where
-they span no plane.
+"""Products of two edges: their scalar product, and one over the square of their cross
+product, or 0 if they span no plane.
 """
 Spans = tuple[Span, Span, Span, Span, Span, Span]
 Cone = tuple[Edges, Spans]

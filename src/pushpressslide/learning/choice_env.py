@@ -1,5 +1,5 @@
-"""An object anywhere near its start, pushed in single pushes: the agent chooses where to
-touch, in which direction to push, and how far.
+"""An environment of single pushes: the agent chooses where to touch the object, in
+which direction to push, and how far.
 """
 
 from __future__ import annotations
@@ -39,23 +39,26 @@ except ImportError as error:
     raise ImportError(MISSING) from error
 
 SPREAD = (0.15, 0.15, math.pi)
-"""How far starts are drawn from the task's, to either side: x, y [m] and yaw [rad]."""
+"""Largest offset of a drawn start from the task's, to either side: x, y [m] and yaw
+[rad].
+"""
 THRESHOLD = (0.02, math.radians(10.0))
 """Errors of a success by default: position [m] and yaw [rad]."""
-LEAN = math.radians(60.0)  # of a push from the face's normal, to either side
-LONGEST = 0.1  # [m] of a push
-TICKS = 20  # of a push
-PUSHES = 40  # that an episode may last
+# largest angle of a push from the face's normal, to either side
+LEAN = math.radians(60.0)
+LONGEST = 0.1  # [m] length of the longest push
+TICKS = 20  # number of steps per push
+PUSHES = 40  # longest episode
 ONE = np.zeros(1, dtype=np.intp)
 
 
 class ChoiceEnv(gymnasium.Env):
-    """One object that a tip pushes to a goal, a push at each step.
+    """One object that a tip pushes to a goal, with one push per step.
 
     Actions (3,) in [-1, 1]: the place along the flat faces that can be pushed, joined
     end to end; the direction from the inward normal, up to 60 degrees; and the length,
-    up to 0.1 m. Observations (6,) are the pose of G and the goal, reward, ``success``
-    and the ellipsoid as in ``environment.PushEnv``, that of each face. A push ends as
+    up to 0.1 m. Observations (6,) are the pose of G and the goal. Reward, ``success``
+    and the ellipsoid of each face are as in ``environment.PushEnv``. A push ends when
     the tip passes an end of its face.
     """
 
@@ -100,7 +103,7 @@ class ChoiceEnv(gymnasium.Env):
         return self._last[:6], _info(self._last, False)
 
     def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
-        """Push once."""
+        """Make one push."""
         out = self.pushed(self._last[:3], action)
         self._last = out.observations[0]
         self._pushes += 1
@@ -110,7 +113,7 @@ class ChoiceEnv(gymnasium.Env):
         return self._last[:6], float(out.rewards[0]), success, late, info
 
     def pushed(self, pose: Array, action: Array) -> Outcome:
-        """Outcome of one push at a pose X_WG (3,), which leaves the episode as it is."""
+        """Outcome of one push at a pose X_WG (3,). The episode does not change."""
         place, lean, length = np.clip(np.asarray(action, dtype=np.float64), -1.0, 1.0)
         along = 0.5 * (float(place) + 1.0) * self._ends[-1]
         number = min(bisect(self._ends, along), len(self._ends) - 1)

@@ -51,21 +51,24 @@ except ImportError as error:
     raise ImportError(MISSING) from error
 
 SPREAD = (0.01, 0.01, math.radians(5.0))
-"""How far starts are drawn from the task's, to either side: x, y [m] and yaw [rad]."""
+"""Largest offset of a drawn start from the task's, to either side: x, y [m] and yaw
+[rad].
+"""
 ENGINES = ("drake", "planar")
 DRAWS = 20
-"""Starts that are drawn until one can be planned from."""
+"""Number of starts that are drawn until one has a plan."""
 
 
 class CommandEnv(gymnasium.Env):
-    """One task whose tips an agent commands from before the touch on, as the controller
-    does.
+    """One task whose tips an agent commands like the controller, from just before the
+    touch.
 
-    Observations (7 + 9 A,) and actions (25 A,) for A arms as ``command_rows``; rows of
-    arms without a contact in the plan are ignored. A step is one control period. The
-    reward [m] is minus the distance to the goal and minus rho times the angle to it;
-    ``success`` in ``info``: the object is within the task's tolerance. This ends the
-    episode, as does a failure of the engine. ``limits.time`` truncates.
+    Observations (7 + 9 A,) and actions (25 A,) for A arms are laid out as in
+    ``command_rows``. Rows of arms without a contact in the plan are ignored. A step is
+    one control period. The reward [m] is minus the distance to the goal and minus rho
+    times the angle to it; ``success`` in ``info``: the object is within the task's
+    tolerance. This ends the episode, as does a failure of the engine. ``limits.time``
+    truncates.
     """
 
     metadata: ClassVar[dict[str, Any]] = {**METADATA, "render_fps": 250}
@@ -109,7 +112,7 @@ class CommandEnv(gymnasium.Env):
         self.scale = CommandScale(self.task.motion, self.task.limits)
         size = (WIDTH * arms,)
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, size, dtype=np.float64)
-        self.loop: RunLoop  # of the present episode
+        self.loop: RunLoop  # of the current episode
         self._touching: frozenset[int] = frozenset()
 
     @property
@@ -181,7 +184,7 @@ class CommandEnv(gymnasium.Env):
     ) -> tuple[Cell, Plan]:
         """A cell and a plan to a goal from a start, drawn if none is given.
 
-        Objects that only arms or a ledge can carry begin at the task's own start.
+        Objects that need an arm or a ledge to carry them start at the task's own start.
         """
         own = self.task.start
         if start is not None:
@@ -218,7 +221,7 @@ class CommandEnv(gymnasium.Env):
 
 
 def _lone(plan: Plan) -> Plan:
-    """The given plan, checked to have only one placement. Raises InfeasibleTaskError if
+    """The given plan, which must have only one placement. Raises InfeasibleTaskError if
     it has more.
     """
     if len(plan.placements) > 1:

@@ -14,16 +14,17 @@ from pushpressslide.core.motion import Limits, Motion
 from pushpressslide.core.pose import Pose2
 
 YAW = 4.0 * math.pi  # [rad], whole turns included
-LEAST_DAMPING = 500.0  # [N s/m] of which twice can always be asked
-FAST = 10.0  # [m/s] of a tip that is seen
-FAR = 20.0  # [m] of what is seen
-STRONG = 1e5  # [N] of a force that is seen
+# [N s/m] damping of which twice the amount is always within the bounds
+LEAST_DAMPING = 500.0
+FAST = 10.0  # [m/s] bound of an observed velocity
+FAR = 20.0  # [m] bound of an observed position
+STRONG = 1e5  # [N] bound of an observed force
 SEEN = 7
-"""Numbers of an observation before those of the tips: time, pose, goal."""
+"""Number of values in an observation before those of the tips: time, pose, goal."""
 TIP = 9
-"""Numbers of an observation for each tip: position, velocity, force."""
+"""Number of values in an observation for each tip: position, velocity, force."""
 WIDTH = 25
-"""Numbers of one tip's command."""
+"""Number of values in one tip's command."""
 
 
 COMMAND = (
@@ -41,11 +42,11 @@ COMMAND = (
     ("tool_yaw_acceleration", 1),
     ("catches_up", 1),
 )
-"""Fields of a tip's command, with their numbers."""
+"""Fields of a tip's command, with the number of values of each."""
 
 
 def state_names(arms: int) -> tuple[str, ...]:
-    """What an observation of ``arms`` arms holds."""
+    """Names of an observation's values for ``arms`` arms."""
     names = ["time", "x", "y", "yaw", "goal_x", "goal_y", "goal_yaw"]
     for arm in range(arms):
         for what in ("", "v", "f"):
@@ -54,7 +55,7 @@ def state_names(arms: int) -> tuple[str, ...]:
 
 
 def command_names(arms: int) -> tuple[str, ...]:
-    """What an action of ``arms`` arms holds."""
+    """Names of an action's values for ``arms`` arms."""
     names = []
     for arm in range(arms):
         for field, count in COMMAND:
@@ -64,15 +65,15 @@ def command_names(arms: int) -> tuple[str, ...]:
 
 
 class CommandScale:
-    """A tip's command as numbers in [-1, 1], each scaled from the smallest to the
-    largest allowed value of its field.
+    """Scale of a tip's command as numbers in [-1, 1]: from the smallest to the largest
+    allowed value of each field.
     """
 
     def __init__(self, motion: Motion, limits: Limits) -> None:
         """Take the bounds of forces and damping from a task."""
         force = 2.0 * limits.normal_force
         damping = 2.0 * max(motion.servo_damping, LEAST_DAMPING)
-        # least and largest value, in the units of TipCommand
+        # smallest and largest value, in the units of TipCommand
         bounds = {
             "force": (-force, force),
             "position": (-5.0, 5.0),
@@ -130,7 +131,7 @@ def observation_row(measurement: Measurement, goal: Pose2) -> Array:
 
 
 def row_measurement(row: Array) -> Measurement:
-    """Measurement in an observation (7 + 9 A,)."""
+    """Measurement from an observation (7 + 9 A,)."""
     time, x, y, yaw, *_ = row[:SEEN].tolist()
     tips = []
     for numbers in row[SEEN:].reshape(-1, TIP).tolist():

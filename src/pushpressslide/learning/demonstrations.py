@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 Progress = Callable[[float, float], None]
 Policy = Callable[[Array], Array]
 ACTION = ("tip_vx", "tip_vy")
-"""What an action holds: the velocity [m/s] of the tip in the world."""
+"""Names of an action's values: the velocity [m/s] of the tip in the world."""
 ONE = np.zeros(1, dtype=np.intp)
 
 
@@ -40,17 +40,19 @@ class Demonstrations:
     policy's action.
     """
 
-    states: Array  # (n, 8) as ``state_names``, or (n, 7 + 9 A) of commanded tips
-    actions: Array  # (n, 2) as ``action_names``, or (n, 25 A)
-    rewards: Array  # (n,) [m] of the step from the frame
+    # (n, 8), or (n, 7 + 9 A) for commanded tips; columns as in ``state_names``
+    states: Array
+    # (n, 2), or (n, 25 A) for commanded tips; columns as in ``action_names``
+    actions: Array
+    rewards: Array  # (n,) [m] reward of the step from the frame
     episode: NDArray[np.int64]  # (n,) the frame's episode
-    frame: NDArray[np.int64]  # (n,) its number in that episode
-    last_states: Array  # (episodes, ...) after the last frame of each
+    frame: NDArray[np.int64]  # (n,) the frame's number in that episode
+    last_states: Array  # (episodes, ...) states after the last frame of each
     success: NDArray[np.bool_]  # (episodes,)
     reason: NDArray[np.str_]  # (episodes,) why it failed; empty for a success
-    seed: NDArray[np.int64]  # (episodes,) of the reset
+    seed: NDArray[np.int64]  # (episodes,) seed of the reset
     period: float  # [s] between frames
-    task: str  # its name
+    task: str  # name of the task
     state_names: tuple[str, ...] = OBSERVATION
     action_names: tuple[str, ...] = ACTION
 
@@ -88,7 +90,8 @@ def read_demonstrations(path: Path) -> Demonstrations:
         raise PushPressSlideError(
             f"{path}: no demonstrations; allowed: a file that pps demonstrate wrote"
         ) from error
-    values.setdefault("reason", np.full(len(values["seed"]), ""))  # of older files
+    # missing in older files
+    values.setdefault("reason", np.full(len(values["seed"]), ""))
     values["period"] = float(values["period"])
     values["task"] = str(values["task"])
     for name in ("state_names", "action_names"):
@@ -174,7 +177,7 @@ def _commanded(env: CommandEnv, policy: Policy, first: Array) -> _Episode:
 
 
 def _away(distance: float, angle: float) -> str:
-    """Text on the errors [m] and [rad] at the end of an episode."""
+    """Text on the final errors [m] and [rad] of an episode."""
     return f"{1e3 * distance:.0f} mm and {math.degrees(angle):.0f} deg from the goal"
 
 
@@ -215,7 +218,7 @@ def _joined(
     state_names: tuple[str, ...] = OBSERVATION,
     action_names: tuple[str, ...] = ACTION,
 ) -> Demonstrations:
-    """Episodes one after the other."""
+    """Demonstrations of several episodes, joined."""
     lengths = [len(one.actions) for one in episodes]
     return Demonstrations(
         states=np.concatenate([one.states[:-1] for one in episodes]),

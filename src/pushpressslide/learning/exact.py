@@ -27,10 +27,10 @@ from pushpressslide.learning.pushing import (
 )
 from pushpressslide.planar.world import World
 
-TICKS = 5  # of the engine in a step
+TICKS = 5  # ticks of the engine per step
 RIGID = 1e5  # [N s/m] damping of the tip: a force of 10 N slows it by 0.1 mm/s
 POINT = 1e-6  # [m] radius of the tip
-BEHIND = 1e-3  # [m] behind the face, from which on a tip has passed it
+BEHIND = 1e-3  # [m] behind the face at which a tip counts as past it
 
 
 class ExactPushing:

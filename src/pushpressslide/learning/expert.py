@@ -18,21 +18,22 @@ from pushpressslide.modes.rear_push import MODE
 class RearPushPolicy:
     """Policy that follows mode rear_push, with the mode's belief about the task.
 
-    It plans from the first observation of an episode. After that the mode's law follows
-    the path.
+    It plans from the first observation of an episode. The mode's law then follows the
+    path.
     """
 
     def __init__(self, push: PushTask) -> None:
         """Prepare the policy for a task."""
         self._push = push
-        self.refusal: Refusal | None = None  # of the path that is followed all the same
+        # refusal of a path that is followed nevertheless
+        self.refusal: Refusal | None = None
         self._segment: Segment | None = None
         self._tracker: Tracker | None = None
         self._progress = 0.0
 
     @property
     def duration(self) -> float:
-        """Time [s] that the path of the episode takes, 0 before there is one."""
+        """Duration [s] of the episode's path, 0 before it is planned."""
         return 0.0 if self._segment is None else self._segment.profile.duration
 
     def reset(self) -> None:

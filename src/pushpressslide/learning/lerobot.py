@@ -36,7 +36,7 @@ DATA_PATH = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 QUANTILES = (0.01, 0.1, 0.5, 0.9, 0.99)
 Values = NDArray[Any]
 Statistics = dict[str, dict[str, list[float]]]
-# what pandas needs to take the column ``task`` as the index
+# metadata that makes pandas use the column ``task`` as the index
 INDEXED = {
     "index_columns": ["task"],
     "column_indexes": [],
@@ -62,8 +62,8 @@ def write_lerobot(
 ) -> Path:
     """Write demonstrations into a new folder, and return it.
 
-    ``text`` describes the task in words. With ``picture``, which draws a state, there
-    is also a video. Raises as ``check_folder`` and ``check_video`` do.
+    ``text`` describes the task in words. With a function ``picture`` that draws a
+    state, a video is added. Raises the errors of ``check_folder`` and ``check_video``.
     """
     check_folder(folder)
     arrow = _arrow()
@@ -83,7 +83,7 @@ def write_lerobot(
     tasks = {"task_index": [0], "task": [text]}
     _write_table(folder / TASKS, tasks, {"pandas": json.dumps(INDEXED)})
     write_whole(folder / STATS, json.dumps(statistics, indent=4))
-    # the last one: a folder with it is complete
+    # written last: a folder with this file is complete
     write_whole(folder / INFO, json.dumps(info, indent=4))
     return folder
 
@@ -112,7 +112,7 @@ def check_folder(folder: Path) -> None:
 
 
 def check_video(folder: Path | None) -> None:
-    """Raise PushPressSlideError without a ``folder``, or if av is not installed."""
+    """Raise PushPressSlideError if ``folder`` is None, or if av is not installed."""
     if folder is None:
         raise PushPressSlideError("--video: allowed with --lerobot DIR")
     try:
@@ -124,7 +124,7 @@ def check_video(folder: Path | None) -> None:
 
 
 def _arrow() -> Any:
-    """Function that makes a column from an array (n,) or (n, k)."""
+    """Function that converts an array (n,) or (n, k) to a column."""
     import pyarrow
 
     def column(values: Values) -> Any:
@@ -140,7 +140,7 @@ def _arrow() -> Any:
 def _write_table(
     path: Path, columns: Mapping[str, Any], metadata: Mapping[str, str] | None = None
 ) -> None:
-    """Write columns as a file of Parquet."""
+    """Write columns as a Parquet file."""
     import pyarrow
     from pyarrow import parquet
 

@@ -19,18 +19,18 @@ IMAGE = "observation.images.top"
 VIDEO = f"videos/{IMAGE}/chunk-000/file-000.mp4"
 VIDEO_PATH = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
 CODEC = "libx264"
-SAMPLED = 100  # frames by which the statistics of the pixels go
+SAMPLED = 100  # largest number of frames sampled for the statistics of the pixels
 FIGURES = ("min", "max", "mean", "std")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Video:
-    """A video of all frames, and the pictures by which its statistics go."""
+    """A video of all frames, and the pictures sampled for its statistics."""
 
     fps: int
     side: int  # [pixels]
-    sample: Array  # (m, side, side, 3) in [0, 1]
-    episode: Array  # (m,) of each
+    sample: Array  # (m, side, side, 3) sampled pictures, in [0, 1]
+    episode: Array  # (m,) episode of each sampled picture
 
     @property
     def feature(self) -> dict[str, Any]:
@@ -52,8 +52,8 @@ class Video:
         }
 
     def statistics(self, episode: int | None = None) -> dict[str, Any]:
-        """Least, largest, mean value and deviation of each colour, of all episodes or of
-        one.
+        """Minimum, maximum, mean and standard deviation of each colour, for all
+        episodes or for one.
         """
         own = slice(None) if episode is None else self.episode == episode
         pixels = self.sample[own].reshape(-1, 3)
@@ -94,7 +94,7 @@ def write_video(shown: Demonstrations, picture: Picture, path: Path) -> Video:
 
 
 def video_columns(shown: Demonstrations, video: Video) -> dict[str, list[Any]]:
-    """Columns of all episodes: where each is in the video, and its statistics."""
+    """Columns of all episodes: the position of each in the video, and its statistics."""
     count = len(shown.seed)
     ends = np.cumsum(np.bincount(shown.episode, minlength=count)) / video.fps
     prefix = f"videos/{IMAGE}"

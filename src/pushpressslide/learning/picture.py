@@ -21,18 +21,18 @@ SIDE = 96
 GROUND = (255, 255, 255)
 GOAL = (170, 220, 170)
 OBJECT = (80, 110, 170)
-HEADING = (30, 50, 100)  # of a dot ahead, which tells the sides apart
+HEADING = (30, 50, 100)  # colour of a dot near the front, which distinguishes the sides
 TIP = (200, 60, 40)
-DOT = 0.15  # of the object's radius
-AHEAD = 0.5  # of its radius, from G's origin along x
+DOT = 0.15  # radius of the dot over the object's
+AHEAD = 0.5  # distance of the dot from G's origin along x, over the object's radius
 
 
 class TopView:
     """Camera looking down on a task: x to the right, y up, start and goal inside."""
 
     def __init__(self, task: Task, around: float, side: int = SIDE) -> None:
-        """Prepare square pictures of ``side`` pixels, with ``around`` [m] beyond the
-        object at start and goal.
+        """Prepare square pictures of ``side`` pixels that extend ``around`` [m] beyond
+        the object at start and goal.
         """
         self._outline = np.array(task.object.shape.outline())
         self._radius = task.object.radius
@@ -41,8 +41,10 @@ class TopView:
         margin = self._radius + around
         width = max(max(xs) - min(xs), max(ys) - min(ys)) + 2.0 * margin
         across = ((np.arange(side) + 0.5) / side - 0.5) * width
-        self._x = 0.5 * sum(xs) + across[None, :]  # (1, side) [m] of pixels
-        self._y = 0.5 * sum(ys) - across[:, None]  # (side, 1) from the top down
+        # (1, side) [m] positions of the pixels
+        self._x = 0.5 * sum(xs) + across[None, :]
+        # (side, 1) [m] positions of the pixels, from the top down
+        self._y = 0.5 * sum(ys) - across[:, None]
 
     def view(
         self, X_WG: Pose2, goal: Pose2, tips: Sequence[Point], radius: float
@@ -83,13 +85,13 @@ class TopView:
 
 
 class Camera(TopView):
-    """Camera of the environments of one push."""
+    """Camera for the environments of one push."""
 
     def __init__(
         self, push: PushTask, side: int = SIDE, spread: float = SPREAD[0]
     ) -> None:
-        """Prepare square pictures of ``side`` pixels, for starts drawn ``spread`` [m] to
-        either side.
+        """Prepare square pictures of ``side`` pixels, for starts up to ``spread`` [m]
+        to either side.
         """
         self._tip = push.task.robots[0].tip_radius
         self._normal = push.normal
@@ -105,7 +107,7 @@ class Camera(TopView):
 
 
 class CommandCamera(TopView):
-    """Camera of the environments whose tips are commanded, in the support's axes."""
+    """Camera for the environments with commanded tips, in the support's axes."""
 
     def __init__(self, task: Task, side: int = SIDE) -> None:
         """Prepare square pictures of ``side`` pixels."""

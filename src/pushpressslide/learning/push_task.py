@@ -21,11 +21,13 @@ from pushpressslide.taskfile.load import load_task
 PERIOD = 0.05
 """Time [s] of a step."""
 SPREAD = (0.05, 0.05, math.radians(15.0))
-"""How far starts are drawn from the task's, to either side: x, y [m] and yaw [rad]."""
+"""Largest offset of a drawn start from the task's, to either side: x, y [m] and yaw
+[rad].
+"""
 FIELD = 10.0
 """Largest coordinate [m] of a start, and of a goal."""
-FASTER = 4.0  # times motion.speed that a tip may move along x and along y
-LONGER = 2.0  # times the planned duration that an episode may last
+FASTER = 4.0  # largest speed of a tip along x and along y, over motion.speed
+LONGER = 2.0  # longest episode, over the planned duration
 
 
 Threshold = tuple[float, float]
@@ -33,7 +35,7 @@ Threshold = tuple[float, float]
 
 
 def with_threshold(task: Task, threshold: Threshold | None) -> Task:
-    """A task whose tolerance is the ``threshold``, if one is given.
+    """The task with ``threshold`` as its tolerance, if one is given.
 
     Raises InputError for an error that is not > 0.
     """
@@ -55,13 +57,14 @@ class PushTask:
 
     task: Task
     face: int  # index of the pushed face
-    contact: Contact  # its middle, in the frame at the true centre of mass
-    foot: Point  # [m] in B, of the face
+    contact: Contact  # middle of the face, in the frame at the true centre of mass
+    foot: Point  # [m] in B, foot of the face
     normal: Point  # unit, inward
-    ends: tuple[float, float] = (-math.inf, math.inf)  # [m] of the face from its foot
+    # [m] right and left end of the face, from its foot
+    ends: tuple[float, float] = (-math.inf, math.inf)
     rho: float = 1.0  # [m]
-    center: Point = (0.0, 0.0)  # [m] of B in G
-    steps: int = 1  # that an episode may last
+    center: Point = (0.0, 0.0)  # [m] origin of B in G
+    steps: int = 1  # steps of the longest episode
 
     @property
     def speed_limit(self) -> float:
@@ -93,7 +96,7 @@ def push_task(task: Task | str | Path, threshold: Threshold | None = None) -> Pu
 
 
 def faces_of(push: PushTask) -> list[PushTask]:
-    """The task with each flat face that can be pushed in place of its own."""
+    """Copies of the task, one for each flat face that can be pushed."""
     truth = replace(push.task, belief=Belief(), start_error=Pose2())
     scene = truth.scene
     fitted = fitted_faces(scene, replace(truth.motion, face=None))
@@ -146,7 +149,7 @@ def _refused(source: str, field: str, value: str, allowed: str) -> TaskError:
 def _face_at(query: MotionQuery, foot: Point, normal: Point) -> FittedFace:
     """Pushed face of the true object.
 
-    Raises TaskError for a round one, and if the push tips the object.
+    Raises TaskError if the face is round, or if the push tips the object.
     """
     fitted = min(
         fitted_faces(query.scene, query.motion),

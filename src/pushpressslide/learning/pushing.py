@@ -19,8 +19,8 @@ Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]
 
 OBSERVATION = ("x", "y", "yaw", "goal_x", "goal_y", "goal_yaw", "tip_x", "tip_y")
-"""What an observation holds, in the world: the pose of the shape's frame G, that of the
-goal, [m] and [rad] in [-pi, pi], and the point [m] by which the tip touches.
+"""Names of an observation's values, in the world: the pose of the shape's frame G and
+the goal, in [m] and [rad] in [-pi, pi], and the contact point [m] of the tip.
 """
 TURN = 2.0 * math.pi
 
@@ -36,7 +36,7 @@ class Outcome(NamedTuple):
 
 
 class Pushing:
-    """Objects of one task, each with its own tip. All begin at the task's start."""
+    """Objects of one task, each with its own tip. All start at the task's start."""
 
     def __init__(self, push: PushTask, count: int) -> None:
         """Prepare ``count`` objects."""
@@ -109,7 +109,7 @@ class Pushing:
 
     def _touching(self, tips: Array) -> Array:
         """Contact points (n, 2) [m] of the tips in the world. For a tip that has passed
-        its object, the point in ``tips``.
+        its object, this is the point in ``tips``.
         """
         poses, places, gaps = self._pushes
         nx, ny = self.push.normal
@@ -157,8 +157,8 @@ def goal_of(push: PushTask) -> Array:
 def steps_to(
     push: PushTask, start_poses: ArrayLike, goals: ArrayLike
 ) -> NDArray[np.intp]:
-    """Steps that episodes to other goals may last: in proportion to the way, and at
-    least as many as to the task's.
+    """Largest number of steps of episodes with other goals: in proportion to the
+    distance, and at least that of the task's goal.
     """
     start = push.task.true_start
     own = (start.x, start.y, start.yaw)

@@ -18,19 +18,19 @@ from pushpressslide.geometry.sides import Side
 class Face:
     """One side face, in B, the frame at the projected centre of mass."""
 
-    # of the footprint's side, counter-clockwise; on a cylinder, of the direction
+    # index of the footprint's side, counter-clockwise; on a cylinder, of the direction
     index: int
-    # [m] the face's point nearest to the line through the CoM along the normal, corners
-    # kept clear
+    # [m] point of the face nearest to the line through the CoM along the normal, clear
+    # of the corners
     foot: Point
     normal: Point  # unit, inward
-    # [m] of ``foot`` to the left of that line, seen along the normal; 0 where the face
-    # is wide enough
+    # [m] distance of ``foot`` to the left of that line, seen along the normal; 0 if the
+    # face is wide enough
     offset: float
-    # [m] distance of the CoM from the face's line; < 0 where it is on the tip's side
+    # [m] distance of the CoM from the face's line; < 0 if it is on the tip's side
     depth: float
-    # [m] right and left end, from that line, of what a tip can touch; of a round face,
-    # which goes on to both sides, both are the foot's
+    # [m] right and left end, from that line, of the part that a tip can touch; both are
+    # at the foot on a round face, which continues to both sides
     ends: tuple[float, float]
     flat: bool
 
@@ -46,10 +46,10 @@ def faces(
     """Faces of ``body`` that a tip of ``tip_radius`` [m] can touch at a ``height`` [m],
     with a lean of up to ``lean`` [rad]. A tip of zero radius can touch all.
 
-    If a part of a face is blocked, each of the remaining parts counts as a face.
-    Contacts stay ``corner_clearance`` [m] away from the corners, or at the middle of an
-    edge that is too short for that. Where a tip that creeps would meet another normal,
-    there is no face.
+    If a part of a face is blocked, each remaining part counts as a face. Contacts stay
+    ``corner_clearance`` [m] away from the corners, or at the middle of an edge that is
+    too short for that. A part on which a creeping tip would meet another normal is not
+    a face.
     """
     out = []
     com = body.center_of_mass
@@ -73,7 +73,7 @@ def faces(
 
 
 def side_of(body: ObjectModel, contact: Contact) -> Side:
-    """Side of ``body`` that a ``contact`` is on."""
+    """Side of ``body`` with a given ``contact``."""
     section = body.shape.section(contact.height)
     return section.side(contact.point, contact.normal, body.center_of_mass)
 

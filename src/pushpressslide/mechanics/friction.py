@@ -17,7 +17,7 @@ from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 
 PushKind = Literal["stick", "slip_left", "slip_right", "separate"]
 KINDS: tuple[PushKind, ...] = ("stick", "slip_left", "slip_right", "separate")
-"""By the numbers of ``kernels.pushing``."""
+"""Names of the statuses, in the order of their numbers in ``kernels.pushing``."""
 
 
 def cone_edges(normal: Point, mu: float) -> tuple[Point, Point]:

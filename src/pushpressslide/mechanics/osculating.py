@@ -89,13 +89,13 @@ def dragged_ellipsoid(
     twist: Twist,
     shift: Callable[[Wrench], Point],
 ) -> tuple[DraggedSurface, Point]:
-    """Ellipsoid of ``touching_ellipsoid`` under the load that the drag itself moves,
-    and the moved centre of pressure [m].
+    """Ellipsoid of ``touching_ellipsoid`` with the centre of pressure as shifted by the
+    drag, and that centre [m].
 
     ``pressure_at(p)`` gives the distribution, of any total load, whose CoP is p.
     ``load`` [N] is the true total, ``cop`` [m] the CoP without drag. ``shift(wrench)``
-    [m] is its displacement by the forces of a wrench. Raises ValueError if it leaves
-    the base: the object tips.
+    [m] is its displacement by the forces of a wrench. Raises ValueError if the centre
+    of pressure leaves the base: the object tips.
     """
     # By the secant method in complex numbers: the twist's turn makes of an offset of
     # the centre of pressure a shift that is turned and scaled, which is what a complex

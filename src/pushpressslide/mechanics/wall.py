@@ -1,5 +1,5 @@
-"""An object on a wall: its weight acts in the plane and does not press it on the wall
-(docs/mechanics.md, section 7).
+"""An object on a wall (docs/mechanics.md, section 7): its weight acts in the plane, and
+does not press it against the wall.
 
 On a table all of these quantities are zero.
 """

@@ -49,8 +49,8 @@ from pushpressslide.planning.side_contacts import given_to
 from pushpressslide.planning.workspace import poses_along, workspace_refusal
 from pushpressslide.robots.contact_reach import UNKNOWN, contact_refusal
 
-PATIENCE = 8  # choices out of reach, before the others are asked by the tables alone
-MOST_BLOCKED = 3 * ENOUGH  # choices with something in the way, before no other is asked
+PATIENCE = 8  # choices out of reach after which only the reach tables are used
+MOST_BLOCKED = 3 * ENOUGH  # blocked choices after which no other is evaluated
 BLOCKED = Refusal(
     SKIPPED,
     "not evaluated: {figure:.0f} choices of this mode are blocked, and no more are tried",
@@ -89,13 +89,12 @@ class Tracker(Protocol):
 class Candidate:
     """The choices of one placement, evaluated on demand."""
 
-    least_time: float  # [s] that none of its choices beats
-    # makes the choices, evaluated except for the arms' reach; with False, only what
-    # they would be
+    least_time: float  # [s] lower bound of the times of its choices
+    # makes the choices, evaluated except for the arms' reach; with False, unevaluated
     make: Callable[[bool], list[Choice]]
-    # whether its choices are evaluated in the order of the candidates, not of their times
+    # whether its choices are evaluated in the order of the candidates, not by time
     ordered: bool = False
-    # where its choices touch, by whichever arms; None: it does not say
+    # contacts of its choices, made by any arms; None: not known
     contacts: tuple[Contact, ...] | None = None
 
 
@@ -104,11 +103,9 @@ class Measured:
     """The measured state from which a segment is continued."""
 
     X_WB: Pose2
-    contacts: tuple[Contact, ...]  # where they really are
-    longest: float = math.inf  # [m] that the way may be
-    estimates: ParameterEstimates = (
-        NOTHING  # the parameters identified during the motion
-    )
+    contacts: tuple[Contact, ...]  # measured contact points
+    longest: float = math.inf  # [m] longest allowed path
+    estimates: ParameterEstimates = NOTHING  # parameters identified during the motion
 
     @classmethod
     def touching(
@@ -130,7 +127,7 @@ class Measured:
 
 
 class Continuation(NamedTuple):
-    """Contacts, drive and path with which a segment is continued."""
+    """Contacts, drive and path of a segment's continuation."""
 
     contacts: tuple[Contact, ...]
     drive: Drive
@@ -149,12 +146,13 @@ class Mode(ABC, Generic[D]):
     search bounds the sum.
     """
     cop_steering: ClassVar[bool]
-    # whether it can hold an object whose weight pulls it along the support
+    # whether it can hold an object with a weight along the support
     carries_weight: ClassVar[bool]
-    # neighbouring faces pushed at once in random tasks; 0: pressed; None: none are drawn
+    # number of neighbouring faces pushed in random tasks; 0: pressed; None: no random
+    # tasks
     pushed_faces: ClassVar[int | None]
-    drives: ClassVar[tuple[type[Drive], ...]]  # the classes of its segments' drives
-    vehicles: ClassVar[tuple[Vehicle, ...]] = ()  # that ``motion.vehicle`` may name
+    drives: ClassVar[tuple[type[Drive], ...]]  # classes of its segments' drives
+    vehicles: ClassVar[tuple[Vehicle, ...]] = ()  # allowed values of ``motion.vehicle``
 
     def choices(
         self,
@@ -313,9 +311,9 @@ def search(
 ) -> list[Choice]:
     """Choices of ``candidates``, the feasible ones first, the quickest first.
 
-    After ``enough`` feasible choices no other is evaluated. Candidates are expanded in
-    the order of their minimum times. A choice is evaluated once no remaining candidate
-    can be quicker.
+    Evaluation stops after ``enough`` feasible choices. Candidates are expanded in the
+    order of their minimum times. A choice is evaluated once no remaining candidate can
+    be quicker.
     """
     number = count()
     held_contacts = feasibility.held_contacts
@@ -399,13 +397,12 @@ class Feasibility:
     """
 
     query: MotionQuery
-    blocks: Callable[[Choice], Refusal | None] | None = None  # what is in the way
-    held_contacts: tuple[Contact, ...] | None = (
-        None  # the only contacts that are asked for
-    )
-    arms: bool = True  # whether the arms are asked at all
+    # refusal of a blocked path
+    blocks: Callable[[Choice], Refusal | None] | None = None
+    held_contacts: tuple[Contact, ...] | None = None  # the only contacts to evaluate
+    arms: bool = True  # whether the arms' reach is checked
     unreached: int = 0  # choices out of reach so far
-    blocked: int = 0  # choices with something in the way so far
+    blocked: int = 0  # blocked choices so far
     _at_ends: dict[Contact, bool] = field(default_factory=dict)
 
     def refusal(self, choice: Choice) -> Refusal | None:

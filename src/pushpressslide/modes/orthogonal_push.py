@@ -57,10 +57,11 @@ from pushpressslide.planning.side_contacts import (
 from pushpressslide.robots.contact_reach import UNKNOWN
 from pushpressslide.rom.drives import ORIGIN, TwistDrive
 
-ANGLES = (math.radians(40.0), math.radians(140.0))  # between the two normals
+ANGLES = (math.radians(40.0), math.radians(140.0))  # angles between the two normals
 PIECEWISE = 5  # placements on two faces for which paths of several twists are sought
-PIECEWISE_SEARCHED = 2  # the same of the many motions that a sequence may have
-OFFERED = 6  # placements on two faces that are evaluated further
+# the same for each of the many motions in a search for a sequence
+PIECEWISE_SEARCHED = 2
+OFFERED = 6  # placements on two faces that are fully evaluated
 
 
 class OrthogonalPush(TwistPushes):
@@ -143,8 +144,8 @@ class OrthogonalPush(TwistPushes):
         cone_goal: ConeGoal,
         cones: list[TwistCone],
     ) -> list[Choice]:
-        """Best choices of contacts with ``cones``. If none has a path, the choice that
-        comes nearest to one, refused.
+        """Best choices of contacts with the given ``cones``. If none has a path, the
+        refused choice that comes nearest to one.
         """
         direct = cone_goal.direct
         inside = {cone: round(cone.cone_margin(*direct), 6) for cone in cones}
@@ -163,7 +164,7 @@ class OrthogonalPush(TwistPushes):
         fx, fy, tau, _ = cones[0].wrench(*direct)
         margin = cones[0].angle(*direct)
         text = (
-            f"to the goal it takes ({fx:.1f}, {fy:.1f}) N and {tau:.2f} N m, "
+            f"the goal requires ({fx:.1f}, {fy:.1f}) N and {tau:.2f} N m, "
             f"{describe_cone_margin(margin)}; no path of three twists "
             f"within {cone_goal.longest:.2f} m"
         )

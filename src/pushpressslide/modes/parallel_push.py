@@ -77,8 +77,8 @@ from pushpressslide.tracking.axle import AxleTracker
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 
 VEHICLES: tuple[Vehicle, ...] = ("differential", "synchronised", "mixed")
-# in this order, where motion.vehicle is null: both mixed correct an error any
-# way at once, a car takes some look-aheads of straight path for it
+# order for motion.vehicle null: the mixed drive corrects an error in any direction at
+# once, a car needs some look-aheads of straight path
 EITHER: tuple[Vehicle, ...] = ("mixed", "differential")
 
 Cars = Callable[[Face, bool], dict[Contacts, PushedCar]]
@@ -188,7 +188,7 @@ class ParallelPush(TwistPushes):
             "curve used"
         )
         time = run_time(query.motion, (one_segment,))
-        # the tightest curve of a car is that of one contact which pushes alone
+        # on the tightest curve of a car only one contact pushes
         push = 0.5 * (1.0 + tightest / car.tightest) * drive.max_friction
         refusal = push_refusal(push, query.limits, drive.max_friction)
         driven = replace(choice, segments=(one_segment,), time=time, summary=summary)

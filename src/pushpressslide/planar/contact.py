@@ -28,7 +28,7 @@ STATUSES: tuple[ContactStatus, ...] = (
     "slip",
     "pull",
 )
-"""By the numbers of ``kernels.compliant_tip``."""
+"""Names of the statuses, in the order of their numbers in ``kernels.compliant_tip``."""
 
 
 class Response(NamedTuple):

@@ -38,7 +38,9 @@ class PolygonFriction:
         return (limit * fx, limit * fy, limit * tau)
 
     def wrench_and_slope(self, twist: Vector, limit: float) -> tuple[Vector, Matrix]:
-        """Wrench and its derivative by the twist, symmetric and positive definite."""
+        """Wrench, and its derivative with respect to the twist, which is symmetric and
+        positive definite.
+        """
         fx, fy, tau, xx, xy, xw, yy, yw, ww = self._friction(*twist, True)
         xy = limit * xy
         xw = limit * xw

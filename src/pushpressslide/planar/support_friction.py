@@ -49,7 +49,9 @@ class SupportFriction:
         return self._wrench(twist, limit)[0]
 
     def wrench_and_slope(self, twist: Vector, limit: float) -> tuple[Vector, Matrix]:
-        """Wrench and its derivative by the twist, symmetric and positive definite."""
+        """Wrench, and its derivative with respect to the twist, which is symmetric and
+        positive definite.
+        """
         wrench, (k0, kx, ky, ks), per_speed, squared_speed = self._wrench(twist, limit)
         vx, vy, w = twist
         # the samples' friction, (v_x - w y, v_y + w x, r x v_k), in terms of the basis

@@ -328,7 +328,7 @@ class World:
 
 
 def _law(axis: Point, force: Point, damping: Point) -> TipLaw:
-    """A tip's law along an axis, its force f_0 [N] given in B."""
+    """Law of a tip along an axis, from its force f_0 [N] in B."""
     return TipLaw(*tip_law(axis, force, damping))
 
 

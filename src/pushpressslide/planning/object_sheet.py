@@ -1,4 +1,4 @@
-"""What an object offers to the tips of a scene: its base, its side, its top."""
+"""Parts of an object that the tips of a scene can use: its base, its side, its top."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry as Area
 
 WHOLE = 0.95
-"""Share of the outline seen from above that is all of it."""
+"""Share of the outline seen from above that counts as the whole outline."""
 HOLE = 0.05
-"""Share of a base's area, from which a hole makes it a ring."""
+"""Share of a base's area above which a hole makes the base a ring."""
 
 
 @dataclass(frozen=True)

@@ -38,7 +38,7 @@ def lone_contact_height(scene: Scene, motion: Motion) -> float:
     """
     body = scene.body
     slack = body.shape.base_depth(body.center_of_mass)
-    # [m] up to which it surely stands, whatever way it is pushed
+    # [m] up to which the object surely stands, whatever the direction of the push
     stands = margins.PUSH_STANDS * slack / max(scene.support.friction, 1e-9)
     upright = _upright(scene)
     return _height(scene, motion, upright if upright <= stands else 0.0)
@@ -89,7 +89,7 @@ def pushable(scene: Scene, height: float, index: int | None = None) -> list[Face
 
 
 def untouchable(scene: Scene, height: float) -> Refusal:
-    """Refusal of pushing a side that the tips can touch nowhere at a ``height`` [m]."""
+    """Refusal of a push on a side that no tip can touch at a ``height`` [m]."""
     section = scene.body.shape.section(height)
     lean = section.least_lean(scene.tip_radius)
     allowed = margins.side_lean(scene.contact_friction)
@@ -104,8 +104,8 @@ def untouchable(scene: Scene, height: float) -> Refusal:
 
 
 def before_contacts(scene: Scene, motion: Motion, contacts: Sequence[Contact]) -> float:
-    """Distance [m] before their contacts at which tips start to touch: as the motion
-    says, or less in a narrow notch.
+    """Distance [m] before their contacts at which tips start the touch: that of the
+    motion, or less in a narrow notch.
     """
     wanted = motion.approach_distance
     margins = (room_before(scene, c, wanted, motion.clearance) for c in contacts)
@@ -134,7 +134,8 @@ def drag_refusal(
     """Refusal of pushing faces with some ``contacts`` at ``height`` [m], or None.
 
     Checked are the object's height, tipping, and whether the force is too small to be
-    felt, or too large for one contact. Two share it, as ``push_refusal`` judges.
+    felt, or too large for one contact. Two contacts share the force; ``push_refusal``
+    checks this.
     """
     scene = query.scene
     top = scene.body.shape.height
@@ -171,8 +172,8 @@ def drag_refusal(
 
 
 def push_refusal(push: float, limits: Limits, max_friction: float) -> Refusal | None:
-    """Refusal, or None, of a contact that together with another one pushes an object of
-    ``max_friction`` [N], with up to ``push`` [N].
+    """Refusal, or None, of one of two contacts that pushes with up to ``push`` [N] an
+    object with a friction of ``max_friction`` [N].
     """
     limit = limits.planned_force
     squeeze = margins.SQUEEZE * max_friction
@@ -194,8 +195,8 @@ def assignments(
     """Assignments of two contacts to two arms that do not cross, those with the nearest
     arms first.
 
-    ``bases`` [m] of the arms; ``points`` [m] in B; ``poses`` X_WB along the motion.
-    Item i of an assignment is the arm of contact i.
+    ``bases`` are those of the arms [m], ``points`` are in B [m], ``poses`` X_WB along
+    the motion. Item i of an assignment is the arm of contact i.
     """
     out = []
     for arms in ((0, 1), (1, 0)):

@@ -1,4 +1,4 @@
-"""Record of a task in which nothing moves, since the object is at its goal already."""
+"""Record of a task without motion: the object is at its goal already."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from pushpressslide.core.record import Record
 
 
 def record_at_rest(plan: Plan, engine: str) -> Record:
-    """Record of one sample, the pose at which the object stands, on no engine.
+    """Record of one sample, the object's pose at rest, made without an engine.
 
-    ``engine`` is the name of the one that was asked for.
+    ``engine`` is the name of the requested one.
     """
     X = plan.task.true_start
     pose = np.array([(X.x, X.y, X.yaw)])

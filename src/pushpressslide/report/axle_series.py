@@ -108,7 +108,9 @@ def _pressed_motion(plan: Plan, record: Record, width: int) -> PressedMotion:
 
 
 def _turns_steadily(turn_rate: Array, width: int) -> series.Mask:
-    """Where (N,) the turn rate is high enough and hardly changes over two windows."""
+    """Mask (N,) of the ticks at which the turn rate is high enough and hardly changes
+    over two windows.
+    """
     padded = np.pad(turn_rate, width, mode="edge")
     nearby = sliding_window_view(padded, 2 * width + 1)
     change = nearby.max(1) - nearby.min(1)

@@ -14,7 +14,8 @@ from pushpressslide.core.whole_file import write_whole
 def write_csv(record: Record, path: Path) -> Path:
     """Write the columns of ``core.record_columns`` to ``path``, and return it.
 
-    Numbers are written so that they are read back to the bit; NaN is an empty cell.
+    Numbers are written in full, so that reading gives the same bits. NaN is an empty
+    cell.
     """
     columns = named_columns(record.arrays)
     texts = [_texts(column) for column in columns.values()]

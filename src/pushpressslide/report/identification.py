@@ -1,6 +1,6 @@
-"""Page of identified pushes.
+"""Page of identified supports.
 
-A table, and for each set a figure of predictions, limit surface and support.
+It has tables, and for each set a figure of predictions, limit surface and support.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def write_identification(
 
 
 def predicted_rho(identification: Identification) -> tuple[float, float | None]:
-    """Two values of rho [m] predicted from the layout, one of the load and one of a
+    """Two values of rho [m] predicted from the layout, one for the load and one for a
     rigid face.
 
     The load is carried by the pins, or is even on the base. With pins there is no rigid
@@ -133,7 +133,7 @@ def cells(identification: Identification) -> list[str]:
     return row
 
 
-SUPPORTS = 5  # figures of a set's support in ``HEAD``; its errors follow
+SUPPORTS = 5  # number of a support's figures in ``HEAD``, before the errors
 
 
 def _tables(identifications: Sequence[Identification]) -> str:
@@ -173,7 +173,7 @@ def summary(result: IdentifiedSet) -> list[str]:
 
 
 def _recorded_lines(recorded: RecordedSet) -> list[str]:
-    """Sentences on the tip's friction and the clocks."""
+    """Sentences on the tip's friction, and on the clocks."""
     lines = [
         f"{clock.source}: {1e3 * clock.offset.seconds:+.1f} ms "
         f"(± {1e3 * clock.offset.half_width:.1f}, least squares) added to the stamps of "
@@ -194,7 +194,7 @@ def _recorded_lines(recorded: RecordedSet) -> list[str]:
 
 
 def _load_line(result: IdentifiedSet) -> list[str]:
-    """Sentence on a shape whose own load predicts the pushes better than rho."""
+    """Sentence for a shape whose own load predicts the pushes better than rho does."""
     if result.needs_rho:
         return []
     plain = math.degrees(result.expected_error)

@@ -1,8 +1,9 @@
 """The record of a run as an MCAP file of ROS 2 messages.
 
 Poses are PoseStamped, forces WrenchStamped, joints JointState, frames TFMessage; task,
-plan and result are metadata. On a table all are in the world. On another support poses
-of the plane and forces are in the frame ``support``; what is 3-D is in the world.
+plan and result are metadata. On a table all quantities are in the world. On other
+supports, planar poses and forces are in the frame ``support``, and 3-D quantities in
+the world.
 """
 
 from __future__ import annotations
@@ -81,7 +82,7 @@ def nanoseconds(times: Array) -> list[int]:
 
 
 def _channel(writer: Any, store: Any, message: Message) -> int:
-    """Number of a new channel for the topic of a message."""
+    """Number of a new channel for a message's topic."""
     definition, _ = store.generate_msgdef(message.kind, ros_version=2)
     schema = writer.register_schema(message.kind, "ros2msg", definition.encode())
     channel: int = writer.register_channel(message.topic, "cdr", schema)
@@ -89,7 +90,7 @@ def _channel(writer: Any, store: Any, message: Message) -> int:
 
 
 def _metadata(run: Run) -> dict[str, dict[str, str]]:
-    """Task, plan and result as texts."""
+    """Task, plan and result as text."""
     stages = stages_to_dict(run.task, run.stages)
     return {
         "task": {"yaml": dump_task(run.task)},
@@ -103,7 +104,7 @@ class Messages:
     """The messages of a run, tick by tick."""
 
     run: Run
-    store: Any  # of rosbags
+    store: Any  # type store of rosbags
 
     def of_tick(self, tick: int, stamp: int) -> Iterator[Message]:
         """Messages of one tick at ``stamp`` [ns]."""
@@ -135,7 +136,7 @@ class Messages:
 
     @cached_property
     def _bodies(self) -> list[str]:
-        """Arrays of movable bodies."""
+        """Arrays of each movable body."""
         return [name for name in self.run.record.arrays if name.startswith("body_")]
 
     @cached_property

@@ -119,7 +119,7 @@ def _realtime_factor(record: Record) -> float | None:
 def _tick_times(record: Record) -> dict[str, dict[str, float] | None] | None:
     """Median, 99th and 99.9th percentile [us] of each part of a tick over phase "move".
 
-    None for a part that this engine does not have, or that never ran.
+    None for a part that this engine lacks, or that never ran.
     """
     if series.ticks(record) == 0:
         return None

@@ -185,7 +185,7 @@ ASKED = {
     "tick_us.total.p99": PERIOD,
     "tick_us.total.p999": PERIOD,
 }
-"""What a figure is set beside: a tolerance, what the plan foresaw, or the period."""
+"""Reference of a figure: a tolerance, the plan's prediction, or the control period."""
 
 
 def lookup(result: Mapping[str, Any], key: str) -> Any:
@@ -316,7 +316,7 @@ def _asked(result: Mapping[str, Any], row: Row) -> str:
 
 
 def _tolerance_class(result: Mapping[str, Any], key: str) -> str:
-    """CSS class of a figure that has a tolerance, met or not."""
+    """CSS class of a figure with a tolerance, which says whether it is met."""
     limit = ASKED.get(key, "")
     value = lookup(result, key)
     allowed = lookup(result, limit)

@@ -28,14 +28,14 @@ if TYPE_CHECKING:
 
 Indices = NDArray[np.intp]
 
-BASE_RADIUS = 0.09  # [m] at which a robot's base is drawn
-STATIONS = 6  # footprints between start and end
-LETTER = 0.016  # [m] of a name on a body, at the scale of most figures
-ROOM = 0.05  # [m] of its height
+BASE_RADIUS = 0.09  # [m] radius of a drawn robot base
+STATIONS = 6  # number of footprints between start and end
+LETTER = 0.016  # [m] width of a letter in a body's name, at the scale of most figures
+ROOM = 0.05  # [m] free height for a name
 ARROW = 0.08  # [m] length of the largest force arrow
-LEAST_MOVE = 1e-3  # [m] of a body that is drawn where it ended
-MARGIN = 0.05  # [m] around all that is shown
-EDGE = "#6B7280"  # of obstacles, bases and openings
+LEAST_MOVE = 1e-3  # [m] displacement above which a body's final pose is drawn
+MARGIN = 0.05  # [m] around the drawn scene
+EDGE = "#6B7280"  # colour of obstacles, bases and openings
 
 
 def outline(shape: Shape, pose: Pose2) -> list[Point]:

@@ -1,4 +1,4 @@
-"""The record of a run for the viewer Rerun, where rerun-sdk is installed."""
+"""The record of a run for the viewer Rerun, if rerun-sdk is installed."""
 
 from __future__ import annotations
 

@@ -21,13 +21,13 @@ from pushpressslide.mechanics.faces import side_of
 Mask = NDArray[np.bool_]
 
 CONTACT_FORCE = 0.1
-"""[N] measured normal force below which a tip counts as not in contact."""
+"""Measured normal force [N] below which a tip counts as not in contact."""
 
 STATE = ("object_pose", "object_twist", "tip_position", "time")
-"""What is a number at every tick unless the engine has failed."""
+"""Arrays that are finite at every tick unless the engine has failed."""
 
 SLIP_PLAY = 1e-4
-"""[m] by which a tip may wander on the surface before it counts as slip."""
+"""Motion [m] of a tip on the surface below which it does not count as slip."""
 
 
 def wrap_angles(angles: Array) -> Array:

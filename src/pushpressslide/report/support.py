@@ -26,9 +26,9 @@ ENTERED = 0.003
 def support_figures(task: Task, record: Record) -> dict[str, float | None]:
     """Tilt, gap, fall and depth of the object. None if they do not apply.
 
-    The largest tilt [deg]; the largest gap [m] before the object enters the opening;
-    the distance [m] and speed [m/s] of its middle's fall from then on; its depth [m] in
-    the opening at the end.
+    They are the largest tilt [deg], and the largest gap [m] before the object enters
+    the opening. From then on, they are the distance [m] and the speed [m/s] by which
+    its middle falls. The last is its final depth [m] in the opening.
     """
     out: dict[str, float | None] = dict.fromkeys(FIELDS)
     positions = record.arrays.get("object_pose_3d")

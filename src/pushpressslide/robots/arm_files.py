@@ -30,17 +30,18 @@ from pushpressslide.robots.kinematics import ArmKinematics
 TIP_LINK = "pps_tip_foot"
 """Link that carries the rod of a ``tip``."""
 ROTOR = 0.003
-"""[kg m^2 / (N m)] rotor inertia of a joint without one, for each N m of its effort."""
+"""Rotor inertia of a joint whose file has none, per N m of its effort [kg m^2 / (N m)].
+"""
 ROTOR_WITHOUT_LIMIT = 0.1
-"""[kg m^2] rotor inertia of a joint whose file states no effort."""
+"""Rotor inertia [kg m^2] of a joint whose file states no effort."""
 ROTOR_OF_SLIDE = 5.0
-"""[kg] the same of a slide."""
+"""The same for a sliding joint [kg]."""
 MOTOR_FIELDS = {
     "gear_ratio": "gear_ratio",
     "rotor_inertia": "rotor_inertia",
     "joint_friction": "damping",
 }
-"""Facts of a joint by the task's fields."""
+"""Facts of a joint, by the task's field for each."""
 
 
 def robot_facts(robot: Robot) -> RobotFacts:
@@ -92,7 +93,7 @@ def rod_length(robot: Robot) -> float:
 
 @lru_cache(maxsize=32)
 def _completed(robot: Robot, changed: int) -> RobotFacts:
-    """Facts of a file, cached until the file changes."""
+    """Facts from a file, cached until the file changes."""
     tip = robot.tip
     frame = robot.tip_frame if tip is None else tip.link
     facts = read_description(robot.model, frame, robot.packages)
@@ -113,7 +114,7 @@ def _completed(robot: Robot, changed: int) -> RobotFacts:
 def _fitting(
     values: tuple[float, ...], facts: RobotFacts, robot: Robot, name: str
 ) -> tuple[float, ...]:
-    """The values of a field. Raises RobotFileError unless there is one for each joint."""
+    """Values of a field. Raises RobotFileError unless there is one for each joint."""
     if len(values) != facts.size:
         joints = ", ".join(joint.name for joint in facts.moving)
         allowed = f"allowed: {facts.size} numbers, one for each of {joints}"
@@ -211,28 +212,36 @@ def _with_home(facts: RobotFacts, robot: Robot) -> RobotFacts:
 
 
 DRAWS = 4000
-"""Random postures by which an arm's reach is measured."""
+"""Number of random postures that measure an arm's reach."""
 DOWNWARD = 200
-"""Of the random postures, those with the tool most downward."""
+"""Number of random postures that are kept, those with the tool closest to straight
+down.
+"""
 SEEDS = 24
-"""Of these, the least twisted, from which postures are searched."""
+"""Number of these, the least twisted, from which a search starts."""
 HEIGHTS = (0.15, 0.3, 0.45)
 DISTANCES = (0.35, 0.45)
-"""Of the reach: places of the tip, over the workspace, that a posture is looked for at."""
+"""Distances of the tip at which a posture is sought over the workspace, as shares of
+the reach.
+"""
 GROUPS = 8
-"""Searches from other starts, each of which takes the posture with the best margin."""
+"""Number of searches from different starts. Each takes the posture with the best
+margin.
+"""
 GOOD = 0.6
-"""Share of the best posture's conditioning, from which the least twisted is taken."""
+"""Smallest conditioning, as a share of the best posture's. The least twisted of these
+postures is taken.
+"""
 ENOUGH_MARGIN = 0.5
-"""[rad] joint margin above which more counts no more."""
+"""Joint margin [rad] above which a larger one no longer counts."""
 
 
 def ready_posture(facts: RobotFacts, length: float) -> Array:
     """Posture (n,) with the tool down over the workspace in front of the base: well
     conditioned, far from the joint limits, and the least twisted of those.
 
-    An arm that cannot point its tool down gets the one of its random postures that
-    comes nearest to it. ``length`` [m] is that of the rod.
+    An arm that cannot point its tool down gets the random posture that comes nearest.
+    ``length`` [m] is that of the rod.
     """
     from pushpressslide.robots.inverse import solve_ik
 
@@ -273,8 +282,8 @@ def ready_posture(facts: RobotFacts, length: float) -> Array:
 
 
 def _sideways(kin: ArmKinematics, q: Array) -> Array:
-    """Mean distance [m] of the links from the upright plane through base and tip, in
-    postures (m, n): small where an arm with an elbow to spare is not twisted.
+    """Mean distance [m] of the links from the vertical plane through base and tip, in
+    postures (m, n). It is small if a redundant arm is not twisted.
     """
     poses = kin.link_poses(q)
     x, y = poses[TIP][1][..., 0], poses[TIP][1][..., 1]

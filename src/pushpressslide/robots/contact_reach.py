@@ -25,14 +25,15 @@ from pushpressslide.robots.sheet import largest_force, largest_press
 from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
 
 DOWN = np.array([0.0, 0.0, -1.0])
-EASY = 0.5  # of the force in the ready posture, up to which no other posture is asked
-# [rad] that a tool tilted away from its arm leans along the face: less is not tried,
-# nor is more
+# share of the largest press in the ready posture below which no other posture is
+# checked
+EASY = 0.5
+# [rad] the only lean along the face that is tried for a tool tilted away from its arm
 ASIDE = (math.radians(20.0), math.radians(60.0))
-# from behind the contact, of a tool that turns with the object
+# angles from behind the contact, for a tool that turns with the object
 LEANS = tuple(math.radians(a) for a in (0.0, -45.0, 45.0, -75.0, 75.0))
-UNKNOWN = Refusal("reach", "the arm does not reach it, upright or tilted, for sure")
-TURNING = 0.3  # [rad] of the object on its path, from which such tools are tried
+UNKNOWN = Refusal("reach", "the arm does not surely reach it, upright or tilted")
+TURNING = 0.3  # [rad] turn of the object on its path above which such tools are tried
 
 
 def contact_refusal(
@@ -46,9 +47,8 @@ def contact_refusal(
     """Refusal of a contact that its arm cannot follow along the body poses X_WB with
     one tool attitude, or None.
 
-    ``alone``: it is a press, and nothing else touches the object, so that its tip must
-    not roll far. ``quick``: without a search, so that anything missing in the reach
-    tables is refused.
+    ``alone`` marks a press that is the only contact, whose tip must not roll far. With
+    ``quick`` there is no search: what the reach tables do not contain is refused.
     """
     weak = press_refusal(scene, contact)
     if weak is not None:
@@ -91,7 +91,7 @@ def contact_refusal(
 
 
 def press_refusal(scene: Scene, contact: Contact) -> Refusal | None:
-    """Refusal of a press that is harder than its arm presses anywhere, or None."""
+    """Refusal of a press that exceeds the arm's largest press over the table, or None."""
     robot = scene.robots[contact.arm]
     if contact.load == 0.0 or robot.model == "hand":
         return None

@@ -44,7 +44,7 @@ from pushpressslide.robots.urdf_file import read_urdf
 from pushpressslide.robots.xml_root import xml_root
 
 READERS = {"robot": read_urdf, "sdf": read_sdf, "mujoco": read_mjcf}
-"""By the root of the file."""
+"""Readers by the root element of a file."""
 MISSING_TIP_FRAME = (
     "a model given by path needs tip, the tip's place on a link, or tip_frame, the "
     "name of the frame at the tip's centre"

@@ -22,7 +22,7 @@ ShapeKind = Literal["box", "cylinder", "capsule", "sphere", "mesh"]
 # name of our tip's body: no link of a given robot may have it
 TIP = "pushpressslide_tip"
 TIP_MASS = 0.15
-"""[kg] of the rod and the sphere that touch the object."""
+"""Mass [kg] of rod and sphere."""
 # the loader in C, ten times as quick, where PyYAML was built with it
 FASTEST = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 

@@ -28,8 +28,10 @@ KINDS: dict[str, JointKind] = {
 MOVING = tuple(kind for kind in KINDS if kind != "fixed")
 INERTIA = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 LEAST_GYRATION = 5e-4
-"""[m] of a link's radius of gyration; that of the last link of Franka's FR3 is 9e-4."""
-TURNS = 2.0 * math.pi  # [rad] limit taken for a joint that turns without end
+"""Smallest radius of gyration [m] of a link. That of the last link of Franka's FR3 is
+9e-4.
+"""
+TURNS = 2.0 * math.pi  # [rad] limit assumed for a continuous joint
 
 
 @dataclass(frozen=True)
@@ -51,14 +53,15 @@ class Description:
     joints: list[JointFacts]
     frames: list[Frame] = field(default_factory=list)
     shapes: list[LinkShape] = field(default_factory=list)
-    mimics: dict[str, str] = field(default_factory=dict)  # followed joints, by name
+    # followed joint of each mimic joint, by name
+    mimics: dict[str, str] = field(default_factory=dict)
     # type of joints that cannot be driven, by name: floating, ball, ...
     odd: dict[str, str] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
 
 def mimicked(holder: Element) -> str:
-    """Name of the joint that a joint mimics, empty for none."""
+    """Name of the joint that a joint mimics. Empty if there is none."""
     mimic = holder.find("mimic")
     return "" if mimic is None else mimic.get("joint") or "another joint"
 

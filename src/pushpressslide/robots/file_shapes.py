@@ -48,7 +48,7 @@ class Meshes:
 
 @dataclass(frozen=True)
 class ShapeFormat:
-    """Place of the data of a shape in the elements of URDF or SDF."""
+    """Functions that find a shape's properties in the elements of URDF or SDF."""
 
     text: Callable[[Element, str], str | None]  # of a geometry, by its key
     mesh: str  # key of a mesh's path

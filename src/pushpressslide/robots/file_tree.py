@@ -11,7 +11,7 @@ from pushpressslide.robots.facts import JointFacts
 from pushpressslide.robots.file_values import UnfitValue
 
 WORLD = "world"
-SHOWN = 300  # characters of a list of names
+SHOWN = 300  # longest list of names, in characters
 
 
 def few(names: Iterable[str]) -> str:

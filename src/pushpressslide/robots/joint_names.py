@@ -11,7 +11,8 @@ from pushpressslide.robots.arm_files import robot_facts
 def joint_names(robots: Sequence[Robot]) -> list[list[str]]:
     """Names of the moving joints of each arm, from the base to the tip.
 
-    They are those of the robot's file; of two arms with ``left_`` and ``right_``.
+    They are the names in the robot's file. With two arms they start with ``left_`` and
+    ``right_``.
     """
     out = []
     for name, robot in zip(ARM_NAMES, robots, strict=False):

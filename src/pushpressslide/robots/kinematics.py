@@ -22,7 +22,8 @@ from pushpressslide.robots.facts import (
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 
 OFF_VERTICAL = 1e-4
-"""[rad; m] of an axis that counts as vertical: files round their angles."""
+"""Deviation [rad; m] below which an axis counts as vertical: files round their angles.
+"""
 
 
 def _skew(a: Array) -> Array:

@@ -22,11 +22,12 @@ from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 
 REACH_MARGIN = 0.02
-"""[rad] that every joint keeps from its limits for a point to count as within reach."""
+"""Distance [rad] of every joint from its limits at a point that counts as within reach.
+"""
 
 QUICK_SEEDS = [0, 1, 2, 3, 6]
-"""Of the structured starts of ``default_seeds``: the home posture turned, other wrists,
-other elbows.
+"""Indices in the structured starts of ``default_seeds``: the home posture turned, other
+wrists, other elbows.
 """
 
 QUICK = IkSearch(iterations=30)

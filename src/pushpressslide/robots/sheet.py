@@ -1,4 +1,4 @@
-"""What a robot can do over a table: its reach, and its largest press and push."""
+"""Capabilities of a robot over a table: its reach, and its largest press and push."""
 
 from __future__ import annotations
 
@@ -15,19 +15,21 @@ from pushpressslide.robots.facts import RobotFacts, rotation_from_rpy
 from pushpressslide.robots.inverse import solve_ik
 from pushpressslide.robots.kinematics import ArmKinematics
 
-STEP = 1e-5  # [rad; m] of the derivative of the potential energy
-POINTS = 15  # of a side of the grid over the table
-HEIGHT = 0.1  # [m] of the tip above the base's foot, as on a low object
-MARGIN = 0.05  # [rad] to the joint limits
+STEP = 1e-5  # [rad; m] step for the derivative of the potential energy
+POINTS = 15  # points along a side of the grid over the table
+HEIGHT = 0.1  # [m] height of the tip above the base's foot, as on a low object
+MARGIN = 0.05  # [rad] distance from the joint limits
 
 
 @dataclass(frozen=True)
 class Workspace:
-    """Places of the tip over a table, tool down, and the largest forces there."""
+    """Positions of the tip over a table with the tool down, and the largest forces
+    there.
+    """
 
     points: Array  # (k, 3) [m] in the base's frame
     reached: NDArray[np.bool_]  # (k,)
-    # (k,) [N] down; NaN if the place is not reached, infinite without torque limits
+    # (k,) [N] down; NaN if out of reach, infinite without torque limits
     press: Array
     push: Array  # (k,) [N] in the worst horizontal direction
 
@@ -79,8 +81,8 @@ def largest_force(kin: ArmKinematics, q: Array, direction: Array) -> Array:
 
 
 def largest_press(kin: ArmKinematics) -> float:
-    """Largest force [N] that an arm presses down with anywhere over the table, tool
-    down. Infinite without torque limits, and where no place is reached so.
+    """Largest downward force [N] of an arm anywhere over the table, with the tool down.
+    Infinite without torque limits, or if no position is in reach.
     """
     found = workspace(kin)
     return float(found.press[found.reached].max(initial=0.0)) or math.inf
@@ -131,8 +133,8 @@ def missing_limits(facts: RobotFacts) -> Mapping[str, list[str]]:
 
 
 def limits_to_fill(facts: RobotFacts) -> str:
-    """Text of the task's limits that a file lacks, with numbers to fill in as ``...``.
-    Empty if it lacks none.
+    """Text for the task file with the limits that a robot's file lacks, with ``...``
+    for numbers to fill in. Empty if none are missing.
     """
     lacking = missing_limits(facts)
     items = []

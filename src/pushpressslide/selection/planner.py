@@ -13,10 +13,9 @@ from pushpressslide.modes import MODES
 def selectable(
     empty: Plan, choices: Sequence[Choice], *, force: bool = False
 ) -> list[Choice]:
-    """Choices that can do their part of a plan that is ``empty`` so far.
+    """Choices usable in a plan that is ``empty`` so far.
 
-    With ``force``, choices that merely have a path. Raises InfeasibleTaskError if there
-    are none.
+    With ``force`` a path is enough. Raises InfeasibleTaskError if there are none.
     """
     feasible = [c for c in choices if c.segments and (c.feasible or force)]
     if not feasible:

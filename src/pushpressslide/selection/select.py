@@ -26,13 +26,13 @@ from pushpressslide.planning.either_arm import nearest_arms
 from pushpressslide.selection.clearance import path_refusal
 
 MANY = 3 * ENOUGH
-"""Choices of a mode that are judged where joint paths stand against the first ones."""
+"""Choices per mode that are evaluated if the first ones have no joint paths."""
 
 Way = tuple[tuple[Contact, ...], tuple[MotionPath, ...]]
 FALLS = Refusal(
     "falls",
-    "the object falls when the arms let go for it: nothing carries it where the leg "
-    "before ends",
+    "the object falls when the arms let go: nothing carries it where the previous leg "
+    "ends",
 )
 AT_GOAL = Refusal(SKIPPED, "the object is at its goal already")
 ENDS = Refusal("no_continuation", "its contacts allow no continuation")
@@ -69,7 +69,7 @@ def placements(
     parts = queries[first:]
     allowed = [set(part.modes or MODES) for part in parts]
     if any(before & after for before, after in pairwise(allowed)):
-        # the next leg may need contacts other than the quickest ones
+        # the next leg may need other contacts than the quickest ones
         enough = max(enough, ENOUGH)
     groups = [_select_leg(parts[0], first, enough)]
     for leg, part in enumerate(parts[1:], start=first + 1):
@@ -109,7 +109,7 @@ def of_leg(choice: Choice, leg: int) -> Choice:
 def _lengthened(choice: Choice, ahead: list[Choice]) -> Choice:
     """The ``choice`` extended by the best of ``ahead`` with the same contacts.
 
-    Infeasible if none continues with them.
+    Infeasible if no choice continues with them.
     """
     if not choice.feasible:
         return choice
@@ -120,7 +120,8 @@ def _lengthened(choice: Choice, ahead: list[Choice]) -> Choice:
         if not (same and after.feasible):
             continue
         time = None
-        if choice.time is not None:  # the contacts are kept: nothing but the motion
+        # contacts are kept: only the time of the motion counts
+        if choice.time is not None:
             time = choice.time + sum(s.profile.duration for s in after.segments)
         segments = (*choice.segments, *after.segments)
         return replace(choice, segments=segments, time=time)
@@ -193,8 +194,8 @@ def _by_tip(query: MotionQuery, mode: Mode[Any]) -> list[MotionQuery]:
 
 
 def _blocks(query: MotionQuery) -> Callable[[Choice], Refusal | None]:
-    """Check of the path of a choice for ``query``. Both arms' choices of one contact
-    share their path.
+    """Check of the path of a choice for ``query``. The choices of both arms for one
+    contact share their path.
     """
     refusals: dict[Way, Refusal | None] = {}
 

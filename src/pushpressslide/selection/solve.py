@@ -33,14 +33,14 @@ from pushpressslide.selection.select import (
 )
 from pushpressslide.selection.waypoints import free_space, push_successors, waypoints
 
-TRIES = 4  # single motions whose joint paths are looked for, before sequences are
-SEQUENCES = 16  # whose joint paths are looked for
-# the same where a task goes on after a recovery: up to three beliefs are planned with
+TRIES = 4  # single motions whose joint paths are sought before sequences
+SEQUENCES = 16  # sequences whose joint paths are sought
+# the same when a task continues after a recovery, with plans for up to three beliefs
 TRIES_ANEW = 2
 SEQUENCES_ANEW = 6
-JUDGED = 320  # work on motions between two poses in a search
-MOST_FORCE = 1000.0  # [N] that a task file may allow
-MOST_FURTHER = 640  # more, if pushes from the via poses are evaluated too
+JUDGED = 320  # budget for evaluating motions between two poses in a search
+MOST_FORCE = 1000.0  # [N] largest limit that a task file may allow
+MOST_FURTHER = 640  # the same if pushes from the via poses are evaluated too
 
 
 @dataclass
@@ -48,9 +48,9 @@ class Solution:
     """The solution of a task."""
 
     plan: Plan
-    choices: list[Choice]  # all that were evaluated or skipped
+    choices: list[Choice]  # all choices, evaluated or skipped
     planning_time: dict[str, float] = field(default_factory=dict)  # [s] by stage
-    search_notes: SearchNotes | None = None  # where one motion did not do it
+    search_notes: SearchNotes | None = None  # None if one motion suffices
 
     @property
     def notes(self) -> dict[str, Any]:
@@ -113,7 +113,7 @@ def _pushing(planner: PlacementPlanner, pushing: Plan, enough: int) -> list[Choi
 
 
 def _selected(empty: Plan, enough: int) -> list[Choice]:
-    """Choices for the legs that are not done."""
+    """Choices for the remaining legs."""
     return list(chain.from_iterable(placements(empty.queries, enough, empty.first)))
 
 
@@ -145,8 +145,8 @@ def _solved(
 def _beyond_limits(empty: Plan, choices: list[Choice], enough: int) -> list[Choice]:
     """``choices``, with paths beyond the limits for placements that have none.
 
-    These are of a task without a limit of force and without a workspace, and keep the
-    refusals of the true limits.
+    Such paths are planned without limits on force and workspace. Their refusals are
+    those under the true limits.
     """
     with_path = {choice.leg for choice in choices if choice.segments}
     lacking = {choice.leg for choice in choices} - with_path
@@ -169,10 +169,10 @@ def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Pl
     """Plan for ``choice``, by default the best one, or the best sequence of motions if
     no single choice does the task.
 
-    Joint paths are not checked: ``jobs.run.run`` does so. In a task with legs,
-    ``choice`` does its own placement, and the best choices do the others. ``force``
-    plans an infeasible choice all the same if it has a path. Raises InfeasibleTaskError
-    with the reasons, one per choice, if nothing can do the task.
+    Joint paths are not checked: ``jobs.run.run`` does so. In a task with legs, every
+    other placement uses its best choice. ``force`` plans an infeasible choice too, if
+    it has a path. Raises InfeasibleTaskError with the reasons, one per choice, if
+    nothing can do the task.
     """
     if Plan(task).at_goal:
         return Plan(task)
@@ -276,7 +276,7 @@ def joined(planner: PlacementPlanner, empty: Plan) -> Plan:
 def _infeasible(
     empty: Plan, choices: Sequence[Choice], search: LegSearch, shortfall: str
 ) -> InfeasibleTaskError:
-    """Error that explains why neither one motion nor a sequence does the task."""
+    """Error that explains why neither one motion nor a sequence solves the task."""
     refused = [choice for choice in choices if not choice.feasible]
     searched = (
         f"; nor does a sequence through up to {len(search.poses) - 2} poses "

@@ -34,9 +34,11 @@ from pushpressslide.selection.placement_planner import PlacementPlanner, PlansAl
 from pushpressslide.selection.put_aside import Moment, in_the_way, spots
 from pushpressslide.selection.solve import Solution, rest, solve
 
-ORDERS = 400  # with the same number of stages that are compared
-REFUSALS = 16  # of stages as one motion, after which no more are looked at
-SEARCHES = 3  # in vain for several motions that do a stage; each takes seconds
+ORDERS = 400  # orders compared for each number of stages
+REFUSALS = 16  # refused single motions after which no more orders are tried
+# failed searches for a sequence of motions after which no more are made; each takes
+# seconds
+SEARCHES = 3
 SHARED = 1e-8  # [m^2] that two footprints may share and still count as touching
 
 
@@ -169,8 +171,8 @@ def _orders(
 
 
 def _visited(moment: Moment) -> Moment:
-    """The given moment with the goals removed that a body with several goals has
-    reached. The last goal of each body stays.
+    """The moment without the goals already reached by bodies with several goals. The
+    last goal of each body stays.
     """
     tolerance = moment.task.tolerance
     left: dict[str, tuple[Pose2, ...]] = {}
@@ -201,7 +203,7 @@ def _is_free(moment: Moment, body: str) -> bool:
 
 
 def _shut_in(moment: Moment) -> str:
-    """One line that names the body without a place to go."""
+    """One line that names the body that cannot go to its goal or aside."""
     task = moment.task
     for body, goals in moment.goals.items():
         if goals and not _is_free(moment, body):

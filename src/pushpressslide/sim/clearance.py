@@ -138,12 +138,12 @@ class DrakeClearance:
         )
 
     def _allowed_at_contact(self, radius: float) -> dict[GeometryId, float]:
-        """Allowed distance [m] to the touched body, for each shape that holds the tip
-        and is nearer to the contact than the clearance.
+        """Allowed distance [m] from the touched body for each shape of the rod that is
+        within the clearance of the contact.
 
-        The tip's sphere, of a ``radius`` [m], touches with the half that faces away
-        from these shapes. The allowed distance of a shape is the fraction ``ROD_ROOM``
-        of its smallest distance to that half.
+        The half of the tip's sphere, of a ``radius`` [m], that faces away from these
+        shapes makes the contact. The allowed distance of a shape is the fraction
+        ``ROD_ROOM`` of its smallest distance from that half.
         """
         tip = self._robot.tip_body
         holding = set(_shapes(self._plant, self._plant.GetBodiesWeldedTo(tip)))

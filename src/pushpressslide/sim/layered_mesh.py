@@ -141,7 +141,9 @@ _ORDERS = (
     (4, 3, 5, 1, 0, 2),
     (5, 4, 3, 2, 1, 0),
 )
-"""By the place of its lowest vertex: how a prism is turned so that it comes first."""
+"""Order of a prism's vertices that puts the lowest one first, by the index of that
+vertex.
+"""
 
 
 def _turned(vertices: tuple[Vector3, ...], cell: Tetrahedron) -> Tetrahedron:

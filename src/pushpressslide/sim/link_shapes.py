@@ -32,7 +32,7 @@ from pushpressslide.robots.file_shapes import read_mesh
 
 ALUMINIUM = (0.78, 0.79, 0.81)
 MOST_TRIANGLES = 100_000
-"""Of a mesh that is drawn."""
+"""Largest number of triangles in a drawn mesh."""
 
 
 def add_shapes(

@@ -29,25 +29,28 @@ if TYPE_CHECKING:
     from pushpressslide.core.arrays import Array
 
 DETAIL = 3e-4
-"""[m] of an outline that contact does not see."""
+"""Detail [m] of an outline that is too small to matter for contact."""
 CONVEX = 0.995
-"""Share of its convex hull's area that a convex cross-section has at least."""
+"""Smallest area of a cross-section that counts as convex, as a share of its convex
+hull's.
+"""
 MOST_DRAWN = 100_000
-"""Triangles of a body that is drawn as it is."""
+"""Largest number of triangles of a body that is drawn unchanged."""
 THIN = 0.005
-"""[m] of a layer: a tip that presses it may sink in as deep."""
+"""Thickness [m] below which a layer is thin. A pressing tip may sink in that deep."""
 UPRIGHT = 0.5
-"""Share of a layer's height, from which an upright band stands for all of it."""
+"""Share of a layer's height above which one upright band stands for the whole layer."""
 MOST_RINGS = 9
-"""Cross-sections of a convex part."""
+"""Largest number of cross-sections of a convex part."""
 MOST_PARTS = 100
-"""Convex shapes of a body, from which each distance to an arm is measured."""
+"""Largest number of convex shapes that stand for a body in distances to an arm."""
 SLACKS = (2e-3, 4e-3, 8e-3, 16e-3)
-"""[m] by which fewer shapes may stand out from a body."""
+"""Distances [m] by which such shapes may extend beyond the body, to need fewer of them.
+"""
 SLAB = 3.0
-"""Height of a slab of such shapes over that distance."""
+"""Height of a slab of such shapes, as a multiple of that distance."""
 STEP = 4e-3
-"""[m] between outlines that count as one, of a body that is pressed inside."""
+"""Difference [m] below which two outlines count as one, for a body pressed inside."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +58,7 @@ class SolidPart:
     """A part of a body that tips touch."""
 
     shape: DrakeShape
-    thickness: float  # [m] of its compliant layer
+    thickness: float  # [m] thickness of its compliant layer
 
 
 @lru_cache(maxsize=8)
@@ -122,7 +125,7 @@ def _solid_parts(body: MeshBody, layered: bool) -> Iterator[SolidPart]:
 
 @dataclass(frozen=True)
 class _Layer:
-    """Bands that are one part: a convex stack, or a single band."""
+    """Bands that form one part: a convex stack, or a single band."""
 
     low: float  # [m]
     high: float  # [m]
@@ -134,8 +137,8 @@ class _Layer:
 
 
 def _solid_bands(body: MeshBody) -> list[Band]:
-    """Bands of a body with their holes filled, or few bands with open ones if a tip
-    presses inside.
+    """Bands of a body with their holes filled. If a tip presses inside, a few bands
+    with open holes.
     """
     if body.pressed_inside:
         return _few(body.bands)
@@ -146,7 +149,7 @@ def _solid_bands(body: MeshBody) -> list[Band]:
 
 
 def _few(bands: Sequence[Band]) -> list[Band]:
-    """Bands joined where their outlines differ by less than ``STEP``."""
+    """Bands, with neighbours joined if their outlines differ by less than ``STEP``."""
     out: list[Band] = []
     for band in bands:
         last = out[-1] if out else None
@@ -165,7 +168,7 @@ def _is_convex(band: Band) -> bool:
 
 
 def _layers(bands: Sequence[Band]) -> list[_Layer]:
-    """Bands in layers, as few as convex ones allow."""
+    """Bands in as few convex layers as possible."""
     layers: list[_Layer] = []
     for band in bands:
         if layers and _stays_convex(layers[-1].bands, band):
@@ -177,8 +180,8 @@ def _layers(bands: Sequence[Band]) -> list[_Layer]:
 
 
 def _thick(layers: Sequence[_Layer]) -> list[_Layer]:
-    """Layers that a tip may sink into: thin ones, as fillets have, are parts of the
-    higher one of their neighbours.
+    """Layers without thin ones, as at fillets: a thin layer is merged into the higher
+    of its neighbours.
     """
     out = list(layers)
     while len(out) > 1:
@@ -256,7 +259,7 @@ def _frustum(
 def _upright(
     polygon: Polygon, low: float, high: float, layered: bool
 ) -> Iterator[SolidPart]:
-    """An upright part between two heights: one layered piece, or convex ones."""
+    """Upright part between two heights: one layered piece, or several convex ones."""
     height = high - low
     ring = joined_ring(polygon)
     if polygon.area >= CONVEX * polygon.convex_hull.area:
@@ -265,7 +268,7 @@ def _upright(
         try:
             made = layered_mesh(ring, height)
         except ValueError:
-            pass  # too thin for one
+            pass  # too thin for a layer
         else:
             middle = 0.5 * (low + high)
             yield SolidPart(made.mesh.raised(middle).drake(), made.depth)

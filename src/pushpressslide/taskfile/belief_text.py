@@ -1,4 +1,6 @@
-"""Identified values written into a task file's text. Comments and layout stay."""
+"""Identified values, written into the text of a task file. Comments and layout are
+kept.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +18,8 @@ KEY = "belief"
 def with_belief(text: str, values: Mapping[str, float | None], source: str) -> str:
     """Text of a task file with ``values`` as fields of ``belief``, in the file's units.
 
-    A field that is there gets the value in its place; the others are added. Raises
-    TaskError for a text that is no task, before or after.
+    An existing field gets the new value; the others are added. Raises TaskError if the
+    text is not a task, before or after the change.
     """
     data = parse_yaml(text, source)
     if not isinstance(data, dict):
@@ -36,7 +38,7 @@ def with_belief(text: str, values: Mapping[str, float | None], source: str) -> s
 
 
 def _rounded(data: object) -> object:
-    """Plain data with numbers of six digits, as they are written."""
+    """Plain data with numbers rounded to six digits for writing."""
     if isinstance(data, dict):
         return {key: _rounded(value) for key, value in data.items()}
     if isinstance(data, float):
@@ -52,7 +54,7 @@ def _with_field(text: str, name: str, value: str, source: str) -> str:
     section = _value(root, KEY)
     if section is None:
         return _appended(text, root, f"{KEY}: {{{name}: {value}}}")
-    if not isinstance(section, yaml.MappingNode):  # null, or nothing
+    if not isinstance(section, yaml.MappingNode):  # null or empty
         start, end = _span(section)
         gap = "" if text[:start].endswith((" ", "\n")) else " "
         return f"{text[:start]}{gap}{{{name}: {value}}}{text[end:]}"
@@ -78,7 +80,7 @@ def _span(node: yaml.Node) -> tuple[int, int]:
 
 
 def _appended(text: str, root: yaml.MappingNode, line: str) -> str:
-    """Text with a line more at the end of its mapping."""
+    """Text with one more line at the end of its mapping."""
     if root.flow_style:
         return _inserted(text, root, line)
     whole = text if text.endswith("\n") else text + "\n"
@@ -86,9 +88,9 @@ def _appended(text: str, root: yaml.MappingNode, line: str) -> str:
 
 
 def _inserted(text: str, section: yaml.MappingNode, field: str) -> str:
-    """Text with a field more in a mapping, behind those it has."""
+    """Text with one more field at the end of a mapping."""
     if section.flow_style:
-        end = _span(section)[1] - 1  # of its brace
+        end = _span(section)[1] - 1  # position of its brace
         filled = text[:end].rstrip()
         comma = ", " if section.value else ""
         return f"{filled}{comma}{field}{text[len(filled) :]}"

@@ -48,13 +48,13 @@ BASE_RADIUS = 0.10
 """Radius of a robot's base that no body may enter [m]."""
 
 PLACES = 24
-"""Around an object, at which it is asked whether a tip gets there."""
+"""Number of points around an object that are checked for a tip's reach."""
 
 REACH_SLACK = 0.02
-"""Shortfall that is put down to the search [m]; beyond it a place is out of reach."""
+"""Shortfall [m] attributed to the search. Beyond it a point is out of reach."""
 
 ROUNDING = 1e-6
-"""[m] by which a contact may be nearer to the edge."""
+"""Tolerance [m] of a contact's distance from the edge: round-off."""
 
 
 def check(
@@ -143,7 +143,7 @@ def _face_faults(scene: Scene, face: int) -> Iterator[Fault]:
     if face not in touched:
         allowed = ", ".join(["null", *(str(index) for index in sorted(touched))])
         reason = (
-            f"a tip of radius {scene.tip_radius * 1e3:g} mm does not get to it, or it is "
+            f"a tip of radius {scene.tip_radius * 1e3:g} mm cannot reach it, or it is "
             f"too narrow; allowed: {allowed}"
         )
         yield "motion.face", face, reason
@@ -213,7 +213,7 @@ def _mode_faults(query: MotionQuery) -> Iterator[Fault]:
 
 
 def _arm_faults(motion: Motion, count: int) -> Iterator[Fault]:
-    """Yield an arm that is none of the ``count`` arms of a task."""
+    """Yield a fault if a field names an arm beyond the ``count`` arms of a task."""
     arm = motion.arm
     names = ARM_NAMES[:count]
     if arm is not None and arm not in names:
@@ -309,7 +309,7 @@ def _near_edge(
         return
     inside = f"{1e3 * min_margin:.1f} mm or more inside the edge of support.region"
     if min_margin == 0.0:
-        inside = "over what support.region carries of the base"
+        inside = "over the part of the base on support.region"
     where = f"{1e3 * abs(depth):.1f} mm {'inside' if depth > 0.0 else 'beyond'}"
     yield name, pose_text(X_WG), f"allowed: centre of mass {inside}, here {where}"
 
@@ -318,10 +318,10 @@ def check_reach(query: MotionQuery, body: ObjectModel) -> None:
     """Check that some robot brings its tip next to or onto the object at start and at
     goal.
 
-    By kinematics alone, with all tool attitudes tried, and with tolerance for places
-    between those tried: a refused pose is impossible for every choice of contact.
-    Raises TaskError for a robot that cannot be read, and for a start or goal that no
-    robot reaches, with the shortfall.
+    The check uses kinematics alone. It tries all tool attitudes, with a tolerance for
+    points between those tried. A refused pose is therefore impossible for every choice
+    of contact. Raises TaskError for a robot that cannot be read, and for a start or
+    goal that no robot reaches, with the shortfall.
     """
     scene = query.scene
     source = query.source
@@ -354,7 +354,7 @@ def _limit_faults(kin: ArmKinematics, field: str) -> Iterator[Fault]:
 
     lines = limits_to_fill(kin.facts)
     if lines:
-        missing = "it is missing, and the file has no limit of some joints"
+        missing = "it is missing, and the file lacks limits of some joints"
         yield field, None, f"{missing}; allowed: the maker's, as {lines}"
 
 
@@ -390,7 +390,7 @@ def _kinematics(robot: Robot, i: int, source: str) -> ArmKinematics:
 
 
 def shortfall(kin: ArmKinematics, robot: Robot, scene: Scene, X_WG: Pose2) -> float:
-    """Distance [m] by which a tip misses the nearest place where it could touch the
+    """Distance [m] by which a tip misses the nearest point at which it could touch the
     object, 0 if it can reach one.
     """
     import numpy as np

@@ -1,5 +1,5 @@
-"""Conversion of a Task to the text of a task file, with every field resolved, in the
-file's layout and units.
+"""Conversion of a Task to the text of a task file in the file's layout and units, with
+every default written out.
 """
 
 from __future__ import annotations

@@ -16,7 +16,9 @@ GONE: Mapping[str, tuple[object, str]] = {
     "joint_stiffness": (10.0, f"{EXECUTION}(joint_stiffness=...)"),
     "fixed_target": (False, "pushpressslide_studies.paper.execution.FixedTarget"),
 }
-"""Of each field of ``motion``: the value that every run has, and what gives others."""
+"""Removed fields of ``motion``, each with the value in every run, and the replacement
+for other values.
+"""
 
 
 def without_gone(data: Mapping[Any, Any], source: str, ran: bool) -> dict[Any, Any]:

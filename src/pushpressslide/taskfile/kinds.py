@@ -1,12 +1,12 @@
 """Kinds of fields: the allowed values in words, a reader, and the JSON Schema.
 
-Reading is separate from decoding, so that each field is known to be valid before fields
-are compared. ``read`` gives plain data in the file's units with every default resolved,
-``decode`` makes the data of a task of it, and ``encode`` is the inverse of ``decode``.
+Reading is separate from decoding: every field is valid before fields are compared.
+``read`` returns plain data in the file's units with every default filled in. ``decode``
+converts it to the data of a task, and ``encode`` is the inverse.
 
-``encode`` also takes what a program may have in place of the data of a task: lists,
-tuples, arrays, mappings laid out like the file, paths. A value that it cannot convert
-stays as it is; ``read`` refuses it.
+``encode`` also accepts the loose values of a program: lists, tuples, arrays, paths, and
+mappings laid out like the file. A value that it cannot convert is returned unchanged,
+and ``read`` refuses it.
 """
 
 from __future__ import annotations
@@ -54,14 +54,15 @@ def attributes(data: Any) -> dict[str, Any]:
 class Kind:
     """Allowed values of a field, with their conversions."""
 
-    words: str  # what it takes
-    many: str  # what several of it take
+    words: str  # allowed values in words
+    many: str  # the same in the plural, for a list
     json: Mapping[str, Any]  # JSON Schema
     read: Callable[[Any, Place], Any]  # raises TaskError
     decode: Callable[[Any], Any] = _same
     encode: Callable[[Any], Any] = plain_value
-    absent: Any = REQUIRED  # plain value of a field that the file leaves out
-    fields: Mapping[str, Field] | None = None  # of a section, or of each in a list
+    absent: Any = REQUIRED  # plain value of a field that is missing in the file
+    # fields of a section, or of each section in a list
+    fields: Mapping[str, Field] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +72,7 @@ class Field:
     kind: Kind
     meaning: str
     default: Any = REQUIRED  # plain, in the file's units
-    name: str = ""  # in the data, if it is not the key without _deg
+    name: str = ""  # name in the data, if it is not the key without _deg
 
     @property
     def absent(self) -> Any:
@@ -81,12 +82,12 @@ class Field:
 
 _LOWER = {"[": ("minimum", operator.ge), "(": ("exclusiveMinimum", operator.gt)}
 _UPPER = {"]": ("maximum", operator.le), ")": ("exclusiveMaximum", operator.lt)}
-"""By the bracket of a range: its key in JSON Schema, and how a value compares."""
+"""Key in JSON Schema and comparison, by the bracket at the upper end of a range."""
 _NUMBERS: Mapping[bool, tuple[type[float], str, str]] = {
     False: (float, "finite", "number"),
     True: (int, "whole", "integer"),
 }
-"""By whether a number is whole: its type, in words, and in JSON Schema."""
+"""Type, word and JSON Schema type of a number, by whether it is whole."""
 
 
 def number(
@@ -130,7 +131,7 @@ def number(
 def _leaf(
     words: str, many: str, json: Mapping[str, Any], sound: Callable[[Any], bool]
 ) -> Kind:
-    """Kind of a single value that is accepted unchanged or refused."""
+    """Kind of a single value that is either accepted unchanged or refused."""
 
     def read(value: Any, place: Place) -> Any:
         """Read one value."""
@@ -175,7 +176,7 @@ def array(item: Kind, low: float, high: float) -> Kind:
         """Read one value."""
         if not isinstance(value, list) or not low <= len(value) <= high:
             raise place.refused(value)
-        # of sections the whole list is said, with what each takes
+        # for sections the message describes the whole list, with the fields of each
         allowed = place.allowed if item.fields else item.words
         return tuple(
             item.read(one, place.item(i, allowed)) for i, one in enumerate(value)
@@ -256,12 +257,11 @@ def section(
     data: type | tuple[type, ...] | None = None,
     order: tuple[str, ...] = (),
 ) -> Kind:
-    """Kind of a section with some fields by their keys.
+    """Kind of a section with the given fields, by key.
 
-    In the data it is the result of ``make`` called with the fields by their names, of
-    the type ``data``, by default ``make`` itself. ``take`` is the inverse; fields that
-    it leaves out are not written. A sequence in place of the data has the fields of
-    ``order``.
+    ``make`` is called with the fields by name, and returns the data of type ``data``,
+    by default ``make`` itself. ``take`` is the inverse; fields that it omits are not
+    written. A sequence may stand for the data, with its items in ``order``.
     """
     listed = f"with the fields {', '.join(fields)}"
     names = {key: f.name or key.removesuffix("_deg") for key, f in fields.items()}

@@ -99,7 +99,7 @@ def load_task(
 
 
 def _of_python(data: Mapping[Any, Any], overrides: Overrides, source: str) -> Task:
-    """Checked task of data that a program may have laid out loosely."""
+    """Checked task from a program's data, which may use loose types."""
     plain = SCHEMA.encode(data)
     apply_overrides(plain, _plain_overrides(overrides))
     return task_from_data(plain, source)
@@ -117,7 +117,8 @@ def _plain_field(name: str, value: Any) -> Any:
     kind = SCHEMA
     key = ""
     for key in name.split("."):
-        if key.isdecimal():  # of a list, whose kind has the fields of its sections
+        # an index in a list, whose kind has the fields of its sections
+        if key.isdecimal():
             continue
         if key not in (kind.fields or {}):
             return plain_value(value)
@@ -166,7 +167,9 @@ def check_task(task: Task, overrides: Overrides = ()) -> Task:
 
 
 def in_radians(error: TaskError) -> TaskError:
-    """Error of an angle [deg] in the file, for a program that has it in radians."""
+    """Error for an angle in degrees in the file, rewritten for a program that gives
+    radians.
+    """
     value = error.value
     if not error.field.endswith("_deg") or not isinstance(value, int | float):
         return error
@@ -250,7 +253,7 @@ def _warn_of_masses(task: Task) -> None:
 def load_written_task(path: Path) -> Task:
     """Task of a file written by :func:`dump_task`, unchanged.
 
-    It is not checked again: a body that a run has thrown off the table is read at its
+    It is not checked again: a body may have left the table in a run, and is read at its
     last pose.
 
     Raises:
@@ -342,7 +345,7 @@ OF_FILES = (
     "joint_friction",
     "limits",
 )
-"""Fields of a robot that go with a model given by its path."""
+"""Fields of a robot that are allowed only for a model given by its path."""
 
 
 def _located(robot: Robot, folder: Path) -> Robot:
@@ -355,7 +358,7 @@ def _located(robot: Robot, folder: Path) -> Robot:
 
 
 def _tip_faults(robot: Mapping[str, Any], field: str) -> Iterator[Fault]:
-    """Yield fields of a robot that do not go with its ``tip``."""
+    """Yield fields of a robot that conflict with its ``tip``."""
     tip = robot["tip"]
     name = tip and doubled_by_tip(robot, tip["radius"], tip["length"])
     if name:

@@ -9,9 +9,11 @@ from pathlib import Path
 from typing import Any
 
 MOST_TRIANGLES = 200_000
-"""Of a mesh."""
+"""Largest number of triangles in a mesh."""
 MOST_BYTES = 64_000_000
-"""Of a file, and of the buffers beside it: the most triangles as text, with a margin."""
+"""Size [bytes] of the largest file together with its buffers: that of the most
+triangles as text, with a margin.
+"""
 STL_HEAD = 84
 STL_TRIANGLE = 50
 """Bytes of a binary STL file: head, which ends with the count, and triangle."""

@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from pushpressslide.core.arrays import Array
 
 MOST_EDGES = 20_000
-"""Of a border: that of a level face has few, that of a rough one a multiple."""
+"""Largest number of edges in a border. The border of a level face has few, that of a
+rough one many more.
+"""
 
 
 def covered(triangles: Array, grid: float) -> Area:

@@ -30,13 +30,17 @@ if TYPE_CHECKING:
     from pushpressslide.core.arrays import Array
 
 TOLERANCE = 0.003
-"""Of the solid's size: how far base, top and sides may be from an upright prism's."""
+"""Largest distance of base, top and sides from those of an upright prism, as a share of
+the solid's size.
+"""
 FLATTEST = 0.01
 """Height of a body over its size."""
 DETAIL = 1e-3
-"""Of the solid's size: corners that stand out by less are left out of the outline."""
+"""Smallest detail of the outline, as a share of the solid's size. Corners that stand
+out by less are left out.
+"""
 MOST_CORNERS = 256
-"""Of an outline."""
+"""Largest number of corners in an outline."""
 
 
 def read_mesh(path: str, scale: float, up: str = "z") -> MeshSolid:

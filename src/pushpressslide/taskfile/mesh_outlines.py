@@ -27,31 +27,35 @@ if TYPE_CHECKING:
     from pushpressslide.core.arrays import Array
 
 BASE_HEIGHTS = (2e-4, 1e-3)
-"""[m] above the lowest point up to which a face is part of the base: the larger one for a
-body that would not stand on what is that level.
+"""Heights [m] above the lowest point up to which a face is part of the base. The larger
+one is for a body that would not stand with the smaller one.
 """
 NEAR = 0.01
-"""Of the body's height: levels that are one level."""
+"""Distance below which two levels count as one, as a share of the body's height."""
 GAP = 2.0
-"""Of the smallest detail: half of a gap that does not separate two bodies."""
+"""Half of the largest gap that does not separate two bodies, as a multiple of the
+smallest detail.
+"""
 CRUMBS = 0.01
 """Share of a footprint that may lie apart from the rest."""
 MOST_CORNERS = 256
-"""Of the outline seen from above."""
+"""Largest number of corners in the outline seen from above."""
 LEVELS = 40
-"""Of a body whose corners are at more heights."""
+"""Number of levels for a body with corners at more heights than this."""
 STEP = 1e-3
-"""[m] between the outlines at both ends of a band."""
+"""Distance [m] between the outlines at both ends of a band."""
 FINEST = 24
 """Bands between two heights of corners."""
 END = 0.02
-"""Of a band's height: distance of its outlines from its ends."""
+"""Distance of a band's outlines from its ends, as a share of its height."""
 LEVEL = math.radians(2.0)
 """Slope of a patch on top that counts as level."""
 ENOUGH = 0.5
-"""Of the radius of the largest disc in a patch, for a higher one to be pressed."""
+"""Radius of the largest disc in a patch, as a share of the largest patch's, above which
+a higher patch is pressed.
+"""
 SMALLEST_PATCH = 0.004
-"""[m] of the radius of the largest disc in a patch."""
+"""Smallest radius [m] of the largest disc in a patch."""
 
 
 def read_outlines(surface: Surface, path: str, scale: float, up: str) -> MeshBody:

@@ -15,9 +15,11 @@ if TYPE_CHECKING:
     from pushpressslide.core.arrays import Array
 
 DETAIL = 1e-3
-"""Of the solid's size: corners that stand out by less are left out of an outline."""
+"""Smallest detail of an outline, as a share of the solid's size. Corners that stand out
+by less are left out.
+"""
 GRID = 1e-3
-"""Of ``DETAIL``, to which corners are rounded."""
+"""Grid to which corners are rounded, as a share of ``DETAIL``."""
 DANGLING = 0.05
 """Share of a cross-section's lines that may belong to no closed loop."""
 

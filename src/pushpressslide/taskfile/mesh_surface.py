@@ -29,14 +29,16 @@ if TYPE_CHECKING:
     Indices = NDArray[np.integer[Any]]
 
 GRID = 1e-6
-"""Of the solid's size, within which corners count as one."""
+"""Distance below which corners count as one, as a share of the solid's size."""
 SMALLEST = 0.005
 LARGEST = 10.0
-"""[m] of the longest side; the upper one as of a box."""
+"""Largest length [m] of the longest side, as for a box."""
 FARTHEST = 1000.0
-"""[m] of a corner from the origin of the file's frame."""
+"""Largest distance [m] of a corner from the origin of the file's frame."""
 MOST_GAP_EDGES = 4
-"""Of a gap that is filled: its form leaves no doubt."""
+"""Largest number of edges of a gap that is filled. The form of such a gap is not in
+doubt.
+"""
 UNITS = (("millimetres", 0.001), ("metres", 1.0))
 """Units for which a message asks, with their scale."""
 

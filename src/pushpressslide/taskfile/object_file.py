@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 MUJOCO = ".msh"
 SUFFIXES = (".urdf", ".sdf", ".xml")
-"""Of files that describe an object and name its meshes."""
+"""Suffixes of files that describe an object and name its meshes."""
 
 
 def is_object_file(path: Path) -> bool:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pushpressslide.core.errors import TaskError
 
 Fault = tuple[str, object, str]
-"""What is wrong in a file: the field's dotted name, its value, and what is allowed."""
+"""A fault in a file: the field's dotted name, its value, and the allowed values."""
 
 
 def refuse(source: str, faults: Iterable[Fault]) -> None:

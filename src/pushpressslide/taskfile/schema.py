@@ -62,10 +62,10 @@ _LAYOUTS = {
     "Task.goal": layouts.GOAL,
     "Task.start_error": layouts.START_ERROR,
 }
-"""Fields that are laid out otherwise than their types."""
+"""Fields whose layout in the file differs from their type."""
 
 _SPREAD = ("Obstacle.shape",)
-"""Fields whose own fields stand in the file in their place."""
+"""Fields that the file replaces by their own fields."""
 
 _KINDS = {
     BodyGoal: layouts.BODY_GOAL,
@@ -116,7 +116,9 @@ _MAKE: dict[str, Callable[..., Any]] = {
     "Task": dict,
     "ToolUse": dict,
 }
-"""How data is made of the file's fields, where its constructor does not take them."""
+"""Functions that make data from the file's fields, if the constructor does not accept
+them.
+"""
 
 _TAKE: dict[str, Callable[[Any], dict[str, Any]]] = {
     "ObjectModel": _object_fields,
@@ -125,7 +127,7 @@ _TAKE: dict[str, Callable[[Any], dict[str, Any]]] = {
     "Support": support_fields,
     "Task": dict,
 }
-"""The inverses, where they are not the fields of the data."""
+"""Inverse functions, if the result is not simply the fields of the data."""
 
 
 def _section(data: Any) -> Kind:
@@ -192,7 +194,7 @@ def _wrapped(key: str, field: Field, meaning: str) -> Field:
 
 
 def _kind(hint: Any, spec: FieldSpec) -> Kind:
-    """Kind of a field by its type. None in a union only makes it nullable."""
+    """Kind of a field by its type. None in a union makes it nullable."""
     if hint in _KINDS:
         return kinds.NAME if spec.is_name else _KINDS[hint]
     union = get_origin(hint) in (Union, UnionType)
@@ -225,4 +227,4 @@ def _array(items: tuple[Any, ...], spec: FieldSpec) -> Kind:
 
 
 SCHEMA = _section(Task)
-"""The whole file; in the data the fields of a task by their names."""
+"""Kind of the whole file; in the data, the fields of a task by name."""

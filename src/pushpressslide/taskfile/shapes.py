@@ -42,7 +42,7 @@ from pushpressslide.taskfile.mesh_surface import TURNS
 from pushpressslide.taskfile.place import Fault
 
 SAME_HEIGHT = 1e-6
-"""[m] by which the heights of a compound's parts may differ: rounding."""
+"""Largest difference [m] between the heights of a compound's parts: round-off."""
 
 _LENGTH = number("m", "(0, 10]")
 _HEIGHT = Field(_LENGTH, "height")
@@ -74,7 +74,9 @@ _PARTS: tuple[Row, ...] = (
     ("prism", Prism, _PRISM, "upright prism; G is the polygon's own origin"),
     ("cylinder", Cylinder, _CYLINDER, "upright cylinder; G at the centre"),
 )
-"""Name, data, kind of the field and meaning of each kind of shape that is whole."""
+"""Name, data type, kind of field and meaning of each shape that is not composed of
+others.
+"""
 
 _OFFSET = number("m", "[-5, 5]")
 _POSE = section(
@@ -192,7 +194,7 @@ def located(plain: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 def shape_faults(field: str, plain: Mapping[str, Any]) -> Iterator[Fault]:
     """Yield errors of fields that hold a shape: several kinds, a polygon that crosses
-    itself, parts that are not connected, a mesh of no body that stands.
+    itself, parts that are not connected, a mesh without a body that stands.
     """
     given = [name for name in NAMES if plain[name] is not None]
     if len(given) != 1:

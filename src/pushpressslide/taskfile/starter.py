@@ -36,7 +36,7 @@ robots:
 GIVEN = frozenset({"name", "description", "object", "start", "goal", "robots"})
 """Sections that the file begins with, and that need nothing more."""
 STATED = {"support": ("friction", 0.3), "contact": ("friction", 0.7)}
-"""Fields of other sections that it gives, with their values."""
+"""Fields of other sections that a new file contains, with their values."""
 
 
 def starter(name: str, file: str) -> str:

@@ -20,9 +20,10 @@ from pushpressslide.taskfile.shapes import polygon_faults
 class SupportKind:
     """File fields of a kind of support, and its frame in the world."""
 
-    needs: tuple[str, ...]  # fields that it must have
-    takes: tuple[str, ...]  # fields that it may have
-    frame: Callable[[Stand | None, float], SupportFrame]  # of pose and angle [rad]
+    needs: tuple[str, ...]  # required fields
+    takes: tuple[str, ...]  # allowed fields
+    # frame from pose and angle [rad]
+    frame: Callable[[Stand | None, float], SupportFrame]
     stand: Callable[[SupportFrame], Stand | None]  # the pose of a frame
 
 
@@ -72,7 +73,7 @@ def support_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
 
 
 def make_support(kind: Any, frame: Stand | None, **others: Any) -> Support:
-    """Support of the file's fields, by default a table."""
+    """Support from the file's fields, by default a table."""
     place = KINDS[kind].frame(frame, others.get("angle") or 0.0)
     return Support(kind=kind, frame=place, **others)
 

@@ -14,7 +14,7 @@ import yaml
 from pushpressslide.core.errors import TaskError
 
 MAX_BYTES = 1_000_000
-"""Longest task file that is read [bytes]."""
+"""Size [bytes] of the longest task file that is read."""
 
 
 class _Loader(yaml.SafeLoader):

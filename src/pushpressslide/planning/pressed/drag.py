@@ -20,7 +20,7 @@ from pushpressslide.mechanics.top import room_inside
 from pushpressslide.mechanics.wall import lever, weights
 
 AllocatorAbout = Callable[[Point], Callable[[float, float, float], Allocation]]
-"""From the point [m] in B that wrenches are about to their allocator."""
+"""Function that returns an allocator of wrenches about a point [m] in B."""
 
 
 @dataclass(frozen=True, slots=True)

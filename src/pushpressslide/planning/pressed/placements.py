@@ -1,4 +1,4 @@
-"""Places and loads at which one arm may press an object that it slides."""
+"""Contact points and loads with which one arm may press an object to slide it."""
 
 from __future__ import annotations
 

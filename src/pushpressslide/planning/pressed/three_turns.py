@@ -128,9 +128,9 @@ class _Linkage:
     def to(
         self, goals: NDArray[np.complex128], yaws: Array
     ) -> tuple[NDArray[np.intp], NDArray[np.intp], tuple[Array, Array]]:
-        """Indices of body (s,) and centres (3, s), and angles (3, s) [rad] of both
-        solutions, for all s triples that lead to ``goals`` (m,) [m] and ``yaws`` (m,)
-        [rad].
+        """All s triples of turns that lead to ``goals`` (m,) [m] and ``yaws`` (m,)
+        [rad]. They are given as indices of the body (s,), indices of the centres (3,
+        s), and angles (3, s) [rad] of both solutions.
         """
         i, j, k = self._threes
         first = goals[:, None] - self._centers

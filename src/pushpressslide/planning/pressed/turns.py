@@ -240,8 +240,8 @@ def _turn(table: TurnTable, column: int, press: Press) -> PressedTurn:
 
 
 def steering_of(press: Press, backward: bool, speed: float) -> float:
-    """Largest force angle [rad] from straight motion at which a press is driven like
-    one unicycle at ``speed`` [m/s].
+    """Largest force angle [rad] from straight motion at which a pressed object still
+    moves like one unicycle at ``speed`` [m/s].
     """
     turns = [
         t

@@ -256,7 +256,7 @@ def _render_parameters(support: Support) -> RenderEngineVtkParams:
 
 
 def _light(support: Support) -> list[float]:
-    """Direction of the light in the world, onto the support's face from above."""
+    """Direction of the light in the world. It falls onto the support's face from above."""
     frame = support.frame
     along = LIGHT if frame.faces_up else STEEP_LIGHT
     return list(frame.direction(along))
