@@ -303,7 +303,7 @@ def test_every_tick_is_recorded_once_and_at_its_own_time(one, scripts) -> None:
 
 def test_the_record_holds_what_the_plant_adds(one, scripts) -> None:
     record = run_loop(Diary(arms=1), one)
-    meta = {"kind": "diary", "controller": "Script", "events": []}
+    meta = {"kind": "diary", "controller": "Script", "events": [], "breaches": []}
     assert (record.engine, record.meta) == ("diary", meta)
     assert record.arrays["extra"].tolist() == [i + 1 for i in range(TICKS)]
     assert (record.arrays["tick_execute"] > 0.0).all()

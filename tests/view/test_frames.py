@@ -91,9 +91,9 @@ def test_an_arm_is_faint_all_the_time_that_it_hides_something_and_does_not_flick
 
 def test_a_faint_arm_shows_what_is_behind_it_and_keeps_its_tip(arm_run, monkeypatch):
     clear = renderer(arm_run).image_at(200).astype(float)
-    monkeypatch.setattr(fade.ArmOpacity, "__call__", lambda self, tick: (FAINT,))
+    monkeypatch.setattr(fade.ArmOpacity, "of_tick", lambda self, tick: (FAINT,))
     faint = renderer(arm_run).image_at(200).astype(float)
-    monkeypatch.setattr(fade.ArmOpacity, "__call__", lambda self, tick: (0.0,))
+    monkeypatch.setattr(fade.ArmOpacity, "of_tick", lambda self, tick: (0.0,))
     gone = renderer(arm_run).image_at(200).astype(float)
     assert np.abs(clear - gone).max() > 60.0
     mixed = FAINT * clear + (1.0 - FAINT) * gone
@@ -109,4 +109,4 @@ def test_an_arm_straight_over_the_goal_is_faint_for_a_camera_above(arm_run):
     plan = replace(arm_run.plan, task=replace(arm_run.task, goal=Pose2(x, y)))
     playback = frames.Playback(plan, arm_run.record)
     above = ArmOpacity(playback, np.array([x, y, 3.0]))
-    assert above(200) == (pytest.approx(FAINT),)
+    assert above.of_tick(200) == (pytest.approx(FAINT),)

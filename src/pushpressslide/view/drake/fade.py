@@ -60,7 +60,7 @@ class ArmOpacity:
             rows.append([hides(link, targets, eye) for link in links])
         self._opacity = smooth_opacity(np.array(rows, dtype=float))
 
-    def __call__(self, tick: int) -> tuple[float, ...]:
+    def of_tick(self, tick: int) -> tuple[float, ...]:
         """Opacity of each arm at a tick, up to 1."""
         time = float(self._time[tick])
         columns = self._opacity.T

@@ -136,7 +136,7 @@ class FrameRenderer:
 
     def image_at(self, tick: int) -> NDArray[np.uint8]:
         """Picture (height, width, 3) at a recorded tick."""
-        return np.asarray(self._mixed(tick, self._opacity(tick), self._arms))
+        return np.asarray(self._mixed(tick, self._opacity.of_tick(tick), self._arms))
 
     def _mixed(self, tick: int, opacity: Sequence[float], shown: Arms) -> Image.Image:
         """Picture with the arms ``shown``, the first ones at their ``opacity``. Pictures

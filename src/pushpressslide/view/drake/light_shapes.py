@@ -36,8 +36,8 @@ Group = tuple[FrameId, tuple[float, float, float]]
 
 
 def lighten_arms(playback: Playback, shown: Collection[int]) -> None:
-    """Replace what renderers show of the arms ``shown``, and hide the other arms up to
-    the bodies that hold their tips.
+    """Make the arms ``shown`` light for renderers, and hide the links of the others.
+    The bodies that hold the tips stay.
     """
     graph = playback.scene.scene_graph
     inspector = graph.model_inspector()
