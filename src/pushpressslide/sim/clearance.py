@@ -45,7 +45,7 @@ from pushpressslide.sim.surfaces import convex_shapes
 # of what a tip's sphere leaves between the rod that holds it and what it touches, less
 # than which the rod may not keep: the rest is for a tool that leans
 ROD_ROOM = 0.7
-TOUCHING = 12  # places round the sphere that are looked at for what it leaves
+TOUCHING = 12  # number of points around the sphere that are checked
 PIECE = "#"  # before the number of a shape that is one of several of a body
 SMOOTHING = 5e-4  # [m] of the smooth minimum over pairs
 # [m] slightly below the surface, so that a base bolted to the table does not touch it
