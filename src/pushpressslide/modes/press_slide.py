@@ -288,7 +288,9 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     def replan(
         self, query: MotionQuery, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
-        """The ``segments`` continued: the first one, or all turns of a manoeuvre."""
+        """Continuation of ``segments``: of the first one, or of all turns of a
+        manoeuvre.
+        """
         center = measured.estimates.center
         if center != ORIGIN:
             there = _seen_from(query, segments, measured)

@@ -13,8 +13,8 @@ HEAD = ("Mode", "", "Expected time")
 
 
 def contest_part(plan: Plan, choices: Sequence[Choice]) -> str:
-    """Part of a page that says why each mode of a plan was taken. Empty if its motions
-    were found by a search.
+    """Part of a page that explains the choice of each mode of a plan. Empty if its
+    motions were found by a search.
     """
     return "".join(_one(contest) for contest in contests(plan, choices))
 

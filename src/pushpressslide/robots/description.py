@@ -140,7 +140,7 @@ def _facts(path: Path, tip_frame: str, packages: Sequence[str]) -> RobotFacts:
     odd = [a.name for a, b in zip(links, read_links, strict=True) if a != b]
     notes = [
         *_named("held where it is: joint", held),
-        *_named("no body has such an inertia, the nearest is taken: link", odd),
+        *_named("no body has such an inertia; replaced by the nearest one: link", odd),
         *description.notes,
     ]
     return RobotFacts(

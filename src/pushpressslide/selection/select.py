@@ -53,7 +53,7 @@ def select(task: Task, enough: int = 1) -> list[Choice]:
 
 
 def choices_at_goal(task: Task) -> list[Choice]:
-    """All modes, skipped, of a task whose object is at its goal already."""
+    """Choices of all modes, skipped because the object is at its goal already."""
     names = MODES if task.modes is None else task.modes
     return [Choice(name, refusal=AT_GOAL) for name in names]
 

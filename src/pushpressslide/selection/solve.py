@@ -289,7 +289,7 @@ def _infeasible(
 
 
 class _Clock:
-    """The time [s] that each stage took."""
+    """Time [s] taken by each stage."""
 
     def __init__(self) -> None:
         """Start the first stage."""

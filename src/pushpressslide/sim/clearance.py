@@ -215,8 +215,8 @@ class DrakeClearance:
         bodies: Mapping[str, Sequence[RigidTransform]],
         order: Callable[[Gap], float],
     ) -> Gap:
-        """The gap with the greatest value of ``order`` among all gaps over the postures
-        and poses of ``least_in_space``.
+        """Gap with the largest value of ``order`` over all postures and poses of
+        ``least_in_space``.
         """
         out = NOTHING
         before = {name: self._pose(name) for name in bodies}
@@ -329,7 +329,7 @@ def _lack(gap: Gap) -> float:
 
 def _half_of_sphere() -> Iterator[Array]:
     """Yield unit vectors (3,) in T over the half of a tip's sphere that faces away from
-    what holds it, the half around z of T.
+    its rod: the half around z of T.
     """
     for turn in np.linspace(0.0, 2.0 * math.pi, TOUCHING, endpoint=False):
         for up in (0.0, 0.5, 1.0):
