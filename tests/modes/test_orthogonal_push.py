@@ -95,7 +95,7 @@ def test_back_it_is_refused_with_the_wrench_and_the_angle_that_decide() -> None:
     for choice in refusals:
         assert not choice.feasible
         found = re.search(
-            r"takes \((.*), (.*)\) N and (.*) N m, (\d+) deg outside the cone",
+            r"requires \((.*), (.*)\) N and (.*) N m, (\d+) deg outside the cone",
             choice.reason,
         )
         assert found is not None, choice.reason
@@ -109,7 +109,7 @@ def test_what_is_refused_no_placement_on_those_faces_can_give() -> None:
     for goal in ((-0.3, 0.3, 0.0), (0.0, 0.0, 30.0), (-0.2, -0.1, 0.0)):
         (choice,) = on_rear_and_left(MODE.choices(to(*goal).query))[:1]
         assert not choice.feasible
-        found = re.search(r"takes \((.*), (.*)\) N and (.*) N m", choice.reason)
+        found = re.search(r"requires \((.*), (.*)\) N and (.*) N m", choice.reason)
         assert found is not None
         wrench = [float(found.group(i)) for i in (1, 2, 3)]
         for a, b in product((-0.18, -0.06, 0.0, 0.06, 0.18), repeat=2):

@@ -19,8 +19,8 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist
 
-NOTHING = 1e-15  # of the largest coefficient; of highest powers that are left out
-HALVINGS = 60  # of the interval around the least load
+NOTHING = 1e-15  # share of the largest coefficient below which a leading one is dropped
+HALVINGS = 60  # halvings of the interval around the smallest load
 
 
 @dataclass(frozen=True, slots=True)

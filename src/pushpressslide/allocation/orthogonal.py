@@ -18,8 +18,8 @@ from pushpressslide.core.pose import Point
 class Feasibility(NamedTuple):
     """Feasibility of a wrench, with its tightest condition."""
 
-    spare: float  # [N] of the condition that decides; negative: impossible
-    condition: str  # which one, in words
+    spare: float  # [N] reserve of the deciding condition; negative: impossible
+    condition: str  # the deciding condition in words
 
     @property
     def feasible(self) -> bool:

@@ -51,7 +51,7 @@ class PressLoads(NamedTuple):
     margin: float  # [N] smallest distance of a force from the edge of its friction disc
     # [N] smallest sum of normals in this ratio for the wrench at this load; decides
     needed: float
-    # "projected": feasible, but not in the ratio that was asked for
+    # "projected": feasible, but not in the requested ratio
     status: AllocationStatus
 
 

@@ -20,7 +20,7 @@ from pushpressslide.mechanics.friction import cone_edges
 from pushpressslide.mechanics.height_term import DraggedSurface
 
 ORIGIN = (0.0, 0.0)
-LESS = 0.8  # times the friction, until the object cannot be squeezed
+LESS = 0.8  # factor on the friction, repeated until the object cannot be squeezed
 INWARD = 0.3  # share of the cone's middle in the twists near its edges
 
 

@@ -27,7 +27,7 @@ from pushpressslide.kernels.kernel import APART, COMPILED, KERNELS, SUMS, WIDE
 TABLE = types.Array(numba.float64, 2, "A", readonly=True)
 RESULTS = types.Array(numba.float64, 2, "C")
 
-# what the compiler may do to a sum: another order, products and sums in one step
+# freedoms of the compiler in a sum: another order, and fused products and sums
 REORDERED = {"reassoc", "contract", "nsz", "arcp"}
 
 LANES = 64  # rows that a loop takes at a time

@@ -59,7 +59,9 @@ class ParallelPushes:
         dx, dy = halves(p[..., 1, :] - p[..., 0, :])
         cosine = (dx * n[..., 0] + dy * n[..., 1]) / np.hypot(dx, dy)
         level = np.abs(cosine) <= LEVEL
-        check_all(level, cosine, "cosine of normal and line of contacts", "0")
+        check_all(
+            level, cosine, "cosine of the angle of normal and line of contacts", "0"
+        )
         self._figures = prepared(
             parallel_figures,
             *(both(p), halves(n), (mu, length), halves(most), figures(1.0, 0.0)),

@@ -134,14 +134,16 @@ def _legs_instead(task: Task, as_json: bool) -> int:
     return REACHED
 
 
-@app.command()
-def plan(
-    task: TaskName,
-    mode: ModeName = None,
-    sets: Sets = None,
-    out: Out = None,
-    as_json: Json = False,
-    verbose: Verbose = False,
+@dataclass(frozen=True)
+class PlanOptions:
+    """Argument and options of ``pps plan``, in the order of its help."""
+
+    task: TaskName
+    mode: ModeName = None
+    sets: Sets = None
+    out: Out = None
+    as_json: Json = False
+    verbose: Verbose = False
     trajectory: Annotated[
         Path | None,
         typer.Option(
@@ -150,42 +152,49 @@ def plan(
             help="Also the arms' joint trajectory, as .csv or as a ROS 2 "
             "JointTrajectory in .yaml; takes seconds.",
         ),
-    ] = None,
-    force: Force = False,
-) -> None:
+    ] = None
+    force: Force = False
+
+
+@command
+def plan(options: PlanOptions) -> None:
     """Plan only; writes plan.json and plan.png.
 
     Joint paths are planned for --trajectory alone.
     """
-    from pushpressslide.cli.goals import stage_text
     from pushpressslide.cli.tables import JOINT_PATHS
     from pushpressslide.jobs.remedy import remedies_named
     from pushpressslide.jobs.stages import planned_part
     from pushpressslide.report.plan_files import stages_to_dict, write_plans
     from pushpressslide.selection.stages import plan_stages
 
-    loaded = task_of(task, sets, mode)
-    planner = None if trajectory is None else _joint_planner(trajectory)
-    folder = results_folder(
-        out, f"plan-{loaded.name}", force, ("plan.json", "result.json")
-    )
-    with remedies_named(loaded):
-        planned = plan_stages(loaded, planner)
+    task = task_of(options.task, options.sets, options.mode)
+    file = options.trajectory
+    planner = None if file is None else _joint_planner(file)
+    results = ("plan.json", "result.json")
+    folder = results_folder(options.out, f"plan-{task.name}", options.force, results)
+    with remedies_named(task):
+        planned = plan_stages(task, planner)
     stages = [planned_part(one) for one in planned]
     (folder / "plan.json").unlink(missing_ok=True)  # an existing file is complete
-    data, *pictures = write_plans(loaded, stages, folder)
-    said = [] if trajectory is None else _write_trajectory(loaded, planned, trajectory)
-    if as_json:
-        print_json(stages_to_dict(loaded, stages))
+    data, *pictures = write_plans(task, stages, folder)
+    lines = [JOINT_PATHS] if file is None else _write_trajectory(task, planned, file)
+    if options.as_json:
+        print_json(stages_to_dict(task, stages))
         return
+    _print_stages(task, stages)
+    for line in (*lines, *pictures, data):
+        typer.echo(line)
+
+
+def _print_stages(task: Task, stages: Sequence[StagePlan]) -> None:
+    """Print the plan of each stage, with a title if the task has several goals."""
+    from pushpressslide.cli.goals import stage_text
+
     for number, stage in enumerate(stages, start=1):
-        if loaded.goals:
+        if task.goals:
             typer.echo(stage_text(number, stage.stage))
         _print_plan(stage)
-    for line in said or [JOINT_PATHS]:
-        typer.echo(line)
-    for path in (*pictures, data):
-        typer.echo(path)
 
 
 def _joint_planner(trajectory: Path) -> PlacementPlanner:

@@ -29,7 +29,7 @@ class _LockedFolder:
     file: int  # descriptor
 
 
-_made: list[Path] = []  # by this command, which are removed if left empty
+_made: list[Path] = []  # folders made by this command, removed if empty
 _held: list[_LockedFolder] = []
 
 

@@ -69,7 +69,7 @@ def _task_of(file: str, scale: float, up: str, tip: tuple[float, float]) -> Task
     try:
         own_mass = read_mesh(path, scale, up).file_mass
     except ValueError:
-        own_mass = None  # the task says why
+        own_mass = None  # the task's error gives the reason
     data = {
         "name": "object",
         "object": {"shape": {"mesh": mesh}, "mass": own_mass or MASS},

@@ -148,7 +148,7 @@ def print_legs(plan: Plan) -> None:
         modes = ", ".join(
             dict.fromkeys(one_segment.mode for one_segment in plan.segments)
         )
-        print_text(f"{modes}, with leave to push what may move: {names}", 4)
+        print_text(f"{modes}, which may push movable obstacles: {names}", 4)
     if not plan.task.legs:
         return
     count = len(plan.task.legs)

@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.table import Column, Table
 
 BOUNDLESS = 10_000
-"""Columns of a terminal that no table is too wide for."""
+"""Width of a terminal, in columns, that fits any table."""
 
 
 def print_table(table: Table, console: Console) -> None:

@@ -11,10 +11,11 @@ from pushpressslide.core import margins
 from pushpressslide.core.control import Vector3
 from pushpressslide.kernels.leading import eased_steering_scale
 
-# of the share of the steering that may be used: its fall and rise [1/s], and the least
+# scale of the steering: utilisation above which it falls, rates of fall and rise [1/s],
+# and smallest value
 STEERING_SCALE = (margins.CONE_USE, 4.0, 0.5, 0.3)
-SLOW_SHARE = 0.5  # of the commanded tip speed, below which the tips push harder
-FORCE_SCALE_RISE = 1.0  # [1/s] of the factor on their forces, for tips at rest
+SLOW_SHARE = 0.5  # share of the commanded tip speed below which the tips push harder
+FORCE_SCALE_RISE = 1.0  # [1/s] rate of the factor on their forces for tips at rest
 MOST_FORCE_SCALE = 1.6
 LED = 1e-4  # [m/s] below which tips count as not commanded to move
 

@@ -43,8 +43,8 @@ TRAVEL_SPEED = 0.25  # [m/s] of a tip without an arm, at its fastest
 class Approach(ABC):
     """Leads all arms or tips to a placement.
 
-    An arm that keeps a contact from the previous placement goes on obeying its last tip
-    command.
+    An arm that keeps a contact from the previous placement continues to obey its last
+    tip command.
     """
 
     def __init__(

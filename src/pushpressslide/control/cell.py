@@ -41,7 +41,7 @@ class Applied(NamedTuple):
 
     torque: Array | None = None  # (n,) [N m]
     reference: Array | None = None  # (n,) [rad] to which the joints were commanded
-    # largest torque and change of a torque that were asked for, as shares of their limits
+    # largest commanded torque and change of torque, as shares of their limits
     torque_share: float = 0.0
     rate_share: float = 0.0
 
@@ -83,7 +83,7 @@ class Arm(Protocol):
 class Clock(Protocol):
     """Simulated physics that advance, or a wall clock that waits."""
 
-    # time stands still until ``advance``, and sensors have the faults that the task says
+    # time stands still until ``advance``; sensors have the task's imperfections
     simulated: bool
 
     @property
@@ -106,8 +106,8 @@ class Truth(NamedTuple):
     twist: Vector3 | None = None
     # [N] of each tip ON the object during the tick; None: as it began
     forces: tuple[Vector3, ...] | None = None
-    # makes this tick's rows of the arrays of core.record.Record that not every cell has;
-    # asked when the run is over
+    # makes this tick's rows of the arrays of core.record.Record that not every cell
+    # has; called after the run
     extras: Callable[[], Mapping[str, Any]] = dict
 
 

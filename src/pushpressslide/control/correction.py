@@ -149,7 +149,7 @@ def _free(query: MotionQuery, segments: Sequence[Segment]) -> bool:
     first = segments[0]
     same_leg = [segment for segment in segments if segment.leg == first.leg]
     poses = swept(scene.body, same_leg, clearance)
-    # what is so where the object stands already is no reason to go on as before
+    # a fault at the object's present pose is no reason to keep the plan
     here = poses[:1]
     tips = opening_refusal(query, first, poses)
     if tips is not None and opening_refusal(query, first, here) is None:

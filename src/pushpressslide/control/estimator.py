@@ -53,8 +53,8 @@ class Observation(NamedTuple):
     commanded_twist: Twist  # commanded to the object since the last tick, in B
     driven: bool  # whether the tips are to move the object now
     tips: tuple[TipState, ...]  # as measured
-    binding: BoundLaws  # what is followed
-    prediction: Prediction  # what the plan says of the object
+    binding: BoundLaws  # the followed segment with its laws
+    prediction: Prediction  # prediction of the plan
 
 
 class Estimator(Protocol):
@@ -75,10 +75,10 @@ class EstimatorState(NamedTuple):
     pose: StampedPose  # the last one that was measured
     time: float  # [s] of the last tick
     X_WG: Pose2 | None = None  # as estimated at the last tick; None before the first
-    prediction: Prediction = Prediction()  # that the two next are compared with
-    axle: AxleState = AxleState()  # what is identified of the virtual axle
+    prediction: Prediction = Prediction()  # reference of the next two fields
+    axle: AxleState = AxleState()  # state of the virtual axle's identification
     center: CenterState = CenterState()  # the same of the CoM
-    estimates: ParameterEstimates = NOTHING  # of all that
+    estimates: ParameterEstimates = NOTHING  # estimates from all of these
 
 
 class ObjectEstimator:

@@ -11,7 +11,7 @@ from pushpressslide.core.query import MotionQuery
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Tracker
 
-FORCE_ALONE = 1.05  # times friction: of a push that nothing but its force drives
+FORCE_ALONE = 1.05  # factor on the friction for a push driven by its force alone
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +21,7 @@ class Execution:
     """
 
     servo: bool = True  # whether a velocity servo is added to the feed-forward force
-    # factor on that force; with a factor nothing but the servo is added to it
+    # factor on that force; with a factor, only the servo is added to it
     force_gain: float | None = None
     # [N m/rad] of a joint impedance about the planned joint path, felt at the tip
     # (paper, sec. IV-A); 0: none

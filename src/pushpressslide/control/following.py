@@ -37,7 +37,7 @@ class BoundLaws:
     tracker: Tracker
     allocate: Allocator
     tip_points: tuple[Point, ...]  # [m] in B, of the tips' centres, one per contact
-    sides: tuple[Side | None, ...]  # of the object, that the contacts are on
+    sides: tuple[Side | None, ...]  # sides of the object with the contacts
 
     def contact_points(
         self, X_WB: Pose2, tips: Sequence[TipState]
@@ -79,12 +79,13 @@ class Following(NamedTuple):
     prediction: Prediction = Prediction()
     progress: float = 0.0  # [m] on the binding's path
     clock_start: float = 0.0  # [s] time zero of the binding's profile
-    began: float | None = None  # [s] of the placement's motion, after its first touch
-    # what is being followed, as planned when it began
+    # [s] start of the placement's motion, after its first touch
+    began: float | None = None
+    # followed segment as first planned
     reference: Segment | None = None
     reference_start: float = 0.0  # [s] its time zero
     joint_start: float = 0.0  # [m] of joint path before this segment
-    rho: float | None = None  # [m] that replanning uses; None: as the task gives it
+    rho: float | None = None  # [m] used in replans; None: that of the task
 
     @property
     def left(self) -> float:

@@ -17,14 +17,17 @@ from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.scene import Scene
 
-# [m] of any tip beyond where it pressed at first at which the object counts as going in
+# [m] motion of any tip beyond its first contact at which the object counts as entering
 ENTERED = 0.002
 SEATED = 0.002
-AT_REST = 0.01  # [m] from the back, [m/s] of the tips at which it counts as seated
-SEAT_TIME = 3.0  # [s] that is waited for it at the end of the motion
-HOLD_TIME = 0.5  # [s] that an object is held at a goal where nothing else carries it
+# [m] distance from the back and [m/s] speed of the tips below which it counts as seated
+AT_REST = 0.01
+SEAT_TIME = 3.0  # [s] longest wait for this at the end of the motion
+HOLD_TIME = 0.5  # [s] for which an object is held at a goal if nothing else carries it
 BRAKE = 1.0
-LANDING = 0.05  # [m/s^2] of the tips before the back, [m/s] at which they meet it
+# [m/s^2] deceleration of the tips before the back, and [m/s] speed at which they meet
+# it
+LANDING = 0.05
 
 
 @dataclass(frozen=True, slots=True)

@@ -35,7 +35,7 @@ class Decision(NamedTuple):
     guidance: Guidance
     allocation: Allocation
     commands: tuple[TipCommand, ...]  # one per contact
-    tips: tuple[TipMemory, ...]  # what to remember of each
+    tips: tuple[TipMemory, ...]  # memory of each tip
     felt: tuple[Felt, ...]
     wall_times: tuple[float, float]  # [s] to track, to allocate
 

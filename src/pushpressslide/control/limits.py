@@ -26,12 +26,13 @@ from pushpressslide.core.control import (
 from pushpressslide.core.record import Ending
 
 POSITION_MARGIN = 0.01  # [rad] or [m] of a joint to its limit: half of what plans keep
-POSITION_PLAY = 0.005  # of that distance, by which a joint may come nearer again
+POSITION_PLAY = 0.005  # [rad] or [m] by which a joint may come nearer to it again
 TORQUE_TIME = 0.1  # [s] without a pause that an arm may ask for more than its torque
 MEAN_TIME = 0.02  # [s] over which limits.normal_force bounds the mean contact force
-PEAK = 1.5  # times limits.normal_force: bound of a single sample
-JUMP = 0.02  # [m] of a tip's reference between two ticks
-JOINT_JUMP = 2.0  # times what a joint could move in a tick at its speed limit
+PEAK = 1.5  # bound of a single sample, over limits.normal_force
+JUMP = 0.02  # [m] largest change of a tip's reference in a tick
+# bound of a joint's change in a tick, over its change at the speed limit
+JOINT_JUMP = 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +64,7 @@ class _Memory:
     """State of a guard for one arm."""
 
     forces: deque[float]
-    overload: int = 0  # ticks so far at which more than its torque was asked
+    overload: int = 0  # ticks so far with a command above its torque limit
     # [rad] or [m] that its joints have been from their limits, at the farthest
     limit_distance: float | None = None
     reference: ArmCommand = None
@@ -182,7 +183,7 @@ class Guard:
     def _position(self, arm: int, reading: ArmReading) -> Ending | None:
         memory = self._memory(arm)
         left = _limit_distances(self.arms[arm], reading)
-        worst = int(left.argmin())  # the first that is no number, if one is not
+        worst = int(left.argmin())  # the first that is not a number, if any
         margin = float(left[worst])
         if memory.limit_distance is None:
             memory.limit_distance = margin if self.anew else math.inf

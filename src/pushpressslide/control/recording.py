@@ -28,7 +28,7 @@ from pushpressslide.execution.impedance import tip_force
 Column = Sequence[Any]  # what is recorded under one name, a row for each tick
 
 PATH_SAMPLES = 200
-FELT_FORCE = 0.3  # [N] from which a contact point can be told from the force
+FELT_FORCE = 0.3  # [N] force above which it determines the contact point
 NO_VECTOR = (np.nan, np.nan, np.nan)
 
 

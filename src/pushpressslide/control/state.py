@@ -59,11 +59,11 @@ class TipMemory(NamedTuple):
     regulator: NormalForceState = NormalForceState()
     velocity: Point | None = None  # [m/s] world, as last commanded in this phase
     turn: float = 0.0  # [rad/s] of the tool, the same
-    mean_force: float | None = None  # [N] of the last measurements, in this phase
+    mean_force: float | None = None  # [N] mean of the last measurements in this phase
     height: float | None = None  # [m] at which a pushing tip is held, in this phase
     # [N] along the support, world, as last commanded to a pressing tip in this phase
     drag: Point = (0.0, 0.0)
-    # of a tip that comes into this placement with the contact it has
+    # command of a tip that keeps its contact from the last placement
     held_command: TipCommand | None = None
 
 
@@ -102,12 +102,12 @@ class PhaseState(NamedTuple):
     name: Phase
     since: float  # [s]
     tips: tuple[TipMemory, ...]  # one per contact
-    # whether the touch begins with lining up, or goes on from where the tips are
+    # whether the touch starts with aligning the tips, or from where they are
     align: bool = True
     commanded_twist: Twist = NO_TWIST  # commanded to the object, in B
     failure: Failure | None = None
     retreat_fraction: float = (
-        1.0  # share of the way back at which the tips stop, in a release
+        1.0  # share of the retreat at which the tips stop, in a release
     )
 
 
@@ -120,7 +120,7 @@ class ControllerState(NamedTuple):
     phase: PhaseState
     following: Following
     estimate: Estimate
-    estimator: Any  # what the estimator remembers
+    estimator: Any  # state of the estimator
     adaptation: Adaptation = Adaptation()
     watches: Watches = Watches()
 

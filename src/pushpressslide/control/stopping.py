@@ -28,11 +28,11 @@ FLIP_SPEED = 0.05
 # three times as much as in any tick in which the arms are driven or meet an object
 GROWTH_TICKS = 3
 CALM = 0.06
-BEYOND = 1.5  # times its speed limit, at which a joint no longer obeys anything
+BEYOND = 1.5  # ratio to its speed limit above which a joint no longer obeys
 GRACE = 0.1  # [s] in which an arm that draws back may still be too fast
-REST_SPEED = 0.01  # of a joint's speed limit: slower it counts as at rest
-REST_TIME = 0.05  # [s] that all joints have to be
-LONGEST = 1.5  # [s] that is waited for it, from when an arm ceases to draw back
+REST_SPEED = 0.01  # share of its speed limit below which a joint counts as at rest
+REST_TIME = 0.05  # [s] for which all joints have to be at rest
+LONGEST = 1.5  # [s] longest wait for this, after an arm stops drawing back
 
 
 class StopLevel(IntEnum):

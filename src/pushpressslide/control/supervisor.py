@@ -43,7 +43,7 @@ from pushpressslide.modes.base import Measured
 from pushpressslide.planning.workspace import poses_along
 
 RETOUCHES = 3
-LOSSES = 6  # of contact at one place, above which the attempt ends
+LOSSES = 6  # losses of contact at one point above which the attempt ends
 RETRIES = 4
 
 
@@ -301,16 +301,16 @@ class Supervisor:
         if better is None:
             return state
         state = state._replace(watches=state.watches._replace(replanned=time))
-        # a turn on the spot that goes on as arcs leads away from its spot
+        # a turn on the spot that continues along arcs leads away from its spot
         led = isinstance(following.segment.path, ArcPath)
         if led and not (
             self.placement.reaches_far or self._is_near_plan(better.segments)
         ):
-            return state  # asked again after a pause
+            return state  # tried again after a pause
         first = better.segments[0]
         prediction = following.prediction
         if found.center != prediction.followed_center:
-            # the virtual axle is looked for about the centre that was found
+            # the virtual axle is identified about the identified centre
             axle = self.placement.axle_identifier(first)
             prediction = prediction._replace(axle=axle, followed_center=found.center)
         following = following._replace(
@@ -549,4 +549,4 @@ TRANSITIONS: tuple[Transition, ...] = (
     Transition(Supervisor.missing, Supervisor.wait),
     Transition(Supervisor.otherwise, Supervisor.replan),
 )
-"""The policy of the motion, asked from above every tick."""
+"""Policy of the motion: the first transition that holds is taken, at every tick."""

@@ -28,7 +28,7 @@ from pushpressslide.kernels.leading import approached
 HEIGHT_STIFFNESS = 2000.0
 HEIGHT_DAMPING = 300.0
 HEIGHT_EASING = 0.5  # [s] in which the spring along the height relaxes
-HEIGHT_SLACK = 0.002  # [m] from the contact's height, within which it does
+HEIGHT_SLACK = 0.002  # [m] distance from the contact's height within which it relaxes
 # [N s/m] of a pressing tip along its normal, which is force controlled
 PRESS_DAMPING = 150.0
 RETURN_RATE = 5.0  # [1/s] at which a tip that slid along its face is moved back
@@ -51,7 +51,7 @@ class ContactKeeping(NamedTuple):
     """Correction that keeps a pushing tip at its contact while another tip pushes too."""
 
     place: Point  # [m] of the tip's centre, as planned, in B
-    min_force: float  # [N] of normal force below which the tip is moved on
+    min_force: float  # [N] normal force below which the tip is advanced
 
 
 class TipTask(NamedTuple):
@@ -60,7 +60,7 @@ class TipTask(NamedTuple):
     twist: Twist  # of the object, in B
     center: Point  # [m] of the tip's centre, in B
     force: Point  # [N] along the support, in B
-    load: float  # [N] that a press is to have
+    load: float  # [N] planned load of a press
     entry_speed: float | None = None  # [m/s] of a press whose object enters an opening
     # where one of several pushing tips is moved back to if it slides or separates
     hold: ContactKeeping | None = None
@@ -85,7 +85,7 @@ class TipMover:
 
     damping: float  # [N s/m] of the servo
     friction: float  # of the pair end effector/object, as believed
-    threshold: float  # [N] that counts as contact
+    threshold: float  # [N] force above which a contact is detected
     noise: float  # [N] standard deviation of a measured force, as stated
     regulator: NormalForceRegulator
     radii: tuple[float, ...]  # [m] of the robots' tips
@@ -142,7 +142,7 @@ class TipMover:
         velocity, (ax, ay) = self._motion(memory, context, task)
         turn, spin = _turning(memory.turn, task.twist.w, context.dt)
         normal, memory = self._along_height(memory, context, task, normal_force)
-        if task.entry_speed is not None:  # nothing but the damper holds it back
+        if task.entry_speed is not None:  # only the damper holds it back
             felt = Felt(False, 0.0)
             force = _within(force, self.friction * max(normal_force, 0.0))
         elif contact.kind == "top":

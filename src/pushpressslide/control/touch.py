@@ -40,7 +40,7 @@ class TouchStep(NamedTuple):
     command: TipCommand
     memory: TipMemory
     done: bool
-    problem: str | None = None  # what went wrong
+    problem: str | None = None  # description of a failure
 
 
 class WayBack(NamedTuple):
@@ -57,9 +57,9 @@ class TipTouch:
 
     radius: float  # [m] of the tip
     gap: float  # [m] free path before the object
-    push: float  # [N] that it presses a side face with in the end
-    threshold: float  # [N] that counts as contact
-    min_displacement: float  # [m] that an object has moved by if it is seen to
+    push: float  # [N] final force on a side face
+    threshold: float  # [N] force above which a contact is detected
+    min_displacement: float  # [m] smallest displacement of an object that is detected
     regulator: NormalForceRegulator
     # [m] lower than it rests on top, at which a pressing tip has slid off
     sunk: float = margins.ARM.sunk

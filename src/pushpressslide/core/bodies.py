@@ -27,7 +27,7 @@ class Stage:
 
     body: str
     goal: Pose2
-    aside: bool = False  # out of the way of another, not to a goal of its own
+    aside: bool = False  # moved out of another body's way, not to a goal of its own
 
 
 def start_state(task: Task) -> WorldState:

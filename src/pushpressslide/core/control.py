@@ -39,7 +39,7 @@ class Measurement:
     tips: tuple[TipState, ...]
     # False: the camera missed this tick, and ``object_pose`` is the last one seen
     pose_seen: bool = True
-    pose_time: float | None = None  # [s] at which that pose was seen; None: now
+    pose_time: float | None = None  # [s] time of that pose; None: now
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +109,6 @@ class ControlLog(NamedTuple):
 
     phase: Phase
     progress: float  # [m]
-    # makes the rest; asked when the run is over: a tick has no time for it
+    # computes the rest after the run: a tick has no time for it
     thought: Callable[[], Thought]
     wall_times: tuple[float, float] = (0.0, 0.0)  # [s] to track, to allocate

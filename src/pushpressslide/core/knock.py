@@ -10,7 +10,7 @@ from dataclasses import dataclass
 class Knock:
     """Time, place and distance of a push by another body."""
 
-    share: float  # of the direct way, turns included, that the object has come by then
+    share: float  # share of the direct path, turns included, covered before the knock
     side: int  # 1: beside the centre of mass so that it turns to the left; -1: right
-    moved: float = 0.03  # [m] that the object is pushed
-    turned: float = math.radians(15.0)  # [rad] that it is about to be turned
+    moved: float = 0.03  # [m] displacement of the object
+    turned: float = math.radians(15.0)  # [rad] approximate turn of the object

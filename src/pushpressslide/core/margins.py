@@ -359,8 +359,8 @@ class ArmMargins:
     felt_force: float = field(default=0.05, metadata={"unit": "N"})
     """Contact force that a sensor without noise detects with certainty."""
     least_friction: float = field(default=0.5, metadata={"unit": "N"})
-    """Smallest friction on an object pushed by two tips. Below it one tip alone moves
-    the object off the other.
+    """Smallest support friction of an object pushed by two tips. Below it one tip alone
+    moves the object off the other.
     """
     least_press: float = field(default=3.0, metadata={"unit": "N"})
     """Smallest press. Below it a contact is not detected with certainty, and bounces.

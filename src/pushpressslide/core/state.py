@@ -42,7 +42,8 @@ class WorldState:
 
     # X_WG of bodies by name; any other is as the task has it
     poses: Mapping[str, Pose2]
-    joints: tuple[Joints, ...] = ()  # of each arm; empty: as they come, or no arms
+    # joints of each arm; empty: any posture, or no arms
+    joints: tuple[Joints, ...] = ()
     held_contacts: HeldContacts | None = None  # None: the arms have let go
     speeds: tuple[Joints, ...] = ()  # [rad/s] of the joints; empty: at rest
     tips: tuple[Vector3, ...] = ()  # [m] centre of each; empty: as they come

@@ -1,6 +1,4 @@
-"""From a tip command to joint torques of one arm (the lower half of the paper's eq.
-27).
-"""
+"""Joint torques of one arm from a tip command (the lower half of the paper's eq. 27)."""
 
 from __future__ import annotations
 
@@ -33,7 +31,7 @@ from pushpressslide.execution.torque import (
     yielding,
 )
 
-TIP_FREEDOMS = 6  # of a tip's motion: an arm of more joints has a posture to choose
+TIP_FREEDOMS = 6  # freedoms of a tip: an arm with more joints has a choice of posture
 ROTATION_STIFFNESS = 60.0
 ROTATION_DAMPING = 6.0  # [N m/rad], [N m s/rad] of the tool's orientation
 # [N m/rad], [N m s/rad] of the joints, felt in the null space only
@@ -46,14 +44,14 @@ FREE_RATE = 15.0  # [1/s] of the joint tracking in free space
 # [s] in which a tip comes to its reference's velocity, however much it weighs: an arm
 # that is nearly stretched weighs hundreds of kilograms along itself, and coasts on
 SERVO_TIME = 0.03
-BRAKE_SHARE = 0.4  # of a joint's speed, that an arm which brakes loses in a tick
+BRAKE_SHARE = 0.4  # share of a joint's speed that a braking arm loses in a tick
 # of a momentum times the rate of a torque, the square of the braking torque that can be
 # taken back until the joint rests: 2, less what a tick's delay costs
 TAKEN_BACK = 1.5
 # [rad^2], squared and summed over the joints, in which the posture's share of them hardly
 # changes: of a posture's 2 N m the tip feels some 0.05 N
 TURNED = 0.005**2
-TINY = 1e-9  # [N m s] of a joint's momentum that counts as none
+TINY = 1e-9  # [N m s] momentum of a joint that counts as zero
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +68,7 @@ class ArmDynamics:
     angular_velocity: Vector3  # [rad/s]
     J: Array  # (6, n) rows [angular; linear]
     M: Array  # (n, n) mass matrix
-    # (n,) [N m] that makes up for gravity, Coriolis forces and the joints' own damping
+    # (n,) [N m] compensation of gravity, Coriolis forces and the joints' own damping
     bias: Array
     # (6,) [rad/s^2; m/s^2] of a tip whose joints turn at constant rates
     drift: Array
@@ -101,7 +99,7 @@ class ArmExecutor:
     dt: float  # [s]
     frame: SupportFrame = TABLE  # of the commands
     _torque_limits: tuple[float, ...] = field(init=False)  # (n,) [N m] of a torque
-    # (n,) [N m] that a torque may change by in a tick
+    # (n,) [N m] largest change of a torque in a tick
     _most_change: tuple[float, ...] = field(init=False)
     _plane: Array = field(
         init=False
@@ -116,7 +114,7 @@ class ArmExecutor:
     _turning: Vector3 = field(init=False)  # [kg m^2] that these add, about each axis
     _posture: Gains = field(init=False)
     _tracking: Gains = field(init=False)
-    _share: PostureShare | None = None  # of the joints, where they were last looked at
+    _share: PostureShare | None = None  # share of the joints at the last update
 
     def __post_init__(self) -> None:
         self._torque_limits = tuple(self.effort.tolist())

@@ -31,7 +31,8 @@ class NormalForceRegulator:
     f_max: float = 40.0  # [N]
     ramp: float = 60.0  # [N/s]
     contact_threshold: float = 0.2  # [N] below it there is no contact
-    firm: float = 0.5  # of the command: below it a contact is being made or lost
+    # share of the command below which a contact is being made or lost
+    firm: float = 0.5
 
     def init(self) -> NormalForceState:
         """State at rest."""

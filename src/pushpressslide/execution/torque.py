@@ -17,7 +17,7 @@ from pushpressslide.core.control import Vector3
 
 LIMIT_STIFFNESS = 600.0  # [N m/rad], [N m s/rad] of a joint near its limit
 LIMIT_DAMPING = 10.0
-# of the buffer before a joint's limit, in which the tool ceases to be turned about it
+# share of the buffer before a joint's limit over which turning about it fades out
 YIELDING = 0.2
 # squares, (6, 6) with nothing beside the diagonal, of the singular values below which
 # the tool's rotation, and the tip's motion, are left to the posture

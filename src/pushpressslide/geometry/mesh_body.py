@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from pushpressslide.core.arrays import Array
 
 ENOUGH = 0.5
-"""Share of the largest touchable length, from which a height serves as well."""
+"""Share of the largest touchable length above which a height is good enough."""
 JOINT = 1e-3
 """Gap [m] below which two sides continue each other."""
 WALL_ROOM = 2.0
@@ -317,7 +317,7 @@ class Section(Outlined):
 
 
 def _runs(parts: Sequence[Touchable]) -> list[list[Touchable]]:
-    """Parts of a border, counter-clockwise, in runs that go on from one to the next."""
+    """Parts of a border, counter-clockwise, in runs of consecutive parts."""
     runs: list[list[Touchable]] = []
     for part in parts:
         if runs and _meet(runs[-1][-1], part):

@@ -19,7 +19,7 @@ from pushpressslide.geometry.pieces import convex_pieces
 from pushpressslide.geometry.polygon import convex_hull, is_convex
 
 ROUNDING = 1e-9  # of an area
-DISC_CORNERS = 64  # of the polygon that stands for a disc where a part of it lifts
+DISC_CORNERS = 64  # corners of the polygon that represents a disc if a part of it lifts
 
 # Symmetric six-point triangle rule, exact to degree 4 (Strang and Fix 1973):
 # (barycentric coordinate, weight).

@@ -167,7 +167,7 @@ class Shape:
 
     @property
     def base_area(self) -> float:
-        """Area [m^2] of what touches the support."""
+        """Contact area [m^2] of the base on the support."""
         return float(self.placed(Pose2()).area)
 
     @property

@@ -21,12 +21,13 @@ if TYPE_CHECKING:
     from shapely import LineString
     from shapely.geometry.base import BaseGeometry as Area
 
-SLACK = 1e-4  # of the tip's radius, by which it may overlap: rounding, and chords
+SLACK = 1e-4  # allowed overlap, in tip radii: round-off, and chords
 QUADRANT = 64  # chords of a quarter of an offset corner
 DEGREE = math.radians(1.0)  # between the places of an arc that are tried
-OFF = 0.05  # of the tip's radius, off its contact, from where a way is looked at
-LEAST = 1e-6  # [m] of a side: less cannot be touched
-FAR = 1.0  # [m] up to which a way off a side is looked at
+# distance from its contact at which a retreat starts to be checked, in tip radii
+OFF = 0.05
+LEAST = 1e-6  # [m] shortest side that can be touched
+FAR = 1.0  # [m] distance up to which a retreat from a side is checked
 
 
 @dataclass(frozen=True, slots=True)

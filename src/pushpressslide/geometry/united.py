@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 GRID = 1e-7  # [m] to which corners of a union are rounded
 DIGITS = 7  # the same, in decimal places
-SLIVER = 0.01  # of an arc's radius: shorter edges beside it come from its chords
-ROUND = 0.004  # of a circle's radius: chords are up to half of that inside it
+SLIVER = 0.01  # share of an arc's radius: shorter edges next to it come from its chords
+ROUND = 0.004  # share of a circle's radius: chords lie inside it by up to half of this
 
 
 def united(borders: Sequence[Border]) -> Border:

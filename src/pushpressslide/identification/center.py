@@ -23,20 +23,19 @@ from pushpressslide.core.scene import Scene
 from pushpressslide.core.twist_path import screw
 from pushpressslide.identification.online import LEAST_SPEED, WINDOW
 
-WINDOWS = 40  # that are remembered
-# [rad] that the line to the contact may be turned by, before it is seen, where the
-# belief does not say how sure it is
+WINDOWS = 40  # number of remembered windows
+# [rad] prior uncertainty of the line to the contact if the belief states none
 HEADING = 0.15
-# of its distance from the centre of pressure, that the axle of a turn is elsewhere than
-# planned, though all that was believed is true
+# error of a turn's axle with a true belief, as a share of its distance from the centre
+# of pressure
 AXLE = 0.2
-WINDOW_HEADING = 0.05  # [rad] that the heading of a window is off: the noise of poses
+WINDOW_HEADING = 0.05  # [rad] error of a window's heading: the noise of poses
 # of what a turn moves B's origin across, that the axle itself slips by: on the exact
 # surface it lies off the line to the contact where the force is at a large angle
 AXLE_SLIP = 0.3
-SEGMENT = 0.05  # [rad] that the heading of a whole segment is off
-# of the lever, that the centre is at most found to be off, where the belief does not
-# say how sure it is
+SEGMENT = 0.05  # [rad] error of a whole segment's heading
+# largest identified displacement of the centre if the belief states no uncertainty, as
+# a share of the lever
 BOUND = 0.5
 
 Row = tuple[float, float, float]  # of u, of a, and what they add up to
@@ -51,9 +50,10 @@ class Doubt(NamedTuple):
 
     heading: float = HEADING  # [rad] of the line to the contact
     axle: float = 0.0  # [m] of the virtual axle's place on the heading
-    # [rad] from which on the centre counts as elsewhere
+    # [rad] above which the centre counts as displaced
     off_line: float = margins.ARM.off_line
-    max_share: float = BOUND  # of the lever, that the centre is at most found to be off
+    # largest identified displacement of the centre, as a share of the lever
+    max_share: float = BOUND
     # standard deviations that it has to be elsewhere by: a belief that says that it is
     # unsure is given up for less
     sure: float = SURE
@@ -98,7 +98,7 @@ class CenterState(NamedTuple):
     time: float = 0.0  # [s] of its start
     force: Point = (0.0, 0.0)  # [N] summed over its ticks, in B
     off: float = math.inf  # [rad] standard deviation of the line to the contact
-    known: float = 0.0  # [1/rad^2] what windows of segments before weigh
+    known: float = 0.0  # [1/rad^2] weight of the windows of previous segments
     before: Point = (0.0, 0.0)  # the centre at the end of the segment before
 
 

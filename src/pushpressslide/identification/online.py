@@ -15,18 +15,18 @@ from pushpressslide.core.motion import Sensing
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.twist_path import screw
 
-# [s] over which a twist is taken at least: short against a turn
+# [s] shortest interval for a twist: short compared with a turn
 WINDOW = 0.2
 # standard deviations of a pose that the object moves by in a window: the noise of turn
 # rates makes an axle look nearer than it is, by its variance over theirs
 WINDOW_WAY = 40.0
-# [s] of turning that is remembered; what was seen stays while nothing new is
+# [s] of turning that is remembered; old data stay until there are new ones
 MEMORY = 1.5
 LEAST_TURN = 0.02  # [rad/s] below which a twist says nothing about the axle
-# [m/s] of the contact, below which the force may be less than what slides the object
+# [m/s] speed of the contact below which the force may be too small to slide the object
 LEAST_SPEED = 0.01
-PRIOR = 0.003  # [rad^2/s^2] what the prediction weighs, as turning that was seen
-ENOUGH = 0.01  # [rad^2/s^2] of turning, before which nothing is said
+PRIOR = 0.003  # [rad^2/s^2] weight of the prediction, as an amount of measured turning
+ENOUGH = 0.01  # [rad^2/s^2] amount of turning required for a result
 BOUND = 6.0  # factor about the prediction that the estimates stay within
 # share of the axle's distance by which it has to be off its prediction: the exact
 # surface's own change with the force's angle, which the prediction's user takes into

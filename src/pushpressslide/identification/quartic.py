@@ -19,7 +19,8 @@ from pushpressslide.identification.pairs import LENGTH, Pairs, unit
 # spread evenly over the half sphere; 15 would span all quartics, if all were allowed
 POWERS = 60
 RIDGE = 0.3  # toward the sphere; values from 0.1 to 0.5 predict alike
-# of H = 1 at the measured wrenches, beside the directions: friction scatters
+# weight of H = 1 at the measured wrenches, relative to the directions: friction
+# scatters
 LEVEL_WEIGHT = 0.1
 
 

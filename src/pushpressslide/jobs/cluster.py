@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 from pushpressslide.core.errors import PushPressSlideError
 
-PATIENCE = 10.0  # [s] in which a scheduler has to answer
-# times that a job is restarted after it was lost with its worker
+PATIENCE = 10.0  # [s] time for a scheduler to answer
+# largest number of restarts of a job lost with its worker
 LOST = 5
 
 

@@ -36,19 +36,19 @@ SUPPORT_FRICTION = (0.15, 0.5)
 CONTACT_FRICTION = (0.4, 1.0)
 WIDTH: dict[int, Range] = {1: (0.06, 0.3), 2: (0.12, 0.5)}  # [m] by number of arms
 HEIGHTS: dict[int, Range] = {1: (0.04, 0.2), 2: (0.06, 0.25)}  # [m]
-LEG = (0.25, 0.45)  # of a T's or an L's width: how wide its parts are
+LEG = (0.25, 0.45)  # width of the parts of a T or an L, as a share of its own
 KINDS = ("box", "box", "triangle", "hexagon", "cylinder", "tee", "ell")
 OBSTACLES = 3  # at most
 OBSTACLE_SIZE = (0.05, 0.2)  # [m]
-IN_THE_WAY = 0.5  # of the tasks with obstacles, one is on the straight way
-MIDST = (0.3, 0.7)  # of the straight way, where it stands
+IN_THE_WAY = 0.5  # share of the tasks with obstacles that have one on the direct path
+MIDST = (0.3, 0.7)  # position of that obstacle, as a share of the direct path
 APART = 0.01  # [m] between bodies at least, where they stand
 REACH: dict[int, Range] = {1: (0.35, 0.72), 2: (0.45, 0.85)}  # [m] from a base
 AZIMUTH = math.radians(80.0)  # either side of a base's forward direction
 BASE_ROOM = 0.15  # [m] about the axis of a base
 LEAST_WAY = 0.1  # [m], or LEAST_TURN: nearer goals are drawn again
 LEAST_TURN = math.radians(30.0)
-FREE = 0.002  # [m] that a free way leaves
+FREE = 0.002  # [m] clearance of a free path
 
 
 def cluttered_task(base: Task, index: int, seed: int) -> Task:

@@ -32,7 +32,7 @@ class Output:
 
     folder: Path
     video: bool = False  # also write an animation
-    command: str | None = None  # that made them
+    command: str | None = None  # command that made the runs
 
 
 def interrupted(out: Output | None) -> Interrupted:

@@ -23,7 +23,7 @@ from pushpressslide.core.whole_file import writing
 Row = dict[str, Any]
 SOURCES = (".py", ".yaml", ".css")
 ABSENT = -1
-BLOCK = 4096  # [bytes] of a file that are looked at for the end of a line
+BLOCK = 4096  # [bytes] of a file that are searched for the end of a line
 
 
 @cache

@@ -58,7 +58,7 @@ exits.
 KNOCKED = (0.25, 0.65)
 """Range of the point of the knock, as a share of the direct path."""
 FORCED = 3
-"""Choices of a refused task that are run all the same: the best that have a path."""
+"""Number of choices of a refused task that are run: the best with a path."""
 
 
 class SampleTimeoutError(RuntimeError):

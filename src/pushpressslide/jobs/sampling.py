@@ -47,7 +47,8 @@ ONE_ARM_REACH = (0.35, 0.72)
 AZIMUTH = math.radians(80.0)  # either side of the base's forward direction
 ONE_ARM_TURN = math.radians(50.0)  # of the object, either side
 ANY_ONE_ARM_TURN = math.radians(90.0)  # of draw "any"
-TOP_CONTACT_SHARE = 0.25  # of the pressed tasks; else the mode chooses the contact
+# share of the pressed tasks with a given contact; otherwise the mode chooses it
+TOP_CONTACT_SHARE = 0.25
 TOP_CONTACT_DISTANCE = (0.02, 0.1)  # [m] from the CoM
 TOP_CONTACT_TRIES = 1_000
 TOP_CONTACT_EDGE = 0.015  # [m] at least, to the edge of the object's top

@@ -98,7 +98,7 @@ class StageRunner:
         self._within: dict[str, Tolerance] = {}
         self._state = start_state(task).with_body_at(
             OBJECT, task.true_start
-        )  # as it is
+        )  # current state
         self._learnt: dict[str, Belief] = {}
 
     def run(self) -> Iterator[StageRun]:

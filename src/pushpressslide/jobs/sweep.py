@@ -40,17 +40,17 @@ HARDLY = 50  # drawn tasks for each attempted one, beyond which drawing ends
 class SweepOptions:
     """Number and kind of a sweep's samples, and how they are run."""
 
-    samples: int = 0  # that are drawn, where no ``attempts`` are asked for
+    samples: int = 0  # number of samples, if no ``attempts`` are given
     attempts: int = 0  # samples that are not refused: drawn until there are so many
-    # what is true of the task, new tasks for its robots, other starts, or when and on
-    # which side another body pushes the object aside
+    # varied quantity: the true parameters, the whole task, the start, or time and side
+    # of a knock by another body
     vary: Vary = "truth"
-    draw: Draw = "ahead"  # which new tasks
+    draw: Draw = "ahead"  # kind of new tasks
     world: World = "known"  # whether new tasks are as believed
     seed: int = 0
     engine: str = DEFAULT
     check_refusals: int = 0  # refused samples to run all the same
-    sample_time: float = 0.0  # [s] of wall time that a sample may take; 0: any
+    sample_time: float = 0.0  # [s] largest wall time of a sample; 0: unlimited
     jobs: int = 0  # processes; 0: one for each core
     cluster: str = ""  # address of a Dask scheduler whose workers run the samples
     force: bool = False  # run finished samples again

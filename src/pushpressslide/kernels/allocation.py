@@ -13,7 +13,7 @@ OK = 0
 PROJECTED = 1
 INFEASIBLE = 2
 EXACT = (0.0, 0.0, 0.0)  # residual of a wrench that is given whole
-GIVEN = 1e-9  # of a wrench: an error that is none
+GIVEN = 1e-9  # error that counts as zero, as a share of a wrench
 
 One = tuple[tuple[Vector], tuple[float], float, int, Wrench]
 """The answer of one contact."""

@@ -24,7 +24,8 @@ PULL = 5
 
 ENTERING = 1e-9  # [m/s] into a wall, that is rounding
 PARALLEL = 1e-3  # sine of the angle between two walls below which they are parallel
-ON_RIM = 1e-12  # of the limit: force beyond it at which a slip is found
+# excess over the limit at which a contact slips, as a share of the limit
+ON_RIM = 1e-12
 SLIP_STEPS = 30  # one for equal dampings
 
 Law = tuple[Vector, Vector, Vector]

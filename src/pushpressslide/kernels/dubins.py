@@ -44,8 +44,8 @@ BLUR = 1e-15
 
 Pose = tuple[float, float, float]
 Solution = tuple[float, int, float, float, float]
-"""Length [m], word, first arc [rad], middle [rad] or [m], last arc [rad]; infinitely long
-where there is none.
+"""Length [m], word, first arc [rad], middle [rad] or [m], last arc [rad]. The length is
+infinite if there is no path.
 """
 Circles = tuple[float, float, Vector, Vector, float, float]
 """The turning circles of both ends, seen from the start pose: radii [m] of left and right

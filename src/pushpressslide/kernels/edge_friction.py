@@ -22,11 +22,12 @@ from pushpressslide.kernels.support_friction import (
 # length of an edge over the way from end to end by the centre of rotation: no more, as
 # the centre is on the edge there
 ON_EDGE = 1.0 - 2.0**-53
-SHORT = 0.1  # of that way: an edge as short is a series of seven terms
+# share of that path below which an edge is evaluated by a series of seven terms
+SHORT = 0.1
 # distance of the centres of rotation and pressure below which its square is lost
 TOGETHER = 1e-100
 LEAST = 1e-300  # added to what may be zero, and is divided by
-FASTEST = 1e200  # of the square of a twist, beyond which it is no number
+FASTEST = 1e200  # largest square of a twist that is a number
 UNKNOWN = (nan, nan, nan, nan, nan, nan, nan, nan, nan)
 NO_SLOPE = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 

@@ -21,10 +21,11 @@ from pushpressslide.kernels.support_friction import CREEP, Friction
 PIN_SOFTENINGS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
 STEPS = 60  # of Newton's method
 FLAT = 1e-13  # gradient of the power at its least
-SHORT = 1e-14  # step of a twist that is none
-DOWN = 1e-4  # share of the fall that the slope promises which a step must give
+SHORT = 1e-14  # step of a twist that counts as zero
+# smallest decrease in a step, as a share of the decrease predicted by the slope
+DOWN = 1e-4
 ROUNDING = 1e-15  # of the power
-SHORTEST = 1e-8  # share of a Newton step below which it is taken as it is
+SHORTEST = 1e-8  # share of a Newton step below which it is accepted
 # force angle [rad] below which the limit of straight motion is used, which differs from
 # the exact one in second order
 STRAIGHT_ANGLE = 1e-4

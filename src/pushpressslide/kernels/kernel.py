@@ -10,7 +10,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 KERNELS: list[Callable[..., Any]] = []
 """All kernels of the modules that have been imported."""
 APART: list[Callable[..., Any]] = []
-"""Those of them that are compiled once, not in each of their callers."""
+"""Kernels that are compiled once, not in each of their callers."""
 WIDE: list[Callable[..., Any]] = []
 """Kernels of which compiled loops take four rows at once, every branch of each."""
 COMPILED: dict[Callable[..., Any], Callable[..., Any]] = {}

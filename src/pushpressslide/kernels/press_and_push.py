@@ -23,8 +23,9 @@ from pushpressslide.kernels.elementary import hypotenuse
 from pushpressslide.kernels.kernel import kernel, kernel_wide
 
 Push = tuple[float, float, float, float, float, float, float]
-"""The push in B: unit vector x, y from the press to it, unit inward normal x, y, lever
-[m] about the press, and the slopes of the slacks of its cone's sides along the line.
+"""The push in B: unit vector x, y from the press to the push; unit inward normal x, y;
+lever [m] about the press; slopes of the slacks of the two sides of its cone along the
+line.
 """
 Press = tuple[float, float, float, float, float]
 """The press: arm x, y [m] in B from the centre of pressure, normal force [N], radius of

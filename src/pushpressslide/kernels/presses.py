@@ -23,11 +23,12 @@ from pushpressslide.kernels.contact_line import contact_line
 from pushpressslide.kernels.elementary import hypotenuse
 from pushpressslide.kernels.kernel import kernel
 
-# of the discs' radii, allowed beyond them: what one contact alone can give may be asked
-# of it
+# allowed excess over the discs' radii, as a share: a wrench at the limit of one contact
+# is allowed
 ROUNDING = 1e-12
-NOTHING = 1e-9  # part of a wrench that counts as none of it
-LITTLE = 1e-30  # square of a force along the line, over those across it, that is none
+NOTHING = 1e-9  # share of a wrench that counts as zero
+# square of a force along the line that counts as zero, over those across it
+LITTLE = 1e-30
 
 PressPair = tuple[float, float, float, float, float, float, float, float]
 """Two presses: unit vector x, y in B from contact 1 to 2, half of it turned left x, y,

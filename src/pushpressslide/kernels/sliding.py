@@ -18,16 +18,18 @@ from pushpressslide.kernels.edge_friction import FASTEST
 from pushpressslide.kernels.kernel import kernel, kernel_apart
 from pushpressslide.kernels.support_friction import CREEP, Friction
 
-BALANCE = 1e-9  # of mu N: force left over at which a tick is solved
-# of mu N: force left over from which Newton's slope is tried twice
+BALANCE = 1e-9  # unbalanced force at which a tick is solved, as a share of mu N
+# unbalanced force below which Newton's slope is used twice, as a share of mu N
 CLOSE = 0.1
-# of the force left over at balance: what a second step with one slope may leave
+# largest unbalanced force after a second step with one slope, as a share of that at
+# balance
 SURE = 0.01
 STEPS = 25  # of Newton's method
-HALVINGS = 40  # of one step that goes too far
-# of the friction over the speed, added to its slope: it has none along the motion
+HALVINGS = 40  # halvings of a step that is too long
+# share of friction over speed that is added to its slope, which is zero along the
+# motion
 SOFTENING = 1e-6
-# [m/s] of which the drag is mu N, when balance is looked for by letting the body go
+# [m/s] speed with a drag of mu N, if balance is found by releasing the body
 DRAG_SPEED = 0.01
 TRIALS = 60
 

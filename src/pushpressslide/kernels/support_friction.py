@@ -12,7 +12,7 @@ from math import sqrt
 from pushpressslide.kernels.allocation import Wrench
 from pushpressslide.kernels.kernel import kernel
 
-CREEP = 1e-8  # [m/s] up to which the friction grows with the speed; stands for rest
+CREEP = 1e-8  # [m/s] speed up to which the friction grows; represents rest
 STILL = 1.0 / CREEP  # slope of the friction of a body that does not move
 
 Slope = tuple[float, float, float, float, float, float]

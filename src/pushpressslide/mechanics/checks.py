@@ -12,7 +12,8 @@ from collections.abc import Sequence
 from pushpressslide.core.errors import InputError
 from pushpressslide.core.pose import Point
 
-UNIT = 1e-3  # how far from 1 the length of a unit vector may be: typed to three digits
+# allowed error of a unit vector's length: vectors may be typed to three digits
+UNIT = 1e-3
 
 
 def check_friction(friction: float, name: str = "friction") -> None:

@@ -20,17 +20,17 @@ from pushpressslide.core.task import ObjectModel
 from pushpressslide.mechanics.pressure import CELL_RADIUS
 
 RESOLUTION = 3  # of the base: twists are right to about a percent
-COARSE = 1  # of the base that settles first
+COARSE = 1  # resolution of the coarse base that settles first
 STEPS = 18  # at most, of the iteration for pressure and twist together
-SETTLING = 4  # of them before the first Newton step for the twist
+SETTLING = 4  # steps before the first Newton step for the twist
 # change of a twist in a step after which it is near enough: Newton's last step squares
 # it
 CLOSE = 1e-3
-# share by which the friction's power may rise with a step, as the pressure moves
+# largest relative increase of the friction's power in a step, as the pressure moves
 LOWER = 1e-5
 FULL = (1.0,)  # shares of the Newton steps for the pressure
 DAMPED = (1.0, 0.5, 0.5, 0.5, 0.7)  # the same of the first ones
-BALANCED = 0.01  # of the load and of its moment: pressures farther off are not used
+BALANCED = 0.01  # largest error of load and moment of a usable pressure, as a share
 REST = 1e-9  # [m/s] below which a cell counts as resting, of twists of about 1 m/s
 # rows and columns of a symmetric matrix that are kept
 THREE = ([0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2])

@@ -19,9 +19,10 @@ from pushpressslide.mechanics.face_pressure import FacePressure
 STEPS = 60  # of Newton's method, at most
 FLAT = 1e-14  # gradient of the power at its least
 SURE = 1e-8  # a whole step that long squares to less than rounding
-DOWN = 1e-4  # share of the fall that the slope promises which a step must give
-SHORTEST = 1e-6  # share of a step, below which rounding is all that is left
-SLOWEST = 1e-3  # of a guessed twist: what counts of it along the wrench
+# smallest decrease in a step, as a share of the decrease predicted by the slope
+DOWN = 1e-4
+SHORTEST = 1e-6  # share of a step below which only round-off is left
+SLOWEST = 1e-3  # smallest component of a guessed twist along the wrench, as a share
 
 Triple = tuple[float, float, float]
 

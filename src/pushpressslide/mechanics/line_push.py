@@ -22,9 +22,9 @@ from pushpressslide.mechanics.checks import check_friction, check_point
 from pushpressslide.mechanics.limit_surface import exact_wrench
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 
-STEPS = 100  # of the iteration for the pressure that the push itself moves
-EVEN = 10  # of them before each goes only half of its way
-SETTLED = 1e-9  # of the force over the load
+STEPS = 100  # steps of the iteration for the pressure, which depends on the push
+EVEN = 10  # full steps before the steps are halved
+SETTLED = 1e-9  # tolerance of the force over the load
 RESOLUTION = 8  # of the base
 
 

@@ -23,12 +23,12 @@ from pushpressslide.mechanics.height_term import DraggedSurface
 from pushpressslide.mechanics.limit_surface import exact_wrench
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 
-# of the speed, at the pressure's radius: a straight motion is taken to turn so much
+# smallest turn of a motion at the pressure's radius, as a share of its speed
 LEAST_TURN = 0.01
 RESOLUTION = 5  # of the pressure samples
-ROUNDS = 12  # of the centre of pressure and the wrench that moves it
-FIRST = 0.5  # of the way to where the drag would move it that the first round goes
-CLOSE = 1e-5  # of rho: of the centre of pressure from there
+ROUNDS = 12  # rounds of centre of pressure and wrench
+FIRST = 0.5  # share of the drag's displacement in the first round
+CLOSE = 1e-5  # tolerance of the centre of pressure, as a share of rho
 
 
 def pressures(scene: Scene) -> Callable[[Point], PressureSamples]:

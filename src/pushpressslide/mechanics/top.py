@@ -13,8 +13,9 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.core.task import ObjectModel
 
-DIRECTIONS = 12  # from the CoM in which places are offered, from G's x axis on
-# of the way from the CoM to the edge at which places are offered
+# directions from the CoM in which points are offered, starting at G's x axis
+DIRECTIONS = 12
+# shares of the distance from the CoM to the edge at which points are offered
 SHARES = (0.85, 0.65, 0.4)
 
 

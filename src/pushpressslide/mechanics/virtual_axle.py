@@ -23,12 +23,12 @@ from pushpressslide.mechanics.pressure import PressureSamples
 # force angle [rad] below which the limit of straight motion is used in closed form,
 # which has no noise to divide
 STRAIGHT_FACE = 1e-6
-# of the force over the load: by how much the force that slides may differ from the one
-# that has moved the centre of pressure
+# tolerance of the force over the load, between the force that slides and the one that
+# moved the centre of pressure
 SETTLED = 1e-7
 NARROW = 1e-12  # the same, of an interval in which the two differ by a jump
 SECANTS = 8  # steps, after which the interval is halved
-EDGE = 1e-4  # of mu: how near to tipping the force is followed
+EDGE = 1e-4  # distance to tipping up to which the force is followed, as a share of mu
 
 
 def axle_distance(rho: float, lever: float) -> float:
@@ -69,7 +69,7 @@ def exact_axle_distance(
 class Slide(NamedTuple):
     """Sliding of an object under one force."""
 
-    face: FacePressure  # that the force has moved
+    face: FacePressure  # pressure as moved by the force
     wrench: Wrench  # of a force of 1 N, about that pressure's centre
     twist: Twist  # only the direction counts
     # force that slides it less the force that has moved the pressure, over the load
@@ -141,7 +141,7 @@ class _Interval:
     low: float
     high: float
     steps: int = 0
-    place: float = 0.0  # of the value before
+    place: float = 0.0  # position of the previous value
     value: float = 0.0
 
     @property

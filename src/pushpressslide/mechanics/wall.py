@@ -13,7 +13,8 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.scene import Scene
 from pushpressslide.core.twist_path import TwistPath
 
-PLACES = 4  # of a path, and its start, at which the weight's direction is looked at
+# points of a path, besides its start, at which the weight's direction is checked
+PLACES = 4
 
 
 def weights(scene: Scene, path: TwistPath) -> list[Point]:

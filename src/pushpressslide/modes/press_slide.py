@@ -80,8 +80,8 @@ from pushpressslide.rom.unicycle import Unicycle
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 from pushpressslide.tracking.unicycle import PivotTracker, UnicycleTracker
 
-# [rad] that a retry may turn the object: the arm keeps its contact, and its joints have
-# the less room the further it turns
+# [rad] largest turns of the object in a retry: the arm keeps its contact, and a larger
+# turn leaves its joints less room
 RETRY_SWINGS = (1.0, 2.0, math.pi, math.inf)
 
 
@@ -288,7 +288,9 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     def replan(
         self, query: MotionQuery, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
-        """The ``segments`` continued: the first one, or all turns of a manoeuvre."""
+        """Continuation of ``segments``: of the first one, or of all turns of a
+        manoeuvre.
+        """
         center = measured.estimates.center
         if center != ORIGIN:
             there = _seen_from(query, segments, measured)

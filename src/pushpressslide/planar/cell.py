@@ -18,7 +18,7 @@ from pushpressslide.planar.world import World, resting
 from pushpressslide.planning.side_contacts import before_contacts
 from pushpressslide.selection.placement_planner import PlacementPlanner, PlansAlone
 
-TIPPING_TIME = 0.1  # [s] of load off the base that ends a run
+TIPPING_TIME = 0.1  # [s] for which the load may leave the base before the run ends
 
 
 def planar_cell(plan: Plan, start: WorldState | None = None) -> Cell:

@@ -64,7 +64,7 @@ class SideContact(NamedTuple):
     center: Point
     law: TipLaw
     friction: float  # of the pair tip/object
-    # [m/s] at which the tip may come nearer to the face: its gap over the tick
+    # [m/s] largest speed of the tip towards the face: its gap over the tick
     approach: float = 0.0
 
     def touch(self, vx: float, vy: float, w: float) -> Touch:

@@ -14,11 +14,13 @@ from pushpressslide.planar.support_friction import SupportFriction
 Friction = PolygonFriction | SupportFriction
 
 RESOLUTION = 6  # of a sampled pressure: torsion is right to 0.2 %
-MOST_CORNERS = 16  # of a base in closed form; more take longer than samples
+# largest number of corners of a base in closed form; with more, samples are faster
+MOST_CORNERS = 16
 # of the base's inner radius: spacing of the CoPs for which pressures are made
 GRID = 0.005
 KEPT = 1000  # pressures that are remembered
-# of the way from the middle of the base to its outline: beyond, the object tips
+# share of the distance from the base's middle to its outline beyond which the object
+# tips
 TIPPING = 0.95
 
 

@@ -30,11 +30,11 @@ YAWS = 24
 CELLS = 60  # along the longer side of the bounds, at most
 FINEST = 0.01  # [m]
 NEAR = 3.0  # clearances, within which a way costs more
-NEAR_COST = 2.0  # times as much
+NEAR_COST = 2.0  # factor on the cost near obstacles
 ALIKE = 0.01  # [m]
 TURNED_ALIKE = 0.05  # [rad]
 REACH = 4.0  # cells from an end, within which its way meets the grid
-STEP = 0.5  # clearances between the places of a straight way that are looked at
+STEP = 0.5  # spacing of the checked points of a straight path, in clearances
 # to the neighbours of a cell: along x, y and yaw
 MOVES = ((1, 0, 0), (0, 1, 0), (1, 1, 0), (1, -1, 0), (0, 0, 1))
 

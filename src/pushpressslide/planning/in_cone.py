@@ -23,7 +23,7 @@ from pushpressslide.core.twist_path import TwistPath, TwistRate, reached, screw,
 from pushpressslide.planning.run_in import longest_way
 
 # lengths of the first and the last piece, in units of the screw to the goal
-TRIED = 4  # paths in the cone that are looked at exactly
+TRIED = 4  # number of paths in the cone that are evaluated exactly
 SHARES = (0.15, 0.3, 0.5, 0.75)
 
 
@@ -31,10 +31,10 @@ SHARES = (0.15, 0.3, 0.5, 0.75)
 class Inside:
     """Required margins [rad] of a path's twists inside a cone."""
 
-    straight: float  # of a way of one twist
-    first: float  # of the first of several
-    rest: float  # of each after it
-    max_sections: int = 3  # that there may be
+    straight: float  # for a path of one twist
+    first: float  # for the first of several twists
+    rest: float  # for each later one
+    max_sections: int = 3  # largest number of twists
 
 
 # The preferred first. During the motion the rest is replanned from where the body is, so that
@@ -77,8 +77,8 @@ class ConeGoal:
 
     start: Pose2  # X_WB
     goal: Pose2  # X_WB
-    radius: float  # [m] that weighs turns in the length
-    longest: float  # [m] that the way may be
+    radius: float  # [m] weight of turns in the length
+    longest: float  # [m] longest allowed path
 
     @classmethod
     def between(cls, ends: Ends, radius: float) -> ConeGoal:

@@ -20,15 +20,15 @@ from pushpressslide.planning.side_contacts import drag_refusal
 from pushpressslide.rom.drives import RearSteerDrive
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 
-TURNING_LIMIT = math.radians(360.0)  # of all arcs together: one loop, no spiral
+TURNING_LIMIT = math.radians(360.0)  # sum of all arcs: one loop, no spiral
 
 
 class Comfort(NamedTuple):
     """One step on the scale from comfortable to hard paths."""
 
-    run_in: float  # of the planned one
-    harder: float  # times the planned share of the curvature that friction limits
-    speed: float  # of the planned one
+    run_in: float  # share of the planned value
+    harder: float  # factor on the planned share of the friction-limited curvature
+    speed: float  # share of the planned value
 
 
 # From comfortable to hard. Near the cone's edge the contact's sideways jumps must be

@@ -25,11 +25,12 @@ from pushpressslide.rom.drives import ORIGIN
 from pushpressslide.rom.rear_steer_car import STEERING_LIMIT, RearSteerCar
 
 RESOLUTION = 6  # of the base
-# of the force at which a push is looked at, up to the one that the object must stand,
-# and on to the cone's edge
+# numbers of force angles evaluated, up to the one that the object must withstand, and
+# from there to the cone's edge
 ANGLES = (5, 3)
 SIDES = (1.0, -1.0)  # left and right of the heading axis
-LEAST_EDGE = 1e-3  # [rad] of the cone to one side, for a heading axis outside it
+# [rad] smallest angle of the cone to one side, for a heading axis outside it
+LEAST_EDGE = 1e-3
 
 
 class FittedCar(NamedTuple):
@@ -43,7 +44,7 @@ class FittedFace(NamedTuple):
     """A face, and the cars that model pushes on it."""
 
     face: Face
-    cars: Mapping[float, FittedCar]  # of paths, by how hard; none if refused
+    cars: Mapping[float, FittedCar]  # cars by share of the friction; empty if refused
     refusal: Refusal | None
 
 

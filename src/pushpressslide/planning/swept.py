@@ -10,7 +10,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.scene import ObjectModel
 
 SWEEP_STEP = 0.5
-"""Clearances of path between the places where the gap is looked at."""
+"""Length of path between checks of the gap, in clearances."""
 
 
 def swept(

@@ -11,7 +11,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import ObjectModel
 
-STEP = 0.03  # [m] of path between the places that are checked
+STEP = 0.03  # [m] of path between the checked poses
 
 
 def poses_along(segment: Segment) -> list[Pose2]:

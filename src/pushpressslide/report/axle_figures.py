@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MARGIN = 40.0  # [mm] that a panel shows beyond what is predicted
+MARGIN = 40.0  # [mm] margin of a panel around the prediction
 MEASURED = style.BLACK
 PREDICTED = style.BLUE
 FLAT = style.AMBER

@@ -17,10 +17,10 @@ from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.report import series
 
 LEAST_TURN_RATE = 0.02  # [rad/s] below which a measured axle is noise
-LEAST_FORCE = 0.5  # [N] of drag and of press, below which nothing is predicted
+LEAST_FORCE = 0.5  # [N] drag and press below which there is no prediction
 WINDOW = 0.2  # [s] of the moving average
-# share by which the turn rate may change over two windows: while a turn begins, inertia
-# counts
+# largest relative change of the turn rate over two windows: at the start of a turn,
+# inertia matters
 STEADY = 0.25
 SAMPLES = 60  # of the predicted curves
 

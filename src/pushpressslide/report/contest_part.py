@@ -13,7 +13,7 @@ HEAD = ("Mode", "", "Expected time")
 
 
 def contest_part(plan: Plan, choices: Sequence[Choice]) -> str:
-    """Sentences and tables that say why each mode of a plan was taken. Empty if its
+    """Part of a page that explains the choice of each mode of a plan. Empty if its
     motions were found by a search.
     """
     return "".join(_one(contest) for contest in contests(plan, choices))

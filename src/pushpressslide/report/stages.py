@@ -39,7 +39,7 @@ class StageRun(StagePlan):
 
     record: Record
     began: float  # [s] since the first stage began
-    state: WorldState  # in which it began, with the bodies where they were
+    state: WorldState  # initial state, with the poses of the bodies
     anew: bool = False  # whether it was planned again for where the bodies were seen
 
     @classmethod

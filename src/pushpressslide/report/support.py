@@ -18,8 +18,8 @@ FIELDS = (
     "fall_speed",
     "seated_depth",
 )
-# [m] of the object's middle behind its place on the support at which it counts as going
-# in
+# [m] depth of the object's middle below the support's face at which it counts as
+# entering
 ENTERED = 0.003
 
 

@@ -25,7 +25,7 @@ from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 ContinuationStatus = Literal["ok", "unreachable", "joint_limit", "jump"]
 
 NULL_RATE = 3.0  # [rad] of elbow motion away from the limits per metre of the tip's way
-YAW_ARM = 0.3  # [m] the way that a radian of tool yaw counts for
+YAW_ARM = 0.3  # [m] path length equivalent to a radian of tool yaw
 ITERATIONS = 10  # Newton steps for one sample of the path
 START_ITERATIONS = 40  # for the first one, which may start farther off
 START_STEP = 0.3  # [rad] of any joint in one Newton step

@@ -53,7 +53,7 @@ BESIDE_ARM = r"(?i)finger|gripper|jaw|knuckle|hand_|camera|leg|wheel"
 """Names of links that are not the end of an arm."""
 GROUND = "pps_ground"
 """Base of a robot whose first joints move its stand in the world."""
-MOST_NOTES = 4  # of one kind, that are named
+MOST_NOTES = 4  # largest number of notes of one kind
 
 
 def read_description(
@@ -85,7 +85,7 @@ def last_link(model: str) -> str:
     """
     path = Path(model)
     if not is_robot_file(path) or not path.is_file():
-        read_description(model, "")  # says what is wrong
+        read_description(model, "")  # raises an error that names the fault
     with _blaming(model):
         whole = read_content(path, ())
     by_child = {joint.child: joint for joint in whole.joints}
@@ -140,7 +140,7 @@ def _facts(path: Path, tip_frame: str, packages: Sequence[str]) -> RobotFacts:
     odd = [a.name for a, b in zip(links, read_links, strict=True) if a != b]
     notes = [
         *_named("held where it is: joint", held),
-        *_named("no body has such an inertia, the nearest is taken: link", odd),
+        *_named("no body has such an inertia; replaced by the nearest one: link", odd),
         *description.notes,
     ]
     return RobotFacts(

@@ -136,11 +136,11 @@ class RobotFacts:
     home_posture: tuple[float, ...]  # (n,) [rad] or [m]; the tool points down
     base_radius: float = 0.0  # [m] of a pedestal that carries the base
     capsules: tuple[Capsule, ...] = ()  # around the links, for clearances
-    visuals: tuple[Mapping[str, Any], ...] = ()  # what is drawn, see models/*.yaml
+    visuals: tuple[Mapping[str, Any], ...] = ()  # drawn shapes, see models/*.yaml
     colors: Mapping[str, tuple[float, float, float]] | None = None
     branches: tuple[JointFacts, ...] = ()  # fixed joints to links off the chain
     shapes: tuple[LinkShape, ...] = ()  # of a file
-    notes: tuple[str, ...] = ()  # of a file: what is held, left out or assumed
+    notes: tuple[str, ...] = ()  # notes on what was fixed, ignored or assumed in a file
     home_first: bool = False  # whether a search begins in the ready posture
 
     @cached_property

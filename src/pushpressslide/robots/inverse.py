@@ -18,7 +18,7 @@ from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 POSITION_TOLERANCE = 1e-6  # [m] of a solution
 ANGLE_TOLERANCE = 1e-6  # [rad]
 SHARPNESS = 8.0  # [1/rad] of the smooth minimum over the joints' margins
-NEARLY = 0.01  # [rad; m] of error, with which a posture has nearly come to its target
+NEARLY = 0.01  # [rad; m] error below which a posture is near its target
 LARGEST_STEP = 0.4  # [rad] of any joint in one iteration
 POLISHING = 8  # last iterations, without regard to the margin
 # the home posture with its elbow and its wrist varied, and with the wrist turned over
@@ -53,7 +53,7 @@ class IkSearch:
     """Limits on the work of a search for a posture."""
 
     iterations: int = 60
-    # take the first posture found for a target, its margin as it is
+    # take the first posture found for a target, whatever its margin
     first_found: bool = False
     # after so many iterations, how many starts of each target are followed further
     stages: tuple[tuple[int, int], ...] = ((12, 6), (24, 3))

@@ -11,7 +11,7 @@ from pathlib import Path
 PACKAGE_PATHS = "ROS_PACKAGE_PATH"
 """Environment variable with folders of packages."""
 HEIGHT = 8
-"""Folders above a file in which its package is looked for."""
+"""Number of folders above a file that are searched for its package."""
 
 
 class MeshPaths:

@@ -123,8 +123,8 @@ def _joints(
     odd: dict[str, str],
     notes: list[str],
 ) -> list[JointFacts]:
-    """Joints from a body's parent to it: one for each of its own, and a fixed one if it
-    has none, or if its frame is not at its last one.
+    """Joints from a body's parent to the body. A fixed joint is added to the body's own
+    if it has none, or if its frame is not at the last one.
 
     Adds joints that cannot be driven to ``odd``.
     """

@@ -183,7 +183,8 @@ def geom_of(
         half = 0.5 * float(np.linalg.norm(b - a))
         sizes = [*sizes[:1], *([sizes[0]] if count == 3 else []), half]
     if len(sizes) < count:
-        vector(values.get("size"), count, f"{part.place}, size")  # says what is wrong
+        # raises an error that names the fault
+        vector(values.get("size"), count, f"{part.place}, size")
     return Geom(kind, tuple(sizes), X, values, part.place)
 
 

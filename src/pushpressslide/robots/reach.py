@@ -31,12 +31,12 @@ wrists, other elbows.
 """
 
 QUICK = IkSearch(iterations=30)
-# [m] by which the first look stays short of a point for which there is no second one
+# [m] shortfall of the first search above which there is no second one
 HOPELESS = 0.08
-# [m] that an arm is less than stretched, beyond which the first look tells little
+# [m] distance from full stretch above which the first search is not reliable
 FOLDED = 0.2
 FIRST_SEEDS = [0, 3, 6]
-# of the first look at a point, which most within reach pass
+# first search for a point, which succeeds for most points within reach
 FIRST = IkSearch(iterations=12, first_found=True)
 LONG_SEARCHES = 8  # points at most; bounds the time for a task that is hopeless
 
@@ -170,7 +170,7 @@ class _PathReach:
 
     kin: ArmKinematics
     p: Array  # (m, 3) [m]
-    hardest: list[int]  # indices of the places that are looked at first
+    hardest: list[int]  # indices of the points that are searched first
 
     def short(self, targets: Array) -> Array:
         """Shortfall [m] by ``short_by`` at the hardest places."""

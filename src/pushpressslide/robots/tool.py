@@ -20,7 +20,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.support_frame import WORLD_AXES, Matrix3
 
-# that are tried: tilts, and the sides to which a tool that turns with the object leans
+# leans that are tried for a tool that turns with the object: tilts and sides
 SIDES = (0.0, 0.5 * math.pi, math.pi, -0.5 * math.pi)  # [rad]
 TOOL_TILTS = tuple(math.radians(a) for a in (0.0, 12.0, 24.0, 36.0))
 

@@ -49,7 +49,8 @@ class RearSteerDrive(VehicleDrive):
 
     car: RearSteerCar
     shift: float  # [m] ahead by which the push's height moves the CoP
-    curvature_share: float = 1.0  # of the friction-limited one, that the path uses
+    # share of the friction-limited curvature that the path uses
+    curvature_share: float = 1.0
     run_in: float = 0.0  # [m] straight end of the path
 
     @property
@@ -194,7 +195,7 @@ class SurfaceDrive:
     """Base of all drives by twists."""
 
     surface: DraggedSurface  # the limit surface near the planned twist
-    radius: float  # [m] that weighs turns in the path's length
+    radius: float  # [m] weight of turns in the path's length
 
     @property
     def max_friction(self) -> float:
@@ -216,7 +217,7 @@ class SurfaceDrive:
 class TwistDrive(SurfaceDrive):
     """Two pushes that drive any twist of a cone; V is B."""
 
-    normal_force: float = 0.0  # [N] largest of a contact, where the plan says so
+    normal_force: float = 0.0  # [N] largest force of a contact, if planned
 
     @property
     def X_BV(self) -> Pose2:

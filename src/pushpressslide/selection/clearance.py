@@ -29,8 +29,8 @@ from pushpressslide.selection.tool_use import tool_refusal
 if TYPE_CHECKING:
     from shapely import Polygon
 
-# of the square of the clearance, shared with an obstacle: the object is in it from
-# there on, not beside it
+# overlap with an obstacle above which the object is in it, not beside it, as a share of
+# the squared clearance
 ENTERED = 0.1
 ROUND_OFF = 1e-6  # [m]
 

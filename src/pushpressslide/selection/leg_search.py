@@ -32,8 +32,8 @@ from pushpressslide.selection.search_notes import (
 START = 0
 GOAL = 1
 KEPT = 3  # choices of one motion that are followed, each with other contacts
-EAGER = 2.0  # weight of the way that is left
-SHORTEST = 0.05  # [m] that a motion leads the object, turns included
+EAGER = 2.0  # weight of the remaining path
+SHORTEST = 0.05  # [m] length of the shortest motion, turns included
 BLOCKED = (
     1.5  # times its least time, that a motion may take whose straight way is not free
 )
@@ -52,7 +52,7 @@ ALWAYS = frozenset(
         "too_close",
     }
 )
-# of those, codes that exclude it with any contacts
+# refusal codes that exclude a motion with any contacts
 HOPELESS = frozenset({"smooth_tip"})
 
 # of a motion by a mode: with the contacts that are held, with whatever contacts where
@@ -95,7 +95,7 @@ class Motion:
     to: int  # index of a pose
     mode: str
     held_contacts: bool  # with the contacts that it has
-    timed: bool = False  # whether the mode was asked for its least time
+    timed: bool = False  # whether the mode's lower bound of the time is known
 
 
 @dataclass
@@ -197,7 +197,7 @@ class LegSearch:
                 if after.node in done or due > self.query.limits.time:
                     continue
                 heappush(heap, (due, next(order), after))
-                # whether it is one motion from the goal is asked before all else
+                # the motion to the goal is evaluated before all others
                 for due, motion in self._motions(after, (GOAL,)):
                     heappush(heap, (due, next(order), motion))
         return ()

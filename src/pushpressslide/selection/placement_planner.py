@@ -85,7 +85,7 @@ def prepared(
         added = add_first(planner, empty, group, force, problems)
         if not added and not all(choice.evaluated for choice in group):
             more = placements(empty.queries, MANY, first)
-            # with more choices a leg may go on with the contacts of the one before it
+            # with more choices a leg may keep the contacts of the previous one
             if [other[0].leg for other in more] == [other[0].leg for other in groups]:
                 groups[number] = group = more[number]
                 added = add_first(planner, empty, group, force, problems)

@@ -13,9 +13,9 @@ class RefusedMotions:
     """Motions between two poses that a mode cannot do, all for the same reason."""
 
     mode: str
-    code: str  # of the refusals
+    code: str  # code of the refusals
     count: int
-    text: str  # of the first of them
+    text: str  # text of the first refusal
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +23,7 @@ class DroppedSequence:
     """A sequence of feasible motions for which the arms have no joint path."""
 
     modes: tuple[str, ...]
-    time: float  # [s] that it would have taken
+    time: float  # [s] estimated time of the sequence
     why: str
 
 

@@ -41,11 +41,11 @@ ENDS = Refusal("no_continuation", "its contacts allow no continuation")
 def select(task: Task, enough: int = 1) -> list[Choice]:
     """All choices for ``task``, the quickest feasible one first. Never empty.
 
-    Joint paths are not checked: ``jobs.run.run`` does so. A choice that is not feasible
-    has a refusal: with the deciding number if it cannot do the task, or as skipped, with
-    the reason, if ``enough`` choices of its mode are feasible or many are blocked. With
-    legs, choices are grouped by placement, in order; ``leg`` is their first leg. Raises
-    TaskError for a task of several goals.
+    Joint paths are not checked here, but in ``jobs.run.run``. A choice that is not
+    feasible has a refusal: with the deciding number if it cannot do the task, or as
+    skipped, with the reason, if ``enough`` choices of its mode are feasible or many are
+    blocked. With legs, choices are grouped by placement, in order; ``leg`` is their
+    first leg. Raises TaskError for a task of several goals.
     """
     if Plan(task).at_goal:
         return choices_at_goal(task)
@@ -53,7 +53,7 @@ def select(task: Task, enough: int = 1) -> list[Choice]:
 
 
 def choices_at_goal(task: Task) -> list[Choice]:
-    """All modes, skipped, of a task whose object is at its goal already."""
+    """Choices of all modes, skipped because the object is at its goal already."""
     names = MODES if task.modes is None else task.modes
     return [Choice(name, refusal=AT_GOAL) for name in names]
 

@@ -169,10 +169,10 @@ def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Pl
     """Plan for ``choice``, by default the best one, or the best sequence of motions if
     no single choice does the task.
 
-    Joint paths are not checked: ``jobs.run.run`` does so. In a task with legs, every
-    other placement uses its best choice. ``force`` plans an infeasible choice too, if
-    it has a path. Raises InfeasibleTaskError with the reasons, one per choice, if
-    nothing can do the task.
+    Joint paths are not checked here, but in ``jobs.run.run``. In a task with legs,
+    every other placement uses its best choice. ``force`` plans an infeasible choice
+    too, if it has a path. Raises InfeasibleTaskError with the reasons, one per choice,
+    if nothing can do the task.
     """
     if Plan(task).at_goal:
         return Plan(task)
@@ -289,7 +289,7 @@ def _infeasible(
 
 
 class _Clock:
-    """The time [s] that each stage took."""
+    """Time [s] taken by each stage."""
 
     def __init__(self) -> None:
         """Start the first stage."""

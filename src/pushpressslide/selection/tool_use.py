@@ -18,8 +18,8 @@ from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import ObjectModel, Obstacle
 from pushpressslide.geometry.shapes import Shape
 
-ON_HULL = 1e-6  # [m] inside the hull, up to which a face's point is on it
-# of a box's frame, by the quarter turns from it to a push: the way back
+ON_HULL = 1e-6  # [m] distance inside the hull below which a face's point is on it
+# backward direction in a box's frame, by the quarter turns from it to a push
 BACK: tuple[Point, ...] = ((-1.0, 0.0), (0.0, -1.0), (1.0, 0.0), (0.0, 1.0))
 
 

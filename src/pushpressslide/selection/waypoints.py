@@ -40,12 +40,12 @@ ONWARD = (0.15, 0.3, 0.5)  # [m] of straight push from a via pose
 ARC = 2.0  # radii of the object: of the arcs from there
 TURNS = tuple(math.radians(a) for a in (-90.0, -45.0, 45.0, 90.0))  # on them
 SPREAD = 16  # poses of the even sample
-FACES = 2  # by which a via pose is turned to be pushed along the path
+FACES = 2  # number of faces to which a via pose is turned for a push along the path
 SIDES = 4  # faces by which a straight push to the goal is tried
-ROOM = 0.3  # [m] about start and goal, within which the way may lead
+ROOM = 0.3  # [m] around start and goal, within which the path may lead
 HAND_OVER = 0.06  # [m] between the places at which an arm may take an object over
 HANDED_OVER = 8  # such poses
-FOLLOWED = 3  # of them, from which the ways to the goal are looked at
+FOLLOWED = 3  # number of via poses from which paths to the goal are evaluated
 HANDED_OVER_BY = ("press_slide", "rear_push")  # both before and after
 # of the sample over x, y and yaw: the fractional parts of multiples of these fill the
 # cube evenly (Roberts' sequence, from the root of x^4 = x + 1)

@@ -45,7 +45,7 @@ from pushpressslide.sim.surfaces import convex_shapes
 # of what a tip's sphere leaves between the rod that holds it and what it touches, less
 # than which the rod may not keep: the rest is for a tool that leans
 ROD_ROOM = 0.7
-TOUCHING = 12  # places round the sphere that are looked at for what it leaves
+TOUCHING = 12  # number of points around the sphere that are checked
 PIECE = "#"  # before the number of a shape that is one of several of a body
 SMOOTHING = 5e-4  # [m] of the smooth minimum over pairs
 # [m] slightly below the surface, so that a base bolted to the table does not touch it
@@ -215,8 +215,8 @@ class DrakeClearance:
         bodies: Mapping[str, Sequence[RigidTransform]],
         order: Callable[[Gap], float],
     ) -> Gap:
-        """The gap with the greatest value of ``order`` among all gaps over the postures
-        and poses of ``least_in_space``.
+        """Gap with the largest value of ``order`` over all postures and poses of
+        ``least_in_space``.
         """
         out = NOTHING
         before = {name: self._pose(name) for name in bodies}
@@ -329,7 +329,7 @@ def _lack(gap: Gap) -> float:
 
 def _half_of_sphere() -> Iterator[Array]:
     """Yield unit vectors (3,) in T over the half of a tip's sphere that faces away from
-    what holds it, the half around z of T.
+    its rod: the half around z of T.
     """
     for turn in np.linspace(0.0, 2.0 * math.pi, TOUCHING, endpoint=False):
         for up in (0.0, 0.5, 1.0):

@@ -17,7 +17,7 @@ from pushpressslide.sim.clearance import DrakeClearance
 from pushpressslide.sim.convert import transform_from_positions
 from pushpressslide.sim.outline import arm_capsules
 
-PERIOD = 0.02  # [s] at most, between two postures that are looked at
+PERIOD = 0.02  # [s] longest time between two checked postures
 
 
 def clearance_driven(record: Record) -> tuple[float, str]:

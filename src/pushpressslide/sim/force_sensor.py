@@ -24,7 +24,7 @@ class ForceSensor:
     def force(
         self, reaction: SpatialForce, R_WT: Array, acceleration: Array
     ) -> Vector3:
-        """Force [N] of the tip ON what it touches, world axes.
+        """Force [N] of the tip ON the touched body, in world axes.
 
         It is the ``reaction`` in the mount, in T's axes, minus the force that carries
         and accelerates the tip's own mass. That mass is taken to be at T's origin;

@@ -41,12 +41,12 @@ FLIGHT = 1.0  # [m/s]
 SPEED = 0.1  # [m/s] of the push
 STIFFNESS = 2000.0  # [N/m] stiffness of the ball about its commanded position
 DAMPING = 63.0  # [N s/m], critical
-STRENGTH = 3.0  # of the force at most, times the friction that holds the object
+STRENGTH = 3.0  # largest force, over the friction that holds the object
 LONGEST = 3.0  # [s] of a push
-GYRATION = 0.3  # of the squared radius: about the squared radius of gyration
-EDGE = 0.01  # [m] of a side that is left at its ends
-NEAR = 0.01  # [m] of the ball, from where it is to be
-BESIDE = 0.7  # of a side's half length: the farthest from its middle
+GYRATION = 0.3  # squared radius of gyration over the squared radius, approximately
+EDGE = 0.01  # [m] of a side that is left free at its ends
+NEAR = 0.01  # [m] distance of the ball from its target that counts as reached
+BESIDE = 0.7  # largest distance from a side's middle, as a share of its half length
 FRICTION = 0.3
 NAME = "knocker"
 

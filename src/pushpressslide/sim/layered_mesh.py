@@ -18,11 +18,12 @@ from pushpressslide.sim.volume_mesh import Tetrahedron, VolumeMesh
 
 Prism = tuple[int, int, int, int, int, int]  # a triangle, and the one above it
 
-DEEPEST = 0.45  # of the height: the inner surface has room between base and top
-SHALLOWER = 0.8  # times the depth that is tried next
+# largest depth, as a share of the height: the inner surface fits between base and top
+DEEPEST = 0.45
+SHALLOWER = 0.8  # factor from one tried depth to the next
 TRIES = 60
-# of the depth at which the inner outline still is sound, that is used: its edges have a
-# length there
+# used share of the depth at which the inner outline is still valid, so that its edges
+# keep a length
 SOUND = 0.9
 
 

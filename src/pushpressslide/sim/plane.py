@@ -52,8 +52,9 @@ from pushpressslide.sim.volume_mesh import VolumeMesh
 Triangle = tuple[int, int, int]
 
 CELLS = 6.0  # across a base where it is narrow
-FINE = 12  # of the rule that tells a base's mean distance from its middle
-BASE_DETAIL = 0.01  # of the breadth of a base's hull, left out of a patch's outline
+FINE = 12  # resolution of the rule for a base's mean distance from its middle
+# smallest detail of a patch's outline, as a share of the breadth of the base's hull
+BASE_DETAIL = 0.01
 MOST_CELLS = 16  # along a base, however long it is
 # share of a base by which its top is smaller: what the support cuts from sides that lean
 # inwards gives way without a force, and is no constraint

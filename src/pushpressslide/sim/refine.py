@@ -38,7 +38,7 @@ Function = Callable[[Array], tuple[Array, Array]]
 
 MAJOR_LIMIT = 40
 MINOR_LIMIT = 4000  # iterations of one optimisation, a second or two
-POINT_STEP = 0.025  # [m] of the tip between control points
+POINT_STEP = 0.025  # [m] motion of the tip between control points
 LEAST_POINTS = 10
 MOST_POINTS = 30
 # of the tip at the samples; removed afterwards by exact inverse kinematics

@@ -62,8 +62,8 @@ from pushpressslide.sim.surfaces import (
 
 # [m] the object starts this deep in the support, so that it is in contact at once
 SINK = 2e-6
-# [m] of the support about what the object is planned to cover, and about that for plans
-# rebuilt
+# [m] of the support around the area planned for the object, with a second value for
+# replans
 GRID_ROOM = 0.25
 ROOM_ANEW = 0.2
 TILES_PER_WIDTH = 4.0  # of the support grid under the object's narrow side

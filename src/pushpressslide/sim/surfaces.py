@@ -39,14 +39,14 @@ from pushpressslide.sim.mesh_shapes import convex_parts, drawn_mesh, touched_par
 
 # [Pa] the indentation stays below 0.1 mm at the loads of a 3 kg object
 HYDROELASTIC_MODULUS = 1.0e7
-# of its radius, that a tip sinks in at most: the rod that holds it stays outside
+# largest indentation of a tip, as a share of its radius: its rod stays outside
 DEEPEST = 1.0 / 3.0
 DISSIPATION = 5.0  # [s/m] Hunt-Crossley; damps the bounce of the first touch
 OBJECT_FRICTION = 1.0  # of the object's own surface; those of its partners follow
 # friction of a pair over that of the smoother surface; 2 is the theoretical limit
 ROUGHEST = 1.99
-SLIVER = 1e-6  # of a tile, smaller pieces of which are left out
-DETAIL = 1e-4  # [m] of a concave outline that contact does not see
+SLIVER = 1e-6  # smallest piece of a tile that is kept, as a share of the tile
+DETAIL = 1e-4  # [m] detail of a concave outline that is too small to matter for contact
 Tile = tuple[int, ...]
 Bounds = tuple[float, float, float, float]
 

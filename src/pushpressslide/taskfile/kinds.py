@@ -250,6 +250,44 @@ def _read_section(fields: Mapping[str, Field], value: Any, place: Place) -> Any:
     return values
 
 
+@dataclass(frozen=True)
+class _SectionEncoder:
+    """Conversion of the data of a section to plain values."""
+
+    fields: Mapping[str, Field]
+    keys: Mapping[str, str]  # by the fields' names in the data
+    data: type | tuple[type, ...]
+    take: Callable[[Any], Mapping[str, Any]]
+    order: tuple[str, ...]  # fields of a sequence
+
+    def encode(self, value: Any) -> Any:
+        """Make a plain value from the data of a task."""
+        fields = self.fields
+        if isinstance(value, Mapping):
+            plain = dict(self._encoded(key, one) for key, one in value.items())
+            return {key: plain[key] for key in (*fields, *plain) if key in plain}
+        if hasattr(value, "tolist"):
+            value = value.tolist()
+        in_order = isinstance(value, list | tuple) and 0 < len(value) <= len(self.order)
+        if in_order and not hasattr(value, "_fields"):
+            return self.encode(dict(zip(self.order, value, strict=False)))
+        if not isinstance(value, self.data):
+            return plain_value(value)
+        taken = self.take(value)
+        known = {k: v for k, v in taken.items() if k in self.keys or k in fields}
+        return self.encode(known)
+
+    def _encoded(self, key: Any, value: Any) -> tuple[Any, Any]:
+        """Key and plain value of a field, by its key or by its name in the data."""
+        if key in self.keys:
+            key = self.keys[key]
+            return key, self.fields[key].kind.encode(value)
+        in_degrees = "_deg" in str(key)
+        if in_degrees or key not in self.fields:
+            return key, plain_value(value)
+        return key, self.fields[key].kind.encode(value)
+
+
 def section(
     fields: Mapping[str, Field],
     make: Callable[..., Any],
@@ -261,7 +299,7 @@ def section(
 
     ``make`` is called with the fields by name, and returns the data of type ``data``,
     by default ``make`` itself. ``take`` is the inverse; fields that it omits are not
-    written. A sequence may stand for the data, with its items in ``order``.
+    written. A sequence may stand for the data: its items are the fields of ``order``.
     """
     listed = f"with the fields {', '.join(fields)}"
     names = {key: f.name or key.removesuffix("_deg") for key, f in fields.items()}
@@ -273,39 +311,13 @@ def section(
 
     typed = data or (make if isinstance(make, type) else object)
     keys = {name: key for key, name in names.items()}
-
-    def encode(value: Any) -> Any:
-        """Make a plain value from the data of a task: the inverse of ``decode``."""
-        if isinstance(value, Mapping):
-            plain = dict(encoded(key, one) for key, one in value.items())
-            return {key: plain[key] for key in (*fields, *plain) if key in plain}
-        if hasattr(value, "tolist"):
-            value = value.tolist()
-        in_order = isinstance(value, list | tuple) and 0 < len(value) <= len(order)
-        if in_order and not hasattr(value, "_fields"):
-            return encode(dict(zip(order, value, strict=False)))
-        if not isinstance(value, typed):
-            return plain_value(value)
-        taken = take(value)
-        return encode({k: v for k, v in taken.items() if k in keys or k in fields})
-
-    def encoded(key: Any, value: Any) -> tuple[Any, Any]:
-        """Key and plain value of a field by its key or by its name in the data."""
-        if key in keys:
-            key = keys[key]
-            return key, fields[key].kind.encode(value)
-        in_degrees = "_deg" in str(key)
-        if in_degrees or key not in fields:
-            return key, plain_value(value)
-        return key, fields[key].kind.encode(value)
-
     return Kind(
         f"a section {listed}",
         f"sections {listed}",
         _object_schema(fields, required),
         partial(_read_section, fields),
         decode,
-        encode,
+        _SectionEncoder(fields, keys, typed, take, order).encode,
         REQUIRED if required else {},
         fields,
     )

@@ -128,7 +128,7 @@ class _UprightError(Exception):
 
 
 def _upright(mesh: Trimesh, path: str, scale: float, up: str) -> MeshSolid:
-    """Upright solid in a mesh. Raises _UprightError if it is none."""
+    """Upright solid in a mesh. Raises _UprightError if the solid is not upright."""
     from shapely import Polygon
 
     extent = float(max(mesh.extents))

@@ -1,4 +1,4 @@
-"""The outlines of a body in a mesh that is no upright prism: base, side and top."""
+"""Outlines of a body in a mesh that is not an upright prism: base, side and top."""
 
 from __future__ import annotations
 

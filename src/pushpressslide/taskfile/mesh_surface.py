@@ -178,8 +178,8 @@ def _filled(mesh: Trimesh) -> Trimesh:
 
 
 def _open_edges(mesh: Trimesh) -> Indices:
-    """Edges (m, 2) that belong to an odd number of triangles, each in the direction of
-    one of these.
+    """Edges (m, 2) that belong to an odd number of triangles, each directed as in one
+    of them.
     """
     import numpy as np
 

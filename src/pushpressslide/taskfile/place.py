@@ -34,7 +34,7 @@ class Place:
 
     source: str  # names the file
     path: str = ""  # dotted name of the field, list items by index
-    allowed: str = ""  # what the field takes, in words
+    allowed: str = ""  # allowed values in words
     # whether numbers are held to their ranges; not in a file of this package's own
     bounded: bool = True
 

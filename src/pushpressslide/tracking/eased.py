@@ -15,7 +15,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.tracking.carried import CarriedTracker
 from pushpressslide.tracking.holonomic import HolonomicTracker
 
-SHARES = (1.0, 0.5, 0.2, 0.0)  # of the pull, that are tried
+SHARES = (1.0, 0.5, 0.2, 0.0)  # fractions of the pull that are tried
 
 
 class EasedTracker:

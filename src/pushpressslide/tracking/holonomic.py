@@ -21,11 +21,11 @@ from pushpressslide.kernels.tracking import pulled_twist
 from pushpressslide.mechanics.height_term import DraggedSurface
 
 IntoCone = Callable[[Wrench], Wrench | None]
-"""The nearest wrench that the contacts can give; None where the one asked for is such.
+"""Nearest wrench that the contacts can give. None if they can give the requested one.
 """
 
 TURN = 2.0 * math.pi
-SHARE = 0.5  # of the path's speed that the pull may take
+SHARE = 0.5  # largest pull, as a share of the path's speed
 
 
 class HolonomicTracker:

@@ -22,7 +22,7 @@ class LookAheadAlignment:
     """
 
     look_ahead: float  # [m] > 0
-    limit: float  # [1/m] largest curvature asked for
+    limit: float  # [1/m] largest commanded curvature
     fixed: Pose2 | None = None  # the goal pose of the vehicle, for the paper's target
 
     def curvature(

@@ -17,7 +17,7 @@ from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 
 TURN = 2.0 * math.pi
 PIVOT_GAIN = 2.0  # [1/s] pull on the axle along the axis while turning on the spot
-PIVOT_SHARE = 0.3  # of the turn's force that this pull may take
+PIVOT_SHARE = 0.3  # largest pull, as a share of the turn's force
 
 
 class UnicycleTracker:

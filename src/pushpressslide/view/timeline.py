@@ -18,7 +18,8 @@ from pushpressslide.core.record import Record
 from pushpressslide.core.scene import arm_title
 
 FRAMES_PER_SECOND = 30.0
-MOST_FRAMES = 750  # of a replay, so that a long run is still a page of a few megabytes
+# largest number of frames in a replay, so that a long run is a page of a few megabytes
+MOST_FRAMES = 750
 GOAL_ERROR = "goal_error"
 """Array (N, 2) [m, rad] that a joined record brings: the moved body's errors."""
 ENDED_WELL = ("goal_reached", "goal_missed", "interrupted")

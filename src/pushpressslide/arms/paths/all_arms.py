@@ -31,13 +31,13 @@ from pushpressslide.robots.tool import ToolAttitude
 
 Pair = Sequence[Solution]  # one joint path of each arm
 
-# [m] least distance of the arms' capsules, which contain the real outline with 1 cm to
-# spare
+# [m] smallest distance between the arms' capsules, which contain the real outline with
+# 1 cm to spare
 APART = 0.01
 PERIOD = 0.02  # [s] at most, between samples of an approach
 GLANCE = 6  # every sixth sample is checked before all of them are
 RETREAT_SAMPLES = 7
-IN_TURN = 8  # most pairs for which one arm is led around the other
+IN_TURN = 8  # largest number of pairs for which one arm is led around the other
 FEW = 16  # joint paths of each arm, in a search over sequences of motions
 
 

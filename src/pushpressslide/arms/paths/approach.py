@@ -34,16 +34,17 @@ SLIDE_SPEED = 0.4  # [m/s] of the fastest slide
 SPEED_SHARE = 0.7  # of a joint's own limit, in free space
 DESCENT_SPEED = 0.15  # [m/s] of the tip
 HOVER_ROOM = 0.06  # [m] above all tops, from where the tip descends beside the object
-LEAST_RISE = 0.08  # [m] of a descent, where the tip is above all tops already
+LEAST_RISE = 0.08  # [m] length of a descent if the tip is above all tops already
 RISE_STEP = 0.02  # [m] of the tip between two samples of a rise
 DESCENT_MARGIN = 0.03  # [rad] to the joint limits while moving down
 FASTEST = 1.875  # peak over mean speed of a minimum-jerk motion
 FINEST = 0.04  # [rad] or [m] of any joint between two postures of a trajectory
 DRAWN = 480  # random postures to begin with where the ready one is not free
 SPREAD = 1.2  # [rad] or [m] of these about the ready posture
-TURNS = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0)  # [rad] of a base, out of the way
+# [rad] turns of the first joint that are tried to avoid obstacles
+TURNS = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0)
 BACK = 11  # samples of the straight line from the contact to beside the object
-LEAST_GAP = 0.015  # [m] of that line, where the arm cannot follow all of it
+LEAST_GAP = 0.015  # [m] smallest length of that line if the arm cannot follow all of it
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ class Descent:
     points: Array  # (k, 3) [m] of the tip, drawn back
     retreat: Continuation  # along the points
     reached: int  # samples of it on which the arm can feel for its contact
-    needed: int  # of these, for the least gap
+    needed: int  # number of these for the smallest gap
     gap: float  # [m] between the contact and the place beside the object
     # (m, n) postures from beside the object upwards; none where the gap is too small
     up: Array

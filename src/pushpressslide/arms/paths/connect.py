@@ -14,7 +14,7 @@ Free = Callable[[Array], bool]
 STRIDE = 0.4  # [rad] or [m] of any joint between two postures of a tree
 CHECK_STEP = 0.05  # [rad] or [m] of any joint between two postures that are checked
 ROOM = 1.2  # [rad] or [m] by which a joint may leave the range between start and goal
-GROWTHS = 1000  # most samples
+GROWTHS = 1000  # largest number of samples
 SHORTCUTS = 80  # tried on a path
 
 

@@ -52,7 +52,7 @@ from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 
 GLANCE = 8  # every eighth posture of an approach is checked before all of them are
-REFINED = 4  # most misses that are refined
+REFINED = 4  # largest number of misses that are refined
 # moves along a contact that something is in the way of, after which no more are looked
 # at in a search over sequences of motions
 MOST_BLOCKED = 24

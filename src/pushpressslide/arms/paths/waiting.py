@@ -17,7 +17,7 @@ from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.robots.tool import UPRIGHT
 
-PARKED = 8  # most postures to be parked in that are offered
+PARKED = 8  # largest number of parking postures that are offered
 
 
 def waiting_moves(problem: ArmProblem, *, force: bool = False) -> Iterator[Move | Miss]:

@@ -61,7 +61,7 @@ class Press:
     contact: Contact
     backward: bool
     angle: float = 0.0  # [rad] of the force in turns
-    steepest: float = math.inf  # [rad] that it may be steered with
+    steepest: float = math.inf  # [rad] largest steering angle
     # look-aheads to go back straight first, to try
     back_ups: Sequence[float] = margins.BACK_UPS
 

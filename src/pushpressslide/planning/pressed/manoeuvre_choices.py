@@ -21,7 +21,7 @@ from pushpressslide.planning.segments import describe_points
 # them. Of motions that are possible nine in ten are possible by one of these
 FEW = 5
 TRIED = 10
-LOADS = 2  # that are tried
+LOADS = 2  # number of loads that are tried
 
 
 def manoeuvre_choices(
@@ -64,7 +64,7 @@ def manoeuvre_choices(
             left = {c: time for c, time in ranked.items() if _press(c) not in tried}
             why = enough_feasible(enough - missing)
             skipped = _skipped(query.motion, mode, left, why)
-        # other loads only where more are asked for
+        # other loads only if more choices are wanted
         if missing == 0 or missing < enough <= ENOUGH:
             break
     return sorted(out, key=lambda choice: not choice.feasible) + skipped

@@ -65,8 +65,8 @@ def _firm(scene: Scene, press: Contact) -> bool:
 
 
 def press_placements(query: MotionQuery) -> PressPlacements:
-    """Places and loads of the press. Raises RefusedError if no press holds, or if the
-    top is too small.
+    """Contact points and loads of the press. Raises RefusedError if no press holds, or
+    if the top is too small.
     """
     motion = query.motion
     scene = query.scene

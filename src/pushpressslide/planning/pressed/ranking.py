@@ -33,10 +33,11 @@ from pushpressslide.planning.pressed.three_turns import least_times
 from pushpressslide.planning.pressed.turns import COUNT, EVERY, TurnTable, turn_table
 from pushpressslide.planning.pressed.vehicle import press_of
 
-RESOLUTION = 2  # of the base: the best press is nearly always among the first three
+# resolution of the base: the best press is nearly always among the first three
+RESOLUTION = 2
 AT_ONCE = 2  # contacts that manoeuvres are planned for
 TRIED = 40  # manoeuvres, besides the quickest of each contact
-MANY = 12  # turns of one press, from which on every other one is left out
+MANY = 12  # number of turns of one press above which every other one is left out
 
 
 def by_time(
@@ -123,7 +124,7 @@ def manoeuvre_times(
 class _Paces:
     """Costs of a turn at each of COUNT angles, in arrays (m, COUNT)."""
 
-    steering: Array  # [rad] that the force may be turned to either side
+    steering: Array  # [rad] angle by which the force can be turned to either side
     speed: Array  # [m/s]
     pauses: Array  # [s]
 

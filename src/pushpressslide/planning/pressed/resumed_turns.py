@@ -31,7 +31,8 @@ from pushpressslide.planning.pressed.vehicle import press_of
 from pushpressslide.rom.drives import TurnDrive
 
 STEPS = 5  # of Gauss and Newton's method
-WEAK = 0.03  # of the strongest effect that changes have: weaker ones are not used
+# share of the strongest effect of a change below which changes are not used
+WEAK = 0.03
 SMALL = 1e-6  # [m], [rad] of a difference quotient
 
 Arc = tuple[Pose2, float]  # X_BV, curvature [1/m]
@@ -121,7 +122,7 @@ class _ArcMotion:
     effective_wheelbase: float  # [m] of the first arc
     start: Pose2  # X_WB
     goal: Pose2
-    radius: float  # [m] that an error of one radian counts for
+    radius: float  # [m] weight of an error of one radian
 
     def steered(self, x: Array) -> list[Arc]:
         """The arcs with the steering applied."""

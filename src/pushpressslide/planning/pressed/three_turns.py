@@ -20,8 +20,8 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Pose2
 
 TURN = 2.0 * math.pi
-LARGEST = 1.9 * math.pi  # of one turn
-NOTHING = 1e-5  # [rad] up to which a turn is left out
+LARGEST = 1.9 * math.pi  # largest single turn
+NOTHING = 1e-5  # [rad] below which a turn is left out
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +123,7 @@ class _Linkage:
         a = self._lengths[:, i, j]
         b = self._lengths[:, j, k]
         self._nearest = (a - b) ** 2
-        self._farthest = (a + b) ** 2  # squares of how far they reach
+        self._farthest = (a + b) ** 2  # squares of their reach
 
     def to(
         self, goals: NDArray[np.complex128], yaws: Array

@@ -34,9 +34,9 @@ from pushpressslide.mechanics.dragging import (
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.mechanics.top import rooms_inside
 
-COUNT = 48  # force angles that are looked at, all round
+COUNT = 48  # number of force angles evaluated, all round
 STEP = 2.0 * math.pi / COUNT
-EVERY = 2  # of them is one that turns are planned with
+EVERY = 2  # every second angle is used for planned turns
 STEERING = 4  # steps that a force may be turned from its planned angle
 LEAST = 1  # steps that it must be free to
 
@@ -49,13 +49,13 @@ class PressedTurn:
     angle: float  # [rad] of the force from the heading axis
     right: float  # [rad] < 0, that the force may be turned from there
     left: float  # [rad] > 0
-    # [half widths] that the centre of pressure stays inside the base at that angle
+    # [half widths] distance of the centre of pressure inside the base at that angle
     tipping_margin: float
     X_BV: Pose2  # at the axle, x along its motion
     curvature: float  # [1/m] of its path
     # [m] tan(change of the force's angle) per change of curvature; > 0 where it leads
     effective_wheelbase: float
-    share: float  # of mu_s N that the force takes
+    share: float  # force as a share of mu_s N
     pace: float  # speed of the contact per speed of the axle
 
 
@@ -85,7 +85,7 @@ class _Slides:
 
     # (3, m, COUNT) of the centre of pressure, along the axis and to its left, and w
     motion: Array
-    shares: Array  # (m, COUNT) of mu_s N that the force takes
+    shares: Array  # (m, COUNT) force as a share of mu_s N
     depths: Array  # (m, COUNT) [half widths] inside the base
 
 

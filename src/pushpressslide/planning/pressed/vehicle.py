@@ -39,7 +39,7 @@ class PressedVehicle:
     # at the virtual axle, x along the motion; of a turn on the spot, at its pivot
     X_BV: Pose2
     steepest: float  # [rad] force angle from the motion that it may be steered with
-    # [half widths] that the centre of pressure stays inside the base under the least
+    # [half widths] distance of the centre of pressure inside the base with the least
     # steering
     tipping_margin: float
 

@@ -18,7 +18,7 @@ from pushpressslide.core.control import Vector3
 from pushpressslide.core.pose import Point
 
 REACH = 3.0  # [m] of a line of sight
-# [m] of a line of sight from a contact on, in which the tip's own rod does not count
+# [m] of a line of sight from a contact over which the tip's own rod is ignored
 OWN = 0.05
 TINY = 1e-12  # [m2] a shorter line is a point
 

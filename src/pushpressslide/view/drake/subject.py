@@ -20,13 +20,14 @@ from pushpressslide.sim.convert import planar_pose, transform_from_positions
 from pushpressslide.view.drake.playback import Playback
 from pushpressslide.view.drake.sight import Block, Limb, Moment
 
-MOMENTS = 10  # at which the contacts are looked at
+MOMENTS = 10  # number of moments at which the contacts are checked
 OVER = 1e-3  # [m] over a body, so that it does not hide its own corners
-CLEARANCE = 0.012  # [m] from object and tip to what is drawn of a contact
+CLEARANCE = 0.012  # [m] distance from object and tip to a contact's marks
 LINK_RADIUS = 0.065  # [m] of an arm's links
 ROD_RADIUS = 0.015  # [m] of the rod that holds the tip
-ALONG_FORCE = (0.05, 0.1)  # [m] from the tip, where a force is looked at
-WRIST = 0.22  # [m] above a tip, up to which its tool is to be seen
+# [m] distances from the tip at which a force is checked for visibility
+ALONG_FORCE = (0.05, 0.1)
+WRIST = 0.22  # [m] height above a tip up to which its tool must be visible
 
 
 @dataclass(frozen=True, eq=False)

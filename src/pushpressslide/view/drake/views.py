@@ -26,9 +26,9 @@ from pushpressslide.view.drake.playback import Playback
 from pushpressslide.view.drake.sight import seen_share
 from pushpressslide.view.drake.subject import Subject, subject
 
-ASIDE = math.radians(65.0)  # of the camera of a tip from straight behind the push
+ASIDE = math.radians(65.0)  # angle of the tip camera from straight behind the push
 TIP_ROOM = 0.13  # [m] about a tip that is held by the view of it
-FOLLOW_ROOM = 1.8  # radii of the object about it that are held as it is followed
+FOLLOW_ROOM = 1.8  # radii of the object around it that stay in the picture
 
 Row = tuple[float, ...]
 
