@@ -30,7 +30,8 @@ CLOSE = "contact"
 """Name of the picture that may be taken from near."""
 STILL_SIZE = (960, 540)  # [pixels] of these
 QUALITY = 75  # of a .webp, up to 100
-LINE = 21.0  # [pixels] between lines of the legend
+LINE = 16.0  # [pixels] between lines of the legend
+LETTERS = 10.5  # [pixels] height of its letters
 ROOM = 12.0  # [pixels] about words
 
 
@@ -174,11 +175,12 @@ def moment(timeline: RunTimeline, frame: int) -> str:
 def legend(entries: Iterable[LegendEntry]) -> Canvas:
     """Meanings of the colours, drawn once for all pictures."""
     rows = list(entries)
-    width = round(max(text_width(item.text, 13.0) for item in rows) + 40.0)
+    width = round(max(text_width(item.text, LETTERS) for item in rows) + 40.0)
     height = round(LINE * len(rows) + ROOM)
     canvas = Canvas(np.full((height, width, 3), 255, dtype=np.uint8))
     for i, item in enumerate(rows):
         y = 7.0 + LINE * i
-        canvas.line(((ROOM, y + 8.0), (ROOM + 14.0, y + 8.0)), rgba(item.color), 7.0)
-        canvas.text((ROOM + 21.0, y), item.text, 13.0)
+        level = y + 0.6 * LETTERS
+        canvas.line(((ROOM, level), (ROOM + 14.0, level)), rgba(item.color), 6.0)
+        canvas.text((ROOM + 21.0, y), item.text, LETTERS)
     return canvas
