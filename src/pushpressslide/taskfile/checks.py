@@ -6,20 +6,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
 from pushpressslide.core import margins
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.errors import (
-    MissingFrameError,
-    PushPressSlideError,
-    RobotFileError,
     Shown,
-    TaskError,
-    path_value,
 )
 from pushpressslide.core.footprint import (
-    around,
     edge_depths,
     overlap_area,
 )
@@ -28,30 +21,17 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.scene import (
     ARM_NAMES,
-    MODELS,
     ObjectModel,
     Obstacle,
     Opening,
-    Robot,
     Scene,
 )
 from pushpressslide.geometry.shapes import Shape
+from pushpressslide.taskfile.arm_checks import BASE_RADIUS, check_reach
 from pushpressslide.taskfile.place import Fault, nearest, refuse
-
-if TYPE_CHECKING:
-    from pushpressslide.robots.kinematics import ArmKinematics
 
 MAX_OVERLAP = 1e-8
 """Area that two footprints may share and still count as touching [m^2]."""
-
-BASE_RADIUS = 0.10
-"""Radius of a robot's base that no body may enter [m]."""
-
-PLACES = 24
-"""Number of points around an object that are checked for a tip's reach."""
-
-REACH_SLACK = 0.02
-"""Shortfall [m] attributed to the search. Beyond it a point is out of reach."""
 
 ROUNDING = 1e-6
 """Tolerance [m] of a contact's distance from the edge: round-off."""
@@ -312,114 +292,6 @@ def _near_edge(
         inside = "over the part of the base on support.region"
     where = f"{1e3 * abs(depth):.1f} mm {'inside' if depth > 0.0 else 'beyond'}"
     yield name, pose_text(X_WG), f"allowed: centre of mass {inside}, here {where}"
-
-
-def check_reach(query: MotionQuery, body: ObjectModel) -> None:
-    """Check that some robot brings its tip next to or onto the object at start and at
-    goal.
-
-    The check uses kinematics alone. It tries all tool attitudes, with a tolerance for
-    points between those tried. A refused pose is therefore impossible for every choice
-    of contact. Raises TaskError for a robot that cannot be read, and for a start or
-    goal that no robot reaches, with the shortfall.
-    """
-    scene = query.scene
-    source = query.source
-    arms = [_kinematics(robot, i, source) for i, robot in enumerate(scene.robots)]
-    for i, (kin, robot) in enumerate(zip(arms, scene.robots, strict=True)):
-        if robot.model not in MODELS:
-            refuse(source, _limit_faults(kin, f"robots[{i}].limits"))
-            refuse(source, _weight_faults(kin, f"robots[{i}].limits"))
-    for name, pose in (("start", query.start), ("goal", query.goal)):
-        short: list[float] = []
-        for arm, robot in zip(arms, scene.robots, strict=True):
-            short.append(shortfall(arm, robot, scene, pose))
-            if short[-1] <= 0.0:
-                break
-        best = min(range(len(short)), key=short.__getitem__)
-        if short[best] > 0.0:
-            center = pose.apply(body.center_of_mass)
-            far = math.dist(center, scene.bases[best][:2])
-            what = Shown(
-                f"object's centre at x {center[0]:g}, y {center[1]:g}, {far:.3f} m "
-                "from the base"
-            )
-            allowed = f"the tip of the {arms[best].facts.name} stays {short[best]:.3f} m short of the object"
-            raise TaskError(source, name, what, f"allowed: within reach; {allowed}")
-
-
-def _limit_faults(kin: ArmKinematics, field: str) -> Iterator[Fault]:
-    """Yield the field of the joints' limits if a file lacks some of them."""
-    from pushpressslide.robots.sheet import limits_to_fill
-
-    lines = limits_to_fill(kin.facts)
-    if lines:
-        missing = "it is missing, and the file lacks limits of some joints"
-        yield field, None, f"{missing}; allowed: the maker's, as {lines}"
-
-
-def _weight_faults(kin: ArmKinematics, field: str) -> Iterator[Fault]:
-    """Yield the torque limit of a joint that cannot hold the arm's own weight."""
-    from pushpressslide.robots.sheet import too_weak
-
-    weak = too_weak(kin)
-    if weak is not None:
-        joint, needed, limit = weak
-        value = Shown(f"torque {limit:.4g} of joint {joint!r}")
-        holds = f"{needed:.3g} or more, which holds the arm's own weight in home_deg"
-        yield field, value, f"allowed: {holds}; check masses and effort in its file"
-
-
-def _kinematics(robot: Robot, i: int, source: str) -> ArmKinematics:
-    from pushpressslide.robots.arm_files import arm_kinematics
-
-    field = f"robots[{i}]"
-    try:
-        return arm_kinematics(robot)
-    except MissingFrameError as error:
-        key, name = "tip_frame", robot.tip_frame
-        if robot.tip is not None:
-            key, name = "tip.link", robot.tip.link
-        raise TaskError(source, f"{field}.{key}", str(name), str(error)) from error
-    except RobotFileError:
-        raise  # names the file itself
-    except PushPressSlideError as error:
-        raise TaskError(
-            source, f"{field}.model", path_value(robot.model), str(error)
-        ) from error
-
-
-def shortfall(kin: ArmKinematics, robot: Robot, scene: Scene, X_WG: Pose2) -> float:
-    """Distance [m] by which a tip misses the nearest point at which it could touch the
-    object, 0 if it can reach one.
-    """
-    import numpy as np
-
-    from pushpressslide.robots.reach import first_look, reachable
-    from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
-
-    places, spacing = around(scene.body.shape, X_WG, robot.tip_radius, PLACES)
-    low = robot.tip_radius
-    top = scene.body.shape.height + robot.tip_radius
-    levels = np.linspace(low, top, min(max(2, math.ceil((top - low) / 0.08)), 8))
-    frame = scene.support.frame
-    points = np.array(
-        [frame.point((x, y, float(z))) for x, y in places for z in levels]
-    )
-    slack = 0.5 * math.hypot(spacing, float(levels[1] - levels[0])) + REACH_SLACK
-    least = math.inf
-    for tilt in TOOL_TILTS:
-        for azimuth in (0.5 * math.pi * k for k in range(4 if tilt > 0.0 else 1)):
-            hold = ToolAttitude(tilt, azimuth, frame.axes)
-            found = first_look(kin, points, hold, joint_margin=0.0)
-            if not found.ok.any():
-                found = reachable(kin, points, hold)
-            least = min(least, float(found.miss.min()))
-            if found.ok.any() or least <= slack:
-                return 0.0
-            if tilt == 0.0:
-                points = points[np.argsort(found.miss)[:PLACES]]
-    return least
 
 
 def _bases(scene: Scene) -> list[tuple[str, Vector3]]:
