@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -184,11 +184,16 @@ def _ladders(
     """
     yield from _prescribed(task)
     yield from _forces(task, refused)
+    if "time_limit" in codes:
+        yield from _longer(_figures(refused, "time_limit"))
     pushes = [c for c in refused if all(one.kind == "side" for one in c.contacts)]
-    for code, make in _BY_CODE.items():
-        if code in codes:
-            asked = pushes if make is _lower_contact else refused
-            yield from make(task, _figures(asked, code))
+    for code in ("tipping", "above_object"):
+        yield from _lower_contact(_figures(pushes, code))
+    if "obstacle" in codes:
+        yield _nearer_obstacles(task)
+    if "workspace" in codes:
+        text = "leave limits.workspace out"
+        yield _Ladder(("limits", "workspace"), (None,), text)
     if codes & SMOOTH:
         yield _rougher(task)
     if codes & LARGE:
@@ -237,15 +242,14 @@ def _forces(task: Task, refused: Sequence[Choice]) -> Iterator[_Ladder]:
         yield _Ladder(("limits", "normal_force"), tuple(sorted(values)), text)
 
 
-def _longer(task: Task, figures: Sequence[tuple[float, float]]) -> Iterator[_Ladder]:
+def _longer(figures: Sequence[tuple[float, float]]) -> Iterator[_Ladder]:
     """Yield a longer time limit."""
-    values = tuple(float(math.ceil(SPARE * figure)) for figure, _ in figures[:1])
-    yield _Ladder(("limits", "time"), values, "raise limits.time to {value} s")
+    for figure, _ in figures[:1]:
+        values = (float(math.ceil(SPARE * figure)),)
+        yield _Ladder(("limits", "time"), values, "raise limits.time to {value} s")
 
 
-def _lower_contact(
-    task: Task, figures: Sequence[tuple[float, float]]
-) -> Iterator[_Ladder]:
+def _lower_contact(figures: Sequence[tuple[float, float]]) -> Iterator[_Ladder]:
     """Yield lower contacts on the side."""
     allowed = max((bound for _, bound in figures), default=0.0)
     if allowed <= 0.0:
@@ -255,20 +259,11 @@ def _lower_contact(
     yield _Ladder(("motion", "contact_height"), values, text)
 
 
-def _nearer_obstacles(
-    task: Task, figures: Sequence[tuple[float, float]]
-) -> Iterator[_Ladder]:
-    """Yield smaller clearances, and obstacles that may be pushed."""
+def _nearer_obstacles(task: Task) -> _Ladder:
+    """Smaller clearances."""
     values = tuple(round(task.motion.clearance * share, 4) for share in DOWN)
     text = "lower motion.clearance to {value} m"
-    yield _Ladder(("motion", "clearance"), values, text)
-
-
-def _no_workspace(
-    task: Task, figures: Sequence[tuple[float, float]]
-) -> Iterator[_Ladder]:
-    """Yield the removal of the workspace's bounds."""
-    yield _Ladder(("limits", "workspace"), (None,), "leave limits.workspace out")
+    return _Ladder(("motion", "clearance"), values, text)
 
 
 def _smaller_tips(task: Task) -> Iterator[_Ladder]:
@@ -333,13 +328,3 @@ def _rounded_up(value: float) -> float:
     """``value`` rounded up to two digits."""
     size = 10.0 ** (math.floor(math.log10(value)) - 1)
     return math.ceil(value / size - 1e-9) * size
-
-
-_Maker = Callable[[Task, Sequence[tuple[float, float]]], Iterator[_Ladder]]
-_BY_CODE: dict[str, _Maker] = {
-    "time_limit": _longer,
-    "tipping": _lower_contact,
-    "above_object": _lower_contact,
-    "obstacle": _nearer_obstacles,
-    "workspace": _no_workspace,
-}

@@ -53,8 +53,13 @@ def robot_facts(robot: Robot) -> RobotFacts:
     """
     if robot.model in MODELS:
         return load_facts(robot.model)
-    unplaced = replace(robot, base=(0.0, 0.0, 0.0), base_yaw=0.0)
-    return _completed(unplaced, changed_at(robot))
+    return _completed(at_origin(robot), changed_at(robot))
+
+
+@lru_cache(maxsize=64)
+def at_origin(robot: Robot) -> Robot:
+    """The same robot with its base at the origin."""
+    return replace(robot, base=(0.0, 0.0, 0.0), base_yaw=0.0)
 
 
 def changed_at(robot: Robot) -> int:

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -18,7 +17,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal, literal
 from pushpressslide.core.scene import Robot, Scene
 from pushpressslide.core.support_frame import TABLE
-from pushpressslide.robots.arm_files import arm_kinematics, changed_at
+from pushpressslide.robots.arm_files import arm_kinematics, at_origin, changed_at
 from pushpressslide.robots.reach import held_somehow_problem, short_by
 from pushpressslide.robots.reach_map import each_reached, has_tables, surely_reached
 from pushpressslide.robots.sheet import largest_force, largest_press
@@ -95,18 +94,28 @@ def press_refusal(scene: Scene, contact: Contact) -> Refusal | None:
     robot = scene.robots[contact.arm]
     if contact.load == 0.0 or robot.model == "hand":
         return None
-    kin = arm_kinematics(robot)
-    if contact.load <= EASY * largest_force(kin, kin.facts.home[None], DOWN)[0]:
+    unplaced = at_origin(robot)
+    changed = changed_at(robot)
+    if contact.load <= EASY * _ready_press(unplaced, changed):
         return None
-    unplaced = replace(robot, base=(0.0, 0.0, 0.0), base_yaw=0.0)
-    most = _largest_press(unplaced, changed_at(robot))
+    most = _largest_press(unplaced, changed)
     if contact.load <= most:
         return None
+    name = arm_kinematics(robot).facts.name
     text = (
-        f"the press needs {{figure:N.1f}}, {literal(kin.facts.name)} gives at most "
+        f"the press needs {{figure:N.1f}}, {literal(name)} gives at most "
         "{allowed:N.1f} over the table by its joints' torque limits"
     )
     return Refusal("arm_torque", text, contact.load, most, "N")
+
+
+@lru_cache(maxsize=16)
+def _ready_press(robot: Robot, changed: int) -> float:
+    """Largest press [N] of a robot in its ready posture, cached until its file
+    changes.
+    """
+    kin = arm_kinematics(robot)
+    return float(largest_force(kin, kin.facts.home[None], DOWN)[0])
 
 
 @lru_cache(maxsize=16)

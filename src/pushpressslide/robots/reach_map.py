@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -17,7 +16,7 @@ from numpy.typing import NDArray
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Robot
-from pushpressslide.robots.arm_files import arm_kinematics
+from pushpressslide.robots.arm_files import arm_kinematics, at_origin
 from pushpressslide.robots.inverse import default_seeds, solve_ik
 from pushpressslide.robots.reach import (
     HOPELESS,
@@ -106,7 +105,7 @@ def surely_reached(
     bearing = np.arctan2(out[:, 1], out[:, 0]) - robot.base_yaw
     bearing = np.remainder(bearing + math.pi, 2.0 * math.pi) - math.pi
     height = float(p[0, 2]) - z
-    standing = _standing(robot)
+    standing = at_origin(robot)
     first = bearing * arm_kinematics(standing).turning
     for hold in holds:
         lean = hold.azimuth - robot.base_yaw - bearing
@@ -135,7 +134,7 @@ def each_reached(robot: Robot, points: Array, azimuths: Array) -> NDArray[np.boo
     cell = np.clip(cell, 0, len(DISTANCES) - 1)
     lean = azimuths - robot.base_yaw - bearing[:, None]
     leans = np.rint(lean * (LEANS / (2.0 * math.pi))).astype(int) % LEANS
-    standing = _standing(robot)
+    standing = at_origin(robot)
     right, left = _first_joint(standing)
     height = float(points[0, 2]) - z
     first = bearing * arm_kinematics(standing).turning
@@ -182,12 +181,6 @@ def _reached_with_tilt(
             if not (table.ok[column, near] & inside).all():
                 return False
     return True
-
-
-@lru_cache(maxsize=64)
-def _standing(robot: Robot) -> Robot:
-    """The same robot with its base at the origin."""
-    return replace(robot, base=(0.0, 0.0, 0.0), base_yaw=0.0)
 
 
 @lru_cache(maxsize=64)
