@@ -5,9 +5,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from pushpressslide.geometry import mesh_parts
 from pushpressslide.geometry.mesh_body import MeshBody
-from pushpressslide.sim import mesh_shapes
-from pushpressslide.sim.mesh_shapes import MOST_PARTS, STEP, convex_parts
+from pushpressslide.geometry.mesh_parts import MOST_PARTS, STEP
+from pushpressslide.sim.mesh_shapes import convex_parts
 from pushpressslide.taskfile.mesh_file import surface_of
 
 
@@ -32,11 +33,13 @@ def test_few_convex_parts_cover_a_body(
     standing: Callable[[str], MeshBody],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(mesh_shapes, "MOST_PARTS", most)
+    monkeypatch.setattr(mesh_parts, "MOST_PARTS", most)
     convex_parts.cache_clear()
+    mesh_parts.few_convex_corners.cache_clear()
     body = standing(name)
     points = np.asarray(surface_of(body).vertices, dtype=float)
     points[:, 2] -= points[:, 2].min() + 0.5 * body.height
     assert len(convex_parts(body)) <= most or body.pressed_inside
     assert outside(body, points) < (STEP if body.pressed_inside else 1e-3)
     convex_parts.cache_clear()
+    mesh_parts.few_convex_corners.cache_clear()

@@ -21,6 +21,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.core.task import Box, ObjectModel
 from pushpressslide.geometry.shapes import Cylinder, Prism, Shape
+from pushpressslide.mechanics.surface_friction import partner_friction
 from pushpressslide.sim.contact import solve_contacts
 from pushpressslide.sim.plane import (
     add_plane,
@@ -28,7 +29,7 @@ from pushpressslide.sim.plane import (
     base_triangles,
 )
 from pushpressslide.sim.scenes import add_object, solid_inertia
-from pushpressslide.sim.surfaces import partner_friction, softness
+from pushpressslide.sim.surfaces import softness
 from pushpressslide.sim.volume_mesh import VolumeMesh
 
 L_SHAPE = Prism(

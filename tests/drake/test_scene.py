@@ -34,10 +34,10 @@ from pushpressslide.geometry.shapes import Shape
 from pushpressslide.mechanics.height_term import DraggedSurface
 from pushpressslide.mechanics.limit_surface import exact_wrench
 from pushpressslide.mechanics.pressure import support_pressure
+from pushpressslide.mechanics.surface_friction import OBJECT_FRICTION, partner_friction
 from pushpressslide.rom.drives import TwistDrive
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.scenes import build_scene, rest_height, solid_inertia
-from pushpressslide.sim.surfaces import OBJECT_FRICTION, partner_friction
 
 GRAVITY = 9.81
 MASS = 1.2

@@ -12,10 +12,12 @@ from hypothesis import strategies as st
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.core.task import Box, Obstacle, Opening, Support
-from pushpressslide.sim.surfaces import (
+from pushpressslide.mechanics.surface_friction import (
     OBJECT_FRICTION,
     SurfaceFrictions,
     partner_friction,
+)
+from pushpressslide.sim.surfaces import (
     support_grid,
 )
 from pushpressslide.taskfile.load import load_task

@@ -36,12 +36,12 @@ from pydrake.systems.framework import DiagramBuilder
 
 from pushpressslide.arms.paths.placements import reached_bounds
 from pushpressslide.core import task as model
-from pushpressslide.core.arrays import Array
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.support_frame import TABLE, SupportFrame
-from pushpressslide.geometry.mesh_body import MeshBody
+from pushpressslide.geometry.inertia import solid_center, solid_moments
 from pushpressslide.geometry.polygon import counter_clockwise
+from pushpressslide.mechanics.surface_friction import SurfaceFrictions
 from pushpressslide.sim.contact import solve_contacts
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.knock import Knocker
@@ -51,7 +51,6 @@ from pushpressslide.sim.slabs import slabs
 from pushpressslide.sim.surfaces import (
     HYDROELASTIC_MODULUS,
     Bounds,
-    SurfaceFrictions,
     convex_shapes,
     drawn_shape,
     rigid_properties,
@@ -103,44 +102,10 @@ def solid_inertia(body: model.ObjectModel) -> SpatialInertia:
     CoM, at half height unless it comes from a mesh.
     """
     shape = body.shape
-    raised = 0.0
-    if isinstance(shape, MeshBody):
-        unit = UnitInertia(*shape.solid.inertia)
-        raised = shape.solid.center[2] - 0.5 * shape.height
-    elif isinstance(shape, model.Box):
-        unit = UnitInertia.SolidBox(*shape.size)
-    elif isinstance(shape, model.Cylinder):
-        unit = UnitInertia.SolidCylinder(shape.radius, shape.height, [0.0, 0.0, 1.0])
-    else:
-        unit = _prism_inertia(np.array(shape.corners), shape.height)
+    unit = UnitInertia(*solid_moments(shape))
     central = SpatialInertia(body.mass, [0.0, 0.0, 0.0], unit)
     com = body.center_of_mass
-    return central.Shift([-com[0], -com[1], -raised])
-
-
-def _prism_inertia(corners: Array, height: float) -> UnitInertia:
-    """A prism's unit inertia about its centroid, by the triangles between its edges and
-    its mean corner; ``corners`` (m, 2) [m], ``height`` [m].
-    """
-    a = corners - np.mean(corners, axis=0)
-    b = np.roll(a, -1, axis=0)
-    areas = 0.5 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
-    aa = a[:, :, None] * a[:, None, :]
-    bb = b[:, :, None] * b[:, None, :]
-    ab = a[:, :, None] * b[:, None, :]
-    ba = b[:, :, None] * a[:, None, :]
-    second = np.einsum("k,kij->ij", areas / 12.0, 2.0 * (aa + bb) + ab + ba)
-    centroid = np.einsum("k,ki->i", areas / 3.0, a + b) / areas.sum()
-    second = second / areas.sum() - np.outer(centroid, centroid)
-    h2 = height**2 / 12.0
-    return UnitInertia(
-        second[1, 1] + h2,
-        second[0, 0] + h2,
-        second[0, 0] + second[1, 1],
-        -second[0, 1],
-        0.0,
-        0.0,
-    )
+    return central.Shift([-com[0], -com[1], -solid_center(shape)])
 
 
 def grid_bounds(plan: Plan, tile: float) -> Bounds:

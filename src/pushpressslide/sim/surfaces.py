@@ -1,14 +1,9 @@
-"""Meshes in memory, hydroelastic properties, and the friction of each surface.
-
-A task names the friction of PAIRS of surfaces; Drake combines two surface frictions a
-and b to 2 a b / (a + b).
-"""
+"""Meshes in memory, and hydroelastic properties."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from itertools import pairwise, product
 
 import numpy as np
@@ -42,67 +37,10 @@ HYDROELASTIC_MODULUS = 1.0e7
 # largest indentation of a tip, as a share of its radius: its rod stays outside
 DEEPEST = 1.0 / 3.0
 DISSIPATION = 5.0  # [s/m] Hunt-Crossley; damps the bounce of the first touch
-OBJECT_FRICTION = 1.0  # of the object's own surface; those of its partners follow
-# friction of a pair over that of the smoother surface; 2 is the theoretical limit
-ROUGHEST = 1.99
 SLIVER = 1e-6  # smallest piece of a tile that is kept, as a share of the tile
 DETAIL = 1e-4  # [m] detail of a concave outline that is too small to matter for contact
 Tile = tuple[int, ...]
 Bounds = tuple[float, float, float, float]
-
-
-def partner_friction(pair: float, own: float = OBJECT_FRICTION) -> float:
-    """Surface friction b that gives the pair mu = 2 a b / (a + b) against a surface of
-    friction a = ``own``.
-
-    Raises ValueError if no surface can (pair >= 2 own).
-    """
-    if not 0.0 < pair < 2.0 * own:
-        raise ValueError(f"pair friction {pair} is not in (0, {2.0 * own})")
-    return pair * own / (2.0 * own - pair)
-
-
-@dataclass(frozen=True)
-class SurfaceFrictions:
-    """Surface frictions, from which Drake computes those of the pairs."""
-
-    object: float
-    support: float
-    tip: float
-
-    @classmethod
-    def of_task(cls, task: model.Task) -> SurfaceFrictions:
-        """Surface frictions that reproduce a task's pairs."""
-        own = object_friction(task)
-        support = partner_friction(task.support.friction, own)
-        return cls(own, support, partner_friction(task.contact_friction, own))
-
-    def obstacle(self, pair: float) -> float:
-        """Surface friction of an obstacle with friction ``pair`` against the support.
-
-        If no value is high enough, because the pairs of tip, object, support and
-        obstacle exclude each other, the result is a very rough surface.
-        """
-        if pair < ROUGHEST * self.support:
-            return partner_friction(pair, self.support)
-        return 200.0 * self.support
-
-
-def object_friction(task: model.Task) -> float:
-    """Friction of the object's own surface, from which those of its partners follow.
-
-    It is OBJECT_FRICTION, unless a movable obstacle needs more friction on the support
-    than the support's surface could then give. In that case it lies between the
-    smallest value that allows the tips' pair with the object and the largest one that
-    leaves the support rough enough.
-    """
-    pairs = [o.friction for o in task.obstacles if o.movable]
-    support = task.support.friction
-    if not pairs or max(pairs) <= max(support, ROUGHEST * partner_friction(support)):
-        return OBJECT_FRICTION
-    least = 0.51 * max(task.contact_friction, support)
-    rough = 0.5 * max(pairs)
-    return math.sqrt(least * max(least, support * rough / (2.0 * rough - support)))
 
 
 def rigid_properties(

@@ -24,6 +24,7 @@ from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.support_frame import TABLE
 from pushpressslide.core.task import Robot, Task
+from pushpressslide.mechanics.surface_friction import SurfaceFrictions
 from pushpressslide.sim.contact import solve_contacts
 from pushpressslide.sim.convert import planar_pose_from_positions, rigid_transform
 from pushpressslide.sim.force_sensor import ForceSensor
@@ -35,7 +36,6 @@ from pushpressslide.sim.scenes import (
     rest_height,
     tip_properties,
 )
-from pushpressslide.sim.surfaces import SurfaceFrictions
 
 START = Pose2(0.013, 0.017, 0.2)  # X_WG
 GAP = 1e-4  # [m] from the tip to the object at the start
