@@ -284,8 +284,8 @@ def run(options: RunOptions) -> int:
     task = task_of(options.task, options.sets, options.mode)
     folder = results_folder(options.out, task.name, options.force)
     engine = options.engine
-    if options.live and not ENGINES[engine].has_arms:
-        allowed = [name for name, other in ENGINES.items() if other.has_arms]
+    if options.live and not ENGINES[engine].shows_live:
+        allowed = [name for name, other in ENGINES.items() if other.shows_live]
         raise PushPressSlideError(
             f"--live is not allowed with --engine {engine}; allowed: --engine "
             f"{', '.join(allowed)}"

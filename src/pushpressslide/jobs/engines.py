@@ -35,6 +35,7 @@ class EngineName(StrEnum):
     """Name of an engine."""
 
     drake = "drake"
+    mujoco = "mujoco"
     planar = "planar"
 
 
@@ -59,8 +60,9 @@ class ArmOptions:
 class Engine(Protocol):
     """Interface of an engine to the jobs."""
 
-    # a plan needs joint paths; a run can be watched live and filmed
+    # a plan needs joint paths, and a run can be filmed
     has_arms: bool
+    shows_live: bool  # a run can be watched
 
     def placement_planner(
         self, force: bool, start: WorldState | None = None
@@ -84,6 +86,7 @@ class Engine(Protocol):
 
 class _Drake:
     has_arms = True
+    shows_live = True
 
     def placement_planner(
         self, force: bool, start: WorldState | None = None
@@ -136,8 +139,28 @@ class _Drake:
             write_video(plan, record, out, models=arms.models, goals=arms.goals)
 
 
+class _Mujoco(_Drake):
+    """MuJoCo's physics. Joint paths and pictures are Drake's."""
+
+    shows_live = False
+
+    def run(self, plan: Plan, options: RunOptions, arms: ArmOptions) -> Record:
+        """Run a plan and return its record."""
+        from pushpressslide.mujoco_sim.engine import run
+        from pushpressslide.sim.arm_library import DRAKE, joint_paths_of
+        from pushpressslide.sim.driven import with_clearance
+
+        if arms.models != "generated":
+            source = plan.task.source or plan.task.name
+            allowed = "allowed with engine mujoco: generated"
+            raise TaskError(source, "models", arms.models, allowed)
+        paths = joint_paths_of(plan) if arms.paths is None else arms.paths
+        return with_clearance(run(plan, DRAKE, paths, options, knock=arms.knock))
+
+
 class _Planar:
     has_arms = False
+    shows_live = False
 
     def placement_planner(
         self, force: bool, start: WorldState | None = None
@@ -178,8 +201,16 @@ class _Planar:
 
 ENGINES: Mapping[str, Engine] = {
     EngineName.drake: _Drake(),
+    EngineName.mujoco: _Mujoco(),
     EngineName.planar: _Planar(),
 }
+
+
+PACKAGES: Mapping[str, tuple[str, ...]] = {
+    EngineName.drake: ("pushpressslide.sim",),
+    EngineName.mujoco: ("pushpressslide.mujoco_sim", "pushpressslide.sim"),
+}
+"""Packages that raise MissingPackageError if an engine's library is not installed."""
 
 
 def engine_named(name: str) -> Engine:
@@ -190,6 +221,6 @@ def engine_named(name: str) -> Engine:
     """
     if not isinstance(name, str) or name not in ENGINES:
         raise TaskError("", "engine", name, nearest(name, map(str, ENGINES)))
-    if name == EngineName.drake:
-        importlib.import_module("pushpressslide.sim")
+    for package in PACKAGES.get(name, ()):
+        importlib.import_module(package)
     return ENGINES[name]

@@ -36,10 +36,10 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.support_frame import TABLE
 from pushpressslide.core.task import Shape, Task
-from pushpressslide.sim.convert import rigid_transform
+from pushpressslide.sim.convert import rigid_transform, slab_pose
 from pushpressslide.sim.outline import arm_capsules
 from pushpressslide.sim.robot_models import add_robot
-from pushpressslide.sim.slabs import slabs
+from pushpressslide.core.slabs import slabs
 from pushpressslide.sim.surfaces import convex_shapes
 
 # of what a tip's sphere leaves between the rod that holds it and what it touches, less
@@ -350,7 +350,7 @@ def _add_surroundings(plant: MultibodyPlant, task: Task) -> None:
         behind = slabs(task.support, half, -half, SLAB_DEPTH, SURFACE_LEVEL)
         for i, slab in enumerate(behind):
             name = f"{task.support.kind}_{i}"
-            shapes.append((name, DrakeBox(*slab.size), slab.pose(frame)))
+            shapes.append((name, DrakeBox(*slab.size), slab_pose(slab, frame)))
     for obstacle in task.obstacles:
         if not obstacle.movable:
             X = rigid_transform(obstacle.pose, 0.5 * obstacle.shape.height, frame)

@@ -16,6 +16,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.slabs import Slab
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 
 
@@ -76,3 +77,9 @@ def transform_from_positions(q: NDArray[np.float64]) -> RigidTransform:
     return RigidTransform(
         RotationMatrix(Quaternion(q[:4] / np.linalg.norm(q[:4]))), q[4:7]
     )
+
+
+def slab_pose(slab: Slab, frame: SupportFrame) -> RigidTransform:
+    """Pose of a slab's centre in the world."""
+    x, y, z = slab.center
+    return rigid_transform(Pose2(x, y), z, frame)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,13 @@ from pushpressslide.sim.convert import transform_from_positions
 from pushpressslide.sim.outline import arm_capsules
 
 PERIOD = 0.02  # [s] longest time between two checked postures
+
+
+def with_clearance(record: Record) -> Record:
+    """A record whose meta has the clearance of the arms' actual motion."""
+    clearance, pair = clearance_driven(record)
+    driven = {"clearance_driven": clearance, "clearance_pair": pair}
+    return replace(record, meta={**record.meta, **driven})
 
 
 def clearance_driven(record: Record) -> tuple[float, str]:

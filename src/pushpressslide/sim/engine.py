@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from functools import partial
-from typing import Any
 
 from pushpressslide.arms.paths.joint_path import ArmPath
 from pushpressslide.control.run_loop import RunOptions, run_loop
@@ -14,7 +13,7 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.sim.arm_library import joint_paths_of
 from pushpressslide.sim.cell import drake_cell
-from pushpressslide.sim.driven import clearance_driven
+from pushpressslide.sim.driven import with_clearance
 from pushpressslide.sim.station import LiveView, Station
 
 
@@ -49,10 +48,8 @@ def run(
     cell = drake_cell(
         plan, station, paths, models, options.begin, spare, joint_stiffness=stiffness
     )
-    record = run_loop(cell, plan, options)
-    clearance, pair = clearance_driven(record)
-    driven: dict[str, Any] = {"clearance_driven": clearance, "clearance_pair": pair}
+    record = with_clearance(run_loop(cell, plan, options))
     knocker = station.scene.knocker
-    if knocker is not None and knocker.knocked is not None:
-        driven["knocked"] = asdict(knocker.knocked)
-    return replace(record, meta={**record.meta, **driven})
+    if knocker is None or knocker.knocked is None:
+        return record
+    return replace(record, meta={**record.meta, "knocked": asdict(knocker.knocked)})

@@ -43,11 +43,11 @@ from pushpressslide.geometry.inertia import solid_center, solid_moments
 from pushpressslide.geometry.polygon import counter_clockwise
 from pushpressslide.mechanics.surface_friction import SurfaceFrictions
 from pushpressslide.sim.contact import solve_contacts
-from pushpressslide.sim.convert import rigid_transform
+from pushpressslide.sim.convert import rigid_transform, slab_pose
 from pushpressslide.sim.knock import Knocker
 from pushpressslide.sim.plane import Plane, add_plane
 from pushpressslide.sim.robot_models import RobotInstance, add_robot
-from pushpressslide.sim.slabs import slabs
+from pushpressslide.core.slabs import slabs
 from pushpressslide.sim.surfaces import (
     HYDROELASTIC_MODULUS,
     Bounds,
@@ -331,7 +331,7 @@ def _draw_support(plant: MultibodyPlant, support: model.Support) -> None:
     for i, slab in enumerate(drawn):
         plant.RegisterVisualGeometry(
             plant.world_body(),
-            slab.pose(frame),
+            slab_pose(slab, frame),
             DrakeBox(*slab.size),
             f"wall_{i}",
             WALL_COLOR,

@@ -6,12 +6,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from pydrake.math import RigidTransform
-
-from pushpressslide.core.pose import Pose2
 from pushpressslide.core.scene import Support
-from pushpressslide.core.support_frame import SupportFrame
-from pushpressslide.sim.convert import rigid_transform
+from pushpressslide.core.control import Vector3
 
 NOWHERE = (0.0, 0.0, 0.0, 0.0)  # edges of an opening that there is not
 
@@ -30,10 +26,11 @@ class Slab(NamedTuple):
         width, length, thickness = (b - a for a, b in spans)
         return (width, length, thickness)
 
-    def pose(self, frame: SupportFrame) -> RigidTransform:
-        """Pose of its centre in the world."""
+    @property
+    def center(self) -> Vector3:
+        """X, y and height [m] of its centre."""
         x, y, z = (0.5 * (a + b) for a, b in (self.x, self.y, self.height))
-        return rigid_transform(Pose2(x, y), z, frame)
+        return (x, y, z)
 
 
 def slabs(

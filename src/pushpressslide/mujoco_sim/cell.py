@@ -1,0 +1,292 @@
+"""MuJoCo's simulation as a cell: torque-driven arms, and the quantities that only a
+simulator knows.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any, NamedTuple
+
+import mujoco
+import numpy as np
+
+from pushpressslide.arms.model import at_rest
+from pushpressslide.arms.paths.joint_path import ArmPath
+from pushpressslide.arms.paths.library import ArmLibrary
+from pushpressslide.arms.placements import ArmPlacements
+from pushpressslide.arms.torque_arm import TorqueArm
+from pushpressslide.control.approach import SETTLE
+from pushpressslide.control.cell import Cell, Truth
+from pushpressslide.control.tracker import StampedPose
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.control import Vector3
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.state import WorldState
+from pushpressslide.core.support_frame import SupportFrame
+from pushpressslide.execution.arm import ArmDynamics
+from pushpressslide.mujoco_sim.arm_model import MujocoArmModel
+from pushpressslide.mujoco_sim.scene import MujocoScene, build_scene, time_step
+
+FALLEN = "the object has fallen over the edge of support.region"
+FAR = 2.0
+"""Distance [m] from start and goal beyond which the simulation has diverged."""
+NEVER = -1.0
+"""Margin [m] of a pair that makes no contact."""
+
+
+def mujoco_cell(
+    plan: Plan,
+    library: ArmLibrary,
+    paths: Sequence[tuple[ArmPath, ...]],
+    start: WorldState | None = None,
+    *,
+    step: float | None = None,
+    joint_stiffness: float = 0.0,
+) -> Cell:
+    """Cell with the arms at the start of the first of ``paths``, or with arms and
+    bodies as in ``start``.
+
+    There is one set of joint paths for each placement; ``library`` plans those of
+    recoveries. ``step`` [s] is the physics step, ``joint_stiffness`` [N m/rad] is as in
+    ``control.execution.Execution``.
+    """
+    query = plan.query
+    physics = MujocoPhysics(plan, build_scene(plan, step or time_step(plan)))
+    arms = [
+        TorqueArm(MujocoArmModel(robot), MujocoDrives(physics, i), joint_stiffness)
+        for i, robot in enumerate(query.scene.robots)
+    ]
+    placements = ArmPlacements(library, arms, paths)
+    postures = None if start is None else [np.array(q) for q in start.joints]
+    placements.begin_placement(query, postures)
+    physics.put(arms, start)
+    physics.facts.update(_path_facts(paths))
+    physics.facts["start_tips"] = [
+        arm.model.state_at(at_rest(arm.path.approach[-1])).position for arm in arms
+    ]
+    return Cell("mujoco", physics, arms, physics, placements, physics)
+
+
+def _path_facts(paths: Sequence[tuple[ArmPath, ...]]) -> dict[str, Any]:
+    """Facts of the planned joint paths of all placements."""
+    every = [path for placement in paths for path, _ in placement]
+    first = max(float(path.approach_time[-1]) for path, _ in paths[0])
+    return {
+        "joint_margin_planned": min(path.joint_margin for path in every),
+        "condition_planned": max(path.condition for path in every),
+        "clearance_planned": min(path.clearance for path in every),
+        "approach_time": first + SETTLE,
+    }
+
+
+class _Instant(NamedTuple):
+    """True poses and velocities at one time."""
+
+    q: Array  # (nq,) positions
+    X_WG: Pose2
+    twist: Vector3  # [m/s], [m/s], [rad/s] of the object in the support's frame
+
+
+class MujocoPhysics:
+    """A scene as clock, tracker and source of the true state."""
+
+    simulated = True
+
+    def __init__(self, plan: Plan, scene: MujocoScene) -> None:
+        """Put the bodies of a scene at the start of a run."""
+        task = plan.task
+        motion = plan.query.motion
+        self.scene = scene
+        self.model = scene.model
+        self.at = mujoco.MjData(scene.model)
+        self.frame: SupportFrame = task.support.frame
+        self._ends = (plan.query.start, task.goal)
+        self._region = _Region(scene, task.support.region)
+        self._period = motion.control_period
+        step = float(scene.model.opt.timestep)
+        self._steps = round(self._period / step)
+        self._body = scene.position("object")
+        self._velocity = scene.velocity("object")
+        self._rows = {
+            "object_pose_3d" if name == "object" else f"body_{name}": scene.position(
+                name
+            )
+            for name in scene.bodies
+        }
+        self.facts: dict[str, Any] = {
+            "time_step": step,
+            "control_period": self._period,
+            "mujoco": mujoco.__version__,
+        }
+        self._ticks = 0
+        self._force = np.zeros(6)
+
+    def put(self, arms: Sequence[TorqueArm], start: WorldState | None) -> None:
+        """Put ``arms`` at the start of their joint paths, or arms and bodies as in
+        ``start``, and compute the contacts.
+        """
+        at = self.at
+        for i, arm in enumerate(arms):
+            at.qpos[self.scene.joints[i]] = arm.path.approach[0]
+        if start is not None:
+            for i, speed in enumerate(start.speeds):
+                at.qvel[self.scene.freedoms[i]] = speed
+            for name, pose in start.spatial.items():
+                first = self.scene.position(name)
+                at.qpos[first : first + 7] = (*pose[4:], *pose[:4])
+        self._arms = arms
+        self._region.update(at)
+        mujoco.mj_forward(self.model, at)
+        self.now = self._look()
+        self._before = self.now
+
+    def _look(self) -> _Instant:
+        """Read the present state."""
+        q = self.at.qpos.copy()
+        first = self._body
+        pose = planar_pose(q[first : first + 7].tolist(), self.frame)
+        v = self.at.qvel[self._velocity : self._velocity + 6]
+        vx, vy, _ = self.frame.components(tuple(v[:3].tolist()))
+        # MuJoCo gives the angular velocity in the body's axes
+        return _Instant(q, pose, (vx, vy, float(v[5])))
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._ticks * self._period
+
+    def read(self) -> StampedPose:
+        """The object's pose."""
+        return StampedPose(self.time, self.now.X_WG)
+
+    def advance(self) -> None:
+        """Simulate one control period."""
+        self._before = self.now
+        self._ticks += 1
+        self._region.update(self.at)
+        mujoco.mj_step(self.model, self.at, self._steps)
+        self.now = self._look()
+
+    def failure(self) -> str | None:
+        """Reason that the simulation cannot continue, or None.
+
+        The object was far away or had fallen at the start of the last tick.
+        """
+        q, pose, _ = self._before
+        off = min(math.dist(pose.position, end.position) for end in self._ends)
+        if not math.isfinite(float(q.sum())) or off > FAR:
+            return f"the object is at ({pose.x:.2f}, {pose.y:.2f})"
+        if self._region.limited:
+            px, py, pz = q[self._body : self._body + 3].tolist()
+            if self.frame.coordinates((px, py, pz))[2] < 0.0:
+                return f"{FALLEN} at ({pose.x:.2f}, {pose.y:.2f})"
+        return None
+
+    def tip_force(self, arm: int) -> Vector3:
+        """Force [N] of an arm's tip ON what it touches, world axes."""
+        at = self.at
+        sphere = self.scene.spheres[arm]
+        total = np.zeros(3)
+        geoms = at.contact.geom
+        for i in np.flatnonzero((geoms == sphere).any(axis=1)).tolist():
+            mujoco.mj_contactForce(self.model, at, i, self._force)
+            # of the first geom on the second
+            force = at.contact.frame[i].reshape(3, 3).T @ self._force[:3]
+            total += force if geoms[i, 0] == sphere else -force
+        fx, fy, fz = total.tolist()
+        return (fx, fy, fz)
+
+    def observe(self) -> Truth:
+        """True state of the last completed tick."""
+        before = self._before
+        tips = tuple(arm.tip for arm in self._arms)
+        return Truth(
+            before.X_WG, tips, before.twist, extras=partial(self._poses, before.q)
+        )
+
+    def _poses(self, q: Array) -> Mapping[str, Any]:
+        """Spatial poses of all bodies: quaternion (w, x, y, z) and position [m]."""
+        return {
+            name: [*q[first + 3 : first + 7], *q[first : first + 3]]
+            for name, first in self._rows.items()
+        }
+
+
+def planar_pose(q: Sequence[float], frame: SupportFrame) -> Pose2:
+    """Planar pose of a free body's positions: x, y, z [m], and its quaternion."""
+    px, py, pz, w, x, y, z = q
+    x_axis = (1.0 - 2.0 * (y * y + z * z), 2.0 * (w * z + x * y), 2.0 * (x * z - w * y))
+    ax, ay, _ = frame.components(x_axis)
+    x, y, _ = frame.coordinates((px, py, pz))
+    return Pose2(x, y, math.atan2(ay, ax))
+
+
+class _Region:
+    """The part of a plane that carries feet."""
+
+    def __init__(
+        self, scene: MujocoScene, region: tuple[tuple[float, float], ...] | None
+    ) -> None:
+        self.limited = region is not None
+        if region is None:
+            return
+        import shapely
+
+        self._area = shapely.Polygon(region)
+        shapely.prepare(self._area)
+        self._model = scene.model
+        self._feet = [
+            (
+                scene.position(name),
+                body.points,
+                np.array([scene.model.pair(pair).id for pair in body.feet]),
+            )
+            for name, body in scene.bodies.items()
+        ]
+        self._frame = scene.frame
+
+    def update(self, at: Any) -> None:
+        """Take the support from the feet that are beyond its edge."""
+        if not self.limited:
+            return
+        import shapely
+
+        for first, points, pairs in self._feet:
+            pose = planar_pose(at.qpos[first : first + 7].tolist(), self._frame)
+            c, s = math.cos(pose.yaw), math.sin(pose.yaw)
+            x = pose.x + points @ (c, -s)
+            y = pose.y + points @ (s, c)
+            carried = shapely.contains_xy(self._area, x, y)
+            self._model.pair_margin[pairs] = np.where(carried, 0.0, NEVER)
+
+
+class MujocoDrives:
+    """Encoders, force sensor and motors of one arm."""
+
+    def __init__(self, physics: MujocoPhysics, index: int) -> None:
+        """Take the ``index``th arm."""
+        self._physics = physics
+        self._index = index
+        self._joints = physics.scene.joints[index]
+        self._freedoms = physics.scene.freedoms[index]
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._physics.time
+
+    def joints(self) -> Array:
+        """Positions and velocities (2 n,)."""
+        at = self._physics.at
+        return np.concatenate([at.qpos[self._joints], at.qvel[self._freedoms]])
+
+    def tip_force(self, arm: ArmDynamics) -> Vector3:
+        """Force [N] of the tip ON what it touches, world axes."""
+        return self._physics.tip_force(self._index)
+
+    def drive(self, torque: Array) -> None:
+        """Apply joint torques (n,) [N m] until the next call."""
+        self._physics.at.qfrc_applied[self._freedoms] = torque

@@ -1,0 +1,39 @@
+"""Execution of a plan in MuJoCo."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pushpressslide.arms.paths.joint_path import ArmPath
+from pushpressslide.arms.paths.library import ArmLibrary
+from pushpressslide.control.run_loop import RunOptions, run_loop
+from pushpressslide.core.knock import Knock
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.record import Record
+from pushpressslide.mujoco_sim.cell import mujoco_cell
+
+
+def run(
+    plan: Plan,
+    library: ArmLibrary,
+    paths: Sequence[tuple[ArmPath, ...]],
+    options: RunOptions | None = None,
+    *,
+    time_step: float | None = None,
+    knock: Knock | None = None,
+) -> Record:
+    """Run ``plan`` in MuJoCo and return its record, deterministic for a seed.
+
+    ``paths`` are the joint paths of each placement; ``library`` plans those of
+    recoveries. ``time_step`` [s] is the physics step (default: by the object's mass).
+    """
+    options = options or RunOptions()
+    cell = mujoco_cell(
+        plan,
+        library,
+        paths,
+        options.begin,
+        step=time_step,
+        joint_stiffness=options.execution.joint_stiffness,
+    )
+    return run_loop(cell, plan, options)
