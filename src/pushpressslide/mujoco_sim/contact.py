@@ -26,6 +26,16 @@ STEPS = 3.0
 """Time constant of a base on its feet, in steps of the simulation."""
 TOUCH_STEPS = 4.0
 """The same of other contacts."""
+TIP_STIFFNESS = 2e4
+"""Stiffness [N/m] of a rubber tip: it gives way by 1 mm under 20 N, as in Drake."""
+TIP_DAMPING = 300.0
+"""Damping [N s/m] of a tip, below critical for the 10 kg of an arm at its tip."""
+TIP_IMPEDANCE = 0.02
+"""Impedance of a tip's contact: small, so that stiffness and damping are its own."""
+STABLE_SPRING = 0.1
+"""Largest stiffness of a tip, as a share of a mass over the step squared."""
+STABLE_DAMPER = 0.3
+"""Largest damping, as a share of a mass over the step."""
 TOLERANCE = 1e-14
 """Of the solver. With the usual 1e-8 lightly loaded feet creep."""
 LINE_TOLERANCE = 1e-4
@@ -82,6 +92,25 @@ class Contacts:
             for other in others:
                 pair = self._pair(one, other, (friction, friction, friction * torsion))
                 pair.solref = [TOUCH_STEPS * self.time_step, 1.0]
+
+    def soften(self, model: Any, ones: Iterable[str], others: Iterable[str]) -> None:
+        """Give pairs in a compiled model the stiffness and damping of rubber tips."""
+        others = tuple(others)
+        step = self.time_step
+        weight = model.body_invweight0[:, 0]
+        for one in ones:
+            for other in others:
+                number = model.pair(f"{one}:{other}").id
+                geoms = (model.pair_geom1[number], model.pair_geom2[number])
+                lightness = float(sum(weight[model.geom_bodyid[g]] for g in geoms))
+                mass = 1.0 / lightness
+                stiffness = min(TIP_STIFFNESS, STABLE_SPRING * mass / step**2)
+                damping = min(TIP_DAMPING, STABLE_DAMPER * mass / step)
+                # what a direct reference of MuJoCo is, per unit of stiffness
+                unit = (1.0 - TIP_IMPEDANCE) * lightness
+                model.pair_solref[number] = (-stiffness * unit, -damping * unit)
+                model.pair_solreffriction[number] = (10.0 * step / TIP_IMPEDANCE, 1.0)
+                model.pair_solimp[number, :2] = TIP_IMPEDANCE
 
     def _pair(self, one: str, other: str, frictions: tuple[float, ...]) -> Any:
         turning = frictions[2] > 0.0

@@ -123,6 +123,7 @@ def build_scene(plan: Plan, step: float) -> MujocoScene:
     builder.add_arms()
     builder.pair_bodies()
     model = builder.spec.compile()
+    builder.soften_tips(model)
     return MujocoScene(
         model, plan.task.support.frame, builder.bodies, tuple(builder.arms)
     )
@@ -254,6 +255,13 @@ class _Builder:
             for name, parts in (solids | self.fixed).items():
                 friction = pair_friction(tip, self.surface[name])
                 self.contacts.touch(sphere, parts, friction, lever)
+
+    def soften_tips(self, model: Any) -> None:
+        """Make the tips as soft as rubber where they touch bodies."""
+        spheres = [arm.sphere for arm in self.arms]
+        solids = [body.parts for body in self.bodies.values()]
+        for parts in (*solids, *self.fixed.values()):
+            self.contacts.soften(model, spheres, parts)
 
     def pair_bodies(self) -> None:
         """Let free bodies touch each other and the fixed obstacles."""
