@@ -28,9 +28,9 @@ from pushpressslide.mujoco_sim.contact import STEPS, Contacts, set_solver, sink
 from pushpressslide.mujoco_sim.feet import feet_of
 from pushpressslide.mujoco_sim.shapes import UNTOUCHED, add_solid
 
-FOOT = 1e-3
+FOOT = 4e-3
 """Radius [m] of a foot's sphere."""
-PROUD = 5e-4
+PROUD = 1.5e-3
 """Distance [m] by which the feet stand out from a base, on a support with an opening:
 the base itself touches nothing but the sides of the opening.
 """
@@ -40,6 +40,10 @@ SHORTEST_STEP = 2e-4
 """Shortest step [s]."""
 PRESSED_SINK = 5e-4
 """Depth [m] to which a pressed body may sink, which decides the step."""
+FITTED_SINK = 5e-5
+"""The same on a support with an opening: feet that leave its edge release their energy,
+which throws the body.
+"""
 WALL_REACH = 3.0
 """Size [m] of a wall around its opening."""
 WALL_DEPTH = 0.5
@@ -104,7 +108,8 @@ def time_step(plan: Plan) -> float:
     presses = any(contact.kind == "top" for contact in plan.contacts)
     press = len(task.robots) * task.limits.normal_force if presses else 0.0
     mass = task.object.mass
-    time = math.sqrt(PRESSED_SINK * mass / (mass * GRAVITY + press))
+    depth = PRESSED_SINK if task.support.opening is None else FITTED_SINK
+    time = math.sqrt(depth * mass / (mass * GRAVITY + press))
     step = min(LONGEST_STEP, max(SHORTEST_STEP, time / STEPS))
     return period / math.ceil(period / step - 1e-9)
 
