@@ -22,7 +22,7 @@ KEPT = {
     ("batch/dubins.py", "starts"),
     ("control/run_loop.py", "begin"),  # RunOptions.begin
     ("core/knock.py", "moved"),  # of the task file
-    ("sim/knock.py", "moved"),  # of result.json
+    ("control/knocker.py", "moved"),  # of result.json
 }
 
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from pushpressslide.core.scene import Support
 from pushpressslide.core.control import Vector3
+from pushpressslide.core.scene import Support
 
 NOWHERE = (0.0, 0.0, 0.0, 0.0)  # edges of an opening that there is not
 

@@ -19,6 +19,8 @@ from pushpressslide.arms.placements import ArmPlacements
 from pushpressslide.arms.torque_arm import TorqueArm
 from pushpressslide.control.approach import SETTLE
 from pushpressslide.control.cell import Cell, Truth
+from pushpressslide.control.knocker import NAME as BALL
+from pushpressslide.control.knocker import Knocker
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
@@ -45,16 +47,18 @@ def mujoco_cell(
     *,
     step: float | None = None,
     joint_stiffness: float = 0.0,
+    knocker: Knocker | None = None,
 ) -> Cell:
     """Cell with the arms at the start of the first of ``paths``, or with arms and
     bodies as in ``start``.
 
     There is one set of joint paths for each placement; ``library`` plans those of
     recoveries. ``step`` [s] is the physics step, ``joint_stiffness`` [N m/rad] is as in
-    ``control.execution.Execution``.
+    ``control.execution.Execution``. ``knocker`` disturbs the object.
     """
     query = plan.query
-    physics = MujocoPhysics(plan, build_scene(plan, step or time_step(plan)))
+    scene = build_scene(plan, step or time_step(plan), knocker)
+    physics = MujocoPhysics(plan, scene, knocker)
     arms = [
         TorqueArm(MujocoArmModel(robot), MujocoDrives(physics, i), joint_stiffness)
         for i, robot in enumerate(query.scene.robots)
@@ -95,8 +99,11 @@ class MujocoPhysics:
 
     simulated = True
 
-    def __init__(self, plan: Plan, scene: MujocoScene) -> None:
+    def __init__(
+        self, plan: Plan, scene: MujocoScene, knocker: Knocker | None = None
+    ) -> None:
         """Put the bodies of a scene at the start of a run."""
+        self._knocker = knocker
         task = plan.task
         motion = plan.query.motion
         self.scene = scene
@@ -167,8 +174,19 @@ class MujocoPhysics:
         self._before = self.now
         self._ticks += 1
         self._region.update(self.at)
+        if self._knocker is not None:
+            self._knock(self._knocker)
         mujoco.mj_step(self.model, self.at, self._steps)
         self.now = self._look()
+
+    def _knock(self, knocker: Knocker) -> None:
+        """Apply the force on the ball, at the start of a tick."""
+        first, freedom = self.scene.position(BALL), self.scene.velocity(BALL)
+        place = self.at.qpos[first : first + 3].copy()
+        speed = self.at.qvel[freedom : freedom + 3].copy()
+        start = self.time - self._period
+        force = knocker.force(place, speed, self.now.X_WG, start)
+        self.at.qfrc_applied[freedom : freedom + 3] = force
 
     def failure(self) -> str | None:
         """Reason that the simulation cannot continue, or None.

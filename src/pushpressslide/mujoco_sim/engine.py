@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from pushpressslide.arms.paths.joint_path import ArmPath
 from pushpressslide.arms.paths.library import ArmLibrary
+from pushpressslide.control.knocker import Knocker, with_knock
 from pushpressslide.control.run_loop import RunOptions, run_loop
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
@@ -26,8 +27,11 @@ def run(
 
     ``paths`` are the joint paths of each placement; ``library`` plans those of
     recoveries. ``time_step`` [s] is the physics step (default: by the object's mass).
+    ``knock``: another body pushes the object aside; ``knocked`` in the record's meta
+    holds the displacement.
     """
     options = options or RunOptions()
+    knocker = None if knock is None else Knocker(knock, plan)
     cell = mujoco_cell(
         plan,
         library,
@@ -35,5 +39,7 @@ def run(
         options.begin,
         step=time_step,
         joint_stiffness=options.execution.joint_stiffness,
+        knocker=knocker,
     )
-    return run_loop(cell, plan, options)
+    record = run_loop(cell, plan, options)
+    return record if knocker is None else with_knock(record, knocker)

@@ -11,6 +11,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from pushpressslide.control.knocker import FRICTION, MASS, RADIUS, Knocker
+from pushpressslide.control.knocker import NAME as BALL
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.constants import GRAVITY
@@ -114,9 +116,9 @@ def time_step(plan: Plan) -> float:
     return period / math.ceil(period / step - 1e-9)
 
 
-def build_scene(plan: Plan, step: float) -> MujocoScene:
+def build_scene(plan: Plan, step: float, knocker: Knocker | None = None) -> MujocoScene:
     """Model of a plan's task with a time step [s]. Its bodies are at their true
-    starts.
+    starts. ``knocker`` disturbs the object.
     """
     builder = _Builder(plan.task, step)
     builder.add_support()
@@ -127,6 +129,8 @@ def build_scene(plan: Plan, step: float) -> MujocoScene:
         builder.add_obstacle(obstacle)
     builder.add_arms()
     builder.pair_bodies()
+    if knocker is not None:
+        builder.add_ball(knocker)
     model = builder.spec.compile()
     builder.soften_tips(model)
     return MujocoScene(
@@ -260,6 +264,21 @@ class _Builder:
             for name, parts in (solids | self.fixed).items():
                 friction = pair_friction(tip, self.surface[name])
                 self.contacts.touch(sphere, parts, friction, lever)
+
+    def add_ball(self, knocker: Knocker) -> None:
+        """Add the ball that disturbs the object, and touches nothing else."""
+        ball = self.spec.worldbody.add_body(name=BALL, pos=list(knocker.start))
+        ball.add_freejoint()
+        ball.add_geom(
+            name=BALL,
+            type=mujoco.mjtGeom.mjGEOM_SPHERE,
+            size=[RADIUS, 0.0, 0.0],
+            mass=MASS,
+            contype=0,
+            conaffinity=0,
+        )
+        friction = pair_friction(self.frictions.object, FRICTION)
+        self.contacts.touch([BALL], self.bodies["object"].parts, friction)
 
     def soften_tips(self, model: Any) -> None:
         """Make the tips as soft as rubber where they touch bodies."""

@@ -34,12 +34,12 @@ from pushpressslide.arms.paths.clearance import CLEARANCE, LOOK, NOTHING, Gap
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.slabs import slabs
 from pushpressslide.core.support_frame import TABLE
 from pushpressslide.core.task import Shape, Task
 from pushpressslide.sim.convert import rigid_transform, slab_pose
 from pushpressslide.sim.outline import arm_capsules
 from pushpressslide.sim.robot_models import add_robot
-from pushpressslide.core.slabs import slabs
 from pushpressslide.sim.surfaces import convex_shapes
 
 # of what a tip's sphere leaves between the rod that holds it and what it touches, less

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, replace
 from functools import partial
 
 from pushpressslide.arms.paths.joint_path import ArmPath
+from pushpressslide.control.knocker import with_knock
 from pushpressslide.control.run_loop import RunOptions, run_loop
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
@@ -49,7 +49,5 @@ def run(
         plan, station, paths, models, options.begin, spare, joint_stiffness=stiffness
     )
     record = with_clearance(run_loop(cell, plan, options))
-    knocker = station.scene.knocker
-    if knocker is None or knocker.knocked is None:
-        return record
-    return replace(record, meta={**record.meta, "knocked": asdict(knocker.knocked)})
+    body = station.scene.knocker
+    return record if body is None else with_knock(record, body.motion)

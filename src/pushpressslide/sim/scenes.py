@@ -38,16 +38,16 @@ from pushpressslide.arms.paths.placements import reached_bounds
 from pushpressslide.core import task as model
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
+from pushpressslide.core.slabs import slabs
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.geometry.inertia import solid_center, solid_moments
 from pushpressslide.geometry.polygon import counter_clockwise
 from pushpressslide.mechanics.surface_friction import SurfaceFrictions
 from pushpressslide.sim.contact import solve_contacts
 from pushpressslide.sim.convert import rigid_transform, slab_pose
-from pushpressslide.sim.knock import Knocker
+from pushpressslide.sim.knock import KnockerBody
 from pushpressslide.sim.plane import Plane, add_plane
 from pushpressslide.sim.robot_models import RobotInstance, add_robot
-from pushpressslide.core.slabs import slabs
 from pushpressslide.sim.surfaces import (
     HYDROELASTIC_MODULUS,
     Bounds,
@@ -87,7 +87,7 @@ class DrakeScene:
     bodies: dict[str, RigidBody]  # movable obstacles, by name
     robots: tuple[RobotInstance, ...]
     bounds: Bounds | None  # [m] of the support's surface, where it has any
-    knocker: Knocker | None = None
+    knocker: KnockerBody | None = None
 
 
 def rest_height(body: model.ObjectModel) -> float:
@@ -182,7 +182,7 @@ def build_scene(
         )
         for index, robot in enumerate(task.robots)
     )
-    knocker = None if knock is None else Knocker(plant, knock, plan)
+    knocker = None if knock is None else KnockerBody(plant, knock, plan)
     plant.Finalize()
     _let_only_tips_touch(plant, scene_graph, robots)
     if plane is not None:

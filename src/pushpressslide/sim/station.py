@@ -14,6 +14,7 @@ import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
+from pushpressslide.control.knocker import NAME
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.knock import Knock
@@ -22,7 +23,6 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.execution.arm import ArmDynamics
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.force_sensor import ForceSensor
-from pushpressslide.sim.knock import NAME
 from pushpressslide.sim.scenes import DrakeScene, build_scene, rest_height
 
 
