@@ -1,14 +1,14 @@
-"""Joint paths of torque-driven arms, from one placement to the next."""
+"""Joint paths of arms, from one placement to the next."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+from pushpressslide.arms.joint_arm import JointArm
 from pushpressslide.arms.paths.approach import led_in
 from pushpressslide.arms.paths.joint_path import ArmPath
 from pushpressslide.arms.paths.library import ArmLibrary
 from pushpressslide.arms.paths.placements import PlacementPaths
-from pushpressslide.arms.torque_arm import TorqueArm
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.query import MotionQuery
@@ -21,7 +21,7 @@ class ArmPlacements:
     def __init__(
         self,
         library: ArmLibrary,
-        arms: Sequence[TorqueArm],
+        arms: Sequence[JointArm],
         paths: Sequence[tuple[ArmPath, ...]],
         within: Bounds | None = None,
     ) -> None:

@@ -461,6 +461,7 @@ def _made_touches(
             query.sensing.felt_force,
             query.sensing.seen_motion,
             NormalForceRegulator(f_max=query.limits.normal_force),
+            query.scene.robots[contact.arm].reaction,
             _sunk(into),
         )
         for contact in first.contacts

@@ -61,8 +61,21 @@ class TipTouch:
     threshold: float  # [N] force above which a contact is detected
     min_displacement: float  # [m] smallest displacement of an object that is detected
     regulator: NormalForceRegulator
+    reaction: float = 0.0  # [s] until the arm follows a command
     # [m] lower than it rests on top, at which a pressing tip has slid off
     sunk: float = margins.ARM.sunk
+
+    def speed(self, contact: Contact) -> float:
+        """Speed [m/s] of the advance. An arm that reacts late is slower: until the touch
+        is confirmed and the arm stops, the tip's spring reaches the final force.
+        """
+        arm = margins.ARM
+        if self.reaction == 0.0:
+            return arm.touch_speed
+        force = max(self.force_of(contact), arm.least_press)
+        late = self.reaction + arm.felt_time
+        speed = force / (arm.contact_stiffness * late)
+        return min(arm.touch_speed, max(arm.slowest_touch, speed))
 
     def align_time(self, memory: TipMemory, contact: Contact, X_WB: Pose2) -> float:
         """Time [s] for the tip to line up before its contact."""
@@ -114,13 +127,13 @@ class TipTouch:
         if felt is not None and context.time - felt >= margins.ARM.felt_time:
             place = _ahead(origin, n, memory.touch_depth)
             return self._pressed(memory, context, place, context.time - felt, here)
-        problem = self._too_long(elapsed - aligned)
+        problem = self._too_long(elapsed - aligned, self.speed(contact))
         if depth > self.gap + margins.ARM.touch_depth:
             problem = (
                 f"no contact felt {margins.ARM.touch_depth * 1e3:.0f} mm beyond where "
                 "the object should be"
             )
-        speed = margins.ARM.touch_speed
+        speed = self.speed(contact)
         velocity = (speed * n[0], speed * n[1], speed * n[2])
         command = held_at(context, _ahead(origin, n, depth), velocity)
         memory = memory._replace(regulator=NormalForceState())
@@ -144,7 +157,7 @@ class TipTouch:
         duration = elapsed - aligned
         if memory.resumed is not None:
             duration = context.time - memory.resumed
-        depth = margins.ARM.touch_speed * duration
+        depth = self.speed(contact) * duration
         if aligned > 0.0 and memory.resumed is None:
             return before, depth
         n = contact.direction(advance_start)
@@ -181,12 +194,12 @@ class TipTouch:
         memory = memory._replace(regulator=state)
         return TouchStep(command, memory, duration > settled and here)
 
-    def _too_long(self, duration: float) -> str | None:
+    def _too_long(self, duration: float, speed: float) -> str | None:
         """Failure of a touch that is still not made ``duration`` [s] after its advance
-        began, or None if there is time left.
+        at ``speed`` [m/s] began, or None if there is time left.
         """
         arm = margins.ARM
-        most = (self.gap + arm.touch_depth) / arm.touch_speed + arm.longest_touch
+        most = (self.gap + arm.touch_depth) / speed + arm.longest_touch
         if duration < most:
             return None
         return f"contact felt and lost again for {most:.1f} s"

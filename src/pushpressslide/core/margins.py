@@ -393,6 +393,22 @@ class ArmMargins:
     """
     touch_speed: float = field(default=0.03, metadata={"unit": "m/s"})
     """Speed of a tip over the last centimetres before a contact."""
+    slowest_touch: float = field(default=0.002, metadata={"unit": "m/s"})
+    """Smallest such speed, of an arm that reacts late."""
+    contact_stiffness: float = field(default=2e4, metadata={"unit": "N/m"})
+    """Stiffness of a rubber tip and what it touches, as far as it is known."""
+    loop_share: float = field(default=2.0, metadata={"unit": "1"})
+    """Damping of an arm that takes positions or velocities, as a multiple of that
+    stiffness times its reaction time.
+    """
+    position_rate: float = field(default=8.0, metadata={"unit": "1/s"})
+    """Rate at which the tip of such an arm comes to a commanded place."""
+    correction_speed: float = field(default=0.1, metadata={"unit": "m/s"})
+    """Largest speed of such a tip besides that of its reference."""
+    longest_reaction: float = field(default=0.12, metadata={"unit": "s"})
+    """Longest reaction time of such an arm that presses: with a longer one the press is
+    slower than the motion.
+    """
     pressing: float = field(default=0.4, metadata={"unit": "s"})
     """Time until a typical press has its load."""
     approach: float = field(default=5.0, metadata={"unit": "s"})

@@ -348,6 +348,22 @@ class Robot:
         "required where the file has none",
         count=(1, 16),
     )
+    interface: Literal["torque", "velocity", "position"] = setting(
+        "torque", "kind of command that the arm takes"
+    )
+    rate: float = setting(
+        250.0, "rate of its commands, unless they are torques", "Hz", "[20, 2000]"
+    )
+    lag: float = setting(
+        0.0,
+        "time constant of its servo, which follows a command with a first-order lag, "
+        "unless it takes torques",
+        "s",
+        "[0, 0.5]",
+    )
+    delay: float = setting(
+        0.0, "time until it begins to obey a command, likewise", "s", "[0, 0.5]"
+    )
     packages: tuple[str, ...] = setting(
         (), "folders of the packages that contain a model's meshes", count=(0, 16)
     )
@@ -363,6 +379,13 @@ class Robot:
                 raise InputError(f"{doubled} and tip: give one of them")
             object.__setattr__(self, "tip_radius", tip.radius)
             object.__setattr__(self, "tip_length", tip.length)
+
+    @property
+    def reaction(self) -> float:
+        """Time [s] until the arm follows a command; 0 for one that takes torques."""
+        if self.interface == "torque":
+            return 0.0
+        return 1.0 / self.rate + self.delay + self.lag
 
 
 @documented

@@ -12,11 +12,12 @@ from typing import Any, NamedTuple
 import mujoco
 import numpy as np
 
+from pushpressslide.arms.joint_arm import JointArm
 from pushpressslide.arms.model import at_rest
 from pushpressslide.arms.paths.joint_path import ArmPath
 from pushpressslide.arms.paths.library import ArmLibrary
 from pushpressslide.arms.placements import ArmPlacements
-from pushpressslide.arms.torque_arm import TorqueArm
+from pushpressslide.arms.servo_arm import joint_arm
 from pushpressslide.control.approach import SETTLE
 from pushpressslide.control.cell import Cell, Truth
 from pushpressslide.control.knocker import NAME as BALL
@@ -60,7 +61,9 @@ def mujoco_cell(
     scene = build_scene(plan, step or time_step(plan), knocker)
     physics = MujocoPhysics(plan, scene, knocker)
     arms = [
-        TorqueArm(MujocoArmModel(robot), MujocoDrives(physics, i), joint_stiffness)
+        joint_arm(
+            robot, MujocoArmModel(robot), MujocoDrives(physics, i), joint_stiffness
+        )
         for i, robot in enumerate(query.scene.robots)
     ]
     placements = ArmPlacements(library, arms, paths)
@@ -131,7 +134,7 @@ class MujocoPhysics:
         self._ticks = 0
         self._force = np.zeros(6)
 
-    def put(self, arms: Sequence[TorqueArm], start: WorldState | None) -> None:
+    def put(self, arms: Sequence[JointArm], start: WorldState | None) -> None:
         """Put ``arms`` at the start of their joint paths, or arms and bodies as in
         ``start``, and compute the contacts.
         """

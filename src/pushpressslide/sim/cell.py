@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
+from pushpressslide.arms.joint_arm import JointArm
 from pushpressslide.arms.model import at_rest
 from pushpressslide.arms.paths.joint_path import ArmPath
 from pushpressslide.arms.placements import ArmPlacements
-from pushpressslide.arms.torque_arm import TorqueArm
+from pushpressslide.arms.servo_arm import joint_arm
 from pushpressslide.control.approach import SETTLE
 from pushpressslide.control.cell import Cell, Truth
 from pushpressslide.control.tracker import StampedPose
@@ -55,7 +56,8 @@ def drake_cell(
     query = plan.query
     physics = DrakePhysics(plan, station, spare)
     arms = [
-        TorqueArm(
+        joint_arm(
+            robot,
             DrakeArmModel(robot, models=models),
             DrakeDrives(physics, i),
             joint_stiffness,
@@ -121,7 +123,7 @@ class DrakePhysics:
         self._ticks = 0
         self._failure: str | None = None
 
-    def put(self, arms: Sequence[TorqueArm], start: WorldState | None) -> None:
+    def put(self, arms: Sequence[JointArm], start: WorldState | None) -> None:
         """Put ``arms`` at the start of their joint paths, or arms and bodies as in
         ``start``, and start the simulation.
         """

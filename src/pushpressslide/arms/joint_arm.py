@@ -1,0 +1,117 @@
+"""One arm with joints: its model, its drives, and its joint path."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+
+from pushpressslide.arms.model import ArmModel, Drives
+from pushpressslide.control.cell import Applied, ArmState, Driverless, Interface
+from pushpressslide.control.limits import ArmLimits, ArmReading
+from pushpressslide.core import margins
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.control import ArmCommand, TipState
+from pushpressslide.core.plan import JointPath
+from pushpressslide.core.support_frame import TABLE, SupportFrame
+from pushpressslide.execution.arm import ArmDynamics
+from pushpressslide.execution.torque import LimitedTorque
+from pushpressslide.robots.facts import RobotFacts
+from pushpressslide.robots.tool import ToolAttitude
+
+RATE_TIME = 0.05  # [s] over which the rate of the joint reference is smoothed
+
+
+class JointArm(Driverless, ABC):
+    """Base of arms that are read the same way and differ in how they are driven."""
+
+    interface: Interface
+
+    def __init__(self, model: ArmModel, drives: Drives) -> None:
+        """Build the arm from a model."""
+        self.model = model
+        self.limits = arm_limits(model.facts)
+        self.drives = drives
+        self.frame = TABLE  # of the support
+        # (n,) [rad/s] of the reference
+        self._fastest = margins.POSTURE_SPEED * model.facts.velocity_limit
+        self.state: ArmDynamics  # as read last
+        self.tip: TipState  # the same
+        self.path: JointPath
+        self.attitude: ToolAttitude
+        self.period = 0.0  # [s] of control
+        self.limited: LimitedTorque | None = None  # of the tick before
+        self.reference = np.zeros(0)  # (n,) [rad]
+        self.rate = np.zeros(0)  # (n,) [rad/s] of the reference, smoothed
+
+    def follow(
+        self,
+        path: JointPath,
+        attitude: ToolAttitude,
+        period: float,
+        frame: SupportFrame = TABLE,
+    ) -> None:
+        """Take ``path`` as the joint reference, with the tool held as in ``attitude``.
+
+        Control periods are ``period`` [s]; ``frame`` is the support's.
+        """
+        self.path = path
+        self.attitude = attitude
+        self.period = period
+        self.frame = frame
+
+    def read(self) -> ArmState:
+        """Joint state, and the tip's position, velocity and force derived from it."""
+        state = self.model.state_at(self.drives.joints())
+        self.state = state
+        frame = self.frame
+        self.tip = TipState(
+            frame.coordinates(state.position),
+            frame.components(state.velocity),
+            frame.components(self.drives.tip_force(state)),
+        )
+        return ArmState(self.drives.time, self.tip, self._reading())
+
+    @abstractmethod
+    def send(self, command: ArmCommand) -> Applied:
+        """Obey ``command`` until the next one. Returns what was really applied."""
+
+    def _reading(self) -> ArmReading:
+        """Joint state, and the reference of the last command."""
+        state = self.state
+        if self.limited is None:
+            return ArmReading(state.q, state.v)
+        asked = self.limited
+        return ArmReading(state.q, state.v, asked.share, asked.rate_share)
+
+    def last_torque(self) -> Array:
+        """Torques (n,) [N m] as last applied, or before the first command the torques
+        that hold the arm at rest.
+        """
+        return self.state.bias if self.limited is None else self.limited.torque
+
+    def take_posture(self, posture: Array) -> None:
+        """Set the reference to ``posture`` (n,) [rad], and note its change, which may
+        be large after a replan.
+        """
+        if len(self.rate) == 0:
+            self.rate = np.zeros_like(posture)
+        if len(self.reference) == 0:
+            self.reference = posture
+        dt = self.period
+        upper = self._fastest
+        wanted = (posture - self.reference) / dt
+        change = np.minimum(np.maximum(wanted, -upper), upper)
+        self.rate = self.rate + dt / RATE_TIME * (change - self.rate)
+        self.reference = self.reference + dt * change
+
+
+def arm_limits(facts: RobotFacts) -> ArmLimits:
+    """Limits of a robot's joints."""
+    return ArmLimits(
+        facts.lower,
+        facts.upper,
+        facts.velocity_limit,
+        facts.effort_limit,
+        facts.torque_rate_limit,
+    )
