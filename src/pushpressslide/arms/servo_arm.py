@@ -4,6 +4,8 @@ them late, and its motors follow the servo.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from pushpressslide.arms.joint_arm import JointArm
@@ -145,13 +147,10 @@ class ServoArm(JointArm):
         damper = 2.0 * SERVO_RATE * (speed - state.v)
         force = np.array(self.frame.direction(self.tip.force))
         torque = state.bias + state.M @ (spring + damper) + state.J[3:].T @ force
-        facts = self.model.facts
-        self.limited = limited(
-            torque,
-            self.last_torque(),
-            tuple(facts.effort_limit.tolist()),
-            tuple((dt * facts.torque_rate_limit).tolist()),
-        )
+        # the maker's own loop is quicker than its limit of commanded torque rates
+        effort = tuple(self.model.facts.effort_limit.tolist())
+        free = (math.inf,) * len(effort)
+        self.limited = limited(torque, self.last_torque(), effort, free)
         self.drives.drive(self.limited.torque)
 
 

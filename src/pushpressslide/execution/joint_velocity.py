@@ -19,7 +19,7 @@ POSTURE_RATE = 4.0
 """Rate [1/s] at which the joints that do not move the tip come to their reference."""
 SPEED_SHARE = 0.8
 """Largest joint speed, as a share of its limit."""
-RAMP_TIME = 0.1
+RAMP_TIME = 0.2
 """Time [s] in which a joint's speed may rise from 0 to its limit."""
 
 
