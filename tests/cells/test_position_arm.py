@@ -12,7 +12,7 @@ from pushpressslide.control.cell import Applied, ArmState, Cell, Interface, TipA
 from pushpressslide.control.run_loop import RunOptions, run_loop
 from pushpressslide.control.state import SERVO_CAP
 from pushpressslide.core.control import ArmCommand, TipCommand, Vector3
-from pushpressslide.planar.cell import PlanarPhysics
+from pushpressslide.planar.physics import PlanarPhysics
 
 STIFFNESS = 2e4  # [N/m] of the arm's own servo
 DAMPING = 200.0  # [N s/m]

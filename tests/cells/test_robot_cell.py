@@ -16,7 +16,7 @@ from pushpressslide.control.limits import JUMP
 from pushpressslide.control.run_loop import RunOptions, run_loop
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import ArmCommand, Commands, TipCommand
-from pushpressslide.planar.cell import PlanarPhysics
+from pushpressslide.planar.physics import PlanarPhysics
 
 RATE = 1000.0  # [Hz] of the robot's own clock
 PAUSE = 2e-4  # [s] of a wall clock that it sleeps between two of its periods

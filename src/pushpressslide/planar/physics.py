@@ -1,0 +1,92 @@
+"""The planar world as clock, tracker and source of the true state.
+
+The truth is the task's own friction, mass and shape; the controller sees only what a
+robot would measure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from pushpressslide.control.cell import Truth
+from pushpressslide.control.tracker import StampedPose
+from pushpressslide.core.control import TipCommand
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.state import WorldState
+from pushpressslide.planar.world import World, resting
+from pushpressslide.planning.side_contacts import before_contacts
+from pushpressslide.selection.placement_planner import PlacementPlanner, PlansAlone
+
+TIPPING_TIME = 0.1  # [s] for which the load may leave the base before the run ends
+
+
+class PlanarPhysics:
+    """An object and tips without arms, as clock, tracker, placements and source of the
+    true state.
+    """
+
+    simulated = True
+
+    def __init__(self, plan: Plan, start: WorldState | None = None) -> None:
+        """Put object and tips at the start of a run."""
+        task = plan.task
+        query = plan.query
+        self.time = 0.0  # [s]
+        self.facts: Mapping[str, Any] = {"time_step": query.motion.control_period}
+        # for each tip, until another one takes its place
+        self.commands: list[TipCommand | None] = [None] * len(task.robots)
+        self.period = query.motion.control_period  # [s]
+        self._task = task
+        self._X_BG = task.object.X_GB.inverse()
+        self._world = World(task, plan.contacts, self.period)
+        gap = before_contacts(query.scene, query.motion, plan.contacts)
+        self.now = self._world.start(plan.true_start, query.start, gap)
+        if start is not None:
+            self.now = self.now._replace(tips=tuple(map(resting, start.tips)))
+        self._before = self.now  # one tick ago
+        self._X_WG = self.now.X_WB.compose(self._X_BG)
+        self._X_WG_before = self._X_WG
+        self._tipping = 0.0  # [s] since when the load is off the base
+
+    def read(self) -> StampedPose:
+        """The object's pose."""
+        return StampedPose(self.time, self._X_WG)
+
+    def advance(self) -> None:
+        """Advance by one control period."""
+        self._before = self.now
+        self._X_WG_before = self._X_WG
+        self.now = self._world.step(self.now, self.commands)
+        self._X_WG = self.now.X_WB.compose(self._X_BG)
+        self.time = self.time + self.period
+        self._tipping = self._tipping + self.period if self.now.tipping else 0.0
+
+    def observe(self) -> Truth:
+        """True state of the last completed tick."""
+        before = self._before
+        twist = self.now.twist.moved_to(self._X_BG.position)
+        velocity = before.X_WB.rotate((twist.vx, twist.vy))
+        return Truth(
+            self._X_WG_before,
+            before.tips,
+            (*velocity, twist.w),
+            tuple(tip.force for tip in self.now.tips),
+        )
+
+    def failure(self) -> str | None:
+        """Failure that the object tips over or falls, or None."""
+        if self._tipping <= TIPPING_TIME:
+            return None
+        pressed = any(-tip.force[2] for tip in self.now.tips)
+        if any(self._task.scene.weight_along) and not pressed:
+            return "the object falls: nothing presses it on the wall"
+        return "the object tips over: the centre of pressure has left what carries it"
+
+    def prepare(self) -> PlacementPlanner:
+        """A placement planner that accepts any plan."""
+        return PlansAlone()
+
+    def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
+        """Take the contacts of the next placement. The tips keep their positions."""
+        self._world = World(placement.task, placement.contacts, self.period)
