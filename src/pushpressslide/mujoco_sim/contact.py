@@ -16,7 +16,7 @@ from typing import Any
 
 import mujoco
 
-IMPEDANCE = 0.005
+IMPEDANCE = 0.001
 """Impedance of a foot."""
 FRICTION_TIME = 10.0
 """Time constant [s] of a foot's friction row."""

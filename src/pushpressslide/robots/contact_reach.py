@@ -90,10 +90,15 @@ def contact_refusal(
 
 
 def press_refusal(scene: Scene, contact: Contact) -> Refusal | None:
-    """Refusal of a press that exceeds the arm's largest press over the table, or None."""
+    """Refusal of a press that exceeds the arm's largest press over the table, or that
+    the arm is too late to control, or None.
+    """
     robot = scene.robots[contact.arm]
-    if contact.load == 0.0 or robot.model == "hand":
+    if contact.load == 0.0:
         return None
+    late = _late_refusal(robot)
+    if late is not None or robot.model == "hand":
+        return late
     unplaced = at_origin(robot)
     changed = changed_at(robot)
     if contact.load <= EASY * _ready_press(unplaced, changed):
@@ -107,6 +112,18 @@ def press_refusal(scene: Scene, contact: Contact) -> Refusal | None:
         "{allowed:N.1f} over the table by its joints' torque limits"
     )
     return Refusal("arm_torque", text, contact.load, most, "N")
+
+
+def _late_refusal(robot: Robot) -> Refusal | None:
+    """Refusal of a press by an arm that takes too long to follow a command, or None."""
+    most = margins.ARM.longest_reaction
+    if robot.reaction <= most:
+        return None
+    text = (
+        "the arm follows a command after {figure:s.3f} (lag, delay and one period of "
+        "its rate), a press allows at most {allowed:s.3f}"
+    )
+    return Refusal("late_arm", text, robot.reaction, most, "s")
 
 
 @lru_cache(maxsize=16)
