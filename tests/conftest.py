@@ -31,6 +31,8 @@ WITH_DRAKE = ("drake", "view/test_replay.py")
 """Files that import Drake at their top; without it they are left out."""
 
 collect_ignore = list(WITH_DRAKE) if find_spec("pydrake") is None else []
+if find_spec("pydrake") is None or find_spec("mujoco") is None:
+    collect_ignore += ["mujoco"]
 
 
 def _turned(profile: list[tuple[float, float]], sections: int = 48):

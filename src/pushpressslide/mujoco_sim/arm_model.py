@@ -23,7 +23,7 @@ class MujocoArmModel:
         spec.option.gravity = [0.0, 0.0, -GRAVITY]
         names = add_arm(spec, robot, 0)
         self.facts: RobotFacts = names.facts
-        self._model = model = spec.compile()
+        self.compiled = model = spec.compile()
         self._at = mujoco.MjData(model)
         self._tip = model.body(names.tip).id
         self.size: int = model.nv
@@ -33,7 +33,7 @@ class MujocoArmModel:
         """State that a torque controller needs at ``x`` (2 n,), positions and
         velocities.
         """
-        model = self._model
+        model = self.compiled
         at = self._at
         n = self.size
         q, v = x[:n], x[n:]
