@@ -2,6 +2,7 @@
 files alone.
 """
 
+import math
 import re
 from dataclasses import replace
 
@@ -19,7 +20,7 @@ from pushpressslide.report import series
 from pushpressslide.report.files import save_run
 from pushpressslide.report.metrics import result
 from pushpressslide.report.page import UNFOLDED, command_line, search_part, write_report
-from pushpressslide.report.page_tables import comparison_table
+from pushpressslide.report.page_tables import comparison_table, segments_table
 from pushpressslide.report.plane import path_figure, plan_figure
 from pushpressslide.report.plots import comparison_plot, figures
 from pushpressslide.report.stages import StageRun
@@ -141,6 +142,9 @@ def test_a_press_alone_shows_its_axle_and_segments_are_listed(pressed, tmp_path)
     assert "Tracking point, from the CoM" in text
     assert text.count("press on top") == 2
     assert "Right arm: hand" in text
+    first, *rest = pressed.plan.segments
+    turned = replace(first, goal=replace(first.goal, yaw=math.radians(300.0)))
+    assert "-60.0°" in segments_table(pressed.with_segments(turned, *rest).plan)
     # two presses have no one axle
     assert "axle" not in figures(pressed.plan, pressed.record)
     alone = pressed.with_segments(pressed.plan.segments[0])
@@ -259,7 +263,7 @@ def test_a_page_says_which_tables_are_wider_than_its_window(run, tmp_path):
     text = write_report([save(run, tmp_path)]).read_text()
     assert 'classList.toggle("wide"' in text
     assert ".scroll.wide::before" in text
-    assert "width: 36rem" not in text
+    assert '<div class="scroll"><img alt="plan"' in text
 
 
 def broken(run, tick):

@@ -6,10 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pydrake.geometry import Cylinder
+from scipy.ndimage import maximum_filter
 
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.pose import Pose2
-from pushpressslide.view.drake import fade, frames
+from pushpressslide.view.drake import fade, frames, light_shapes
 from pushpressslide.view.drake.fade import (
     FAINT,
     HOLD,
@@ -110,3 +112,29 @@ def test_an_arm_straight_over_the_goal_is_faint_for_a_camera_above(arm_run):
     playback = frames.Playback(plan, arm_run.record)
     above = ArmOpacity(playback, np.array([x, y, 3.0]))
     assert above.of_tick(200) == (pytest.approx(FAINT),)
+
+
+def test_a_coarse_faint_arm_looks_like_a_sharp_one_and_leaves_the_rest_alone(
+    arm_run, monkeypatch
+):
+    monkeypatch.setattr(fade.ArmOpacity, "of_tick", lambda self, tick: (FAINT,))
+    size = (480, 270)
+    sharp = renderer(arm_run, size).image_at(200).astype(float)
+    made = FrameRenderer(arm_run.plan, arm_run.record, size, coarse=True)
+    coarse = made.image_at(200).astype(float)
+    monkeypatch.setattr(fade.ArmOpacity, "of_tick", lambda self, tick: (0.0,))
+    gone = renderer(arm_run, size).image_at(200).astype(float)
+    arm = np.abs(sharp - gone).max(axis=2) > 2.0
+    margin = 2 * frames.COARSE
+    near = maximum_filter(arm, 2 * margin + 1)
+    off = np.abs(coarse - gone).max(axis=2) > 0.0
+    assert off[~near].mean() < 1e-3  # lines of two scenes may differ by a pixel
+    assert off[arm].mean() > 0.9
+    assert np.abs(coarse - sharp).mean() < 0.3 * np.abs(sharp - gone).mean()
+
+
+def test_a_cylinder_is_shaded_round_about_its_axis_and_flat_at_its_ends():
+    mesh = light_shapes.ROUND[Cylinder](Cylinder(0.05, 0.2))
+    along = np.abs(mesh.vertex_normals[:, 2])
+    assert np.all((along < 1e-6) | (along > 1.0 - 1e-6))
+    assert mesh.extents == pytest.approx([0.1, 0.1, 0.2], rel=0.01)

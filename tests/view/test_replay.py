@@ -21,12 +21,13 @@ from pushpressslide.core.task import (
 from pushpressslide.view.drake import frames, marks
 from pushpressslide.view.drake.camera import FIELD, fit_view
 from pushpressslide.view.drake.contact_marks import ContactMarks
-from pushpressslide.view.drake.frames import look_at, render_frames, write_video
+from pushpressslide.view.drake.frames import look_at, render_frames
 from pushpressslide.view.drake.lines import ribbon
 from pushpressslide.view.drake.overlay import Overlay
 from pushpressslide.view.drake.planned import planned_view
 from pushpressslide.view.drake.playback import Playback
 from pushpressslide.view.drake.replay import write_replay
+from pushpressslide.view.drake.run_film import FilmedRun, write_video
 from pushpressslide.view.planar.replay import replay_data
 
 PRISM = Prism(((-0.06, -0.05), (0.08, -0.05), (0.0, 0.09)), 0.06)
@@ -163,19 +164,14 @@ def test_a_machine_that_cannot_render_says_so_in_one_line(
 
 def test_a_video_of_an_unknown_kind_is_refused(arm_run, tmp_path):
     with pytest.raises(SimulationError, match=r"\.webp or \.gif"):
-        write_video(arm_run.plan, arm_run.record, tmp_path / "run.avi")
+        write_video(FilmedRun(arm_run.plan, arm_run.record), tmp_path / "run.avi")
 
 
 def test_a_video_is_written_whole(arm_run, tmp_path):
     out = tmp_path / "run.webp"
+    run = FilmedRun(arm_run.plan, arm_run.record, size=(80, 60), rate=2.0)
     try:
-        write_video(
-            arm_run.plan,
-            arm_run.record,
-            out,
-            frames_per_second=2.0,
-            size=(80, 60),
-        )
+        write_video(run, out)
     except SimulationError as error:
         pytest.skip(str(error))
     from PIL import Image

@@ -123,20 +123,31 @@ class _Drake:
         self, runs: Sequence[StageRun], record: Record, out: Path, arms: ArmOptions
     ) -> None:
         """Write the replay page of a run."""
-        from pushpressslide.core.errors import SimulationError
         from pushpressslide.report.series import finite_part
         from pushpressslide.report.stages import replayed_record
-        from pushpressslide.view.drake.frames import write_pictures, write_video
+        from pushpressslide.view.drake.run_film import FilmedRun, write_video
+        from pushpressslide.view.drake.second_half import second_half
+
+        record = finite_part(replayed_record(runs, record))
+        if not arms.video:
+            self._write_stills(record, out, arms)
+            return
+        run = FilmedRun(record.plan, record, arms.models, arms.goals)
+        with second_half(run, out) as later:
+            self._write_stills(record, out, arms)
+            write_video(run, out, later)
+
+    def _write_stills(self, record: Record, out: Path, arms: ArmOptions) -> None:
+        """Write the replay page, and pictures if this machine can render them."""
+        from pushpressslide.core.errors import SimulationError
+        from pushpressslide.view.drake.frames import write_pictures
         from pushpressslide.view.drake.replay import write_replay
 
         plan = record.plan
-        record = finite_part(replayed_record(runs, record))
         write_replay(plan, record, out, arms.models, arms.goals)
         # a replay needs no renderer on this machine; an animation only on request
         with suppress(SimulationError):
             write_pictures(plan, record, out, arms.models, arms.goals)
-        if arms.video:
-            write_video(plan, record, out, models=arms.models, goals=arms.goals)
 
 
 class _Mujoco(_Drake):

@@ -54,7 +54,7 @@ HINT = (
     '() => box.classList.toggle("wide", box.scrollWidth > box.clientWidth + 1)'
     ").observe(box);</script>"
 )
-"""Marks the tables that are wider than the window, so that a line says it."""
+"""Marks tables and plots wider than the window, so that a line says it."""
 NARROW = 2  # contacts whose table fits a column
 UNFOLDED = 8  # rows of the choice of a mode that a page shows at once
 CAPTIONS = {
@@ -119,11 +119,14 @@ def document(title: str, body: str) -> str:
 
 def image(data: bytes, alt: str, caption: str = "", kind: str = "png") -> str:
     """A picture as an HTML figure with the picture embedded. ``kind`` is the format of
-    ``data``.
+    ``data``. A png, which has letters, scrolls sideways on a narrow page.
     """
     text = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""
     source = base64.b64encode(data).decode("ascii")
-    return f'<figure><img alt="{escape(alt)}" src="data:image/{kind};base64,{source}">{text}</figure>'
+    shown = f'<img alt="{escape(alt)}" src="data:image/{kind};base64,{source}">'
+    if kind == "png":
+        shown = f'<div class="scroll">{shown}</div>'
+    return f"<figure>{shown}{text}</figure>"
 
 
 def _labels(runs: Sequence[Run]) -> list[str]:

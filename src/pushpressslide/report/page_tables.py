@@ -10,7 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import wrap_angle
 from pushpressslide.core.scene import arm_title
+
+NO_BREAK = "\N{NO-BREAK SPACE}"  # between a number and its unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -375,11 +378,12 @@ def segments_table(plan: Plan) -> str:
         goal = segment.goal
         axle = segment.X_BV
         cells = (
-            f"{segment.path.distance:.3f} m",
-            f"{segment.profile.duration:.1f} s",
+            f"{segment.path.distance:.3f}{NO_BREAK}m",
+            f"{segment.profile.duration:.1f}{NO_BREAK}s",
             f"({1e3 * axle.x:.0f}, {1e3 * axle.y:.0f}) mm, "
-            f"{math.degrees(axle.yaw):.1f}°",
-            f"({goal.x:.3f}, {goal.y:.3f}) m, {math.degrees(goal.yaw):.1f}°",
+            f"{math.degrees(wrap_angle(axle.yaw)):.1f}°",
+            f"({goal.x:.3f}, {goal.y:.3f}) m, "
+            f"{math.degrees(wrap_angle(goal.yaw)):.1f}°",
         )
         rows.append([f'<th scope="row">{i + 1}</th>', *number_cells(cells)])
     return table(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -118,6 +119,7 @@ def _fine(points: Sequence[Pixel]) -> list[Pixel]:
     return [(FINER * x, FINER * y) for x, y in points]
 
 
+@cache
 def _font(size: float) -> Any:
     from PIL import ImageFont
 

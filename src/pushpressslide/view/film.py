@@ -14,7 +14,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.whole_file import whole, write_whole
 from pushpressslide.view.canvas import Canvas, rgba, text_width
-from pushpressslide.view.mp4 import has_encoder, write_mp4
+from pushpressslide.view.mp4 import LaterPart, has_encoder, write_mp4
 from pushpressslide.view.timeline import RunTimeline, still_ticks
 
 # [pixels] width and height. Without a graphics card a film takes time by its pixels
@@ -102,15 +102,19 @@ class _Reel(Image.Image):
 
 
 def write_film(
-    count: int, draw: Callable[[int], Image.Image], out: Path, rate: float
+    count: int,
+    draw: Callable[[int], Image.Image],
+    out: Path,
+    rate: float,
+    later: LaterPart | None = None,
 ) -> Path:
     """Write ``count`` images of ``draw`` as an animation at ``rate`` [1/s], completely
-    or not at all. Return its path.
+    or not at all. Return its path. ``later``: images of an mp4 that are drawn elsewhere.
 
     Raises MissingPackageError for an mp4 without av.
     """
     if out.suffix == MP4:
-        return write_mp4(count, draw, out, rate)
+        return write_mp4(count, draw, out, rate, later)
     reel = _Reel(count, draw)
     with whole(out) as temporary:
         reel.save(

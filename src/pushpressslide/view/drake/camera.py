@@ -64,7 +64,7 @@ class Directions:
         own = [np.array(frame.components(tuple(d.tolist()))) for d in self._directions]
         self._slopes = np.array([math.asin(min(1.0, float(d[2]))) for d in own])
         spreads = np.array([_spread(points, d) for d in self._directions])
-        self._costs = np.array([_hidden(moments, d) for d in own])
+        self._costs = _hidden(moments, np.array(own))
         self._costs += FAR_COST * (spreads / spreads.min() - 1.0)
         if len(pushes):
             along = [float(np.mean(np.abs(pushes @ d[:2]))) for d in own]
@@ -80,22 +80,27 @@ class Directions:
         return self._directions[int(np.argmin(costs))]
 
 
-def _hidden(moments: Sequence[Moment], direction: Array) -> float:
-    """Weighted mean share of contacts, forces and object corners hidden from a camera
-    near ``direction`` (3,), in the support's frame.
+def _hidden(moments: Sequence[Moment], directions: Array) -> Array:
+    """Weighted mean share (D,) of contacts, forces and object corners hidden from
+    cameras near each of ``directions`` (D, 3), in the support's frame.
     """
-    x, y, z = direction
-    costs = []
-    for angle in (-SWAY, 0.0, SWAY):
-        c = math.cos(angle)
-        s = math.sin(angle)
-        turned = np.array([c * x - s * y, s * x + c * y, z])
-        for moment in moments:
-            unseen = 1.0 - seen_share(moment, turned)
-            force = 1.0 - force_share(moment, turned)
-            behind = 1.0 - shown_share(moment, turned)
-            costs.append(unseen + FORCE_COST * force + BEHIND_COST * behind)
-    return float(np.mean(costs)) if costs else 0.0
+    if not moments:
+        return np.zeros(len(directions))
+    turned = np.stack([_turned(directions, a) for a in (-SWAY, 0.0, SWAY)])
+    costs = np.zeros(turned.shape[:2])
+    for moment in moments:
+        costs += 1.0 - seen_share(moment, turned)
+        costs += FORCE_COST * (1.0 - force_share(moment, turned))
+        costs += BEHIND_COST * (1.0 - shown_share(moment, turned))
+    return np.asarray(costs.mean(axis=0) / len(moments))
+
+
+def _turned(directions: Array, angle: float) -> Array:
+    """Directions (D, 3) turned by ``angle`` [rad] about the support's normal."""
+    x, y, z = directions.T
+    c = math.cos(angle)
+    s = math.sin(angle)
+    return np.column_stack([c * x - s * y, s * x + c * y, z])
 
 
 def candidates(frame: SupportFrame, min_elevation: float) -> list[Array]:

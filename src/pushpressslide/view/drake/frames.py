@@ -1,4 +1,4 @@
-"""Pictures of a run, rendered without a display, and an animation of them."""
+"""Pictures of a run, rendered without a display."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
+from PIL import Image, ImageChops
 from pydrake.geometry import (
     LightParameter,
     MakeRenderEngineVtk,
@@ -33,21 +33,11 @@ from pushpressslide.view.drake.picture import RENDERER, Picture
 from pushpressslide.view.drake.playback import Placed, Playback
 from pushpressslide.view.drake.subject import near_points
 from pushpressslide.view.drake.views import contact_view
-from pushpressslide.view.film import (
-    CLOSE,
-    STILL_SIZE,
-    caption,
-    film_path,
-    film_rate,
-    film_ticks,
-    legend,
-    write_film,
-    write_stills,
-)
-from pushpressslide.view.film import SIZE as FILM_SIZE
-from pushpressslide.view.timeline import run_timeline
+from pushpressslide.view.film import CLOSE, STILL_SIZE, write_stills
 
 OPAQUE = 0.999  # opacity from which on nothing is mixed
+COARSE = 3  # pixels across a pixel of a coarse picture
+COARSEST = 0.5  # opacity up to which an arm may be coarse
 BACKGROUND = [0.93, 0.95, 0.97]
 SIZE = (640, 480)  # [pixels] width and height
 # directions of the light along x, y and height of a support
@@ -99,9 +89,10 @@ class FrameRenderer:
         size: tuple[int, int] = SIZE,
         models: str = "generated",
         goals: Sequence[Placed] = (),
+        coarse: bool = False,
     ) -> None:
         """Set up the scene and a camera of ``size`` (width, height) [pixels]; ``goals``
-        as in ``Playback``.
+        as in ``Playback``. ``coarse``: faint arms are rendered at half the size.
 
         Raises SimulationError if this machine cannot render.
         """
@@ -111,6 +102,7 @@ class FrameRenderer:
         self._new_playback = partial(Playback, plan, record, models, goals)
         self._size = size
         self._arms: Arms = tuple(range(len(plan.task.robots)))
+        self._coarse = coarse
         self._scenes: dict[Arms, _Scene] = {}
         self.playback = self._new_playback()
         width, height = size
@@ -120,7 +112,7 @@ class FrameRenderer:
         """Take pictures from another view."""
         self.view = view
         self._opacity = ArmOpacity(self.playback, view.position)
-        self._pictures: dict[Arms, Picture] = {}
+        self._pictures: dict[tuple[Arms, int], Picture] = {}
 
     def approach(self, tick: int) -> None:
         """Go near the object and its contacts at a tick, in the same direction."""
@@ -138,26 +130,66 @@ class FrameRenderer:
         """Picture (height, width, 3) at a recorded tick."""
         return np.asarray(self._mixed(tick, self._opacity.of_tick(tick), self._arms))
 
-    def _mixed(self, tick: int, opacity: Sequence[float], shown: Arms) -> Image.Image:
-        """Picture with the arms ``shown``, the first ones at their ``opacity``. Pictures
-        without and with an arm that is seen through are mixed.
+    def _mixed(
+        self, tick: int, opacity: Sequence[float], shown: Arms, part: int = 1
+    ) -> Image.Image:
+        """Picture with the arms ``shown``, the first ones at their ``opacity``, at a
+        ``part`` of its width. Pictures without and with an arm that is seen through are
+        mixed.
         """
         if not opacity:
-            return Image.fromarray(self._picture(tick, shown))
+            return Image.fromarray(self._picture(tick, shown, part))
         *others, share = opacity
-        full = self._mixed(tick, others, shown)
         if share > OPAQUE:
-            return full
-        without = tuple(arm for arm in shown if arm != len(others))
-        return Image.blend(self._mixed(tick, others, without), full, share)
+            return self._mixed(tick, others, shown, part)
+        hidden = tuple(arm for arm in shown if arm != len(others))
+        without = self._mixed(tick, others, hidden, part)
+        if not self._coarse or part > 1 or share > COARSEST:
+            full = self._mixed(tick, others, shown, part)
+            return Image.blend(without, full, share)
+        return _blend_coarse(
+            without,
+            self._mixed(tick, others, hidden, COARSE),
+            self._mixed(tick, others, shown, COARSE),
+            share,
+        )
 
-    def _picture(self, tick: int, arms: Arms) -> NDArray[np.uint8]:
+    def _picture(self, tick: int, arms: Arms, part: int) -> NDArray[np.uint8]:
         """Picture with these arms. Its scene is made when first needed."""
         if arms not in self._scenes:
             self._scenes[arms] = _Scene(self._new_playback(), arms)
-        if arms not in self._pictures:
-            self._pictures[arms] = Picture(self._size, look_at(self.view))
-        return self._scenes[arms].image_at(tick, self._pictures[arms])
+        key = (arms, part)
+        if key not in self._pictures:
+            width, height = self._size
+            size = (round(width / part), round(height / part))
+            self._pictures[key] = Picture(size, look_at(self.view))
+        return self._scenes[arms].image_at(tick, self._pictures[key])
+
+
+def _blend_coarse(
+    picture: Image.Image, without: Image.Image, full: Image.Image, share: float
+) -> Image.Image:
+    """``picture`` with what is in ``full`` and not in ``without``, at an opacity
+    ``share``. These two are smaller.
+    """
+    box = ImageChops.difference(without, full).getbbox()
+    if box is None:
+        return picture
+    across = picture.width / full.width
+    down = picture.height / full.height
+    left, upper, right, lower = box
+    place = (
+        round(left * across),
+        round(upper * down),
+        round(right * across),
+        round(lower * down),
+    )
+    size = (place[2] - place[0], place[3] - place[1])
+    differ = ImageChops.difference(without.crop(box), full.crop(box)).convert("L")
+    mask = differ.point([0] + [round(255 * share)] * 255)
+    linear = Image.Resampling.BILINEAR
+    picture.paste(full.resize(size, linear, box), place, mask.resize(size, linear))
+    return picture
 
 
 def render_frames(
@@ -206,42 +238,6 @@ def write_pictures(
         return canvas.image()
 
     return write_stills(record.arrays["phase"], picture, out)
-
-
-def write_video(
-    plan: Plan,
-    record: Record,
-    out: Path,
-    frames_per_second: float | None = None,
-    size: tuple[int, int] = FILM_SIZE,
-    models: str = "generated",
-    goals: Sequence[Placed] = (),
-) -> Path:
-    """Write the run as an animated picture in real time, with its forces, paths and a
-    caption. Return its path.
-
-    Format and usual rate follow from the name of ``out``: .mp4, .webp or .gif; a folder
-    gets run.mp4, or run.webp without av. ``size`` is (width, height) [pixels], ``goals``
-    are as in ``Playback``. Raises SimulationError if this machine cannot render, or for
-    another format.
-    """
-    out = film_path(out)
-    rate = frames_per_second or film_rate(out)
-    renderer = FrameRenderer(plan, record, size, models, goals)
-    overlay = Overlay(renderer.playback, renderer.view, size)
-    ticks = film_ticks(record.arrays["time"], rate)
-    told = run_timeline(plan, record, np.array(ticks))
-    title = f"{plan.task.name}: {', '.join(record.modes)}"
-    meanings = legend(overlay.contacts.entries())
-
-    def picture(frame: int) -> Any:
-        canvas = Canvas(renderer.image_at(ticks[frame]))
-        overlay.draw(canvas, ticks[frame])
-        canvas.paste(meanings)
-        caption(canvas, title, told, frame)
-        return canvas.image()
-
-    return write_film(len(ticks), picture, out, rate)
 
 
 def _render_parameters(support: Support) -> RenderEngineVtkParams:

@@ -7,6 +7,7 @@ graphics card most of a picture's time is theirs.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
@@ -30,6 +31,7 @@ from pydrake.math import RigidTransform
 from pushpressslide.view.drake.playback import Playback
 
 SIDES = 24  # of a circle
+SHARP = math.radians(45.0)  # angle of an edge that is shaded as one
 
 Group = tuple[FrameId, tuple[float, float, float]]
 """A link's frame, and a colour."""
@@ -78,7 +80,9 @@ def _arm_frames(playback: Playback) -> Mapping[FrameId, int]:
 
 
 def _cylinder(shape: Any) -> trimesh.Trimesh:
-    return trimesh.creation.cylinder(shape.radius(), shape.length(), sections=SIDES)
+    made = trimesh.creation.cylinder(shape.radius(), shape.length(), sections=SIDES)
+    # corners of its own for each end, whose edge would be shaded as if it were round
+    return trimesh.graph.smooth_shade(made, angle=SHARP)
 
 
 def _capsule(shape: Any) -> trimesh.Trimesh:

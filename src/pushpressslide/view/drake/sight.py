@@ -67,27 +67,32 @@ class Moment:
         return begins, ends, np.array([limb.radius for limb in self.limbs])
 
 
-def seen_share(moment: Moment, direction: Array) -> float:
-    """Share of the contacts seen by a far camera. ``direction`` (3,) is the unit vector
-    towards it.
+def seen_share(moment: Moment, directions: Array) -> Array:
+    """Share (...) of the contacts seen by far cameras. ``directions`` (..., 3) are unit
+    vectors towards them.
     """
-    return _share(moment, moment.contacts, direction)
+    return _share(moment, moment.contacts, directions)
 
 
-def force_share(moment: Moment, direction: Array) -> float:
-    """Share of the points of the drawn forces that the camera sees."""
-    return _share(moment, moment.forces, direction)
+def force_share(moment: Moment, directions: Array) -> Array:
+    """Share (...) of the points of the drawn forces that far cameras see."""
+    return _share(moment, moment.forces, directions)
 
 
-def shown_share(moment: Moment, direction: Array) -> float:
-    """Share of the object's corners that the camera sees."""
-    return _share(moment, moment.corners, direction)
+def shown_share(moment: Moment, directions: Array) -> Array:
+    """Share (...) of the object's corners that far cameras see."""
+    return _share(moment, moment.corners, directions)
 
 
-def _share(moment: Moment, points: tuple[Vector3, ...], direction: Array) -> float:
+def _share(moment: Moment, points: tuple[Vector3, ...], directions: Array) -> Array:
+    shape = directions.shape[:-1]
     if not points:
-        return 1.0
-    return float(np.mean(are_seen(moment, np.array(points), direction)))
+        return np.ones(shape)
+    count = len(points)
+    towards = np.repeat(directions.reshape(-1, 3), count, axis=0)
+    repeated = np.tile(np.array(points), (len(towards) // count, 1))
+    seen = are_seen(moment, repeated, towards)
+    return np.asarray(seen.reshape(*shape, count).mean(axis=-1))
 
 
 def are_seen(moment: Moment, points: Array, direction: Array) -> NDArray[np.bool_]:

@@ -121,7 +121,8 @@ def _behind(subject: Subject, normal: Point) -> Array:
     for side in (ASIDE, -ASIDE):
         hidden = 0.0
         for moment, yaw in zip(subject.moments, subject.yaws, strict=True):
-            hidden += 1.0 - seen_share(moment, _sloped(heading + math.pi + side + yaw))
+            towards = _sloped(heading + math.pi + side + yaw)
+            hidden += 1.0 - float(seen_share(moment, towards))
         costs.append(hidden)
         offered.append(_sloped(heading + math.pi + side))
     return offered[int(np.argmin(costs))]
