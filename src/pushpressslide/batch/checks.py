@@ -17,7 +17,7 @@ Flags = NDArray[np.bool_]
 
 
 def check_last(array: Array, sizes: tuple[int, ...], name: str) -> None:
-    """Raise InputError unless the last axes of ``array`` have these ``sizes``."""
+    """Raise InputError unless the last axes of ``array`` have the given ``sizes``."""
     if array.shape[-len(sizes) :] != sizes:
         allowed = ", ".join(str(size) for size in sizes)
         raise InputError(f"{name} {array.shape}; must be (..., {allowed})")

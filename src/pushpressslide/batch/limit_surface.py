@@ -2,8 +2,8 @@
 drives.
 
 Source: docs/mechanics.md, sections 1 and 1.2; ``mechanics.limit_surface`` and
-``mechanics.height_term`` for one object. Wrenches are about B's origin, twists those of
-B's origin, in B.
+``mechanics.height_term`` do the same for one object. Wrenches are about B's origin, and
+twists are those of B's origin, in B.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pushpressslide.kernels.limit_surface import driven_twist, driving_wrench
 
 
 class EllipsoidSurface:
-    """An ellipsoidal limit surface with figures of any leading shape."""
+    """An ellipsoidal limit surface with parameters of any leading shape."""
 
     def __init__(
         self,
@@ -56,7 +56,9 @@ class EllipsoidSurface:
         return self._twists(wrenches)[..., :3]
 
     def levels(self, wrenches: ArrayLike) -> Array:
-        """H(W) (...): 1 on the surface, below 1 at rest."""
+        """Levels H(W) (...) of wrenches W: 1 on the limit surface, below 1 for an
+        object at rest.
+        """
         return self._twists(wrenches)[..., 3]
 
     def _twists(self, wrenches: ArrayLike) -> Array:

@@ -20,7 +20,9 @@ from pushpressslide.kernels.one_contact import one_contact, one_contact_figures
 
 
 class OneContact:
-    """One side contact; point, normal, friction and rho of any leading shape."""
+    """One side contact. Point, normal, friction and rho are arrays of any leading
+    shape.
+    """
 
     def __init__(
         self, point: ArrayLike, normal: ArrayLike, friction: ArrayLike, rho: ArrayLike

@@ -27,7 +27,7 @@ from pushpressslide.kernels.press_and_push import (
 
 
 class PressAndPush:
-    """A press and a push, with figures of any leading shape."""
+    """A press and a push, with parameters of any leading shape."""
 
     def __init__(
         self,

@@ -23,8 +23,8 @@ from pushpressslide.kernels.presses import press_pair, two_presses
 
 
 class OnePress:
-    """One press; point, load, friction, rho and centre of pressure of any leading
-    shape.
+    """One press. Point, load, friction, rho and centre of pressure are arrays of any
+    leading shape.
     """
 
     def __init__(
@@ -64,7 +64,7 @@ class OnePress:
 
 
 class TwoPresses:
-    """Two presses; points and friction of any leading shape."""
+    """Two presses. Points and friction are arrays of any leading shape."""
 
     def __init__(self, points: ArrayLike, friction: ArrayLike) -> None:
         """Prepare the presses.

@@ -28,7 +28,9 @@ from pushpressslide.kernels.two_contacts import two_contact_figures, two_contact
 
 
 class TwoContacts:
-    """Two side contacts; points, normals, friction, rho and caps of any leading shape."""
+    """Two side contacts. Points, normals, friction, rho and caps are arrays of any
+    leading shape.
+    """
 
     def __init__(
         self,
@@ -76,8 +78,10 @@ def both(vectors: Array) -> tuple[Any, Any]:
 
 
 def check_pair(points: Array, normals: Array, split: Split) -> None:
-    """Raise InputError for contacts that coincide, and for "least_friction" if both
-    normals lie along their line.
+    """Raise InputError unless forces can be split over two side contacts.
+
+    They cannot if the contacts coincide. The split "least_friction" also excludes two
+    normals that are both parallel to the line of contacts.
     """
     dx, dy = halves(points[..., 1, :] - points[..., 0, :])
     length = np.hypot(dx, dy)
