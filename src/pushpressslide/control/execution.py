@@ -1,6 +1,4 @@
-"""Execution options of a plan beyond its task: the usual laws, or those of an
-experiment.
-"""
+"""Options of a run beyond its task: the usual laws, or those of an experiment."""
 
 from __future__ import annotations
 
