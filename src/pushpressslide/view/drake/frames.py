@@ -1,4 +1,4 @@
-"""Pictures of a run, rendered without a display, and an animation of them."""
+"""Pictures of a run, rendered without a display, and an animation made of them."""
 
 from __future__ import annotations
 
@@ -56,11 +56,11 @@ STEEP_LIGHT = (-0.4, -0.9, -0.8)
 
 
 Arms = tuple[int, ...]
-"""Arms that are shown."""
+"""Indices of the arms that are shown."""
 
 
 class _Scene:
-    """A run's scene with some of its arms, and its picture."""
+    """A run's scene with some of its arms, and the picture of this scene."""
 
     def __init__(self, playback: Playback, arms: Arms) -> None:
         """Set up the renderer. Raises SimulationError if this machine cannot render."""
@@ -77,7 +77,7 @@ class _Scene:
         self._context = self._diagram.CreateDefaultContext()
 
     def image_at(self, tick: int, picture: Picture) -> NDArray[np.uint8]:
-        """Update a picture of this scene to a tick."""
+        """Picture of this scene at a tick, rendered by updating ``picture``."""
         self.playback.set(self._context, tick)
         context = self._graph.GetMyContextFromRoot(self._context)
         query = self._graph.get_query_output_port().Eval(context)
@@ -88,8 +88,8 @@ class _Scene:
 
 
 class FrameRenderer:
-    """Renders recorded ticks of one run. An arm that hides a contact or a goal is seen
-    through.
+    """Renders recorded ticks of one run. An arm that hides a contact or a goal becomes
+    transparent.
     """
 
     def __init__(
@@ -100,8 +100,8 @@ class FrameRenderer:
         models: str = "generated",
         goals: Sequence[Placed] = (),
     ) -> None:
-        """Set up the scene and a camera of ``size`` (width, height) [pixels]; ``goals``
-        as in ``Playback``.
+        """Set up the scene and a camera of ``size`` (width, height) [pixels]. ``goals``
+        are as in ``Playback``.
 
         Raises SimulationError if this machine cannot render.
         """
@@ -123,7 +123,9 @@ class FrameRenderer:
         self._pictures: dict[Arms, Picture] = {}
 
     def approach(self, tick: int) -> None:
-        """Go near the object and its contacts at a tick, in the same direction."""
+        """Move the camera near the object and its contacts at a tick, without changing
+        its direction.
+        """
         width, height = self._size
         points = near_points(self.playback, tick)
         direction = self.view.position - self.view.target
@@ -139,8 +141,9 @@ class FrameRenderer:
         return np.asarray(self._mixed(tick, self._opacity.of_tick(tick), self._arms))
 
     def _mixed(self, tick: int, opacity: Sequence[float], shown: Arms) -> Image.Image:
-        """Picture with the arms ``shown``, the first ones at their ``opacity``. Pictures
-        without and with an arm that is seen through are mixed.
+        """Picture with the arms ``shown``, the first of them at their ``opacity``.
+
+        For a transparent arm, pictures with and without the arm are mixed.
         """
         if not opacity:
             return Image.fromarray(self._picture(tick, shown))
@@ -152,7 +155,7 @@ class FrameRenderer:
         return Image.blend(self._mixed(tick, others, without), full, share)
 
     def _picture(self, tick: int, arms: Arms) -> NDArray[np.uint8]:
-        """Picture with these arms. Its scene is made when first needed."""
+        """Picture with the given arms. Its scene is made on first use."""
         if arms not in self._scenes:
             self._scenes[arms] = _Scene(self._new_playback(), arms)
         if arms not in self._pictures:
@@ -190,7 +193,7 @@ def write_pictures(
     models: str = "generated",
     goals: Sequence[Placed] = (),
 ) -> list[Path]:
-    """Write pictures of start, contact (from near) and end of a run into ``out`` and
+    """Write pictures of start, contact (close up) and end of a run into ``out``, and
     return their paths. Raises SimulationError if this machine cannot render.
     """
     renderer = FrameRenderer(plan, record, STILL_SIZE, models, goals)
@@ -217,13 +220,13 @@ def write_video(
     models: str = "generated",
     goals: Sequence[Placed] = (),
 ) -> Path:
-    """Write the run as an animated picture in real time, with its forces, paths and a
-    caption. Return its path.
+    """Write the run as an animation in real time, with forces, paths and a caption.
+    Return its path.
 
-    Format and usual rate follow from the name of ``out``: .mp4, .webp or .gif; a folder
-    gets run.mp4, or run.webp without av. ``size`` is (width, height) [pixels], ``goals``
-    are as in ``Playback``. Raises SimulationError if this machine cannot render, or for
-    another format.
+    The suffix of ``out`` determines the format and the usual rate: .mp4, .webp or .gif.
+    A folder gets run.mp4, or run.webp without av. ``size`` is (width, height) [pixels],
+    ``goals`` are as in ``Playback``. Raises SimulationError if this machine cannot
+    render, or for another format.
     """
     out = film_path(out)
     rate = frames_per_second or film_rate(out)
@@ -245,7 +248,7 @@ def write_video(
 
 
 def _render_parameters(support: Support) -> RenderEngineVtkParams:
-    """Background and lights: one on the support, a weaker one at the camera."""
+    """Background and lights: one light on the support, and a weaker one at the camera."""
     above = LightParameter(
         type="directional", frame="world", direction=_light(support), intensity=0.75
     )
@@ -256,7 +259,7 @@ def _render_parameters(support: Support) -> RenderEngineVtkParams:
 
 
 def _light(support: Support) -> list[float]:
-    """Direction of the light in the world. It falls onto the support's face from above."""
+    """Direction of the light in the world. The light falls onto the support from above."""
     frame = support.frame
     along = LIGHT if frame.faces_up else STEEP_LIGHT
     return list(frame.direction(along))
@@ -271,8 +274,8 @@ def look_at(view: View) -> RigidTransform:
 def egl_problem() -> str | None:
     """Reason why EGL has no device to render on, or None.
 
-    None also on a system without EGL. This is checked beforehand because without a
-    device the renderer ends the process.
+    Also None on a system without EGL. The check is needed because the renderer ends the
+    process if there is no device.
     """
     if sys.platform != "linux":
         return None
