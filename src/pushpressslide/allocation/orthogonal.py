@@ -153,8 +153,8 @@ def turning_corners(
     """Centres [m] about which contact B or L alone turns the object at its friction
     limit.
 
-    To the left: K (1, 1/mu) and K (1/mu, -1), K = rho^2/d; to the right: K (1, -1/mu)
-    and K (-1/mu, -1).
+    With K = rho^2/d they are K (1, 1/mu) and K (1/mu, -1) for turns to the left, and K
+    (1, -1/mu) and K (-1/mu, -1) for turns to the right.
     """
     k = rho * rho / d
     far = k / friction if friction > 0.0 else math.inf

@@ -30,7 +30,7 @@ AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 class EdgeForces(NamedTuple):
     """Forces of two contacts on a facet of their wrench cone.
 
-    At least one of them is on its cone's edge.
+    At least one of the forces is on an edge of its friction cone.
     """
 
     forces: tuple[Point, Point]  # [N] in B
@@ -39,7 +39,7 @@ class EdgeForces(NamedTuple):
 
 class WrenchCone:
     """The wrenches (fx, fy [N], tau [N m]) about B's origin that two side contacts can
-    give, in B.
+    provide, in B.
 
     ``points`` [m] and unit inward ``normals`` are in B; ``friction`` is that of the
     pair tip/object. Distances are in the norm diag(1, 1, 1/rho^2), which measures the

@@ -39,11 +39,11 @@ def differential_pushes(
 def orthogonal_pushes(
     fx: float, fy: float, tau: float, d: float, bias: float = 0.0
 ) -> tuple[Point, Point]:
-    """Forces of contact B at (-d, 0) and L at (0, d), friction split evenly (case 4;
-    eqs. 22, 23).
+    """Forces [N] of contact B at (-d, 0) and L at (0, d), with friction split evenly
+    (case 4; eqs. 22, 23).
 
-    The ``bias`` [N] on both normal forces is not internal: the forces add up to (fx +
-    bias, fy - bias, tau).
+    The ``bias`` [N] on both normal forces is not an internal force: the forces add up
+    to (fx + bias, fy - bias, tau).
     """
     friction = -0.5 * tau / d
     return (fx - friction + bias, friction), (friction, -(-fy + friction + bias))

@@ -41,8 +41,8 @@ def slide_loads(
 ) -> tuple[Refusal | None, list[Point]]:
     """Loads [N] at ``points`` to try for a body's ``path``, with their refusal or None.
 
-    If no loads suffice, both are ``cap`` [N]. Raises RefusedError if two tips cannot
-    press the object in this way.
+    If no loads suffice, the result is a refusal and loads at ``cap`` [N]. Raises
+    RefusedError if two tips cannot press the object in this way.
     """
     cop: Cop = COP if motion.cop is None else motion.cop
     twist = path.initial_twist(ORIGIN)

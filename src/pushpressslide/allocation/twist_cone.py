@@ -50,7 +50,7 @@ class TwistCone:
                 self._edges.append((fx / size, fy / size, tau / size))
 
     def wrench(self, vx: float, vy: float, w: float) -> Wrench:
-        """Wrench about the CoM that drives a twist of the CoM."""
+        """Wrench [N, N m] about the CoM that drives a twist of the CoM."""
         return self.surface.wrench(Twist(vx, vy, w)).moved_to(ORIGIN)
 
     def cone_margin(self, vx: float, vy: float, w: float) -> float:

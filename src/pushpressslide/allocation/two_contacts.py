@@ -86,8 +86,8 @@ def moving_allocator(
 ) -> Allocator:
     """Allocator for a kernel that does not handle wrenches outside the cone.
 
-    Such a wrench is first replaced by ``projected``. The result is the allocation of
-    the nearest wrench that the ``general`` contacts can give.
+    Such a wrench is first mapped by the function ``projected``. It is then allocated as
+    the nearest wrench that the contacts described by ``general`` can provide.
     """
     first, second = figures
 
