@@ -184,7 +184,7 @@ def _evenly_spaced(planned: Polyline) -> Polyline:
 
 
 def _without_rests(times: Array, moving: Array) -> Array:
-    """Times of the moving rows, with the rests cut out."""
+    """Times [s] of the moving rows, with the rests cut out."""
     spans = np.where(moving[1:], np.diff(times), 0.0)
     clock: Array = np.concatenate([[0.0], np.cumsum(spans)])[moving]
     return clock
@@ -235,7 +235,9 @@ def _sampled(
 
 
 def _deviation(planned: Array, positions: Array) -> float:
-    """Largest distance of ``positions`` (m, n) from the polyline ``planned`` (k, n)."""
+    """Largest distance [rad; m of slides] of ``positions`` (m, n) from the polyline
+    ``planned`` (k, n).
+    """
     nearest = np.full(len(positions), np.inf)
     for a, b in pairwise(planned):
         along = b - a

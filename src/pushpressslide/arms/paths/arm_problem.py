@@ -160,7 +160,7 @@ class ArmProblem:
         return self._along_contact(postures, 1) if coarse.clear else coarse
 
     def _along_contact(self, postures: Array, step: int) -> Gap:
-        """The result of ``contact_clearance`` for every ``step``th posture."""
+        """Tightest gap of every ``step``-th posture along the contact."""
         carried = {name: poses[::step] for name, poses in self._carried.items()}
         shapes = self.object_path.shapes[::step]
         return self.clearance.min_distance(

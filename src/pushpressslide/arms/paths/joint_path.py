@@ -78,7 +78,10 @@ class Solution:
 
 @dataclass(frozen=True)
 class SearchResult:
-    """Joint paths and misses known at one stage of a search."""
+    """Solutions and misses known at one stage of a search.
+
+    A miss is a posture that is not feasible.
+    """
 
     solutions: tuple[Solution, ...]  # the preferred first
     # where nothing was found: first the moves that something is in the way of, then
@@ -175,7 +178,7 @@ def search(problem: ArmProblem, *, force: bool = False) -> Iterator[SearchResult
 
 
 def _stuck(problem: ArmProblem) -> Miss | None:
-    """Miss of an arm whose posture after release is blocked, so that no approach can
+    """Miss for an arm whose posture after release is blocked, so that no approach can
     start from it. None if the posture is clear.
     """
     if problem.start is None or problem.holds or problem.along is None:
@@ -312,8 +315,8 @@ def _approach_clearance(problem: ArmProblem, model: Clearance, postures: Array) 
 
 
 def _approach_miss(posture: Posture, descent: Descent, gap: Gap | None) -> Miss:
-    """Miss of an approach blocked by ``gap``, or of an approach not found if ``gap`` is
-    None.
+    """Miss for an approach blocked by ``gap``, or for an approach not found if ``gap``
+    is None.
     """
     if gap is None:
         reason = "the arm is stretched too far to feel for it"
@@ -330,7 +333,7 @@ def _approach_miss(posture: Posture, descent: Descent, gap: Gap | None) -> Miss:
 
 
 def _contact_miss(problem: ArmProblem, posture: Posture, gap: Gap) -> Miss | None:
-    """Miss of a posture along the contact, or None."""
+    """Miss for a posture with a fault along the contact, or None."""
     if not gap.clear:
         return Miss(10.0 * gap.lack, gap.text, posture)
     along = problem.along

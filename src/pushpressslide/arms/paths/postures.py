@@ -127,7 +127,7 @@ class Move:
 
 @dataclass(frozen=True)
 class Miss:
-    """A posture that is not feasible."""
+    """A posture that is not feasible, with its shortfall and the reason."""
 
     # mean violation over the path, in radians and tenths of a metre
     shortfall: float
@@ -273,7 +273,7 @@ def _continued(
 def _lost(
     tip: TipPath, samples: NDArray[np.intp], tools: HeldTool, path: Continuation
 ) -> Miss:
-    """Miss of a tool attitude that is far off the tip path at some ``samples``."""
+    """Miss for a tool attitude that is far off the tip path at some ``samples``."""
     tool, offset = tools
     every = np.arange(len(tip.yaws))
     q = np.column_stack([np.interp(every, samples, column) for column in path.q.T])
@@ -345,7 +345,7 @@ def tool_options(
 
 
 def _offsets_behind(side: float, yaw: float, azimuths: Sequence[float]) -> Array:
-    """Yaw offsets at which a tool that turns with the object leans back from its
+    """Yaw offsets [rad] at which a tool that turns with the object leans back from its
     contact.
     """
     off = np.array(

@@ -25,7 +25,7 @@ def waiting_moves(problem: ArmProblem, *, force: bool = False) -> Iterator[Move 
     in between.
 
     Postures with ample clearance come before those that are only just clear. With
-    ``force`` the last one is the present posture, however bad.
+    ``force`` the last posture is the present one, however bad it is.
     """
     start = problem.approach.start_posture
     home = problem.kin.facts.home
