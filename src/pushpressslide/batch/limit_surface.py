@@ -29,9 +29,9 @@ class EllipsoidSurface:
     ) -> None:
         """Prepare the surface.
 
-        ``max_force`` (...) [N] and ``rho`` (...) [m] > 0, ``center`` (..., 2) [m] in B,
-        ``lift`` (...) [m] >= 0 is h mu_s of forces at a height h. Raises ValueError
-        otherwise.
+        ``max_force`` (...) [N] and ``rho`` (...) [m] are > 0. ``center`` (..., 2) [m]
+        is in B. ``lift`` (...) [m] >= 0 is h mu_s for forces at a height h. Raises
+        ValueError otherwise.
         """
         force, length, point, height = figures(max_force, rho, center, lift)
         check_last(point, (2,), "center")

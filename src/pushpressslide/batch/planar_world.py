@@ -111,8 +111,9 @@ class PlanarWorld:
         """States after one tick. A non-finite command moves nothing.
 
         A tip's force is ``forces`` (..., k, 2) [N] plus its damping times the lag of
-        its own velocity behind ``velocities`` (..., k, 2) [m/s], all in the world. A
-        spring k [N/m] is a force k (x - tip) with k dt added to the damping.
+        its own velocity behind ``velocities`` (..., k, 2) [m/s], all in the world. To
+        model a spring k [N/m] to a point x, pass k (x - tip) as the force and add k dt
+        to the damping.
         """
         u, f = figures(velocities, forces)
         check_last(u, (2,), "velocities")

@@ -58,8 +58,8 @@ class PushedBodies:
         ``foot`` (..., 2) [m] is a point of the face and ``normal`` (..., 2) its unit
         inward normal, both in B. ``ends`` (..., 2) [m] are the positions along the
         face, from its foot, of its right end and its left end (right < left).
-        ``friction`` (...) and ``rho`` (...) [m] are as elsewhere. Raises ValueError for
-        other shapes, friction < 0 and rho <= 0.
+        ``friction`` (...) is that of the contact, ``rho`` (...) [m] that of the
+        ellipsoid. Raises ValueError for other shapes, friction < 0 and rho <= 0.
         """
         p, n, e, mu, length = figures(foot, normal, ends, friction, rho)
         check_last(p, (2,), "foot")

@@ -62,10 +62,11 @@ class SideContact:
     ) -> None:
         """Prepare the contact.
 
-        ``lever`` (..., 2) [m] from the centre of pressure to the contact and unit
-        inward ``normal`` (..., 2) in B, ``friction`` (...), ``rho`` (...) [m],
-        ``max_force`` (...) [N] mu_s N. Raises ValueError for other shapes, friction < 0
-        and rho or max_force <= 0.
+        ``lever`` (..., 2) [m], from the centre of pressure to the contact, and
+        ``normal`` (..., 2), the unit inward normal, are in B. ``friction`` (...) is
+        that of the contact, ``rho`` (...) [m] that of the ellipsoid, and ``max_force``
+        (...) [N] is mu_s N. Raises ValueError for other shapes, friction < 0 and rho or
+        max_force <= 0.
         """
         r, n, mu, length, force = figures(lever, normal, friction, rho, max_force)
         check_last(r, (2,), "lever")

@@ -51,9 +51,9 @@ def rear_stanley(
 ) -> tuple[Array, Flags]:
     """Steering angles (...) [rad], and a mask of the clipped ones.
 
-    Errors ``left`` [m] and ``heading`` [rad], ``curvature`` [1/m] of the path at its
-    nearest point, effective ``wheelbase`` [m], ``steering_bounds`` (..., 2) [rad],
-    ``gain`` and ``steering_scale``, may have any shape. The law is
+    All parameters may have any shape: the errors ``left`` [m] and ``heading`` [rad],
+    the path's ``curvature`` [1/m] at its nearest point, the effective ``wheelbase``
+    [m], ``steering_bounds`` (..., 2) [rad], ``gain`` and ``steering_scale``. The law is
     ``tracking.rear_stanley``. An error of NaN gives NaN.
     """
     bounds, ahead, length = figures(steering_bounds, float(feed_forward), wheelbase)
@@ -82,10 +82,10 @@ def lookahead_curvature(
 ) -> tuple[Array, Flags]:
     """Curvatures (...) [1/m] to drive, and a mask of the clipped ones.
 
-    Errors ``left`` [m] and ``heading`` [rad], ``curvature`` [1/m] of the path at its
-    nearest point, ``look_ahead`` [m], ``limit`` [1/m] and ``steering_scale``, may have
-    any shape. The law is ``tracking.lookahead_alignment`` with a target that slides
-    along the path.
+    All parameters may have any shape: the errors ``left`` [m] and ``heading`` [rad],
+    the path's ``curvature`` [1/m] at its nearest point, ``look_ahead`` [m], ``limit``
+    [1/m] and ``steering_scale``. The law is ``tracking.lookahead_alignment`` with a
+    target that slides along the path.
     """
     length, most, share = figures(look_ahead, limit, steering_scale)
     check_positive(length, "look_ahead", "m")

@@ -44,9 +44,9 @@ class TwoContacts:
     ) -> None:
         """Prepare the contacts.
 
-        ``points`` (..., 2, 2) [m] and unit inward ``normals`` (..., 2, 2) in B,
-        ``friction`` (...), ``rho`` (...) [m], ``caps`` (..., 2) [N]. Raises ValueError
-        as ``two_contact_allocator``.
+        ``points`` (..., 2, 2) [m] and ``normals`` (..., 2, 2), the unit inward normals,
+        are in B. ``friction`` (...), ``rho`` (...) [m] and ``caps`` (..., 2) [N] are as
+        in ``two_contact_allocator``, and so are the errors.
         """
         p, n, mu, length, most = figures(points, normals, friction, rho, caps)
         check_last(p, (2, 2), "points")
@@ -66,8 +66,9 @@ class TwoContacts:
         """The leading shape of the contacts."""
 
     def allocate(self, wrenches: ArrayLike) -> Allocations:
-        """Allocations (...) of ``wrenches`` (..., 3) [N, N m] about B's origin, in B:
-        those of ``two_contact_allocator`` with projection "nearest".
+        """Allocations (...) of ``wrenches`` (..., 3) [N, N m] about B's origin, in B.
+
+        They are those of ``two_contact_allocator`` with projection "nearest".
         """
         return answered(two_contacts, spread(wanted(wrenches)), self._figures, 2)
 
