@@ -47,9 +47,9 @@ class Applied(NamedTuple):
 
 
 class Arm(Protocol):
-    """One robot arm with its tip, its limits, its executor and its own rate.
+    """One robot arm with its tip, joint limits, executor and control rate.
 
-    It executes a command until the next one arrives.
+    The arm executes a command until the next one arrives.
     """
 
     interface: Interface

@@ -281,8 +281,9 @@ class Controller:
     def normal_forces(
         self, state: ControllerState, measurement: Measurement
     ) -> list[float]:
-        """Normal force [N] measured at each tip. For a tip without contact, the size of
-        its force.
+        """Normal force [N] measured at each tip.
+
+        A tip without contact has no normal; the size of its force is returned.
         """
         X_WB = measurement.object_pose.compose(self.X_GB)
         forces = [math.hypot(*tip.force) for tip in measurement.tips]

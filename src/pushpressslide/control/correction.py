@@ -172,8 +172,8 @@ def _axle_error(segment: Segment, identified: Identified | None) -> float:
 def _at_speed(segments: Sequence[Segment], profile: SpeedProfile) -> Replan:
     """Segments that start at the speed of ``profile``.
 
-    The first path is extended backwards by the length on which its own profile reaches
-    that speed.
+    The first path is extended backwards by the length that ``profile`` needs to reach
+    this speed from rest.
     """
     ramp = 0.5 * profile.speed * profile.speed / profile.acceleration
     first, *others = segments

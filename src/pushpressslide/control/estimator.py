@@ -121,8 +121,9 @@ class ObjectEstimator:
         )
 
     def _pose(self, state: EstimatorState, observation: Observation) -> Pose2:
-        """X_WG predicted from the motion since the last tick and corrected by the
-        measured pose, unless the camera missed it.
+        """X_WG predicted from the motion since the last tick.
+
+        The measured pose corrects the prediction, unless the camera missed the object.
         """
         measured = observation.pose
         before = state.X_WG

@@ -1,4 +1,6 @@
-"""Options of a run beyond its task: the usual laws, or those of an experiment."""
+"""Options of a run beyond its task: the usual control laws, or the laws of an
+experiment.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,7 @@ class Execution:
     joint_stiffness: float = 0.0
 
     def tracker(self, query: MotionQuery, segment: Segment) -> Tracker:
-        """Tracking law of a segment of ``query``: its mode's own."""
+        """Tracking law of a segment of ``query``, as defined by the segment's mode."""
         return MODES[segment.mode].tracker(query, segment)
 
     @property

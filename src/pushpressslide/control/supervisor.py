@@ -366,7 +366,7 @@ class Supervisor:
     def _arrived(self, following: Following, instant: Instant) -> bool:
         """Whether a segment is over.
 
-        The last one of a placement that ends in an opening, or with the object held, is
+        If a placement ends in an opening, or with the object held, its last segment is
         over only when the object rests, or at the latest ``SEAT_TIME`` after its
         planned end.
         """
@@ -408,7 +408,7 @@ class Supervisor:
         """Whether ``segments`` started at ``time`` [s] end in time and stay near the
         planned path.
 
-        Away from the planned path nobody has checked that the arms can follow.
+        The arms' ability to follow has been checked only for the planned path.
         """
         return self._in_time(segments, time) and (
             self.placement.reaches_far or self._is_near_plan(segments)

@@ -134,10 +134,11 @@ class TipTouch:
         elapsed: float,
         aligned: float,
     ) -> tuple[Vector3, float]:
-        """Start of the tip's advance [m], and the commanded advance [m].
+        """Start of the tip's advance [m], and length [m] of the commanded advance.
 
-        It starts at the end of the free path before the object ``advance_start`` at
-        X_WB, or at the tip's position when it lost its contact.
+        The advance starts at the end of the free gap before the object, which was at
+        ``advance_start``, X_WB. A tip that has lost its contact starts where it lost
+        it.
         """
         contact = context.contact
         before = tip_position(contact, advance_start, self.radius, self.gap)
@@ -153,12 +154,7 @@ class TipTouch:
         return _ahead(start, n, -ahead), depth + min(ahead, self.gap)
 
     def force_of(self, contact: Contact) -> float:
-        """Start and length [m] of the tip's commanded advance.
-
-        The advance starts at the end of the free gap before the object, which was at
-        ``advance_start``, X_WB. A tip that has lost its contact starts where it lost
-        it.
-        """
+        """Final force [N] of the tip on ``contact``."""
         if contact.kind == "top":
             return contact.load
         return self.push
@@ -200,7 +196,7 @@ class TipTouch:
     def _pushes(self, context: TipContext, advance_start: Pose2) -> bool:
         """Whether the object is seen to move while the tip pushes it from the side.
 
-        It has then left its pose ``advance_start``, X_WB, and the tip is at its
+        The object has then left its pose ``advance_start``, X_WB, and the tip is at its
         contact.
         """
         contact = context.contact
