@@ -77,8 +77,9 @@ WIDTHS = (1.0, 0.8, 0.6, 0.4, 0.25)
 # --- tipping: in half widths of the base
 
 TIPPING_MARGIN = 0.15
-"""Distance of the centre of pressure inside the base's edge. It covers the uncertainty
-of the pressure, and the shift due to a drag that is higher by a tenth.
+"""Smallest distance [half widths] of the centre of pressure from the base's edge,
+inside the base. It covers the uncertainty of the pressure, and the shift due to a drag
+that is higher by a tenth.
 """
 PUSH_TIPPING_MARGIN = 0.05
 """Margin of a contact's height below the tipping height of a pushed object, as a share
@@ -87,20 +88,22 @@ pushes: the axle follows from the pressure during the push.
 """
 PUSH_STANDS = 0.8
 """Largest height of a contact with the tool upright, as a share of the tipping height
-by Coulomb's law. A contact closer to the tipping height tips the object when it turns.
-Tools that lean back touch the object lower.
+that follows from Coulomb's law. A contact closer to the tipping height tips the object
+when it turns. Tools that lean back touch the object lower.
 """
 SAFE_MARGIN = 0.5
-"""Distance of the centre of pressure inside the base's edge above which an object is
-driven at full speed. Closer to the edge the pressure, and with it the virtual axle,
-changes quickly.
+"""Distance [half widths] of the centre of pressure inside the base's edge at which an
+object may be driven at full speed. Closer to the edge the object is driven more slowly,
+because the pressure, and with it the virtual axle, changes quickly there.
 """
 EDGE_MARGIN = 0.3
-"""Distance of the centre of pressure inside the edge of a table: the margin to the
-base's own edge, doubled for an object that is off its path.
+"""Smallest distance [half widths] of the centre of pressure inside the edge of a table.
+It is twice the margin to the base's own edge, since an object may be off its path.
 """
 LEAN = 0.15
-"""Largest shift of the centre of pressure by a weight component in the plane."""
+"""Largest shift [half widths] of the centre of pressure by a weight component in the
+plane.
+"""
 
 # --- friction: in shares
 
@@ -139,8 +142,8 @@ avoids a division by zero.
 # --- cones and steering: in angles and shares
 
 CONE_MARGIN = math.radians(6.0)
-"""Angle of a planned twist inside its motion cone. It covers the error of the limit
-surface, and leaves room for corrections.
+"""Smallest angle [rad] of a planned twist inside its motion cone. It covers the error
+of the limit surface, and leaves room for corrections.
 """
 BENT_MARGIN = math.radians(12.0)
 """``CONE_MARGIN`` of each twist of a path of several twists, if there is such a path.
@@ -149,7 +152,7 @@ The shortest path runs along the cone's edge, where no correction outwards is po
 REPLAN_MARGIN = math.radians(2.0)
 """``CONE_MARGIN`` of a replan, from a measured pose and measured contacts."""
 AMPLE_MARGIN = math.radians(30.0)
-"""Angle inside the cone above which a placement with less force is preferred."""
+"""Angle [rad] inside the cone above which a placement with less force is preferred."""
 STEERING_RESERVE = 0.12
 """Share of a rear push's cone that is kept free at either edge for the servo and for
 model errors.
@@ -159,12 +162,12 @@ STEERING_SHARE = 0.85
 PLANNED_STEERING = 0.6
 """Share of a pressed vehicle's steering that planned turns use."""
 CORRECTING = math.radians(14.0)
-"""Smallest angle by which the force can be turned to either side on a run-in, so that
-errors decay.
+"""Smallest angle [rad] by which the force can be turned to either side on a run-in, so
+that errors decay.
 """
 AXLE_SLIP = math.radians(6.0)
-"""Largest slip angle of a virtual axle. With a larger angle, the object does not move
-like a unicycle.
+"""Largest slip angle [rad] of a virtual axle. With a larger angle, the object does not
+move like a unicycle.
 """
 FIRM = 0.5
 """Smallest turn of a pressed contact's direction of motion, as a share of the force's
@@ -332,9 +335,9 @@ TOOL_ASIDE = 0.2
 ``tolerance.position``.
 """
 ASKEW = math.radians(2.0)
-"""Largest angle between a tool's face and the direction of its straight push."""
+"""Largest angle [rad] between a tool's face and the direction of its straight push."""
 SQUARE = math.radians(20.0)
-"""Largest angle between the sides of a tool's body and the tool's face."""
+"""Largest angle [rad] between the sides of a tool's body and the tool's face."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -350,9 +353,11 @@ class ArmMargins:
     reach.
     """
     quick: float = field(default=0.3, metadata={"unit": "s"})
-    """The same time as ``response``, for an object held from above."""
-    turn_rate: float = field(default=0.8, metadata={"unit": "1/s"})
     """``response`` of an object held from above."""
+    turn_rate: float = field(default=0.8, metadata={"unit": "1/s"})
+    """Largest turn rate of a pushed object. At a higher rate the tip slips when the
+    steering jumps.
+    """
     steering_time: float = field(default=0.4, metadata={"unit": "s"})
     """Time in which the steering of a push changes from one arc to the next. A tip that
     moves sideways abruptly slides along the face of a light object and hammers it.
