@@ -204,7 +204,7 @@ class ArmExecutor:
         """Impedance of the tip and of the tool's attitude.
 
         ``moment`` [N m] holds the attitude. ``velocity`` [m/s] is that of the tip, in
-        the support's frame. ``J`` (6, n) may be that of a tool that gives way.
+        the support's frame. ``J`` (6, n) may be reduced as by ``yielding``.
         """
         place = self.frame.coordinates(arm.position)
         own = servo(command, place, velocity, self.dt)
@@ -227,11 +227,11 @@ class ArmExecutor:
     def _of_posture(
         self, arm: ArmDynamics, J: Array, error: Array, speed: Array
     ) -> Impedance:
-        """Impedance of the joints about their reference, with deviations ``error`` (n,)
-        [rad] and ``speed`` (n,) [rad/s].
+        """Impedance of the joints about their reference.
 
-        It acts only on joint motion that exerts no force at the tip or hardly moves the
-        tip. ``J`` (6, n) may be that of a tool that gives way.
+        ``error`` (n,) [rad] and ``speed`` (n,) [rad/s] are the deviations from the
+        reference. The impedance acts only on joint motion that exerts no force at the
+        tip or hardly moves the tip. ``J`` (6, n) may be reduced as by ``yielding``.
         """
         share = self._share
         if share is None or share.braked is not None or J is not arm.J:
@@ -256,8 +256,7 @@ class ArmExecutor:
     def _posture_share(self, arm: ArmDynamics, J: Array) -> PostureShare:
         """Part of the joint motion left to the posture, at the present joint positions.
 
-        ``J`` (6, n) is the arm's Jacobian, or that of a tool that gives way, as in
-        ``_of_posture``.
+        ``J`` (6, n) is the arm's Jacobian, which may be reduced as by ``yielding``.
         """
         n = len(arm.q)
         JJt = J @ J.T
@@ -281,7 +280,8 @@ class ArmExecutor:
     def _inertial(
         self, arm: ArmDynamics, command: TipCommand, velocity: Vector3
     ) -> Array:
-        """Wrench (6,), world axes, that accelerates the arm's own inertia as commanded.
+        """Wrench (6,), in world axes, that accelerates the arm's own inertia as
+        commanded.
 
         ``velocity`` [m/s] is that of the tip, in the support's frame. The wrench is
         Lambda times the acceleration of the reference. Without it, an arm that

@@ -134,8 +134,8 @@ def near_limit(q: Array, lower: Sequence[float], upper: Sequence[float]) -> bool
 def kept_inside(
     J: Array, q: Array, v: Array, lower: Array, upper: Array, period: float
 ) -> Impedance:
-    """Impedance that keeps joints inside their limits without a force at the tip: the
-    tool's attitude gives way.
+    """Impedance that keeps joints inside their limits without a force at the tip. The
+    tool's attitude yields.
 
     ``J`` (6, n) is as in ``unfelt``; ``lower`` and ``upper`` (n,) [rad] are the limits;
     ``period`` [s] is that of a tick. The impedance is zero if all joints are farther
