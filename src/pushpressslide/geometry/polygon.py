@@ -22,7 +22,7 @@ def signed_area(polygon: tuple[Point, ...]) -> float:
 
 
 def counter_clockwise(polygon: tuple[Point, ...]) -> tuple[Point, ...]:
-    """Corners in counter-clockwise order. The first corner stays first."""
+    """Corners [m] in counter-clockwise order. The first corner stays first."""
     return polygon if signed_area(polygon) > 0.0 else polygon[:1] + polygon[:0:-1]
 
 
@@ -71,7 +71,9 @@ def is_convex(polygon: tuple[Point, ...]) -> bool:
 
 
 def convex_hull(polygon: tuple[Point, ...]) -> tuple[Point, ...]:
-    """Corners of the convex hull, counter-clockwise, without corners on straight lines."""
+    """Corners [m] of the convex hull, counter-clockwise, without corners on straight
+    lines.
+    """
     from shapely import Polygon
 
     hull = Polygon(polygon).convex_hull

@@ -392,7 +392,7 @@ def disc_pressure(
 
 @lru_cache(maxsize=64)
 def disc_corners(radius: float) -> tuple[Point, ...]:
-    """Corners of a polygon about the origin with a disc's second moment."""
+    """Corners [m] of a polygon about the origin with a disc's second moment."""
     step = 2.0 * math.pi / DISC_CORNERS
     # Second moment of a regular n-gon of circumradius R, over that of the disc: sin(s)
     # (2 + cos(s)) / (3 s).

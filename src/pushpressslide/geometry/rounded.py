@@ -92,7 +92,10 @@ def _sides(corners: tuple[Point, ...], radii: Sequence[float]) -> list[BorderSid
 
 
 def _run_end(radii: Sequence[float], first: int) -> int:
-    """Index of the corner at which an arc ends whose first inner corner is ``first``."""
+    """Index of the corner at which an arc ends.
+
+    ``first`` is the index of the arc's first inner corner.
+    """
     n = len(radii)
     i = first
     while i < n and _are_equal(radii[i], radii[min(first, n - 1)]):

@@ -1,8 +1,8 @@
 """The interface of a shape: an upright body on a footprint.
 
-A shape is given in its own frame G. A method with an ``origin`` [m] in G takes and
-returns points in B, which has G's axes and its origin there: the projected centre of
-mass.
+A shape is given in its own frame G. A method with an ``origin`` takes and returns
+points in B. Frame B has the axes of G, and its origin is at ``origin`` [m] in G, the
+projected centre of mass.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ KEPT = 256  # footprints of which the edges are remembered
 
 @lru_cache(maxsize=KEPT)
 def inward_edges(corners: tuple[Point, ...], origin: Point) -> tuple[InwardEdge, ...]:
-    """Edges of a convex polygon, counter-clockwise [m], relative to ``origin`` [m].
+    """Edges [m] of a convex, counter-clockwise polygon relative to ``origin`` [m].
 
     They are cached, since tips on top use them often.
     """

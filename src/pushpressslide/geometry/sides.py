@@ -49,7 +49,7 @@ class FlatSide:
         return gap, self.normal
 
     def foot(self, point: Point) -> Point:
-        """Point nearest to ``point`` on the line of the face."""
+        """Point [m] nearest to ``point`` on the line of the face."""
         x, y = self.point
         nx, ny = self.normal
         across = (point[1] - y) * nx - (point[0] - x) * ny
@@ -89,7 +89,7 @@ class RoundSide:
         return gap, (x / distance, y / distance) if distance > 0.0 else self.normal
 
     def foot(self, point: Point) -> Point:
-        """Point of the arc's circle in the direction of ``point`` from its centre."""
+        """Point [m] of the arc's circle in the direction of ``point`` from its centre."""
         x = point[0] - self.center[0]
         y = point[1] - self.center[1]
         k = self.radius / math.hypot(x, y)
