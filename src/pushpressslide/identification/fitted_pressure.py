@@ -136,7 +136,8 @@ def fit_pressure(pairs: Pairs, pressure: PressureSamples) -> PressureModel:
 def _sure_coefficients(
     predict: Callable[[Array], Array], measured: Array, count: int
 ) -> Array:
-    """Coefficients (count,) of the ridge with the largest gain on left-out pushes.
+    """Coefficients (count,) of the ridge regression with the largest gain on left-out
+    pushes.
 
     ``SURE`` standard errors are subtracted from each gain. The coefficients are zero if
     no gain remains.

@@ -1,7 +1,7 @@
 """Streams of a recording: object, tip and force, each with its own stamps.
 
-Every reader returns them. The object's pose is stamped by the camera's clock, tip and
-force by the arm's clock.
+All readers of recordings return these streams. The object's pose is stamped by the
+camera's clock, tip and force by the arm's clock.
 """
 
 from __future__ import annotations
