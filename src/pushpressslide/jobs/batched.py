@@ -354,7 +354,10 @@ def batched_samples(task: Task, seed: int, count: int) -> BatchedSamples:
 
 
 def batched_rows(task: Task, seed: int, outcomes: Outcomes) -> Iterator[Row]:
-    """Yield the row of each sample; ``duration`` [s] is the time of the motion alone."""
+    """Yield the row of each sample.
+
+    ``duration`` [s] is the time of the motion alone.
+    """
     for index, reached in enumerate(outcomes.reached.tolist()):
         end = int(outcomes.ends[index])
         yield {

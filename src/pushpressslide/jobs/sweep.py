@@ -170,7 +170,9 @@ def _draw(
     rows: Rows,
     progress: Progress | None,
 ) -> int:
-    """Run samples until enough of them are complete. Return the number of these."""
+    """Run samples until enough of them are complete. Return the number of complete
+    samples.
+    """
     running: set[Future[Row]] = set()
     numbers = count()
     drawn = _CompleteSamples(options, rows)
