@@ -108,8 +108,8 @@ def wedged_touch(vx: float, vy: float, w: float, own: Side, wall: Side) -> Touch
     """Force, slope and status of a tip in a notch, between its ``own`` side and the
     other ``wall``.
 
-    If contact with one of the two alone keeps the tip out of both, the tip touches only
-    that one. Otherwise it sticks between them, and its force is assumed to act at its
+    The tip touches only one of the two if this contact also keeps it out of the other.
+    Otherwise the tip sticks between them, and its force is assumed to act at its
     centre.
     """
     center = own[1]

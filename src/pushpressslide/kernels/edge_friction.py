@@ -290,10 +290,12 @@ def waves(
 ) -> tuple[
     tuple[float, float, float, float], tuple[float, float, float, float], Vector
 ]:
-    """The coefficients b_2 to b_5 for a direction e, their derivatives with respect to
-    the angle of e, and the second derivatives of the first two.
+    """The coefficients b_2 to b_5 of ``far_center_friction`` for a direction e, with
+    derivatives.
 
-    The phase of g decreases with the angle.
+    The derivatives are with respect to the angle of e: the first of all four
+    coefficients, and the second of b_2 and b_3. The phase of g decreases with the
+    angle.
     """
     g = ey + 1j * ex
     g2 = g * g

@@ -57,7 +57,9 @@ def flat_gap(
 
 @kernel
 def carried(pose: Pose, rate: Rate, length: float) -> Pose:
-    """Pose after ``length`` [m], or [s], at a constant body twist: the exponential map."""
+    """Pose after a distance or time ``length`` [m or s] at a constant body twist: the
+    exponential map.
+    """
     return carried_from(heading(pose[2]), pose, rate, length)
 
 

@@ -112,7 +112,10 @@ def pushed(velocity: Vector, contact: Contact) -> Push:
 def pushed_with_force(
     velocity: Vector, contact: Contact, max_force: float
 ) -> tuple[int, Vector, Triple, float]:
-    """Result of ``pushed``, and the pusher's force [N]. ``max_force`` [N] is mu_s N."""
+    """Result of ``pushed``, and the pusher's force [N].
+
+    ``max_force`` [N] is mu_s N.
+    """
     kind, twist, slip = pushed(velocity, contact)
     fx, fy, _ = ellipsoid_wrench(*twist, max_force, contact[3])
     return kind, (fx, fy), twist, slip

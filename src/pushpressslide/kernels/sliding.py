@@ -216,7 +216,7 @@ def statuses_of(
 
 @kernel
 def dragged(wrench: Triple, twist: Triple, drag: Drag, rho: float) -> Triple:
-    """Wrench of friction and drag."""
+    """Wrench [N, N m] of friction and drag."""
     size, (vx, vy, w) = drag
     if size == 0.0:
         return wrench

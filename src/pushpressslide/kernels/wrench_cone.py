@@ -21,8 +21,8 @@ Edge = tuple[float, float, float, float]
 Edges = tuple[Edge, Edge, Edge, Edge]
 """The right and left edge of contact 1, then of contact 2."""
 Span = Vector
-"""Products of two edges: the scalar product, and the inverse square of the cross
-product, which is 0 for parallel edges.
+"""Two numbers for a pair of edges: their scalar product, and the inverse square of the
+size of their cross product. The second is 0 for parallel edges.
 """
 Spans = tuple[Span, Span, Span, Span, Span, Span]
 Cone = tuple[Edges, Spans]
