@@ -62,10 +62,10 @@ class Pushing:
         goals: Array | None = None,
         along: float = 0.0,
     ) -> None:
-        """Start episodes of ``rows`` with the objects at ``start_poses`` (..., 3) X_WG
-        and the tips ``along`` [m] their faces from the middle.
+        """Start episodes of ``rows`` with the objects at ``start_poses`` (..., 3) X_WG.
 
-        ``goals`` (..., 3) X_WG are those of the task by default.
+        The tips start at ``along`` [m] from the middle of their faces. ``goals`` (...,
+        3) X_WG are those of the task by default.
         """
         self._goals[rows] = (
             goal_of(self.push) if goals is None else wrapped_poses(goals)
