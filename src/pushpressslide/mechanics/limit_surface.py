@@ -92,7 +92,9 @@ def exact_wrenches(samples: PressureSamples, mu: float, twists: Array) -> Array:
 
 
 def exact_wrench(samples: PressureSamples, mu: float, twist: Twist) -> Wrench:
-    """Wrench, about the CoP, that slides the object with ``twist`` (any body point)."""
+    """Wrench about the CoP that slides the object with ``twist``, which may be given at
+    any body point.
+    """
     cop = samples.cop
     t = twist.moved_to(cop)
     fx, fy, tau = exact_wrenches(samples, mu, np.array([[t.vx, t.vy, t.w]]))[0]

@@ -127,8 +127,8 @@ def line_push(
 ) -> LinePush:
     """``push_sticks`` for any pressure.
 
-    ``pressure_at(p)`` is the distribution with its centre of pressure at p [m] in B.
-    For a body that is not pushed, p is (0, 0).
+    ``pressure_at(p)`` returns the distribution whose centre of pressure is at p [m] in
+    B. For a body that is not pushed, p is (0, 0).
     """
     check_friction(support_friction, "support_friction")
     if not any(twist[:3]):

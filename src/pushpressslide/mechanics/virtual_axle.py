@@ -160,7 +160,7 @@ class _Interval:
 
     def next(self, place: float, value: float) -> float:
         """Next point to evaluate: the zero of the line through the last two values. At
-        the first step, the zero of a line with slope -1 through the only value.
+        the first step it is the zero of a line with slope -1 through the only value.
         """
         if value > 0.0:
             self.low = place
