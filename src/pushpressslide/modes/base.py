@@ -369,7 +369,7 @@ def _may_hold(candidate: Candidate | Choice, held_contacts: Sequence[Contact]) -
 
 def in_arms(choice: Choice, assigned: Iterable[Sequence[int]]) -> list[Choice]:
     """One copy of the choice for each assignment of its contacts in ``assigned``.
-    Without any assignment, the choice itself with a refusal.
+    Without any assignment, the result is the choice itself with a refusal.
     """
     return [_with_arms(choice, arms) for arms in assigned] or [choice.refused(CROSSING)]
 

@@ -127,7 +127,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
         point: Point,
         drag: HeldDrag,
     ) -> Choice:
-        """Choice of contacts with their loads and the path."""
+        """``placed`` with its segment along ``path``, loads and margins."""
         scene = query.scene
         contacts = placed.contacts
         utilisation = drag.friction_utilisation

@@ -174,7 +174,10 @@ class OrthogonalPush(TwistPushes):
     def _driven(
         self, query: MotionQuery, names: str, path: TwistPath, cone: TwistCone
     ) -> Choice:
-        """Choice of a path in a cone, without assignment of its contacts to arms."""
+        """Choice that drives the object along a ``path`` of twists in a ``cone``.
+
+        Its contacts are not yet assigned to arms.
+        """
         places = describe_points(contact.point for contact in cone.contacts)
         placed = Choice(self.name, f"{names} at {places}", cone.contacts)
         friction = query.scene.contact_friction

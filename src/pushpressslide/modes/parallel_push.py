@@ -171,8 +171,9 @@ class ParallelPush(TwistPushes):
         return [choice.refused(Refusal("no_path", literal("; ".join(reason))))]
 
     def _as_car(self, query: MotionQuery, choice: Choice, car: PushedCar) -> Choice:
-        """Choice of a push as a car. Raises ValueError if the car has no path to the
-        goal.
+        """``choice`` with a segment on which the contacts drive the object as a car.
+
+        Raises ValueError if the car has no path to the goal.
         """
         curvature = query.motion.curvature_margin * car.tightest
         path = car_path(query, car, curvature)
@@ -195,7 +196,7 @@ class ParallelPush(TwistPushes):
         return driven.refused(refusal)
 
     def _by_twists(self, query: MotionQuery, choice: Choice) -> Choice:
-        """Choice of a path made of twists in the cone of the contacts."""
+        """``choice`` with a path made of twists in the cone of its contacts."""
         cone_goal = ConeGoal.between(query.body_ends, query.body.radius)
         height = choice.contacts[0].height
         surface = push_surface(query.scene, height, Twist(*cone_goal.direct))

@@ -96,7 +96,7 @@ def exact_margin(scene: Scene, contacts: Sequence[Contact]) -> Margin:
     """
 
     def margin(rate: TwistRate) -> float:
-        """Margin of a twist."""
+        """Margin [rad] of a twist inside the cone."""
         try:
             surface = push_surface(scene, contacts[0].height, Twist(*rate))
         except ValueError:
@@ -114,8 +114,8 @@ def driven_by_twists(
     cone: TwistCone,
     push: float = 0.0,
 ) -> Choice:
-    """Choice of a path made of twists in the cone of its contacts, which push with up
-    to ``push`` [N].
+    """``choice`` with a ``path`` made of twists in the ``cone`` of its contacts, which
+    push with up to ``push`` [N].
     """
     margin = least_cone_margin(path, cone)
     drive = TwistDrive(cone.surface, path.radius, push)
