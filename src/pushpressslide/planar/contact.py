@@ -96,10 +96,10 @@ def side_contact(
 
 
 class WedgedContact(NamedTuple):
-    """A tip between its own side and another wall of a notch.
+    """A tip in a notch, between its own side and another wall.
 
-    If contact with one of the two walls alone keeps the tip out of both, the tip
-    touches that wall. Otherwise it sticks between them.
+    The tip touches only one of the two if this contact also keeps it out of the other.
+    Otherwise it sticks between them.
     """
 
     own: SideContact

@@ -31,8 +31,8 @@ class PolygonFriction:
         self._friction = friction_under(face)
 
     def wrench(self, twist: Vector, limit: float) -> Vector:
-        """Wrench (fx, fy [N], tau [N m]) that slides the object with ``twist`` (m/s,
-        rad/s), both at the CoP.
+        """Wrench (fx, fy [N], tau [N m]) that slides the object with ``twist`` [m/s,
+        rad/s], both at the CoP.
 
         ``limit`` [N] is mu_s N.
         """

@@ -41,8 +41,8 @@ class SupportFriction:
         self.rho = math.sqrt(float(self._shares @ self._basis[:, 3]))
 
     def wrench(self, twist: Vector, limit: float) -> Vector:
-        """Wrench (fx, fy [N], tau [N m]) that slides the object with ``twist`` (m/s,
-        rad/s), both at the CoP.
+        """Wrench (fx, fy [N], tau [N m]) that slides the object with ``twist`` [m/s,
+        rad/s], both at the CoP.
 
         ``limit`` [N] is mu_s N.
         """
