@@ -1,4 +1,4 @@
-"""Segments of a plan from a drive and a path, and their times."""
+"""Segments of a plan, made from a drive and a path, and the estimated time of a run."""
 
 from __future__ import annotations
 

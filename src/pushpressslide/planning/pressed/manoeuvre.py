@@ -246,8 +246,9 @@ def narrow(body: ObjectModel, speed: float) -> float:
 
 
 def straightest(body: ObjectModel) -> float:
-    """Curvature [1/m] below which a turn counts as straight. It is then replaced by a
-    turn about a distant centre.
+    """Curvature [1/m] below which a turn counts as straight.
+
+    A straight motion is treated as a turn about a distant centre.
     """
     return margins.STRAIGHTEST / body.radius
 

@@ -82,8 +82,9 @@ class TurnTable:
 
 @dataclass(frozen=True, slots=True)
 class _Slides:
-    """Sliding motions under forces at all angles STEP i, for m presses. NaN if the
-    object tips.
+    """Sliding motions under forces at all angles STEP i, for m presses.
+
+    Values are NaN if the object tips.
     """
 
     # (3, m, COUNT) of the centre of pressure, along the axis and to its left, and w
