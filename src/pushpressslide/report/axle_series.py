@@ -43,8 +43,8 @@ class AxleSeries:
 
 @dataclass(frozen=True, slots=True)
 class PressedMotion:
-    """Motion and contact force of an object under one top press, each (N,), averaged
-    over ``WINDOW``.
+    """Motion and contact force of an object under one top press, averaged over
+    ``WINDOW``. All arrays are (N,).
     """
 
     turn_rate: Array  # [rad/s]

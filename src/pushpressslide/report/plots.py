@@ -275,7 +275,7 @@ def _cruise(segment: Segment) -> float:
 
 
 def comparison_plot(runs: Sequence[tuple[str, Record]], *, title: str = "") -> Figure:
-    """Errors of several runs over the time since their motion began."""
+    """Figure of the errors of several runs, over the time since their motion began."""
     made, (top, bottom) = style.figure(2, 4.8)
     looks = ((c, dash) for dash in ("-", "--", ":", "-.") for c in style.CYCLE)
     for (label, record), (color, dash) in zip(runs, looks, strict=False):
