@@ -86,7 +86,7 @@ def continuation(
 
     A sample nearer to a joint limit than ``joint_margin`` [rad] fails as "joint_limit".
     A joint that moves by more than ``largest_step`` [rad] between two samples fails as
-    "jump". It never raises.
+    "jump". No failure raises an exception.
     """
     return continuations(
         kin,

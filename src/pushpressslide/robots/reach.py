@@ -277,11 +277,11 @@ def _all_along(
 def _retried(
     kin: ArmKinematics, p: Array, targets: Array, reach: Reach, *, each: bool = False
 ) -> Reach:
-    """Reach after another search for the failed points, with the joints now kept away
+    """Reach after another search for the failed points, now with the joints kept away
     from their limits.
 
-    Points beyond the span of the stretched links are omitted. With ``each`` all other
-    points are searched; otherwise the search stops at the first hopeless point.
+    Hopeless points, such as points beyond the span of the stretched links, are not
+    searched. If there is one, no other point is searched either, except with ``each``.
     """
     short = short_by(kin, p, targets)
     near = (short <= 0.0) & ((reach.miss < HOPELESS) | (short < -FOLDED))
