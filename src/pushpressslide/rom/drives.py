@@ -131,7 +131,7 @@ class UnicycleDrive(PressedDrive):
 
     @property
     def stiffness(self) -> float:
-        """Ratio (d / rho)^2 of lever and rho, squared."""
+        """Square (d / rho)^2 of the ratio of the lever to rho."""
         return self.car.lever / self.car.effective_wheelbase
 
 
