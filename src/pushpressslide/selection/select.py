@@ -42,12 +42,11 @@ ENDS = Refusal("no_continuation", "its contacts allow no continuation")
 def select(task: Task, enough: int = 1) -> list[Choice]:
     """All choices for ``task``, the quickest feasible one first. Never empty.
 
-    Joint paths are not checked here but in ``jobs.run.run``. A choice that is not
-    feasible has a refusal. If it cannot do the task, the refusal contains the deciding
-    number. If ``enough`` choices of its mode are feasible, or too many are blocked, it
-    is skipped and the refusal says why. With legs, choices are grouped by placement, in
-    order; ``leg`` is the first leg of a placement. Raises TaskError for a task with
-    several goals.
+    Joint paths are not checked here but in ``jobs.run.run``. A choice that cannot do
+    the task has a refusal with the deciding number. Once ``enough`` choices of a mode
+    are feasible, or too many are blocked, its other choices are skipped, and their
+    refusals say why. With legs, choices are grouped by placement, in order; ``leg`` is
+    the first leg of a placement. Raises TaskError for a task with several goals.
     """
     if Plan(task).at_goal:
         return choices_at_goal(task)

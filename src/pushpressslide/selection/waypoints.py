@@ -239,7 +239,9 @@ def _handed_over(query: MotionQuery, space: FreeSpace) -> list[Pose2]:
 
 
 def _poses_along(free_paths: PathsTo, poses: Sequence[Pose2]) -> list[Pose2]:
-    """Via poses of the paths from ``poses`` to the goal, taken from each path in turn."""
+    """Via poses of the paths from ``poses`` to the goal: the first of each path, then
+    the second of each path, and so on.
+    """
     found = [free_paths.via_poses(X) for X in poses]
     each = [path[1:-1] for path in found if path is not None]
     return [X for row in zip_longest(*each) for X in row if X is not None]
