@@ -236,7 +236,7 @@ class DrakeDrives:
         return self._physics.time
 
     def joints(self) -> Array:
-        """Positions and velocities (2 n,)."""
+        """Joint positions [rad] and velocities [rad/s], (2 n,)."""
         return self._physics.state[self._joints]
 
     def tip_force(self, arm: ArmDynamics) -> Vector3:

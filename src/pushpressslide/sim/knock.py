@@ -166,8 +166,9 @@ class Knocker:
             self._enter_phase("leaving", t)
 
     def _motion(self, pose: Pose2, t: float) -> tuple[Point, float]:
-        """Velocity [m/s] and yaw rate [rad/s] of the object over the last tick, before
-        the ball touches it.
+        """Velocity [m/s] and yaw rate [rad/s] of the object over the last tick.
+
+        Used before the ball touches the object.
         """
         if self._last is None:
             return (0.0, 0.0), 0.0

@@ -136,7 +136,7 @@ def _solid_parts(body: MeshBody, layered: bool) -> Iterator[SolidPart]:
 
 @dataclass(frozen=True)
 class _Layer:
-    """Bands that form one part: a convex stack, or a single band."""
+    """Consecutive bands that form one part: a convex stack, or a single band."""
 
     low: float  # [m]
     high: float  # [m]
@@ -244,7 +244,7 @@ def _blend(foot: Array, head: Array, share: float) -> Area:
 
 
 def _ring(area: Area) -> tuple[Point, ...]:
-    """Corners of the convex hull of a cross-section."""
+    """Corners [m] of the convex hull of a cross-section."""
     hull = area.convex_hull.simplify(DETAIL)
     return tuple((x, y) for x, y in next(polygons(hull)).exterior.coords[:-1])
 

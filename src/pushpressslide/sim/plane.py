@@ -194,7 +194,7 @@ def _base_ring(shape: MeshBody) -> tuple[Point, ...]:
 
 
 def _turning(corners: tuple[Point, ...]) -> tuple[Point, ...]:
-    """Corners at which the border changes direction."""
+    """Corners [m] at which the border changes direction."""
     by = zip(corners, turns(corners), strict=True)
     return tuple(corner for corner, turn in by if turn > STRAIGHT)
 
