@@ -96,8 +96,8 @@ def _check_connected(footprint: Area) -> None:
 
 
 def _outline(area: Polygon, detail: float) -> tuple[Point, ...]:
-    """Corners of an outline, counter-clockwise, without small details and limited in
-    number.
+    """Corners [m] of an outline, counter-clockwise, without small details and limited
+    in number.
     """
     ring = largest(area.simplify(detail)).exterior.coords[:-1]
     if len(ring) > MOST_CORNERS:

@@ -162,7 +162,7 @@ def _section(data: Any) -> Kind:
 
 
 def _named_model(robot: Kind) -> Kind:
-    """Kind of a robot, which a program may also give as the name of its model."""
+    """Kind of a robot. A program may also give a robot by the name of its model."""
 
     def encode(value: Any) -> Any:
         """Make a plain value from a robot, or from the name of its model."""
