@@ -85,7 +85,10 @@ def batches(seed: int) -> list[Row]:
 
 
 def _row(law: Law, short: Law, size: int) -> Row:
-    """Row of one law. ``short`` is the same law on ``ALONE`` rows."""
+    """Row of one law.
+
+    ``short`` is the same law for only ``ALONE`` rows.
+    """
     block = np.zeros(law.numbers * size)
     contestants: dict[str, Call | str] = {
         COPY: block.copy,  # into new memory, as an answer is

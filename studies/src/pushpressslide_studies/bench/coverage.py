@@ -1,7 +1,7 @@
 """Wrenches of two orthogonal pushes, by sampling, compared with the paper's formulas.
 
-docs/mechanics.md. Lengths are in multiples of the distance d of the contacts from the
-CoM, or of K = rho^2/d.
+Source: docs/mechanics.md. Lengths are in multiples of the distance d of the contacts
+from the CoM, or of K = rho^2/d.
 """
 
 from __future__ import annotations

@@ -158,8 +158,7 @@ def sticks_on_the_engine(case: Case) -> bool:
 def scores(cases: int, seed: int) -> list[dict[str, object]]:
     """Share of correct predictions, for the exact surface and the ellipsoid.
 
-    ``near`` is the largest distance of a wrongly predicted push from its limit of
-    friction utilisation or of the resultant's position.
+    ``near`` is the largest ``distance`` of a wrongly predicted push.
     """
     rng = random.Random(seed)
     rows: dict[str, list[tuple[bool, LinePush]]] = {"exact": [], "ellipsoid": []}
@@ -190,5 +189,9 @@ def _score(model: str, pushes: list[tuple[bool, LinePush]]) -> dict[str, object]
 
 
 def distance(push: LinePush) -> float:
-    """Distance of a push from its nearer limit."""
+    """Distance of a push from the nearer of its two limits.
+
+    The friction utilisation and the magnitude of the resultant's position are both
+    limited to 1.
+    """
     return min(abs(push.friction_utilisation - 1.0), abs(abs(push.center) - 1.0))

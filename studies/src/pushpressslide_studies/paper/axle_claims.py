@@ -16,7 +16,7 @@ SEEN_C = 0.43
 
 
 def axle_claims(result: Result) -> list[Claim]:
-    """Claims evaluated with the measurements under the paper's press at its height."""
+    """Claims evaluated with the measurements at the height of the paper's press."""
     rows = [row for row in result["rows"] if row["measured"] is not None]
     high = max((row["height"] for row in rows), default=0.0)
     ours = [row for row in rows if row["height"] == high]

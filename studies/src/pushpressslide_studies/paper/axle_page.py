@@ -158,7 +158,7 @@ def _error(row: Mapping[str, Any], key: str) -> str:
 
 
 def _probe_rows(result: Mapping[str, Any]) -> Iterator[tuple[str, list[str]]]:
-    """Yield the cells of every probe with the title of its group.
+    """Yield the title of each probe's group and the probe's cells.
 
     A group is one height and one press.
     """

@@ -41,7 +41,9 @@ class Variant:
 
     @property
     def settings(self) -> tuple[str, ...]:
-        """All changed fields. A measurement is a single attempt."""
+        """All changed fields, including those that limit a measurement to a single
+        attempt.
+        """
         return (*self.overrides, "motion.recoveries=0", "limits.legs=1")
 
 

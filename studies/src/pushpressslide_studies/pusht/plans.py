@@ -1,4 +1,4 @@
-"""Choice of three pushes: the fastest that keep clear of the walls."""
+"""Selection of three pushes: the fastest that keep clear of the walls."""
 
 from __future__ import annotations
 
