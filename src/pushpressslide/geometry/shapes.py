@@ -228,9 +228,10 @@ class Cylinder(Shape):
     def chords(
         self, direction: Point, margin: float, origin: Point
     ) -> tuple[tuple[float, float], ...]:
-        """One chord [m], up to the circle that is smaller by ``margin`` [m].
+        """The single chord [m] along a ray, up to the circle whose radius is smaller by
+        ``margin`` [m].
 
-        It ends at 0 if B's origin is outside that circle and the ray's line misses it.
+        The chord has no length if the line of the ray misses that circle.
         """
         cx, cy = origin
         radius = self.radius - margin
