@@ -25,7 +25,7 @@ def in_axis(axis: Vector, v: Sequence[float]) -> Vector:
 
 @kernel
 def from_axis(axis: Vector, v: Vector) -> Vector:
-    """Vector with the components ``v`` along ``axis``, and to its left."""
+    """Vector given by its components ``v`` along ``axis`` and to the left of it."""
     c, s = axis
     return c * v[0] - s * v[1], s * v[0] + c * v[1]
 
