@@ -404,7 +404,7 @@ def _steered(
     """
 
     def make(choice: Choice, evaluated: bool) -> list[Choice]:
-        """The choice with its steering, for each arm that may make it."""
+        """The choice with its steering, for each arm that may touch the object."""
         steered = with_turns(query, choice, min_angle) if evaluated else choice
         return either_arm(query.scene, query.body_ends, steered)
 
