@@ -107,7 +107,7 @@ class PlanarTip(TipAlone):
     """One tip of the planar world."""
 
     def __init__(self, physics: PlanarPhysics, index: int) -> None:
-        """Take the ``index``th tip."""
+        """Attach to the tip number ``index`` of the planar world."""
         self._physics = physics
         self._index = index
 
