@@ -1,4 +1,4 @@
-"""Choices of one contact, one for each arm that may make it."""
+"""Choices of one contact, one for each arm that may touch the object."""
 
 from __future__ import annotations
 

@@ -220,7 +220,10 @@ def pressed_turns(press: Press, speed: float) -> tuple[PressedTurn, ...]:
 
 
 def _turn(table: TurnTable, column: int, press: Press) -> PressedTurn:
-    """Turn of a table's only press at one angle."""
+    """Turn under a force at one angle, from a table with a single press.
+
+    ``column`` is the index of the angle.
+    """
 
     def of_this_turn(quantity: Array) -> float:
         """Value of a table's column for this turn."""
