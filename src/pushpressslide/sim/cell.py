@@ -96,7 +96,9 @@ class DrakePhysics:
         station: Station,
         spare: Callable[[], Station] | None = None,
     ) -> None:
-        """Take a station. ``spare`` makes another one, as in ``drake_cell``."""
+        """Start the simulation of a station. ``spare`` makes another one, as in
+        ``drake_cell``.
+        """
         task = plan.task
         query = plan.query
         plant = station.plant
@@ -224,7 +226,7 @@ class DrakeDrives:
     """Encoders, force sensor and motors of an arm in a station."""
 
     def __init__(self, physics: DrakePhysics, index: int) -> None:
-        """Take the ``index``th arm."""
+        """Attach to the drives of the arm number ``index``."""
         self._physics = physics
         self._index = index
         robot = physics.station.scene.robots[index]

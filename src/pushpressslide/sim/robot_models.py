@@ -98,7 +98,7 @@ class _ModelField:
     model: str
 
     def error(self, advice: str) -> TaskError:
-        """Error that the model cannot be used, with advice."""
+        """Error which says that the model cannot be used, with advice."""
         field = f"robots[{self.index}].model"
         return TaskError(self.source, field, path_value(self.model), advice)
 
@@ -215,7 +215,7 @@ def _add_drake_model(parser: Parser, field: _ModelField) -> ModelInstanceIndex:
 
 
 def _file_error(field: _ModelField, reason: str) -> RobotFileError:
-    """Error that a model's file cannot be used."""
+    """Error which says that a model's file cannot be used."""
     return RobotFileError(field.model, "", field.model, reason)
 
 
