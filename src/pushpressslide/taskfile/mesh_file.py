@@ -122,7 +122,7 @@ def _outlined(surface: Surface, path: str, scale: float, up: str) -> MeshBody:
 
 
 class _UprightError(Exception):
-    """Error that a mesh is not an upright solid, with the reason."""
+    """Error which says that a mesh is not an upright solid, with the reason."""
 
 
 def _upright(mesh: Trimesh, path: str, scale: float, up: str) -> MeshSolid:

@@ -51,8 +51,9 @@ END = 0.02
 LEVEL = math.radians(2.0)
 """Largest slope [rad] of a patch on top that counts as level."""
 ENOUGH = 0.5
-"""Smallest radius of the largest disc in a patch that a press may use, as a share of
-that of the largest patch.
+"""Smallest size of a patch that a press may use, as a share of the size of the largest
+patch. The highest patch of at least this size is pressed. The size of a patch is the
+radius of the largest disc in it.
 """
 SMALLEST_PATCH = 0.004
 """Smallest radius [m] of the largest disc in a patch."""

@@ -197,8 +197,8 @@ def located(plain: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 def shape_faults(field: str, plain: Mapping[str, Any]) -> Iterator[Fault]:
     """Yield faults of fields that contain a shape.
 
-    They are several kinds of shapes, a polygon that crosses itself, parts that are not
-    connected, and a mesh without a body that stands.
+    The faults are: several kinds of shape, a polygon that crosses itself, parts that
+    are not connected, and a mesh without a body that can stand.
     """
     given = [name for name in NAMES if plain[name] is not None]
     if len(given) != 1:
