@@ -59,9 +59,9 @@ class TorqueArm(Driverless):
         period: float,
         frame: SupportFrame = TABLE,
     ) -> None:
-        """Take ``path`` as the joint reference, with the tool held as in ``attitude``.
+        """Take ``path`` as the joint reference, with the tool at ``attitude``.
 
-        Control periods are ``period`` [s]; ``frame`` is the support's.
+        ``period`` [s] is the control period, ``frame`` the frame of the support.
         """
         facts = self.model.facts
         self.path = path
@@ -122,8 +122,8 @@ class TorqueArm(Driverless):
 
     @property
     def _torque(self) -> Array:
-        """Torques (n,) [N m] as last applied, or before the first command the torques
-        that hold the arm at rest.
+        """Torques (n,) [N m] last applied. Before the first command, those that hold
+        the arm at rest.
         """
         return self.state.bias if self._limited is None else self._limited.torque
 

@@ -23,7 +23,7 @@ TIPPING_TIME = 0.1  # [s] for which the load may leave the base before the run e
 
 def planar_cell(plan: Plan, start: WorldState | None = None) -> Cell:
     """Cell with the object of ``plan`` at its true start, and the tips before their
-    contacts or at the positions of the run's start state.
+    contacts or at the positions in the start state of the run.
     """
     physics = PlanarPhysics(plan, start)
     tips = [PlanarTip(physics, i) for i in range(len(plan.task.robots))]
@@ -31,8 +31,8 @@ def planar_cell(plan: Plan, start: WorldState | None = None) -> Cell:
 
 
 class PlanarPhysics:
-    """An object and tips without arms, as clock, tracker, placements and source of the
-    true state.
+    """An object and tips without arms. It serves as clock, tracker, placements and
+    source of the true state.
     """
 
     simulated = True
@@ -84,7 +84,9 @@ class PlanarPhysics:
         )
 
     def failure(self) -> str | None:
-        """Failure that the object tips over or falls, or None."""
+        """Reason why the run cannot go on: the object tips over or falls. None
+        otherwise.
+        """
         if self._tipping <= TIPPING_TIME:
             return None
         pressed = any(-tip.force[2] for tip in self.now.tips)
@@ -105,12 +107,12 @@ class PlanarTip(TipAlone):
     """One tip of the planar world."""
 
     def __init__(self, physics: PlanarPhysics, index: int) -> None:
-        """Take the ``index``th tip."""
+        """Attach to the tip number ``index`` of the planar world."""
         self._physics = physics
         self._index = index
 
     def read(self) -> ArmState:
-        """Position, velocity, and the force of the previous tick."""
+        """Position and velocity of the tip, and the force of the previous tick."""
         return ArmState(self._physics.time, self._physics.now.tips[self._index])
 
     def send(self, command: ArmCommand) -> Applied:

@@ -1,8 +1,8 @@
 """A force-driven ball that disturbs the object during contact.
 
-It touches nothing but the object, and waits out of sight. When the object has covered
-the share of its path set by the disturbance, the ball flies to its side, pushes it
-aside at low height, and leaves. The object moves by its contact force alone.
+The ball touches nothing but the object, and waits out of sight. When the object has
+covered a given share of its path, the ball flies to the object's side, pushes the
+object at a low height, and leaves. Only the ball's contact force displaces the object.
 """
 
 from __future__ import annotations
@@ -53,7 +53,9 @@ NAME = "knocker"
 
 @dataclass(frozen=True)
 class Knocked:
-    """Result of a disturbance: time of the touch, displacement and rotation."""
+    """Result of a disturbance: time of the touch, displacement and rotation of the
+    object.
+    """
 
     time: float  # [s] when the ball touched
     moved: float  # [m] of the object along the push, besides its own motion
@@ -106,8 +108,9 @@ class Knocker:
     def step(
         self, port: Any, context: Context, x: Sequence[float], pose: Pose2, t: float
     ) -> None:
-        """Write the force for the next control period; ``x`` is the plant's state,
-        ``pose`` the object's X_WG.
+        """Write the force for the next control period.
+
+        ``x`` is the plant's state, ``pose`` the object's X_WG.
         """
         place = np.array(x[self._start + 4 : self._start + 7])
         velocity = np.array(x[self._speed + 3 : self._speed + 6])
@@ -163,8 +166,9 @@ class Knocker:
             self._enter_phase("leaving", t)
 
     def _motion(self, pose: Pose2, t: float) -> tuple[Point, float]:
-        """Velocity [m/s] and yaw rate [rad/s] of the object over the last tick, before
-        the ball touches it.
+        """Velocity [m/s] and yaw rate [rad/s] of the object over the last tick.
+
+        Used before the ball touches the object.
         """
         if self._last is None:
             return (0.0, 0.0), 0.0
@@ -226,7 +230,7 @@ class Knocker:
 
 
 def _hold(plan: Plan) -> float:
-    """Friction [N] of the support and of the tips on top, as planned."""
+    """Planned friction [N] of the support and of the tips on top."""
     press = max(sum(c.load for c in segment.contacts) for segment in plan.segments)
     scene = plan.task.scene
     return scene.max_friction(press) + scene.contact_friction * press

@@ -1,4 +1,4 @@
-"""Solid behind a support that is not the table: slabs around its opening, and the
+"""Solid slabs behind a support other than the table: around its opening, and at the
 opening's back.
 """
 
@@ -25,13 +25,13 @@ class Slab(NamedTuple):
 
     @property
     def size(self) -> tuple[float, float, float]:
-        """Full lengths [m]."""
+        """Edge lengths [m]."""
         spans = (self.x, self.y, self.height)
         width, length, thickness = (b - a for a, b in spans)
         return (width, length, thickness)
 
     def pose(self, frame: SupportFrame) -> RigidTransform:
-        """Pose of its centre in the world."""
+        """Pose of the slab's centre in the world."""
         x, y, z = (0.5 * (a + b) for a, b in (self.x, self.y, self.height))
         return rigid_transform(Pose2(x, y), z, frame)
 
@@ -41,8 +41,9 @@ def slabs(
 ) -> list[Slab]:
     """Slabs of a support about its frame's origin, without those of zero volume.
 
-    They extend ``reach`` [m] to the sides and up, down to ``low`` [m] along y, from
-    ``level`` [m] in height to ``thickness`` [m] behind the opening's back.
+    They extend ``reach`` [m] to the sides and up, and down to ``low`` [m] along y. In
+    height they extend from ``level`` [m] to ``thickness`` [m] behind the opening's
+    back.
     """
     opening = support.opening
     left, right, bottom, top = NOWHERE if opening is None else opening.edges
