@@ -10,8 +10,8 @@ from pushpressslide.core.errors import TaskError
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.record import Record
 from pushpressslide.jobs.engines import ENGINES, ArmOptions
-from pushpressslide.jobs.run import run_task, simulate
 from pushpressslide.jobs.run import run as run_plan
+from pushpressslide.jobs.run import run_task, simulate
 
 
 def reached(task: str, engine: str = "mujoco", **changes: object) -> Record:

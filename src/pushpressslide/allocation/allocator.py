@@ -1,4 +1,4 @@
-"""Allocators: kernels bound to the figures of their contacts."""
+"""Allocators made from kernels and the parameters of their contacts."""
 
 from __future__ import annotations
 

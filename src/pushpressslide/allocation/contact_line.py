@@ -1,9 +1,9 @@
-"""The line through two contacts: the free split of their forces along it, and its
-bounds by friction (docs/mechanics.md, sections 6 and 7).
+"""The line through two contacts, and how their forces along it may be split within
+friction (docs/mechanics.md, sections 6 and 7).
 
 Let e be the direction from contact 1 to 2, and m = J e. The forces are f_1 = (s, g_1)
-and f_2 = (F.e - s, g_2). The parts across the line follow from the wrench; the split s
-along it is free.
+and f_2 = (F.e - s, g_2). The components g_1 and g_2 across the line follow from the
+wrench; the component s along it is free.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class ContactLine:
     def __init__(self, first: Point, second: Point) -> None:
         self.figures = contact_line(first, second)
         ex, ey, self.length, middle_x, middle_y = self.figures
-        """[m]"""
+        """Components of e [1], length [m] of the line, and its midpoint [m]."""
         if not 0.0 < self.length < math.inf:
             raise InputError(
                 f"contacts at {first} and {second} m; need two distinct, finite points"
@@ -53,10 +53,11 @@ class ContactLine:
     def components(
         self, fx: float, fy: float, tau: float, about: Point = (0.0, 0.0)
     ) -> tuple[float, float, float]:
-        """Wrench components (F.e, g_1, g_2) [N], with the moment about ``about`` [m].
+        """Components (F.e, g_1, g_2) [N] of a wrench whose moment is about the point
+        ``about`` [m].
 
-        g_1 = F.m/2 - tau_mid/l and g_2 = F.m/2 + tau_mid/l, tau_mid the moment about
-        the middle.
+        g_1 = F.m/2 - tau_mid/l and g_2 = F.m/2 + tau_mid/l, where tau_mid is the moment
+        about the midpoint and l the length of the line.
         """
         return line_parts(fx, fy, tau, self.figures, about)
 
@@ -66,8 +67,9 @@ def check_pair(
 ) -> None:
     """Raise InputError unless forces can be split over two side contacts.
 
-    Causes are friction < 0, normals of other lengths, contacts that coincide, and for
-    "least_friction" normals that both lie along the line of contacts.
+    They cannot if ``friction`` is negative, a normal is not of unit length, or the
+    contacts coincide. The split "least_friction" also excludes two normals that are
+    both parallel to the line of contacts.
     """
     check_friction(friction)
     for normal in normals:

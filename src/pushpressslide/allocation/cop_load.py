@@ -1,10 +1,10 @@
-"""The smallest load of two presses that keeps the centre of pressure at a given point
-of their line and drives a twist (docs/mechanics.md, section 7).
+"""The smallest load of two presses that drives a twist with the centre of pressure at a
+given point of the line between them (docs/mechanics.md, section 7).
 
-Let u be the weight over the load. The centre of pressure and, except for its size, the
-wrench that slides the object are polynomials in u. The loads at which a contact is at
-the edge of its friction disc are therefore roots of polynomials. Between two roots
-either every load is enough or none is.
+Let u be the weight over the load. The centre of pressure is a polynomial in u, and so
+is the wrench that slides the object, up to a factor. The loads at which a contact
+reaches the edge of its friction disc are therefore roots of polynomials. Between two
+neighbouring roots either every load suffices or none does.
 """
 
 from __future__ import annotations
@@ -28,8 +28,9 @@ class CopFriction:
     """Available and required forces of two contacts for a twist, as functions of the
     load.
 
-    Polynomials in u, the weight over the load, the lowest power first. Forces are
-    multiplied by the speed (v, rho w) of the centre of pressure, squares by its square.
+    They are polynomials in u, the weight over the load, with the lowest power first.
+    Forces are multiplied by the speed |(v, rho w)| of the centre of pressure, squared
+    forces by its square.
     """
 
     left: Array  # force that the left contact can give
@@ -42,7 +43,7 @@ class CopFriction:
     def surplus(self, u: float) -> float:
         """Available force of both contacts along the line, minus the required force.
 
-        -inf if one of them cannot give its force across the line.
+        -inf if a contact cannot provide its force across the line.
         """
         speed_squared = _polynomial_value(self.speed_squared, u)
         room_left = _squared(self.left, u) * speed_squared
@@ -76,10 +77,11 @@ def cop_friction(
     rho: float,
     frictions: tuple[float, float],
 ) -> CopFriction:
-    """Polynomials for a centre of pressure at ``fraction`` of ``line``.
+    """Polynomials for a centre of pressure at ``fraction`` of the length of ``line``.
 
     The line leads from ``left`` [m] to the right contact, in B, whose origin is the
-    CoM; ``rho`` [m]; ``frictions`` of the pairs object/support and tip/object.
+    CoM; ``rho`` is in [m]. ``frictions`` are those of the pairs object/support and
+    tip/object.
     """
     mu_s, mu_a = frictions
     com, offset = line.in_axes((-left[0], -left[1]))
@@ -123,7 +125,7 @@ def largest_enough(friction: CopFriction, lower: float, upper: float) -> float |
 
 
 def _last_enough(friction: CopFriction, low: float, high: float) -> float:
-    """Last u with a surplus >= 0, between ``low``, where it is >= 0, and ``high``."""
+    """Largest u up to ``high`` with a surplus >= 0. The surplus is >= 0 at ``low``."""
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         if friction.surplus(middle) >= 0.0:

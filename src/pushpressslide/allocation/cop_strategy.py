@@ -25,14 +25,15 @@ def safe_loads(
     uses: Sequence[float],
     lightest: float,
 ) -> Point | None:
-    """Loads [N] of the left and right contact, none below ``lightest`` [N], or None if
-    the cap allows none.
+    """Loads [N] of the left and right contact, each at least ``lightest`` [N]. None if
+    no loads within the cap suffice.
 
-    The first of the friction utilisations ``uses`` that the cap allows is taken. If the
-    contacts are opposite each other and balanced, the loads suffice for every twist,
-    otherwise they are the smallest for ``twist``. Loads below ``lightest`` are raised
-    together: in their own ratio, or, if ``cop`` is a fraction, in the ratio that keeps
-    it. ``presses(use)`` are the presses at that utilisation.
+    The friction utilisations ``uses`` are tried in order until the loads are within the
+    cap. If the contacts are opposite each other and balanced, the loads suffice for
+    every twist; otherwise they are the smallest for ``twist``. If a load is below
+    ``lightest``, both are raised: in their own ratio, or, if ``cop`` is a fraction, so
+    that the centre of pressure stays at this fraction. ``presses(use)`` are the presses
+    at the utilisation ``use``.
     """
     left = presses(1.0).left
     right = presses(1.0).right
@@ -75,7 +76,8 @@ def least_loads(presses: TwoPresses, cop: Cop, twist: Twist) -> Point | None:
 
 def loads_with(presses: TwoPresses, cop: Cop, heavier: float) -> Point:
     """Loads [N] of the left and right contact, the larger one equal to ``heavier``. The
-    smaller one is negative if it would have to pull for the wanted centre of pressure.
+    smaller one is negative if its contact would have to pull to place the centre of
+    pressure at ``cop``.
     """
     weight = presses.weight
     if isinstance(cop, str):
@@ -99,8 +101,8 @@ def possible_fractions(
     uses: Sequence[float],
     lightest: float,
 ) -> Point | None:
-    """Smallest and largest fraction, in steps of 0.01, for which ``safe_loads`` exist,
-    or None if there is no such fraction.
+    """Smallest and largest fraction, in steps of 0.01, for which ``safe_loads`` finds
+    loads. None if there is no such fraction.
     """
     good = [
         f

@@ -17,11 +17,11 @@ def one_press_allocator(
     ``load`` [N].
 
     The wrench is about ``cop`` [m] in B. One contact gives only wrenches with tau =
-    (point - cop) x f and |f| <= friction load. Any other is projected: to the nearest
-    direction in the norm diag(1, 1, 1/rho^2), in which the error of the object's twist
-    is smallest, then onto the disc. A wrench that is not finite is "infeasible". Raises
-    InputError unless ``point`` and ``cop`` are finite, ``rho`` [m] and ``load`` are > 0
-    and ``friction`` >= 0.
+    (point - cop) x f and |f| <= friction load. Any other wrench is projected: first to
+    the nearest direction in the norm diag(1, 1, 1/rho^2), which makes the error of the
+    object's twist smallest, then onto the disc. A wrench that is not finite is
+    "infeasible". Raises InputError unless ``point`` and ``cop`` are finite, ``rho`` [m]
+    and ``load`` are > 0 and ``friction`` >= 0.
     """
     check_point(point, "point")
     check_point(cop, "cop")

@@ -16,7 +16,7 @@ from pushpressslide.core.pose import Point
 
 
 class Feasibility(NamedTuple):
-    """Feasibility of a wrench, with its tightest condition."""
+    """Feasibility of a wrench, given by its tightest condition."""
 
     spare: float  # [N] reserve of the deciding condition; negative: impossible
     condition: str  # the deciding condition in words
@@ -66,7 +66,7 @@ def friction_interval(
 ) -> tuple[float, float]:
     """Interval [N] of B's friction force u in which both forces are in their cones.
 
-    If there is none, its lower end is above its upper end.
+    If there is no such friction force, the lower end is above the upper end.
     """
     p = fx
     q = -fy
@@ -98,10 +98,10 @@ def forces(
 
 
 def least_drift(fx: float, fy: float, tau: float, d: float, friction: float) -> float:
-    """Smallest b >= 0 [N] that makes (fx + b, fy - b, tau) feasible: the moment has
-    priority over the force.
+    """Smallest b >= 0 [N] that makes (fx + b, fy - b, tau) feasible.
 
-    Infinite if no b does, as for a moment without friction.
+    The moment has priority over the force. Infinite if no b suffices, as for a moment
+    without friction.
     """
     if friction > 1.0:
         return 0.0
@@ -153,8 +153,8 @@ def turning_corners(
     """Centres [m] about which contact B or L alone turns the object at its friction
     limit.
 
-    To the left: K (1, 1/mu) and K (1/mu, -1), K = rho^2/d; to the right: K (1, -1/mu)
-    and K (-1/mu, -1).
+    With K = rho^2/d they are K (1, 1/mu) and K (1/mu, -1) for turns to the left, and K
+    (1, -1/mu) and K (-1/mu, -1) for turns to the right.
     """
     k = rho * rho / d
     far = k / friction if friction > 0.0 else math.inf
@@ -167,7 +167,7 @@ def can_turn_about(
     center: Point, left: bool, d: float, friction: float, rho: float
 ) -> bool:
     """Whether two pushes can turn an object to the left (or right) about ``center``
-    [m], from the CoM.
+    [m], relative to the CoM.
 
     To the left, the possible centres are the segment between the two
     ``turning_corners``, and all its points displaced by any x, y >= 0. To the right,
@@ -185,8 +185,8 @@ def can_turn_about(
 
 
 def least_turning_radius(d: float, friction: float, rho: float) -> float:
-    """Smallest distance [m] of a turning centre from the CoM: K sqrt((1 + 1/mu^2) / 2),
-    mu <= 1. Inf without friction.
+    """Smallest distance [m] of a turning centre from the CoM: K sqrt((1 + 1/mu^2) / 2)
+    with K = rho^2 / d, for mu <= 1. Infinite without friction.
     """
     if friction == 0.0:
         return math.inf
@@ -197,10 +197,10 @@ def translation_radii(d: float, friction: float, rho: float) -> tuple[float, flo
     """Distances [m] from the CoM to the turning centres when the net force is along one
     normal, for friction < 1.
 
-    With all friction at its limit they are K (1 + mu^2) / (mu (1 + mu)) and K (1 + mu)
-    / mu, with K = rho^2 / d. Under a force along +x the object turns to the right about
-    both centres, under one along -y to the left. They are the correct values of the
-    paper's d_min and d_max. Infinite without friction.
+    With both frictions at their limits, the distances are K (1 + mu^2) / (mu (1 + mu))
+    and K (1 + mu) / mu, with K = rho^2 / d. Under a force along +x the object turns to
+    the right about both centres, under one along -y to the left. They are the correct
+    values of the paper's d_min and d_max. Infinite without friction.
     """
     if friction == 0.0:
         return math.inf, math.inf

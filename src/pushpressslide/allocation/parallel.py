@@ -21,8 +21,8 @@ def feasibility(
 ) -> Feasibility:
     """Tightest condition for a wrench (fx, fy [N], tau [N m]) about the CoM.
 
-    Contacts at (-d_x, +-half_width) [m] that push along +x: |tau + d_x fy| <=
-    half_width fx, |fy| <= mu fx.
+    The contacts at (-d_x, +-half_width) [m] push along +x. The conditions are |tau +
+    d_x fy| <= half_width fx, |fy| <= mu fx.
     """
     return min(
         Feasibility(

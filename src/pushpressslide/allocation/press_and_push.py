@@ -1,6 +1,6 @@
-"""Allocation to a press from above and a push from the side: the push turns the object
-about the pressed point, the press gives the remaining force (docs/mechanics.md, section
-7).
+"""Allocation to a press from above and a push from the side. The push turns the object
+about the pressed point, and the press provides the remaining force (docs/mechanics.md,
+section 7).
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ def press_and_push_allocator(
     """``allocate(fx, fy, tau)`` for a top contact at ``press`` [m] with ``load`` [N],
     and a side contact at ``push`` [m] with the unit inward ``normal``.
 
-    All are in B, the wrench about ``cop`` [m]. Of all forces inside cone and disc that
-    realise it, those with the push nearest to its normal are taken. A wrench that the
-    press cannot hold is scaled. If the push would have to pull, its moment is left out.
-    The status is "projected" in both cases. It is "infeasible" if nothing is left, and
-    for a wrench that is not finite. Raises InputError unless the places are finite,
-    ``load`` is > 0, ``friction`` >= 0, and the push has a lever about the pressed
-    point.
+    Everything is in B; the wrench is about ``cop`` [m]. Of all forces inside cone and
+    disc that realise the wrench, those with the push nearest to its normal are taken. A
+    wrench beyond the friction of the press is scaled down. If the push would have to
+    pull, its moment is left out. The status is "projected" in both cases. It is
+    "infeasible" if no force is left, or if the wrench is not finite. Raises InputError
+    unless the points are finite, ``load`` is > 0, ``friction`` >= 0, and the push has a
+    lever about the pressed point.
     """
     check_point(cop, "cop")
     line = ContactLine(press, push)

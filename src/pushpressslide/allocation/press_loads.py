@@ -1,11 +1,12 @@
-"""Normal loads of two top contacts (docs/mechanics.md, section 7): for a given ratio,
+"""Normal loads of two top contacts (docs/mechanics.md, section 7): in a given ratio,
 for a given centre of pressure, with the smallest sum, and on a wall.
 
 The wrench that slides the object grows with the load, and the centre of pressure moves
-with the ratio. The loads for one twist are therefore found by iteration, in a tenth of
-a millisecond to some milliseconds, for planning. For a centre of pressure they are
-exact (``cop_load``); the loads for all twists are one formula. The height of the
-contacts, which moves the centre of pressure along the force, is neglected.
+with the ratio. The loads for one twist are therefore found by iteration, which takes
+0.1 ms to a few milliseconds and is meant for planning. The loads for a given centre of
+pressure are exact (``cop_load``), and those for all twists follow from one formula. The
+height of the contacts, which shifts the centre of pressure along the force, is
+neglected.
 """
 
 from __future__ import annotations
@@ -60,8 +61,8 @@ class TwoPresses:
     """Two top contacts on an object whose CoM is the origin of B.
 
     Raises InputError for friction or a weight < 0, rho or cap <= 0, and contacts that
-    coincide. Methods with ``gravity`` take a weight [N] in the plane, in B: on a wall,
-    where ``weight`` is 0.
+    coincide. ``gravity`` in the methods is the weight [N] in the plane of the support,
+    in B. It acts on a wall, where ``weight`` is 0.
     """
 
     left: Point  # [m] in B
@@ -83,8 +84,9 @@ class TwoPresses:
 
     @property
     def least_fraction(self) -> float:
-        """Smallest N_i / N of each contact for a turn about the centre of pressure:
-        (mu_s / mu_a) rho / l. Infinite if the contacts have no friction.
+        """Smallest share N_i / N of the load on each contact for a turn about the
+        centre of pressure: (mu_s / mu_a) rho / l. Infinite if the contacts have no
+        friction.
         """
         if self.contact_friction == 0.0:
             return math.inf
@@ -96,10 +98,11 @@ class TwoPresses:
         )
 
     def press_for_every_twist(self) -> float:
-        """Sum [N] of two equal normals that drives every twist. Infinite if none does.
+        """Smallest sum [N] of two equal normals that drives every twist. Infinite if
+        none does.
 
-        For contacts opposite each other about the CoM; needs mu_a > mu_s sqrt(1 + 4
-        rho^2 / l^2).
+        The contacts are opposite each other about the CoM. A finite sum requires mu_a >
+        mu_s sqrt(1 + 4 rho^2 / l^2).
         """
         asked = self.support_friction * math.hypot(
             1.0, 2.0 * self.rho / math.dist(self.left, self.right)
@@ -112,7 +115,10 @@ class TwoPresses:
     def loads_for(
         self, normals: Point, twist: Twist, gravity: Point = (0.0, 0.0)
     ) -> PressLoads:
-        """Effects of ``normals`` [N] for ``twist`` (of any body point, in B)."""
+        """Contact forces, centre of pressure, margin and status under ``normals`` [N].
+
+        ``twist`` is that of any body point, in B.
+        """
         cop, wrench = self._wrench(normals, twist, gravity)
         total = normals[0] + normals[1]
         share = normals[1] / total if total > 0.0 else 0.5
@@ -127,8 +133,9 @@ class TwoPresses:
     def in_ratio(
         self, share: float | Side, twist: Twist, gravity: Point = (0.0, 0.0)
     ) -> PressLoads:
-        """Smallest loads with a given ratio. If the cap does not suffice, these are the
-        loads at the cap, with status "infeasible".
+        """Smallest loads with the fraction ``share`` on the right contact. If no loads
+        within the cap suffice, these are the loads at the cap, with status
+        "infeasible".
         """
         total = min(self._least_total(share, twist, gravity), self._max_total(share))
         return self.loads_for(self._shared(share, total), twist, gravity)
@@ -157,8 +164,8 @@ class TwoPresses:
         (0, 1) from the left to the right contact, along their line.
 
         They are exact: no smaller loads within the cap suffice. If they exceed the cap,
-        or no loads suffice, the result is as in ``for_share``. Without a weight that
-        presses on the support, the two methods are the same.
+        or no loads suffice, the result is as in ``for_share``. If no weight presses the
+        object on the support, the two methods are equivalent.
         """
         if self.weight == 0.0:
             return self.for_share(fraction, twist, gravity)
@@ -267,7 +274,7 @@ class TwoPresses:
         return _first_enough(surplus, self._max_total(share))
 
     def _max_total(self, share: float | Side) -> float:
-        """Largest sum [N] of two normals with a given ratio, by the cap."""
+        """Largest sum [N] of two normals in a given ratio within the cap."""
         if isinstance(share, str):
             lower = self._least_of_side(share)
             return min(2.0 * self.cap, (self.cap + lower * self.weight) / (1.0 - lower))
@@ -296,8 +303,8 @@ def _first_enough(surplus: Callable[[float], float], upper: float) -> float:
 
     Infinite if no total suffices. ``surplus`` is nearly linear and is solved by false
     position (Illinois), always within a bracket. It may decrease again when a larger
-    press moves the centre of pressure away from the turning centre, which is the reason
-    for ``TOPS``.
+    press moves the centre of pressure away from the turning centre, and ``TOPS`` allows
+    for this.
     """
     width = EXACT * upper
     low = width
@@ -334,10 +341,10 @@ def wall_press(
 ) -> float:
     """Smallest sum [N] of two equal normals that slides an object along a wall.
 
-    Infinite if none does. ``weight`` [N] acts in the plane and does not press. ``up``
-    is the upward component of the direction of sliding: 1 up, 0 sideways, -1 down.
-    Without turning, and with the contacts level with the CoM on either side, the press
-    is mg / (sqrt(mu_w^2 up^2 + mu_a^2 - mu_w^2) - mu_w up).
+    Infinite if none does. ``weight`` [N] acts in the plane of the wall. ``up`` is the
+    upward component of the direction of sliding: 1 up, 0 sideways, -1 down. The object
+    does not turn, and the contacts are level with the CoM, one on either side. The
+    press is mg / (sqrt(mu_w^2 up^2 + mu_a^2 - mu_w^2) - mu_w up).
     """
     b = wall_friction * up
     square = b * b + contact_friction**2 - wall_friction**2
@@ -348,8 +355,8 @@ def wall_press(
 def wall_hold(weight: float, contact_friction: float, wall_friction: float) -> float:
     """Smallest sum [N] of two equal normals that holds an object at rest on a wall.
 
-    Both frictions carry the ``weight`` [N]: mg / (mu_a + mu_w). Infinite if both are
-    zero.
+    The friction at the tips and at the wall together carry the ``weight`` [N]: mg /
+    (mu_a + mu_w). Infinite without any friction.
     """
     friction = contact_friction + wall_friction
     return weight / friction if friction > 0.0 else math.inf

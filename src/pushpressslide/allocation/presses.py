@@ -1,9 +1,9 @@
 """Allocation to two top contacts: tangential forces inside the friction discs of two
 presses (docs/mechanics.md, section 7).
 
-Across the line of contacts both forces follow from the wrench; along it, every split
-without opposite signs is free of antagonistic shear. Closed forms in plain floats. The
-normal loads are in ``press_loads``.
+The force components across the line of contacts follow from the wrench. Those along the
+line are free of antagonistic shear if they do not have opposite signs. All formulas are
+closed forms in plain floats. The normal loads are in ``press_loads``.
 """
 
 from __future__ import annotations
@@ -38,16 +38,16 @@ def two_press_allocator(points: Sequence[Point], friction: float) -> PressAlloca
     B.
 
     The wrench is about ``cop`` [m], in B: the centre of pressure of the contacts'
-    ``normals`` [N], preferably measured ones. Each disc has the radius ``friction``
-    times normal. The force along the line of contacts is shared in the ratio of the
-    remaining capacities of the discs. The split has no antagonistic shear, and is
-    inside both discs whenever any split is.
+    ``normals`` [N], preferably measured ones. The radius of each disc is ``friction``
+    times the normal force. The force along the line of contacts is shared in the ratio
+    of the remaining capacities of the discs. The split has no antagonistic shear, and
+    is inside both discs whenever any split is.
 
-    A wrench beyond the discs is scaled onto them, status "projected". Its direction is
-    kept, but below the limit surface nothing moves, so that this twist cannot be driven
-    at these normals. The status is "infeasible" if nothing is left of it, it is not
-    finite, or a normal is not finite and >= 0. Raises InputError for contacts that
-    coincide, or friction < 0.
+    A wrench beyond the discs is scaled onto them, with status "projected". Its
+    direction is kept, but it is then inside the limit surface and moves nothing: these
+    normals cannot drive the twist. The status is "infeasible" if no force is left, the
+    wrench is not finite, or a normal is not finite and >= 0. Raises InputError for
+    contacts that coincide, or friction < 0.
     """
     check_friction(friction)
     first, second = points
@@ -75,8 +75,8 @@ def _allocator(pair: PressPair) -> PressAllocator:
 def least_press(
     parts: tuple[float, float, float], friction: float, share: float
 ) -> float:
-    """Smallest sum [N] of two normal forces of which contact 2 has the fraction
-    ``share`` in [0, 1].
+    """Smallest sum [N] of two normal forces if contact 2 has the fraction ``share``, in
+    [0, 1].
     """
     along, g1, g2 = parts
     a1 = friction * (1.0 - share)
@@ -85,8 +85,8 @@ def least_press(
 
 
 def least_presses(parts: tuple[float, float, float], friction: float) -> Point:
-    """The two normal forces [N] with the smallest sum: |f_i| / mu, with F.e shared as
-    |g_1| to |g_2|.
+    """The two normal forces [N] with the smallest sum: |f_i| / mu, with F.e split in
+    the ratio |g_1| : |g_2|.
     """
     along, g1, g2 = parts
     across = abs(g1) + abs(g2)

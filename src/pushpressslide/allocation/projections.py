@@ -1,9 +1,9 @@
 """The cone of wrenches that two side contacts can give, and projections onto it.
 
 Source: docs/mechanics.md, section 6. The cone is spanned by four edge wrenches, one for
-each edge of the two friction cones. Scaling never brings a wrench into a cone, so that
-the wanted wrench has to be changed: to the nearest wrench, or with the force kept, or
-with the moment kept. Closed forms of fixed cost, plain floats.
+each edge of the two friction cones. Scaling never brings a wrench into a cone. A wrench
+outside is therefore replaced by the nearest one in the cone, or by one with the same
+force or the same moment. All formulas are closed forms of fixed cost, in plain floats.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 class EdgeForces(NamedTuple):
     """Forces of two contacts on a facet of their wrench cone.
 
-    At least one of them is on its cone's edge.
+    At least one of the forces is on an edge of its friction cone.
     """
 
     forces: tuple[Point, Point]  # [N] in B
@@ -39,11 +39,11 @@ class EdgeForces(NamedTuple):
 
 class WrenchCone:
     """The wrenches (fx, fy [N], tau [N m]) about B's origin that two side contacts can
-    give, in B.
+    provide, in B.
 
-    ``points`` [m] and unit inward ``normals`` in B, ``friction`` of the pair
-    tip/object. Distances are in the norm diag(1, 1, 1/rho^2), in which the error of the
-    object's twist is measured on the ellipsoid of ``rho`` [m].
+    ``points`` [m] and unit inward ``normals`` are in B; ``friction`` is that of the
+    pair tip/object. Distances are in the norm diag(1, 1, 1/rho^2), which measures the
+    error of the object's twist on the ellipsoid of ``rho`` [m].
     """
 
     def __init__(
@@ -83,7 +83,8 @@ class WrenchCone:
         self._push = (normals[0][0] + normals[1][0], normals[0][1] + normals[1][1])
 
     def _planes_across(self, planes: Sequence[Vector]) -> list[Vector]:
-        """Normals of planes that bound a flat cone, as of contacts without friction.
+        """Normals of planes that bound a flat cone, such as that of contacts without
+        friction.
 
         The planes are at right angles to the cone's plane, or contain its line.
         """
@@ -95,8 +96,8 @@ class WrenchCone:
         return [aside, _cross(first, aside), first]
 
     def _facets(self, normal: Vector) -> Iterator[Vector]:
-        """Yield the facets in the plane with a ``normal``. There are none if edges lie
-        on both sides of the plane.
+        """Yield the facets of the cone in the plane with this ``normal``. There are
+        none if edges lie on both sides of the plane.
         """
         size = math.sqrt(_dot(normal, normal))
         sides = [
@@ -131,7 +132,7 @@ class WrenchCone:
         self, projection: Projection
     ) -> Callable[[float, float, float], Vector]:
         """Projection of a wrench onto the cone that keeps its force or its moment, if
-        it can.
+        possible.
         """
         if projection == "force_priority":
             return self.with_force_kept
@@ -139,7 +140,7 @@ class WrenchCone:
 
     def with_force_kept(self, fx: float, fy: float, tau: float) -> Vector:
         """Wrench of the cone with the force of the given wrench and the nearest
-        possible moment. If no moment makes the force feasible, the given wrench.
+        possible moment. The given wrench if no moment makes the force feasible.
         """
         low = -math.inf
         high = math.inf
@@ -158,8 +159,8 @@ class WrenchCone:
 
     def with_torque_kept(self, fx: float, fy: float, tau: float) -> Vector:
         """Wrench of the cone with the moment of the given wrench and the smallest
-        additional force along the sum of the normals. If no such force is enough, the
-        given wrench.
+        additional force along the sum of the normals. The given wrench if no such force
+        suffices.
         """
         px, py = self._push
         drift = 0.0

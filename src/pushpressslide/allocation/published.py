@@ -1,8 +1,8 @@
-"""The paper's own formulas for two contacts, kept for comparison only, which their
-names say. They check no cone.
+"""The paper's own formulas for two contacts, kept for comparison only. They check no
+cone.
 
-Equations are numbered as in studies/docs/paper-map.md; forces [N] on the object, in B,
-moments about the CoM.
+Equations are numbered as in studies/docs/paper-map.md. Forces [N] are on the object, in
+B; moments are about the CoM.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pushpressslide.mechanics.contacts import least_norm_forces
 def synchronised_pushes(fx: float, fy: float) -> tuple[Point, Point]:
     """Two equal forces from behind (case 3, mode 1; eq. 18).
 
-    Their moment is -d_x fy, independent of the wanted one.
+    Their moment is -d_x fy, whatever the wanted moment.
     """
     return (0.5 * fx, 0.5 * fy), (0.5 * fx, 0.5 * fy)
 
@@ -28,8 +28,9 @@ def differential_pushes(
 ) -> tuple[Point, Point]:
     """Left and right force from behind, without friction (case 3, mode 2; eq. 20).
 
-    The paper takes this for a differential drive. A force is negative, a pull, for
-    |tau| > half_width fx: no turning in place, no reverse.
+    The paper treats the pair as a differential drive. For |tau| > half_width fx one
+    force is negative and would have to pull, so the object can neither turn in place
+    nor reverse.
     """
     half = 0.5 * tau / half_width
     return (0.5 * fx - half, 0.0), (0.5 * fx + half, 0.0)
@@ -38,11 +39,11 @@ def differential_pushes(
 def orthogonal_pushes(
     fx: float, fy: float, tau: float, d: float, bias: float = 0.0
 ) -> tuple[Point, Point]:
-    """Forces of contact B at (-d, 0) and L at (0, d), friction split evenly (case 4;
-    eqs. 22, 23).
+    """Forces [N] of contact B at (-d, 0) and L at (0, d), with friction split evenly
+    (case 4; eqs. 22, 23).
 
-    The ``bias`` [N] on both normal forces is not internal: the forces add up to (fx +
-    bias, fy - bias, tau).
+    The ``bias`` [N] on both normal forces is not an internal force: the forces add up
+    to (fx + bias, fy - bias, tau).
     """
     friction = -0.5 * tau / d
     return (fx - friction + bias, friction), (friction, -(-fy + friction + bias))
@@ -68,9 +69,9 @@ def unicycle_distances(d: float, friction: float, rho: float) -> tuple[float, fl
     """The paper's d_min and d_max [m], (1 -+ mu^2) K / mu^2, between which case 4 has
     its tracking points.
 
-    The paper has one tracking point to the left and one to the right. The distances
-    that are correct in their place are ``orthogonal.translation_radii``, for which both
-    centres turn the object the same way. Infinite without friction.
+    The paper has one tracking point to the left and one to the right. The correct
+    distances are ``orthogonal.translation_radii``: the object turns the same way about
+    both centres. Infinite without friction.
     """
     if friction == 0.0:
         return math.inf, math.inf
@@ -84,7 +85,7 @@ def pressed_forces(
     """Tangential forces at ``points`` [m] with the smallest sum of squares (case 5; eq.
     24).
 
-    The moment is about the CoM, the limit surface about the CoP: unless the two
-    coincide, an object that should translate also turns.
+    The moment is about the CoM, but the limit surface is about the CoP. Unless the two
+    coincide, an object that should only translate also turns.
     """
     return least_norm_forces(points, Wrench(fx, fy, tau))

@@ -1,4 +1,4 @@
-"""Two side contacts that keep a reserve of friction if they can."""
+"""Allocation to two side contacts that keeps a reserve of friction if possible."""
 
 from __future__ import annotations
 
@@ -19,8 +19,10 @@ def reserving_allocator(
     rho: float,
     projection: Projection = "nearest",
 ) -> Allocator:
-    """Allocator that uses ``two_contact_allocator`` with the preferred friction
-    utilisation if this gives the wrench, and with full friction otherwise.
+    """Allocator that realises a wrench with the preferred friction utilisation if
+    possible, and with full friction otherwise.
+
+    Both use ``two_contact_allocator``.
     """
     preferred = two_contact_allocator(
         points, normals, margins.PREFERRED_USE * friction, rho
@@ -28,7 +30,7 @@ def reserving_allocator(
     exact = two_contact_allocator(points, normals, friction, rho, projection=projection)
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
-        """Forces of a wrench in B."""
+        """Contact forces [N] for a wrench [N, N m], in B."""
         allocation = preferred(fx, fy, tau)
         return allocation if allocation.status == "ok" else exact(fx, fy, tau)
 

@@ -39,11 +39,10 @@ def slide_loads(
     points: tuple[Point, Point],
     path: TwistPath,
 ) -> tuple[Refusal | None, list[Point]]:
-    """Refusal of the loads, or None, and the loads [N] at ``points`` to try for a
-    body's ``path``.
+    """Loads [N] at ``points`` to try for a body's ``path``, with their refusal or None.
 
-    If no loads suffice, they are ``cap`` [N] each. Raises RefusedError if two tips
-    cannot press the object in this way.
+    If no loads suffice, the result is a refusal and loads at ``cap`` [N]. Raises
+    RefusedError if two tips cannot press the object in this way.
     """
     cop: Cop = COP if motion.cop is None else motion.cop
     twist = path.initial_twist(ORIGIN)
@@ -74,8 +73,9 @@ def slide_loads(
 def _loads_at_limit(
     presses: Presses, cop: Cop, twist: Twist, allowed: float
 ) -> tuple[Refusal, list[Point]]:
-    """Refusal of the loads, or None, and the loads [N] at the cap. Raises RefusedError
-    if two tips cannot press the object in this way.
+    """Loads [N] at the cap, with their refusal or None.
+
+    Raises RefusedError if two tips cannot press the object in this way.
     """
     pair = presses()
     mu_a = pair.contact_friction
@@ -105,8 +105,8 @@ def slip_refusal(
 
 
 def cop_fraction(scene: Scene, contacts: Sequence[Contact]) -> float:
-    """Centre of pressure without drag, as a fraction of the line from the left to the
-    right contact.
+    """Fraction of the line from the left to the right contact at which the centre of
+    pressure lies without drag.
     """
     left, right = (contact.point for contact in contacts)
     x, y = resting_cop(scene, contacts)
@@ -115,7 +115,9 @@ def cop_fraction(scene: Scene, contacts: Sequence[Contact]) -> float:
 
 
 def _given_loads(presses: TwoPresses, cop: Cop, given: float, cap: float) -> Point:
-    """Loads [N] of a given press. Raises RefusedError if it is too hard or too light."""
+    """Loads [N] that share a press given by the task. Raises RefusedError if it is too
+    hard or too light.
+    """
     normals = loads_with(presses, cop, given)
     if given > cap:
         text = f"motion.press_force of {{figure:Ng}}, {FORCE_ALLOWED}"
@@ -132,7 +134,7 @@ def _given_loads(presses: TwoPresses, cop: Cop, given: float, cap: float) -> Poi
 
 
 def _cop_refusal(presses: Presses, cop: float, twist: Twist, allowed: float) -> Refusal:
-    """Refusal of a wanted centre of pressure, or None."""
+    """Refusal of a wanted centre of pressure."""
     cap = presses().cap
     can = possible_fractions(presses, twist, (allowed,), margins.ARM.least_press)
     span = "and so does any other"

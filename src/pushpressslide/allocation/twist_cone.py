@@ -50,15 +50,15 @@ class TwistCone:
                 self._edges.append((fx / size, fy / size, tau / size))
 
     def wrench(self, vx: float, vy: float, w: float) -> Wrench:
-        """Wrench about the CoM that drives a twist of the CoM."""
+        """Wrench [N, N m] about the CoM that drives a twist of the CoM."""
         return self.surface.wrench(Twist(vx, vy, w)).moved_to(ORIGIN)
 
     def cone_margin(self, vx: float, vy: float, w: float) -> float:
         """Angle [rad] of a twist's wrench from the edge of the cone, negative outside
         (see ``angle``).
 
-        The angle is in the norm diag(1, 1, 1/rho^2). In it the twist may be turned by
-        the same angle.
+        The angle is measured in the norm diag(1, 1, 1/rho^2), in which it is also the
+        angle by which the twist may be turned.
         """
         fx, fy, tau, _ = self.wrench(vx, vy, w)
         size = math.hypot(fx, fy, tau / self.surface.rho)
@@ -82,8 +82,11 @@ class TwistCone:
         return out
 
     def angle(self, vx: float, vy: float, w: float) -> float:
-        """Angle [rad] of a twist's wrench from the cone: ``cone_margin`` if it is
-        inside, otherwise minus the angle between it and the nearest wrench of the cone.
+        """Angle [rad] between a twist's wrench and the edge of the cone, negative
+        outside.
+
+        Inside it is ``cone_margin``, outside minus the angle to the nearest wrench of
+        the cone.
 
         For a wrench outside the cone, ``cone_margin`` itself is the angle to the plane
         of the nearest facet.
@@ -115,7 +118,7 @@ class TwistCone:
         )
 
     def rays(self, margin: float) -> list[TwistRate]:
-        """Twists near the cone's edges and between them, ``margin`` [rad] inside."""
+        """Twists ``margin`` [rad] inside the cone, near its edges and between them."""
         middle = tuple(0.25 * sum(parts) for parts in zip(*self._edges, strict=True))
         out = []
         for a, b in ((0, 0), (1, 1), (2, 2), (3, 3), *combinations(range(4), 2)):

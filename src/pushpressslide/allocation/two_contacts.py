@@ -1,14 +1,15 @@
-"""Allocation to two side contacts, anywhere on the object: four force components for
-the three of a wrench (docs/mechanics.md, sections 5 and 6).
+"""Allocation to two side contacts anywhere on the object: four force components for the
+three components of a wrench (docs/mechanics.md, sections 5 and 6).
 
 The split "least_friction" has the smallest sum of squared friction forces: section 6's
 u = -T/2, changed as little as needed. "least_force" has the smallest sum of squared
 forces: an even share along the line of contacts, changed as little as needed. It
 squeezes less and is nearer to slipping.
 
-The projection "nearest" moves a wrench to the nearest in diag(1, 1, 1/rho^2).
-"force_priority" changes its moment alone, "torque_priority" adds a force along the sum
-of the normals. If these two do not help, the nearest wrench is taken.
+The projection "nearest" replaces a wrench by the nearest feasible one in the norm
+diag(1, 1, 1/rho^2). "force_priority" changes only the moment; "torque_priority" adds a
+force along the sum of the normals. If neither gives a feasible wrench, the nearest one
+is taken.
 """
 
 from __future__ import annotations
@@ -46,14 +47,15 @@ def two_contact_allocator(
 ) -> Allocator:
     """``allocate(fx, fy, tau)`` for side contacts at two ``points`` [m] in B.
 
-    With unit inward ``normals``; the wrench is about B's origin, in B. Of all forces
-    inside the cones of ``friction`` that realise it, ``split`` chooses one. A wrench
-    outside the cone is projected by ``projection``, in the norm of an ellipsoid of
-    ``rho`` [m]. One that needs more normal force than ``caps`` [N] is scaled. Status
-    "ok" if nothing had to be changed (to 1e-9 of the wrench), otherwise "projected".
-    The status is "infeasible" if the best force is zero, and for a wrench that is not
-    finite. Raises ValueError for contacts that coincide, friction < 0, rho or caps <=
-    0, and for "least_friction" if both normals lie along the line of contacts.
+    ``normals`` are unit vectors into the object, in B; the wrench is about B's origin,
+    in B. ``split`` chooses among the forces inside the cones of ``friction`` that
+    realise the wrench. A wrench outside the cone is projected by ``projection``, in the
+    norm of an ellipsoid of ``rho`` [m]. A wrench that needs more normal force than
+    ``caps`` [N] is scaled. The status is "ok" if the wrench is realised unchanged (to
+    1e-9 of the wrench), otherwise "projected". It is "infeasible" if the best force is
+    zero, or if the wrench is not finite. Raises ValueError for contacts that coincide,
+    friction < 0, rho or caps <= 0, and for "least_friction" if both normals lie along
+    the line of contacts.
     """
     check_rho(rho)
     check_caps(caps)
@@ -82,10 +84,10 @@ def moving_allocator(
     general: tuple[Linear, Rest],
     projected: Callable[[float, float, float], Wrench],
 ) -> Allocator:
-    """Allocator of a kernel that leaves wrenches outside the cone to its caller.
+    """Allocator for a kernel that does not handle wrenches outside the cone.
 
-    Such a wrench is first moved by ``projected``. The result is the allocation of the
-    nearest wrench that the ``general`` contacts can give.
+    Such a wrench is first mapped by the function ``projected``. It is then allocated as
+    the nearest wrench that the contacts described by ``general`` can provide.
     """
     first, second = figures
 

@@ -12,7 +12,8 @@ from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist
 
 Step = tuple[Twist, Point]
-"""Direction of sliding at one pose of a motion, and the weight in the plane [N], in B.
+"""Direction of sliding at one pose of a motion, and the weight [N] in the plane, both
+in B.
 """
 
 
@@ -25,10 +26,10 @@ def wall_loads(
     """Equal loads [N] of the left and right contact that drive every one of ``steps``,
     each at least ``min_use`` [N].
 
-    The first of the friction utilisations ``uses`` that the cap allows is taken.
-    ``presses(use)`` are the presses at that utilisation, on an object whose weight does
-    not press it against the support. Raises ValueError, with the deciding number, if
-    the cap allows none.
+    The friction utilisations ``uses`` are tried in order until the loads are within the
+    cap. ``presses(use)`` are the presses at the utilisation ``use``, on an object whose
+    weight does not press it against the support. Raises ValueError, with the deciding
+    number, if no loads within the cap suffice.
     """
     for use in uses:
         pair = presses(use)
@@ -40,7 +41,7 @@ def wall_loads(
 
 
 def _problem(presses: TwoPresses, steps: Sequence[Step], min_use: float) -> str:
-    """Reason in one line why no two presses within their cap suffice."""
+    """Reason in one line why no two presses within the cap suffice."""
     mu_a = presses.contact_friction
     mu_w = presses.support_friction
     cap = presses.cap

@@ -51,9 +51,9 @@ class JointArm(Driverless, ABC):
         period: float,
         frame: SupportFrame = TABLE,
     ) -> None:
-        """Take ``path`` as the joint reference, with the tool held as in ``attitude``.
+        """Take ``path`` as the joint reference, with the tool at ``attitude``.
 
-        Control periods are ``period`` [s]; ``frame`` is the support's.
+        ``period`` [s] is the control period, ``frame`` the frame of the support.
         """
         self.path = path
         self.attitude = attitude
@@ -85,8 +85,8 @@ class JointArm(Driverless, ABC):
         return ArmReading(state.q, state.v, asked.share, asked.rate_share)
 
     def last_torque(self) -> Array:
-        """Torques (n,) [N m] as last applied, or before the first command the torques
-        that hold the arm at rest.
+        """Torques (n,) [N m] last applied. Before the first command, those that hold
+        the arm at rest.
         """
         return self.state.bias if self.limited is None else self.limited.torque
 

@@ -25,7 +25,8 @@ class ArmPlacements:
         paths: Sequence[tuple[ArmPath, ...]],
         within: Bounds | None = None,
     ) -> None:
-        """Lead ``arms`` along ``paths``: for each placement, one path for each arm.
+        """Move ``arms`` along ``paths``, which hold one path per arm for each
+        placement.
 
         ``within`` [m] bounds the region of the object: x_min, x_max, y_min, y_max.
         """
@@ -38,8 +39,8 @@ class ArmPlacements:
     def begin_placement(
         self, query: MotionQuery, postures: Sequence[Array] | None = None
     ) -> None:
-        """Give the arms the joint paths of the next placement of ``query``. Arms at
-        ``postures`` (n,) [rad] are led to its start first.
+        """Give the arms the joint paths of the next placement of ``query``. Arms in
+        ``postures`` (n,) [rad] first move to the start of these paths.
         """
         taken = self._prepared.paths.pop(0)
         paths = [path for path, _ in taken]

@@ -1,8 +1,9 @@
 """A joint trajectory within limits of speed, acceleration and jerk, from joint paths.
 
-The planned joint path is a polyline with kinks. A spline of degree five through evenly
-spaced points of the path rounds them. Wherever the spline exceeds a limit, more time is
-given. Along the contact all arms share one clock, so they stay in step with the object.
+The planned joint path is a polyline. A spline of degree five through evenly spaced
+points of the path rounds its corners. Spans on which the spline exceeds a limit are
+given more time. Along the contact all arms share one clock, so they stay in step with
+the object.
 """
 
 from __future__ import annotations
@@ -38,14 +39,14 @@ class JointLimits:
 
 @dataclass(frozen=True, eq=False)
 class Polyline:
-    """Planned joint positions of all arms, and the phase that leads to each."""
+    """Planned joint positions of all arms, with the phase that ends at each."""
 
     times: Array  # (k,) [s] as planned
     joints: Array  # (k, n) [rad]
     phases: tuple[Phase, ...]  # (k,)
 
     def followed_by(self, other: Polyline) -> Polyline:
-        """This polyline followed by another one, which starts at its end."""
+        """This polyline followed by ``other``, which starts where this one ends."""
         shift = self.times[-1] - other.times[0]
         return Polyline(
             np.concatenate([self.times, other.times[1:] + shift]),
@@ -183,7 +184,7 @@ def _evenly_spaced(planned: Polyline) -> Polyline:
 
 
 def _without_rests(times: Array, moving: Array) -> Array:
-    """Times of the moving rows, without the durations of the rests."""
+    """Times [s] of the moving rows, with the rests cut out."""
     spans = np.where(moving[1:], np.diff(times), 0.0)
     clock: Array = np.concatenate([[0.0], np.cumsum(spans)])[moving]
     return clock
@@ -200,8 +201,8 @@ def _spline(joints: Array, spans: Array) -> Any:
 
 
 def _excess(spline: Any, spans: Array, limits: JointLimits) -> Array:
-    """Factor (k - 1,) by which the time of each span is too short. It is at most 1 for
-    a span that is long enough.
+    """Factors (k - 1,) by which the spans are too short, at most 1 for spans that are
+    long enough.
     """
     firsts = np.concatenate([[0.0], np.cumsum(spans)])[:-1]
     shares = np.linspace(0.0, 1.0, SAMPLES)
@@ -217,7 +218,7 @@ def _excess(spline: Any, spans: Array, limits: JointLimits) -> Array:
 def _sampled(
     planned: Polyline, knots: Polyline, spans: Array, period: float
 ) -> JointTrajectory:
-    """Samples of the spline, with its deviation from the planned path."""
+    """Samples of the spline, with their deviation from the planned path."""
     spline = _spline(knots.joints, spans)
     clock = np.concatenate([[0.0], np.cumsum(spans)])
     times = np.append(np.arange(0.0, clock[-1], period), clock[-1])
@@ -234,7 +235,9 @@ def _sampled(
 
 
 def _deviation(planned: Array, positions: Array) -> float:
-    """Largest distance of ``positions`` (m, n) from the polyline ``planned`` (k, n)."""
+    """Largest distance [rad; m of slides] of ``positions`` (m, n) from the polyline
+    ``planned`` (k, n).
+    """
     nearest = np.full(len(positions), np.inf)
     for a, b in pairwise(planned):
         along = b - a

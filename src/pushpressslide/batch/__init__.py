@@ -1,5 +1,5 @@
-"""The laws on arrays, with the same leading shape in and out. They are the kernels of
-loops, planners and the planar engine, compiled over rows.
+"""The laws on arrays, with the same leading shape in and out. They use the same kernels
+as control loops, planners and the planar engine, compiled over rows.
 """
 
 from pushpressslide.core.room import explorable

@@ -19,9 +19,7 @@ Statuses = NDArray[np.int8]
 
 
 class Allocations(NamedTuple):
-    """Forces of k contacts that realise requested wrenches, as ``core.allocation`` for
-    one wrench.
-    """
+    """Forces of k contacts that realise wrenches: ``core.allocation`` on arrays."""
 
     forces: Array  # (..., k, 2) [N] of each contact ON the object, in B
     normals: Array  # (..., k) [N] normal magnitude of each contact, >= 0

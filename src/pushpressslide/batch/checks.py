@@ -1,7 +1,7 @@
-"""Checks of a batch's figures.
+"""Checks of a batch's parameters.
 
-Each raises InputError, in one line, with the name and the first value that is not
-allowed.
+Each raises InputError with a message of one line: the parameter's name and the first
+value that is not allowed.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ Flags = NDArray[np.bool_]
 
 
 def check_last(array: Array, sizes: tuple[int, ...], name: str) -> None:
-    """Raise InputError unless the last axes of ``array`` have these ``sizes``."""
+    """Raise InputError unless the last axes of ``array`` have the given ``sizes``."""
     if array.shape[-len(sizes) :] != sizes:
         allowed = ", ".join(str(size) for size in sizes)
         raise InputError(f"{name} {array.shape}; must be (..., {allowed})")
@@ -35,19 +35,19 @@ def check_all(
 
 
 def check_frictions(friction: Array) -> None:
-    """Raise InputError unless all are finite and >= 0."""
+    """Raise InputError unless all coefficients of friction are finite and >= 0."""
     holds = np.isfinite(friction) & (friction >= 0.0)
     check_all(holds, friction, "friction", "finite and >= 0")
 
 
 def check_positive(values: Array, name: str, unit: str) -> None:
-    """Raise InputError unless all are finite and > 0."""
+    """Raise InputError unless all ``values`` are finite and > 0."""
     holds = np.isfinite(values) & (values > 0.0)
     check_all(holds, values, name, "finite and > 0", unit)
 
 
 def check_finite(values: Array, name: str) -> None:
-    """Raise InputError unless all are finite."""
+    """Raise InputError unless all ``values`` are finite."""
     check_all(np.isfinite(values), values, name, "finite")
 
 
@@ -58,7 +58,7 @@ def check_units(normals: Array) -> None:
 
 
 def check_caps(caps: Array) -> None:
-    """Raise InputError unless all normal forces [N] are > 0. An infinite one is no
+    """Raise InputError unless all normal forces [N] are > 0. An infinite value means no
     limit.
     """
     check_all(caps > 0.0, caps, "cap", "> 0", "N")

@@ -38,7 +38,7 @@ Loop = Callable[..., None]
 
 @intrinsic
 def taken(typingctx: Any, row: Any, like: Any) -> Any:
-    """Numbers of a row (k,) as a tuple, nested like another one."""
+    """Numbers of a row (k,) as a tuple, nested like ``like``."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         """Emit the loads."""
@@ -81,11 +81,10 @@ def stored(typingctx: Any, row: Any, values: Any) -> Any:
 
 @intrinsic
 def copied(typingctx: Any, target: Any, tables: Any, row: Any, likes: Any) -> Any:
-    """Copy a row's numbers from all ``tables``, one table after the other, into another
-    row.
+    """Copy the numbers of one row of all ``tables``, table by table, into the row
+    ``target``.
 
-    As many numbers are taken from each table as the corresponding member of ``likes``
-    holds.
+    Each table contributes as many numbers as its member of ``likes`` holds.
     """
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -112,7 +111,7 @@ def _width(kind: Any) -> int:
 
 
 def _cells(context: Any, builder: Any, kind: Any, row: Any) -> Callable[[], Any]:
-    """A function that gives the address of a row's next number."""
+    """Function that returns the address of a row's next number at each call."""
     array = context.make_array(kind)(context, builder, row)
     (stride,) = cgutils.unpack_tuple(builder, array.strides)
     place = 0
@@ -136,9 +135,9 @@ def loop_over(
 ) -> Loop:
     """Loop of a kernel over the rows of tables.
 
-    Each table is nested like its item of ``heads``, the table of figures that all rows
-    share like ``like``. ``kinds`` gives NumPy's letter and the number of axes of each
-    array.
+    Each table is nested like its member of ``heads``; the parameters that all rows
+    share are nested like ``like``. ``kinds`` gives the NumPy type letter and the number
+    of axes of each array.
 
     numba caches compiled code beside this file, or in the user's cache, by the loop's
     name. The name holds a digest of all kernels, so that a change recompiles them.
@@ -160,12 +159,11 @@ def loop_over(
 
 @contextmanager
 def _vectors(width: int) -> Iterator[None]:
-    """Let LLVM process this number of rows at once in loops compiled inside the block;
-    0 leaves the choice to LLVM.
+    """Let LLVM process ``width`` rows at once in loops compiled inside the block.
 
-    LLVM's own choice assumes that half of the code behind branches is skipped at no
-    cost. numba has no such setting for a single loop, so that LLVM's global option is
-    used.
+    A width of 0 leaves the choice to LLVM, which then assumes that half of the code
+    behind branches is skipped at no cost. numba has no setting for a single loop, so
+    LLVM's global option is changed.
     """
     set_option("", f"-force-vector-width={width}")
     try:
@@ -199,7 +197,9 @@ def call_of(kernel: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _loop(kernel: Callable[..., Any], heads: tuple[Like, ...], like: Like) -> Loop:
-    """Loop of a kernel. Results that depend on the figures alone are computed once."""
+    """Loop of a kernel. Results that depend only on the shared parameters are computed
+    once.
+    """
     head = sum(heads, ())
     width = _width(head)
 

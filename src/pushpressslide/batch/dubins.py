@@ -44,8 +44,8 @@ def shortest_paths(
     """Shortest paths (...) from ``starts`` to ``goals`` (..., 3): x, y [m] and yaw
     [rad], with curvatures in [-``kappa_right``, ``kappa_left``] (...) [1/m].
 
-    Of equally short words the first of WORDS. Raises ValueError unless all limits are
-    finite and > 0.
+    Of equally short words the first in ``WORDS`` is taken. Raises ValueError unless all
+    limits are finite and > 0.
     """
     row = _arguments(starts, goals, kappa_left, kappa_right)
     out = answers(shortest_dubins, *row, columns=8)
@@ -70,7 +70,7 @@ def _arguments(
     kappa_left: ArrayLike,
     kappa_right: ArrayLike,
 ) -> tuple[tuple[Figures, Figures], Figures]:
-    """Poses and curvature limits of the paths, as arrays."""
+    """Poses and curvature limits as arrays."""
     a, b, left, right = figures(starts, goals, kappa_left, kappa_right)
     check_last(a, (3,), "starts")
     check_last(b, (3,), "goals")

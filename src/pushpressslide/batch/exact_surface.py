@@ -1,8 +1,8 @@
 """The exact limit surface on arrays: sums over the samples of one pressure.
 
 Source: docs/mechanics.md, section 1; ``mechanics.limit_surface`` and
-``mechanics.virtual_axle`` for one object. As in those modules, wrenches are about the
-centre of pressure, and a twist is that of the centre of pressure.
+``mechanics.virtual_axle`` do the same for one object. As there, wrenches are about the
+centre of pressure, and twists are those of the centre of pressure.
 """
 
 from __future__ import annotations
@@ -53,10 +53,10 @@ class ExactSurface:
         """Twists (..., 3) that ``wrenches`` (..., 3) drive, with |(v, rho w)| = 1, and
         the factors (...) by which they exceed the surface.
 
-        rho is the mean distance of the load to its centre. As
-        ``mechanics.limit_surface.exact_slide``: the twist of minimum friction power
-        among those with unit power of the wrench. Raises ValueError for a wrench that
-        is zero or not finite, and for a pressure without extent.
+        rho is the mean distance of the load from its centre. As in
+        ``mechanics.limit_surface.exact_slide``, the twist has the smallest friction
+        power among all twists at which the wrench has unit power. Raises ValueError for
+        a wrench that is zero or not finite, and for a pressure without extent.
         """
         (rows,) = figures(wrenches)
         check_last(rows, (3,), "wrenches")
@@ -75,11 +75,11 @@ class ExactSurface:
 def exact_axle_distances(
     samples: PressureSamples, levers: ArrayLike, angles: ArrayLike
 ) -> Array:
-    """Distances (...) [m] from the centre of pressure to the virtual axle:
-    ``mechanics.virtual_axle.exact_axle_distance`` of ``levers`` (..., 2) [m] and force
-    ``angles`` (...) [rad].
+    """Distances (...) [m] from the centre of pressure to the virtual axle.
 
-    Raises ValueError for a lever that is zero.
+    They are those of ``mechanics.virtual_axle.exact_axle_distance`` for ``levers``
+    (..., 2) [m] and force ``angles`` (...) [rad]. Raises ValueError for a lever that is
+    zero.
     """
     arms, turns = figures(levers, angles)
     check_last(arms, (2,), "levers")

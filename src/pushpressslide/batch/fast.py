@@ -1,4 +1,6 @@
-"""The extra ``fast``: whether numba, which compiles kernels, is installed and enabled."""
+"""The extra ``fast``: whether numba, which compiles the kernels, is installed and
+enabled.
+"""
 
 from __future__ import annotations
 

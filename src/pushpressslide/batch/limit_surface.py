@@ -2,8 +2,8 @@
 drives.
 
 Source: docs/mechanics.md, sections 1 and 1.2; ``mechanics.limit_surface`` and
-``mechanics.height_term`` for one object. Wrenches are about B's origin, twists those of
-B's origin, in B.
+``mechanics.height_term`` do the same for one object. Wrenches are about B's origin, and
+twists are those of B's origin, in B.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pushpressslide.kernels.limit_surface import driven_twist, driving_wrench
 
 
 class EllipsoidSurface:
-    """An ellipsoidal limit surface with figures of any leading shape."""
+    """An ellipsoidal limit surface with parameters of any leading shape."""
 
     def __init__(
         self,
@@ -29,9 +29,9 @@ class EllipsoidSurface:
     ) -> None:
         """Prepare the surface.
 
-        ``max_force`` (...) [N] and ``rho`` (...) [m] > 0, ``center`` (..., 2) [m] in B,
-        ``lift`` (...) [m] >= 0 is h mu_s of forces at a height h. Raises ValueError
-        otherwise.
+        ``max_force`` (...) [N] and ``rho`` (...) [m] are > 0. ``center`` (..., 2) [m]
+        is in B. ``lift`` (...) [m] >= 0 is h mu_s for forces at a height h. Raises
+        ValueError otherwise.
         """
         force, length, point, height = figures(max_force, rho, center, lift)
         check_last(point, (2,), "center")
@@ -56,7 +56,9 @@ class EllipsoidSurface:
         return self._twists(wrenches)[..., :3]
 
     def levels(self, wrenches: ArrayLike) -> Array:
-        """H(W) (...): 1 on the surface, below 1 at rest."""
+        """Levels H(W) (...) of wrenches W: 1 on the limit surface, below 1 for an
+        object at rest.
+        """
         return self._twists(wrenches)[..., 3]
 
     def _twists(self, wrenches: ArrayLike) -> Array:

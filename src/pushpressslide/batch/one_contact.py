@@ -20,15 +20,18 @@ from pushpressslide.kernels.one_contact import one_contact, one_contact_figures
 
 
 class OneContact:
-    """One side contact; point, normal, friction and rho of any leading shape."""
+    """One side contact. Point, normal, friction and rho are arrays of any leading
+    shape.
+    """
 
     def __init__(
         self, point: ArrayLike, normal: ArrayLike, friction: ArrayLike, rho: ArrayLike
     ) -> None:
         """Prepare the contact.
 
-        ``point`` (..., 2) [m] and unit inward ``normal`` (..., 2) in B, ``friction``
-        (...), ``rho`` (...) [m]. Raises ValueError as ``one_contact_allocator``.
+        ``point`` (..., 2) [m] and ``normal`` (..., 2), the unit inward normal, are in
+        B. ``friction`` (...) and ``rho`` (...) [m] are as in ``one_contact_allocator``,
+        and so are the errors.
         """
         p, n, mu, length = figures(point, normal, friction, rho)
         check_last(p, (2,), "point")
@@ -42,7 +45,8 @@ class OneContact:
         """The leading shape of the contact."""
 
     def allocate(self, wrenches: ArrayLike) -> Allocations:
-        """Allocations (...) of ``wrenches`` (..., 3) [N, N m] about B's origin, in B:
-        those of ``one_contact_allocator``.
+        """Allocations (...) of ``wrenches`` (..., 3) [N, N m] about B's origin, in B.
+
+        They are those of ``one_contact_allocator``.
         """
         return answered(one_contact, spread(wanted(wrenches)), self._figures, 1)

@@ -43,9 +43,9 @@ class ParallelPushes:
     ) -> None:
         """Prepare the contacts.
 
-        ``points`` (..., 2, 2) [m] and unit inward ``normal`` (..., 2) in B, ``friction``
-        (...), ``rho`` (...) [m], ``caps`` (..., 2) [N]. Raises ValueError as
-        ``parallel_push_allocator``.
+        ``points`` (..., 2, 2) [m] and ``normal`` (..., 2), the unit inward normal, are
+        in B. ``friction`` (...), ``rho`` (...) [m] and ``caps`` (..., 2) [N] are as in
+        ``parallel_push_allocator``, and so are the errors.
         """
         p, n, mu, length, most = figures(points, normal, friction, rho, caps)
         check_last(p, (2, 2), "points")
@@ -70,7 +70,8 @@ class ParallelPushes:
         """The leading shape of the contacts."""
 
     def allocate(self, wrenches: ArrayLike) -> Allocations:
-        """Allocations (...) of ``wrenches`` (..., 3) [N, N m] about B's origin, in B:
-        those of ``parallel_push_allocator`` with projection "nearest".
+        """Allocations (...) of ``wrenches`` (..., 3) [N, N m] about B's origin, in B.
+
+        They are those of ``parallel_push_allocator`` with projection "nearest".
         """
         return answered(parallel_pushes, spread(wanted(wrenches)), self._figures, 2)

@@ -1,5 +1,6 @@
-"""One planned push from behind, run for many truths at once: ``kernels.path_run`` over
-rows, in blocks of ticks.
+"""One planned push from behind, run for many true bodies at once.
+
+It runs ``kernels.path_run`` over rows, in blocks of ticks.
 """
 
 from __future__ import annotations
@@ -58,9 +59,9 @@ class PathRuns(NamedTuple):
         return states
 
     def finish(self, states: Array, truths: Array, rng: np.random.Generator) -> Array:
-        """States (n, 24) at the end of every run, or after the time limit.
+        """States (n, 24) at the ends of all runs, or at the time limit.
 
-        ``truths`` (n, 5) are ``kernels.path_run.Truth``.
+        ``truths`` (n, 5) are rows of ``kernels.path_run.Truth``.
         """
         out = states.copy()
         rows = np.arange(len(states))
@@ -84,8 +85,9 @@ class PathRuns(NamedTuple):
         return out
 
     def _noise(self, rng: np.random.Generator) -> Array:
-        """Noise of the poses in a block of ticks, (width, 3 * ticks). If the noise is
-        zero, a single row for all runs.
+        """Noise (width, 3 * ticks) of the poses in a block of ticks.
+
+        Without noise, a single row serves all runs.
         """
         if not self.noise.any():
             return np.zeros((1, 3 * TOGETHER))

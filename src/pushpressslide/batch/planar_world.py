@@ -1,9 +1,9 @@
 """The planar engine on arrays: bodies on their supports and one or two compliant tips
 at flat sides of each, tick by tick.
 
-Source: docs/mechanics.md, sections 1 to 3. Frame B of a body is at its centre of
-pressure, which stays fixed, as tips push low. A tick is one kernel,
-``kernels.tip_step``, whose parts ``planar.world`` calls for one body.
+Source: docs/mechanics.md, sections 1 to 3. The origin of a body's frame B is its centre
+of pressure, which stays fixed because the tips push low. One tick is one call of
+``kernels.tip_step``, parts of which ``planar.world`` calls for a single body.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from pushpressslide.batch.support import Support
 from pushpressslide.core.arrays import Array
 
 NO_FACE = (1.0, 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 1.0)
-"""A face that no tip reaches: its right end is to the left of the left one."""
+"""A face that no tip can touch: its right end is to the left of its left end."""
 LED = ((0.0, 0.0), (0.0, 0.0), (0.0, 0.0))
 FACE = ((0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 BODY = ((0.0, 0.0), 0.0, 0.0, 0.0)
@@ -111,8 +111,9 @@ class PlanarWorld:
         """States after one tick. A non-finite command moves nothing.
 
         A tip's force is ``forces`` (..., k, 2) [N] plus its damping times the lag of
-        its own velocity behind ``velocities`` (..., k, 2) [m/s], all in the world. A
-        spring k [N/m] is a force k (x - tip) with k dt added to the damping.
+        its own velocity behind ``velocities`` (..., k, 2) [m/s], all in the world. To
+        model a spring k [N/m] to a point x, pass k (x - tip) as the force and add k dt
+        to the damping.
         """
         u, f = figures(velocities, forces)
         check_last(u, (2,), "velocities")
@@ -136,7 +137,7 @@ class PlanarWorld:
 def _faces(
     vectors: tuple[Array, ...], numbers: tuple[Array, ...], shape: tuple[int, ...]
 ) -> Array:
-    """``kernels.tip_step.Face`` of each tip (..., k, 8)."""
+    """Faces (..., k, 8) of all tips, as rows of ``kernels.tip_step.Face``."""
     foot, normal, ends = vectors
     nx, ny = np.moveaxis(normal, -1, 0)
     fx, fy = np.moveaxis(foot, -1, 0)
@@ -147,7 +148,7 @@ def _faces(
 
 
 def _figures(support: Support, faces: Array, dt: float) -> Figures:
-    """Figures of bodies with the faces of their tips (..., k, 8)."""
+    """Parameters of bodies with the faces (..., k, 8) of their tips."""
     shape = np.broadcast_shapes(
         faces.shape[:-2], support.rho.shape, support.max_force.shape
     )
@@ -174,7 +175,7 @@ def _check_faces(faces: Faces) -> None:
 
 
 def _check_tips(tips: Tips) -> None:
-    """Raise ValueError for invalid figures."""
+    """Raise ValueError for invalid parameters of tips."""
     radius = np.asarray(tips.radius)
     holds = np.isfinite(radius) & (radius >= 0.0)
     check_all(holds, radius, "radius", "finite and >= 0", "m")

@@ -27,7 +27,7 @@ from pushpressslide.kernels.press_and_push import (
 
 
 class PressAndPush:
-    """A press and a push, with figures of any leading shape."""
+    """A press and a push, with parameters of any leading shape."""
 
     def __init__(
         self,
@@ -40,9 +40,9 @@ class PressAndPush:
     ) -> None:
         """Prepare the contacts.
 
-        ``press``, ``push`` and ``cop`` (..., 2) [m] and unit inward ``normal`` (..., 2)
-        in B, ``load`` (...) [N], ``friction`` (...). Raises ValueError as
-        ``press_and_push_allocator``.
+        ``press``, ``push`` and ``cop`` (..., 2) [m] and ``normal`` (..., 2), the unit
+        inward normal, are in B. ``load`` (...) [N] and ``friction`` (...) are as in
+        ``press_and_push_allocator``, and so are the errors.
         """
         p, n, q, normals, mu, center = figures(press, load, push, normal, friction, cop)
         for array, name in ((p, "press"), (q, "push"), (normals, "normal")):
@@ -68,6 +68,8 @@ class PressAndPush:
 
     def allocate(self, wrenches: ArrayLike) -> Allocations:
         """Allocations (...) of ``wrenches`` (..., 3) [N, N m] about the centre of
-        pressure, in B: those of ``press_and_push_allocator``.
+        pressure, in B.
+
+        They are those of ``press_and_push_allocator``.
         """
         return answered(press_and_push, spread(wanted(wrenches)), self._figures, 2)

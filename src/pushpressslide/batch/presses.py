@@ -23,8 +23,8 @@ from pushpressslide.kernels.presses import press_pair, two_presses
 
 
 class OnePress:
-    """One press; point, load, friction, rho and centre of pressure of any leading
-    shape.
+    """One press. Point, load, friction, rho and centre of pressure are arrays of any
+    leading shape.
     """
 
     def __init__(
@@ -37,9 +37,9 @@ class OnePress:
     ) -> None:
         """Prepare the press.
 
-        ``point`` (..., 2) [m] in B, ``load`` (...) [N], ``friction`` (...), ``rho``
-        (...) [m], ``cop`` (..., 2) [m] in B. Raises ValueError as
-        ``one_press_allocator``.
+        ``point`` and ``cop`` (..., 2) [m] are in B. ``load`` (...) [N], ``friction``
+        (...) and ``rho`` (...) [m] are as in ``one_press_allocator``, and so are the
+        errors.
         """
         p, n, mu, length, center = figures(point, load, friction, rho, cop)
         check_last(p, (2,), "point")
@@ -57,20 +57,22 @@ class OnePress:
 
     def allocate(self, wrenches: ArrayLike) -> Allocations:
         """Allocations (...) of ``wrenches`` (..., 3) [N, N m] about the centre of
-        pressure, in B: those of ``one_press_allocator``.
+        pressure, in B.
+
+        They are those of ``one_press_allocator``.
         """
         row = spread(wanted(wrenches))
         return answered(one_press, row, self._figures, 1)
 
 
 class TwoPresses:
-    """Two presses; points and friction of any leading shape."""
+    """Two presses. Points and friction are arrays of any leading shape."""
 
     def __init__(self, points: ArrayLike, friction: ArrayLike) -> None:
         """Prepare the presses.
 
-        ``points`` (..., 2, 2) [m] in B, ``friction`` (...). Raises ValueError as
-        ``two_press_allocator``.
+        ``points`` (..., 2, 2) [m] are in B. ``friction`` (...) is as in
+        ``two_press_allocator``, and so are the errors.
         """
         p, mu = figures(points, friction)
         check_last(p, (2, 2), "points")
@@ -88,7 +90,9 @@ class TwoPresses:
         self, wrenches: ArrayLike, normals: ArrayLike, cops: ArrayLike = (0.0, 0.0)
     ) -> Allocations:
         """Allocations (...) of ``wrenches`` (..., 3) [N, N m] about ``cops`` (..., 2)
-        [m], in B, pressed with ``normals`` (..., 2) [N]: those of
+        [m], in B.
+
+        The contacts press with ``normals`` (..., 2) [N]. The allocations are those of
         ``two_press_allocator``.
         """
         rows = wanted(wrenches)

@@ -3,8 +3,8 @@ each pushed on a face by a point with a given velocity.
 
 The pusher sticks, slips along the face, leaves the body, or passes its edge.
 
-Source: docs/mechanics.md, sections 2 to 4, as ``batch.pushing``. Within a step the
-twist is constant in the body's own frame.
+Source: docs/mechanics.md, sections 2 to 4, as in ``batch.pushing``. Within a step the
+twist is constant in the body frame.
 """
 
 from __future__ import annotations
@@ -55,10 +55,11 @@ class PushedBodies:
     ) -> None:
         """Prepare the bodies.
 
-        ``foot`` (..., 2) [m] in B, a point of the face, unit inward ``normal`` (..., 2)
-        in B, ``ends`` (..., 2) [m] of the face to the right (< left) and to the left of
-        its foot, ``friction`` (...), ``rho`` (...) [m]. Raises ValueError for other
-        shapes, friction < 0 and rho <= 0.
+        ``foot`` (..., 2) [m] is a point of the face and ``normal`` (..., 2) its unit
+        inward normal, both in B. ``ends`` (..., 2) [m] are the positions along the
+        face, from its foot, of its right end and its left end (right < left).
+        ``friction`` (...) is that of the contact, ``rho`` (...) [m] that of the
+        ellipsoid. Raises ValueError for other shapes, friction < 0 and rho <= 0.
         """
         p, n, e, mu, length = figures(foot, normal, ends, friction, rho)
         check_last(p, (2,), "foot")

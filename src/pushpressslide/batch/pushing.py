@@ -2,7 +2,7 @@
 of an object under a pusher with a given velocity.
 
 Source: docs/mechanics.md, sections 2 to 4; ``mechanics.friction`` and
-``mechanics.virtual_axle`` for one object.
+``mechanics.virtual_axle`` do the same for one object.
 """
 
 from __future__ import annotations
@@ -48,7 +48,9 @@ class PushOutcomes(NamedTuple):
 
 
 class SideContact:
-    """One side contact on an ellipsoid. Its parameters are arrays of any leading shape."""
+    """One side contact on an ellipsoid. Point, normal and friction may have any leading
+    shape.
+    """
 
     def __init__(
         self,
@@ -60,10 +62,11 @@ class SideContact:
     ) -> None:
         """Prepare the contact.
 
-        ``lever`` (..., 2) [m] from the centre of pressure to the contact and unit
-        inward ``normal`` (..., 2) in B, ``friction`` (...), ``rho`` (...) [m],
-        ``max_force`` (...) [N] mu_s N. Raises ValueError for other shapes, friction < 0
-        and rho or max_force <= 0.
+        ``lever`` (..., 2) [m], from the centre of pressure to the contact, and
+        ``normal`` (..., 2), the unit inward normal, are in B. ``friction`` (...) is
+        that of the contact, ``rho`` (...) [m] that of the ellipsoid, and ``max_force``
+        (...) [N] is mu_s N. Raises ValueError for other shapes, friction < 0 and rho or
+        max_force <= 0.
         """
         r, n, mu, length, force = figures(lever, normal, friction, rho, max_force)
         check_last(r, (2,), "lever")
@@ -106,11 +109,11 @@ def virtual_axles(
     force.
 
     An axle lies at rho^2/d - ``shift`` [m] from the centre of pressure, away from the
-    contact. ``contacts`` and ``cops`` (..., 2) [m] in B, ``rho`` (...) [m]; ``shift``
-    (...) [m] is the displacement of the centre of pressure by the drag of a press at a
-    height, 0 for a push (``mechanics.virtual_axle.axle_distance``,
-    ``rom.unicycle.Unicycle``). Raises ValueError for a contact at its centre of
-    pressure.
+    contact. ``contacts`` and ``cops`` (..., 2) [m] are in B, ``rho`` (...) is in [m].
+    ``shift`` (...) [m] is the displacement of the centre of pressure by the drag, which
+    acts at the height of the press; it is 0 for a push
+    (``mechanics.virtual_axle.axle_distance``, ``rom.unicycle.Unicycle``). Raises
+    ValueError for a contact at its centre of pressure.
     """
     points, centers, length, ahead = figures(contacts, cops, rho, shift)
     check_last(points, (2,), "contacts")

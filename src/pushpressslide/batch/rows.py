@@ -19,11 +19,11 @@ from pushpressslide.core.arrays import Array
 Kernel = Callable[..., tuple[Any, ...]]
 AnyArray = NDArray[Any]
 Like = tuple[Any, ...]
-"""Nested tuples of floats, the arguments of a kernel."""
+"""Nested tuples of floats, as the arguments of a kernel."""
 
 
 class Figures(NamedTuple):
-    """Figures of a law: one set for all rows, or one for each row."""
+    """Parameters of a law: one set for all rows, or one set per row."""
 
     table: Array  # (..., k) the numbers of ``like``, in their order
     like: Like
@@ -43,7 +43,7 @@ def figures(*values: ArrayLike) -> tuple[Array, ...]:
 
 
 def figures_of(*groups: Any) -> Figures:
-    """Nested tuples of arrays (...) as figures of their leading shape."""
+    """Parameters with their leading shape, from nested tuples of arrays (...)."""
     return Figures(_table(list(leaves(groups))), map_nested(groups, lambda _: 0.0))
 
 
@@ -64,12 +64,12 @@ def _turned(array: Array) -> Array:
 
 
 def halves(vectors: Array) -> tuple[Array, Array]:
-    """Two components of vectors (..., 2)."""
+    """The two components of vectors (..., 2)."""
     return vectors[..., 0], vectors[..., 1]
 
 
 def prepared(setup: Kernel, *groups: Any) -> Figures:
-    """Result of a kernel on nested tuples of arrays (...), as figures."""
+    """Parameters that a ``setup`` kernel computes from nested tuples of arrays (...)."""
     given = figures_of(*groups)
     width = given.table.shape[-1]
     first = given.table.reshape(-1, width)[:1].tolist() or [[1.0] * width]
@@ -91,13 +91,13 @@ def leaves(values: Any) -> Iterator[Any]:
 
 
 def filled(like: Any, numbers: Sequence[float]) -> Any:
-    """Numbers as tuples nested like ``like``."""
+    """``numbers`` as tuples nested like ``like``."""
     each = iter(numbers)
     return map_nested(like, lambda _: next(each))
 
 
 def map_nested(values: Any, number: Callable[[Any], float]) -> Any:
-    """Tuples nested like ``values``, each member mapped by ``number``."""
+    """``values`` with every number mapped by ``number``, and the nesting kept."""
     if not isinstance(values, tuple):
         return number(values)
     parts = [map_nested(value, number) for value in values]
@@ -116,7 +116,7 @@ def spread(array: Array) -> Figures:
 
 
 def grouped(array: Array) -> Figures:
-    """Numbers of an array (..., k) as one argument of a kernel, a tuple."""
+    """Numbers of an array (..., k) as one tuple argument of a kernel."""
     return Figures(array, ((0.0,) * array.shape[-1],))
 
 
@@ -142,10 +142,11 @@ def answers(
     columns: int,
 ) -> Array:
     """Results of ``kernel(*row, *figures, *arrays)`` for each row (..., ``columns``),
-    with nested tuples flattened. Rows and figures broadcast against each other.
+    with nested tuples flattened. Rows and ``figures``, the parameters, broadcast
+    against each other.
 
-    A ``row`` may be several figures, side by side. ``arrays`` are the same for all
-    rows; in Python a kernel receives them as nested tuples.
+    A ``row`` may consist of several sets of arguments, side by side. ``arrays`` are the
+    same for all rows; in Python a kernel receives them as nested tuples.
     """
     parts = (row,) if isinstance(row, Figures) else tuple(row)
     if figures.shape:  # a row has figures of its own
@@ -197,7 +198,7 @@ def _say_slow() -> None:
 
 
 def _interpreted(kernel: Kernel, head: Like, like: Like) -> Callable[..., None]:
-    """Loop of a kernel in Python, as ``compiled.loop_over``."""
+    """Loop of a kernel in Python, in place of ``compiled.loop_over``."""
 
     def loop(
         rows: tuple[Array, ...],

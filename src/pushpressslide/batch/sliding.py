@@ -1,7 +1,7 @@
-"""Motion of many bodies on their supports under compliant tips: for each the twist at
-which all forces balance.
+"""Motion of many bodies on their supports under compliant tips.
 
-The kernel is that of ``planar.sliding``, which handles one body.
+Each body takes the twist at which all forces balance. The kernel is that of
+``planar.sliding``, which handles one body.
 """
 
 from __future__ import annotations
@@ -21,13 +21,14 @@ NO_TIP = np.array([1.0, 0.0, -1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
 def slide(support: Support, tips: Sequence[Array], guesses: Array) -> Array:
     """Twists (n, 3) at which supports and tips balance, to 1e-9 of mu_s N.
 
-    ``tips`` are one or two arrays (n, 10). Their columns are the unit inward normal n;
-    the force f_0 [N] of a tip at rest, minus damping times the speed at which the gap
-    closes, along n and to its left t; the damping [N s/m] along both; the friction; and
-    the arms p x n and p x t of the contact p and c x t of the tip's centre c, which is
-    behind p along n, all divided by rho. ``guesses`` (n, 3) are the twists of the
-    previous tick; twists are (v_x, v_y, rho w) of the centre of pressure. The support's
-    figures are single numbers or (n,).
+    ``tips`` are one or two arrays (n, 10). Let n be the unit inward normal of the face,
+    t the direction to its left, p the contact and c the tip's centre, which is behind p
+    along n. The columns are n; the components along n and t of f_0 [N], the force of a
+    tip at rest minus damping times the speed at which the gap closes; the damping [N
+    s/m] along n and t; the friction; and the lever arms p x n, p x t and c x t, each
+    divided by rho. ``guesses`` (n, 3) are the twists of the previous tick. Twists are
+    (v_x, v_y, rho w) of the centre of pressure. The parameters of the support are
+    single numbers or (n,).
     """
     rho = np.broadcast_to(support.rho, len(guesses))
     scale = np.stack([np.ones_like(rho), np.ones_like(rho), rho], axis=1)
@@ -44,7 +45,7 @@ def _side(tips: Array, rho: Array) -> tuple[object, ...]:
     nx, ny, fn, ft, bn, bt, friction, across, along, centre = np.moveaxis(tips, -1, 0)
 
     def place(ahead: Array) -> tuple[Array, Array]:
-        """A position from its components along n and t, which are given divided by rho."""
+        """Position of a point with components ``ahead`` along n and t, divided by rho."""
         return rho * (ahead * nx + across * ny), rho * (ahead * ny - across * nx)
 
     law = ((nx, ny), (fn, ft), (bn, bt))

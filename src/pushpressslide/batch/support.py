@@ -1,6 +1,6 @@
 """Supports of many bodies: the exact limit surface of a pressure, or ellipsoids.
 
-Source: docs/mechanics.md, section 1; ``planar.support`` for one body.
+Source: docs/mechanics.md, section 1. ``planar.support`` does the same for one body.
 """
 
 from __future__ import annotations
@@ -48,9 +48,9 @@ def ellipsoid_support(max_force: ArrayLike, rho: ArrayLike) -> Support:
 
 
 def polygon_support(face: FacePressure, max_force: ArrayLike) -> Support:
-    """Supports on the exact surface of one pressure: ``max_force`` (...) [N] mu_s N.
+    """Supports with the exact limit surface of one pressure.
 
-    Raises ValueError unless it is finite and > 0.
+    ``max_force`` (...) [N] is mu_s N. Raises ValueError unless it is finite and > 0.
     """
     (force,) = figures(max_force)
     check_positive(force, "max_force", "N")
@@ -59,11 +59,11 @@ def polygon_support(face: FacePressure, max_force: ArrayLike) -> Support:
 
 
 def exact_support(samples: PressureSamples, friction: ArrayLike) -> Support:
-    """Supports on the exact surface of one pressure, for ``friction`` (...) of the pair
-    object/support.
+    """Supports with the exact limit surface of one pressure, for ``friction`` (...) of
+    the pair object/support.
 
-    Raises ValueError for friction <= 0, and for a pressure with pins: a turn about one
-    of them leaves its drag undetermined.
+    Raises ValueError for friction <= 0, and for a pressure concentrated in points: a
+    turn about such a point leaves its drag undetermined.
     """
     (mu,) = figures(friction)
     check_positive(mu, "friction", "")

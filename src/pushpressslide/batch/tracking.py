@@ -2,9 +2,9 @@
 motion of the object.
 
 Source: docs/mechanics.md, sections 3, 4.2 and 9; ``tracking.rear_stanley``,
-``tracking.rear_car``, ``tracking.lookahead_alignment`` and ``tracking.holonomic`` for
-one object. The nearest point of a path has no closed form and is left to the caller.
-Errors are REFERENCE MINUS ACTUAL.
+``tracking.rear_car``, ``tracking.lookahead_alignment`` and ``tracking.holonomic`` do
+the same for one object. The nearest point of a path has no closed form and is left to
+the caller. Errors are REFERENCE MINUS ACTUAL.
 """
 
 from __future__ import annotations
@@ -51,10 +51,10 @@ def rear_stanley(
 ) -> tuple[Array, Flags]:
     """Steering angles (...) [rad], and a mask of the clipped ones.
 
-    Errors ``left`` [m] and ``heading`` [rad], ``curvature`` [1/m] of the path at its
-    nearest point, effective ``wheelbase`` [m], ``steering_bounds`` (..., 2) [rad],
-    ``gain`` and ``steering_scale``, all of any shape. As ``tracking.rear_stanley``; an
-    error of NaN gives NaN.
+    All parameters may have any shape: the errors ``left`` [m] and ``heading`` [rad],
+    the path's ``curvature`` [1/m] at its nearest point, the effective ``wheelbase``
+    [m], ``steering_bounds`` (..., 2) [rad], ``gain`` and ``steering_scale``. The law is
+    ``tracking.rear_stanley``. An error of NaN gives NaN.
     """
     bounds, ahead, length = figures(steering_bounds, float(feed_forward), wheelbase)
     check_last(bounds, (2,), "steering_bounds")
@@ -82,10 +82,10 @@ def lookahead_curvature(
 ) -> tuple[Array, Flags]:
     """Curvatures (...) [1/m] to drive, and a mask of the clipped ones.
 
-    Errors ``left`` [m] and ``heading`` [rad], ``curvature`` [1/m] of the path at its
-    nearest point, ``look_ahead`` [m], ``limit`` [1/m] and ``steering_scale``, all of
-    any shape. As ``tracking.lookahead_alignment`` with a target that slides along the
-    path.
+    All parameters may have any shape: the errors ``left`` [m] and ``heading`` [rad],
+    the path's ``curvature`` [1/m] at its nearest point, ``look_ahead`` [m], ``limit``
+    [1/m] and ``steering_scale``. The law is ``tracking.lookahead_alignment`` with a
+    target that slides along the path.
     """
     length, most, share = figures(look_ahead, limit, steering_scale)
     check_positive(length, "look_ahead", "m")
@@ -106,12 +106,14 @@ def rear_push(
     rho: ArrayLike,
     max_force: ArrayLike,
 ) -> tuple[Array, Array]:
-    """Wrenches (..., 3) [N, N m] about the centre of pressure and the twists (..., 3)
-    of the virtual axle, in B, of a push that steers with ``steering`` [rad].
+    """Wrenches (..., 3) [N, N m] and twists (..., 3) of a push that steers with
+    ``steering`` [rad].
 
-    ``axis`` (..., 2) is the unit vector from contact to centre of pressure, ``lever``
-    [m] their distance, ``rho`` [m], ``max_force`` [N], ``speed`` [m/s] of the axle; all
-    of any shape. As ``tracking.rear_car.RearPushTracker``.
+    Wrenches are about the centre of pressure, twists those of the virtual axle, both in
+    B. ``axis`` (..., 2) is the unit vector from contact to centre of pressure,
+    ``lever`` [m] their distance, and ``speed`` [m/s] that of the axle. These, ``rho``
+    [m] and ``max_force`` [N] may have any shape. The law is
+    ``tracking.rear_car.RearPushTracker``.
     """
     e, d, length, force, v = figures(axis, lever, rho, max_force, speed)
     check_last(e, (2,), "axis")
@@ -139,7 +141,7 @@ def holonomic(
     steering_scale: ArrayLike = 1.0,
 ) -> tuple[Array, Flags]:
     """Twists (..., 3) of V's origin, in V, that lead bodies along their paths, and a
-    mask of those with a limited pull.
+    mask of the bodies whose pull towards the path is limited.
 
     ``errors`` (..., 3) are x, y [m] of the target pose in V and its yaw [rad].
     ``rates`` (..., 3) are the path's twist at the target pose per metre of the path's

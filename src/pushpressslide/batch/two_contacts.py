@@ -28,7 +28,9 @@ from pushpressslide.kernels.two_contacts import two_contact_figures, two_contact
 
 
 class TwoContacts:
-    """Two side contacts; points, normals, friction, rho and caps of any leading shape."""
+    """Two side contacts. Points, normals, friction, rho and caps are arrays of any
+    leading shape.
+    """
 
     def __init__(
         self,
@@ -42,9 +44,9 @@ class TwoContacts:
     ) -> None:
         """Prepare the contacts.
 
-        ``points`` (..., 2, 2) [m] and unit inward ``normals`` (..., 2, 2) in B,
-        ``friction`` (...), ``rho`` (...) [m], ``caps`` (..., 2) [N]. Raises ValueError
-        as ``two_contact_allocator``.
+        ``points`` (..., 2, 2) [m] and ``normals`` (..., 2, 2), the unit inward normals,
+        are in B. ``friction`` (...), ``rho`` (...) [m] and ``caps`` (..., 2) [N] are as
+        in ``two_contact_allocator``, and so are the errors.
         """
         p, n, mu, length, most = figures(points, normals, friction, rho, caps)
         check_last(p, (2, 2), "points")
@@ -64,8 +66,9 @@ class TwoContacts:
         """The leading shape of the contacts."""
 
     def allocate(self, wrenches: ArrayLike) -> Allocations:
-        """Allocations (...) of ``wrenches`` (..., 3) [N, N m] about B's origin, in B:
-        those of ``two_contact_allocator`` with projection "nearest".
+        """Allocations (...) of ``wrenches`` (..., 3) [N, N m] about B's origin, in B.
+
+        They are those of ``two_contact_allocator`` with projection "nearest".
         """
         return answered(two_contacts, spread(wanted(wrenches)), self._figures, 2)
 
@@ -76,8 +79,10 @@ def both(vectors: Array) -> tuple[Any, Any]:
 
 
 def check_pair(points: Array, normals: Array, split: Split) -> None:
-    """Raise InputError for contacts that coincide, and for "least_friction" if both
-    normals lie along their line.
+    """Raise InputError unless forces can be split over two side contacts.
+
+    They cannot if the contacts coincide. The split "least_friction" also excludes two
+    normals that are both parallel to the line of contacts.
     """
     dx, dy = halves(points[..., 1, :] - points[..., 0, :])
     length = np.hypot(dx, dy)

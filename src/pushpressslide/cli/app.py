@@ -50,16 +50,16 @@ def _options(
 
 
 def unpacked(function: Callable[[Options], Status]) -> Callable[..., Status]:
-    """A function whose parameters are the fields of a dataclass.
+    """A function with the fields of a dataclass as its parameters.
 
-    The dataclass is the annotation of the one parameter of ``function``.
+    The dataclass is the annotation of the only parameter of ``function``.
     """
     (parameter,) = inspect.signature(function, eval_str=True).parameters.values()
     options = parameter.annotation
 
     @functools.wraps(function)
     def called(**values: Any) -> Status:
-        """Call the function with the dataclass of the command line's values."""
+        """Call the function with its dataclass made from the command line's values."""
         return function(options(**values))
 
     vars(called)["__signature__"] = inspect.signature(options, eval_str=True)
@@ -69,7 +69,7 @@ def unpacked(function: Callable[[Options], Status]) -> Callable[..., Status]:
 def command(function: Callable[[Options], Status]) -> Callable[[Options], Status]:
     """Register a command whose arguments and options are the fields of a dataclass.
 
-    The dataclass is the annotation of the one parameter of ``function``.
+    The dataclass is the annotation of the only parameter of ``function``.
     """
     app.command()(unpacked(function))
     return function
@@ -132,7 +132,7 @@ class Answered(Protocol):
 
 
 def answer(data: Any, options: Answered, show: Callable[[], None]) -> None:
-    """Print plain data as JSON or by ``show``, or print nothing."""
+    """Print plain data as JSON, print them by ``show``, or print nothing."""
     if options.as_json:
         print_json(data)
     elif not options.quiet:

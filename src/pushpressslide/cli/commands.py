@@ -198,7 +198,7 @@ def _print_stages(task: Task, stages: Sequence[StagePlan]) -> None:
 
 
 def _joint_planner(trajectory: Path) -> PlacementPlanner:
-    """A planner of joint paths, after a check that the file can be written."""
+    """Planner of joint paths. The file of the trajectory is checked for writing first."""
     from pushpressslide.jobs.engines import engine_named
     from pushpressslide.jobs.trajectory import check_trajectory_file
 

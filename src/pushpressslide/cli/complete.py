@@ -9,12 +9,12 @@ from pathlib import Path
 
 
 def mode_names() -> list[str]:
-    """Names of the contact modes: those of their files."""
+    """Names of the contact modes, taken from the names of their files."""
     return [name for name in _stems("modes", ".py") if name not in ("__init__", "base")]
 
 
 def tasks(incomplete: str) -> list[str]:
-    """Shipped tasks, YAML files and folders whose names begin with the text."""
+    """Shipped tasks, YAML files and folders whose names begin with ``incomplete``."""
     paths = sorted(map(Path, glob(escape(incomplete) + "*")))
     files = [str(path) for path in paths if path.suffix in (".yaml", ".yml")]
     folders = [f"{path}/" for path in paths if path.is_dir()]
@@ -22,16 +22,16 @@ def tasks(incomplete: str) -> list[str]:
 
 
 def modes(incomplete: str) -> list[str]:
-    """Modes whose names begin with the text."""
+    """Modes whose names begin with ``incomplete``."""
     return begun(mode_names(), incomplete)
 
 
 def _stems(folder: str, suffix: str) -> list[str]:
-    """Names of the package's files of a kind, without importing anything."""
+    """Stems of the package's files with a ``suffix``, found without importing anything."""
     files = resources.files("pushpressslide").joinpath(folder).iterdir()
     return sorted(f.name.removesuffix(suffix) for f in files if f.name.endswith(suffix))
 
 
 def begun(names: Iterable[str], incomplete: str) -> list[str]:
-    """The names that begin with the text."""
+    """The names that begin with ``incomplete``."""
     return [name for name in names if name.startswith(incomplete)]

@@ -1,4 +1,4 @@
-"""Reason for the mode of a run, on the terminal."""
+"""Why a run took its mode, as text on the terminal."""
 
 from __future__ import annotations
 
@@ -15,8 +15,9 @@ from pushpressslide.selection.contest import Contest, contests
 
 
 def print_contests(folder: Path) -> None:
-    """Print why each mode of the run in ``folder`` was taken, beside its rivals. Prints
-    nothing if its motions were found by a search.
+    """Print why each mode of the run in ``folder`` was preferred to its rivals.
+
+    Prints nothing if the motions of the run were found by a search.
     """
     if not (folder / PLAN).is_file():
         return

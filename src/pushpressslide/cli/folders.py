@@ -15,15 +15,17 @@ from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.whole_file import PART, remove_parts
 
 LOCK = ".pps.lock"
-"""File that marks a folder in which a command writes. It names the process. The system
-releases its lock when that process ends, for whatever reason.
+"""Lock file of a folder in which a command writes.
+
+It names the process. The system releases the lock when that process ends, for whatever
+reason.
 """
 SHOWN = 8  # names of files in a message
 
 
 @dataclass(frozen=True)
 class _LockedFolder:
-    """A folder that this process holds."""
+    """A folder locked by this process."""
 
     path: Path  # of the lock
     file: int  # descriptor
@@ -40,12 +42,12 @@ def results_folder(
     results: tuple[str, ...] = ("result.json",),
     lock: str = LOCK,
 ) -> Path:
-    """Folder for results, held for this process until ``leave_folders``.
+    """Folder for results, locked by this process until ``leave_folders``.
 
-    Without ``out`` it is a new one below runs/. A folder that is made here is removed
-    after the command if it is still empty. Raises PushPressSlideError if it cannot be
-    made, if another process writes in it (even with ``force``), or if it holds one of
-    ``results`` without ``force``. ``lock`` is the file that is locked.
+    Without ``out`` a new folder below runs/ is made. A new folder that is still empty
+    at the end of the command is removed. Raises PushPressSlideError if the folder
+    cannot be made, if another process writes in it (even with ``force``), or if it
+    holds one of ``results`` without ``force``. ``lock`` is the name of the lock file.
     """
     if out is None:
         return hold(_new_folder(name), lock)
@@ -60,10 +62,10 @@ def results_folder(
 
 
 def hold(folder: Path, lock: str = LOCK) -> Path:
-    """Make a folder if it is missing, hold it for this process, and return it.
+    """Make a folder if it is missing, lock it for this process, and return it.
 
-    Partial files of a killed process are removed. Raises PushPressSlideError if it
-    cannot be written, or another process holds it.
+    Partial files left by a killed process are removed. Raises PushPressSlideError if
+    the folder cannot be written, or if another process has locked it.
     """
     path = folder / lock
     if any(held.path.absolute() == path.absolute() for held in _held):
@@ -83,7 +85,7 @@ def hold(folder: Path, lock: str = LOCK) -> Path:
 
 
 def leave_folders() -> None:
-    """Release the folders, and remove those that were made here and are empty."""
+    """Unlock the folders, and remove new ones that are still empty."""
     while _held:
         held = _held.pop()
         with suppress(OSError):
@@ -95,8 +97,9 @@ def leave_folders() -> None:
 
 
 def kept_files() -> str:
-    """Complete files in the folders of this command, for the end of a message, with
-    files of the folders themselves first.
+    """List of the complete files in this command's folders, for the end of a message.
+
+    Files of the folders themselves come before those of subfolders.
     """
     out = ""
     for folder in (held.path.parent for held in _held if held.path.name == LOCK):
@@ -115,9 +118,9 @@ def _is_result(folder: Path, path: Path) -> bool:
 
 
 def _locked(path: Path) -> int:
-    """Descriptor of a file that is locked.
+    """Descriptor of a locked file.
 
-    Raises BlockingIOError if another process holds it.
+    Raises BlockingIOError if another process has locked it.
     """
     while True:
         file = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
@@ -135,7 +138,7 @@ def _locked(path: Path) -> int:
 
 
 def _lock(file: int) -> None:
-    """Lock a file. If the file system has no locks, leave it open."""
+    """Lock a file, if the file system supports locks."""
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -146,7 +149,7 @@ def _lock(file: int) -> None:
 
 
 def _make(folder: Path) -> None:
-    """Make a folder and its parents, and record which are new."""
+    """Make a folder with its parents, and record which of them are new."""
     if folder.is_dir():
         return
     if folder.parent != folder:

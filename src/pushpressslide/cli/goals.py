@@ -1,4 +1,4 @@
-"""``pps select`` for a task of several goals, and texts on stages."""
+"""``pps select`` for a task with several goals, and descriptions of its stages."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from pushpressslide.core.task import Task
 
 
 def select_stages(task: Task, folder: Path | None, as_json: bool) -> None:
-    """Rank the contact modes for each stage of a task. Write select.json, if there is a
-    folder for it.
+    """Rank the contact modes for each stage of a task. Write select.json if ``folder``
+    is given.
 
     Raises InfeasibleTaskError if no plan brings all bodies to their goals.
     """

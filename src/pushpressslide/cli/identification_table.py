@@ -34,7 +34,7 @@ def lines(
 
 
 def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """A table with the sets on the left and their figures on the right."""
+    """A table with the names of the sets on the left and their values on the right."""
     whole = [("set", *columns), *rows]
     widths = [max(map(len, column)) for column in zip(*whole, strict=True)]
     head, *body = (_line(row, widths) for row in whole)

@@ -207,7 +207,7 @@ def _write(path: Path, text: str, results: list[IdentifiedSet]) -> None:
 
 
 def _log_options(options: IdentifyOptions) -> LogOptions:
-    """Options of the command line that concern the logs."""
+    """Options of the command line that concern log files."""
     from pushpressslide.identification.log_options import LogOptions
 
     return LogOptions(
@@ -223,7 +223,7 @@ def _log_options(options: IdentifyOptions) -> LogOptions:
 
 
 def _named(texts: list[str] | None, option: str, example: str) -> dict[str, str]:
-    """Names and values of a repeatable option a=b."""
+    """Names and values of a repeatable option NAME=VALUE."""
     from pushpressslide.core.errors import PushPressSlideError
 
     out = {}

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 GROUP = "pushpressslide.commands"
 STUDIES = "pushpressslide-studies"
 PACKAGES = {"bench": STUDIES, "gym-pusht": STUDIES, "reproduce": STUDIES}
-"""Known commands, and the packages that bring them."""
+"""Packages that provide known commands, by command."""
 
 
 @cache
@@ -33,13 +33,13 @@ def entries() -> EntryPoints:
 def commands() -> dict[str, Any]:
     """Commands of the installed packages, by name.
 
-    Raises PushPressSlideError for one that does not match this version.
+    Raises PushPressSlideError for a command that does not match this version.
     """
     return {item.name: _command(item) for item in entries()}
 
 
 def _command(entry_point: EntryPoint) -> Any:
-    """The parser's command of an entry point."""
+    """Command of an entry point, as the parser needs it."""
     try:
         function = entry_point.load()
     except (ImportError, AttributeError) as error:

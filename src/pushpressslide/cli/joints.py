@@ -1,4 +1,4 @@
-"""Choices as displayed: evaluated by mechanics and reach, or in full as in ``pps run``."""
+"""Choices for display: evaluated by mechanics and reach, or in full as in ``pps run``."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ from pushpressslide.selection.select import select
 
 
 def ranked(task: Task, joints: bool) -> list[Choice]:
-    """All choices of a task. With ``joints``, as many as in a run are evaluated in
-    full, including the joint paths of the arms.
+    """All choices of a task, ranked.
+
+    With ``joints``, as many choices as in a run are evaluated in full, including the
+    arms' joint paths.
     """
     if not joints:
         return select(task)

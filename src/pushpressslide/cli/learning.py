@@ -1,4 +1,4 @@
-"""Command that writes demonstrations for learning."""
+"""The command demonstrate: writes demonstrations for learning."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def demonstrate(options: DemonstrateOptions) -> None:
 def _player(
     task: Task, options: DemonstrateOptions
 ) -> tuple[Callable[[Sequence[int], Progress], Demonstrations], Picture]:
-    """A function that plays episodes of a task, and one that draws their frames."""
+    """A function that plays episodes of a task, and a function that draws their frames."""
     from pushpressslide.learning import demonstrations
     from pushpressslide.learning.picture import Camera, CommandCamera
     from pushpressslide.learning.push_task import push_task

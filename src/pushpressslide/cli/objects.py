@@ -1,4 +1,4 @@
-"""``pps object``: what of an object touches the support, and where tips may touch it."""
+"""``pps object``: how an object rests on its support, and where tips may touch it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 SUPPORT = 0.35
 """Friction of the support of an object without a task."""
 MASS = 1.0
-"""Mass [kg] assumed for an object in a mesh. Base, side and top do not depend on it."""
+"""Mass [kg] assumed for an object given as a mesh. Base, side and top do not depend on
+the mass.
+"""
 
 
 @app.command(name="object")
@@ -57,7 +59,7 @@ def object_(
 
 
 def _task_of(file: str, scale: float, up: str, tip: tuple[float, float]) -> Task:
-    """Task with the object of a file. A mesh is given a table and one arm."""
+    """Task with the object of a file. For a mesh, a table and one arm are added."""
     from pushpressslide.taskfile.load import load_task, task_from_data
     from pushpressslide.taskfile.mesh_file import read_mesh, suffixes
 

@@ -13,7 +13,7 @@ from pushpressslide.jobs.engines import EngineName
 
 
 class Variation(StrEnum):
-    """Differences between the samples of a sweep."""
+    """Kind of random variation between the samples of a sweep."""
 
     truth = "truth"
     tasks = "tasks"
@@ -22,7 +22,7 @@ class Variation(StrEnum):
 
 
 class Drawing(StrEnum):
-    """New tasks drawn by a sweep."""
+    """Kind of new tasks drawn by a sweep."""
 
     ahead = "ahead"
     any = "any"

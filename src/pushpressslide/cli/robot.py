@@ -1,4 +1,6 @@
-"""``pps robot``: what a robot's file says, what is assumed, and what the arm can do."""
+"""``pps robot``: the contents of a robot's file, the assumptions, and the arm's
+abilities.
+"""
 
 from __future__ import annotations
 
@@ -69,9 +71,7 @@ def _robot(model: str, link: str | None, radius: float, length: float) -> Robot:
 
 
 def robot_lines(robot: Robot, model: str, facts: RobotFacts) -> str:
-    """Text of a task file's ``robots`` with this robot, whose ``model`` is kept as
-    given.
-    """
+    """The ``robots`` field of a task file for this robot, with ``model`` as given."""
     from pushpressslide.core.scene import MODELS, TIP_LENGTH, TIP_RADIUS
     from pushpressslide.robots.sheet import limits_to_fill
 

@@ -35,7 +35,7 @@ MISSED = 1
 WRONG_INPUT = 2
 INTERNAL_ERROR = 3
 INTERRUPTED = 130
-"""Exit statuses."""
+"""Exit status of an interrupted command."""
 
 NO_ROOM = (
     errno.ENOSPC,
@@ -45,20 +45,20 @@ NO_ROOM = (
     errno.EPERM,
     errno.EIO,
 )
-"""Errors of the file system that are no fault of the program, wherever they occur."""
+"""Errors of the file system that are never the program's fault."""
 
 SHIPPED = Path(__file__).parents[1] / "tasks"
 """Folder of the shipped tasks."""
 
 
 class Interruption(Exception):
-    """Ctrl-C with a message, as typer swallows that of a KeyboardInterrupt."""
+    """Ctrl-C with a message. Typer would swallow the message of a KeyboardInterrupt."""
 
 
 class Commands(TyperGroup):
     """The commands, with their promised exit statuses and one-line errors.
 
-    Commands of other packages are looked up when one of them, or the whole list, is
+    Commands of other packages are loaded only when one of them, or the whole list, is
     requested.
     """
 
@@ -144,8 +144,10 @@ def _status_of(
 
 
 def _note_interrupts(presses: list[int]) -> Callable[[], object]:
-    """Let Ctrl-C, and a request to terminate, append to ``presses`` and interrupt.
-    Return the function that undoes this.
+    """Install a handler that records Ctrl-C and termination in ``presses``, then
+    interrupts.
+
+    Returns the function that removes the handler.
     """
     if threading.current_thread() is not threading.main_thread():
         return lambda: None
@@ -161,14 +163,14 @@ def _note_interrupts(presses: list[int]) -> Callable[[], object]:
 
 
 def _replace_what_no_console_shows() -> None:
-    """Let letters unknown to a console be replaced instead of ending the command."""
+    """Replace characters that the console cannot show, instead of failing."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="replace")
 
 
 def complain(line: str) -> None:
-    """Write one line on stderr. Shipped tasks are named by their file."""
+    """Print one line on stderr. Shipped tasks are named by their files."""
     short = line.replace(f"{SHIPPED}{os.sep}", "")
     print_text(f"pps: {' '.join(short.split())}", indent=4, error=True)
 

@@ -29,7 +29,7 @@ JOINT_PATHS = (
     "Not checked: whether the arm's joints can follow. `pps select --joints` checks it, "
     "and `pps run` in Drake does; it then takes another contact or a sequence."
 )
-"""Note on choices that were ranked without an engine."""
+"""Note on choices that were ranked without joint paths."""
 
 MISSING = "-"
 """Shown for a figure that does not apply."""
@@ -102,8 +102,9 @@ def choice_rows(choices: Iterable[Choice]) -> list[dict[str, Any]]:
 
 
 def print_choices(choices: Sequence[Choice], joints: bool = False) -> None:
-    """Print the ranked choices, each with its reason below it. ``joints``: their joint
-    paths were checked.
+    """Print the ranked choices, each with its reason below it.
+
+    ``joints`` says that their joint paths were checked.
     """
     console = Console(markup=False, highlight=False)
     console.print(*choice_lines(choices), sep="\n")
@@ -129,7 +130,7 @@ def choice_lines(choices: Sequence[Choice]) -> list[str | Padding]:
 
 
 def write_selection(task: Task, fields: Mapping[str, Any], folder: Path | None) -> None:
-    """Write ``fields`` of a task as select.json, if there is a folder for it."""
+    """Write ``fields`` of a task as select.json if ``folder`` is given."""
     from pushpressslide.core.whole_file import write_whole
     from pushpressslide.report.json_text import to_json
 
@@ -165,7 +166,7 @@ def print_legs(plan: Plan) -> None:
 
 
 def _print_stages(stages: Sequence[Mapping[str, Any]]) -> None:
-    """Print the result of each of several stages."""
+    """Print the result of each stage."""
     if len(stages) < 2:
         return
     for number, stage in enumerate(stages, start=1):
@@ -217,7 +218,7 @@ def print_result(result: Mapping[str, Any], folder: Path) -> None:
 
 
 def print_figures(result: Mapping[str, Any]) -> None:
-    """Print the single figures of any result by their names."""
+    """Print the scalar figures of a result by name."""
     table = simple_table("figure", "value")
     for key, value in result.items():
         name = key.replace("_", " ")

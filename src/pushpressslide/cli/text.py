@@ -1,4 +1,4 @@
-"""Texts on a terminal and in a file."""
+"""Wrapped text on a terminal, and plain lines in a file."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ import typer
 
 
 def print_text(text: str, indent: int = 0, error: bool = False) -> None:
-    """Print a text, on stderr if it is an error. On a terminal words are not cut and
-    further lines are indented; otherwise it is one line.
+    """Print a text, on stderr if it is an error.
+
+    A terminal gets lines broken between words, with all but the first indented.
+    Anything else gets a single line.
     """
     stream = sys.stderr if error else sys.stdout
     if not stream.isatty():

@@ -22,8 +22,9 @@ def print_table(table: Table, console: Console) -> None:
 
 
 def _share(table: Table, spare: int) -> None:
-    """Set the width of each column to its longest word, and share ``spare`` characters
-    among columns with longer lines.
+    """Set column widths: the longest word, plus a share of ``spare`` characters.
+
+    Columns with longer lines get more of the spare characters.
     """
     least = [_longest(column, whole=bool(column.no_wrap)) for column in table.columns]
     most = [_longest(column, whole=True) for column in table.columns]
@@ -33,7 +34,7 @@ def _share(table: Table, spare: int) -> None:
 
 
 def _longest(column: Column, whole: bool) -> int:
-    """Length of a column's longest text, or of a text's longest word."""
+    """Length of a column's longest cell (``whole``) or longest word."""
     texts = [str(column.header), *map(str, column.cells)]
     words = texts if whole else [word for text in texts for word in text.split()]
     return max(map(len, words), default=0)

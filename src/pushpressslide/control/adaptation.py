@@ -25,8 +25,8 @@ TipSpeed = tuple[Vector3, Vector3]
 
 
 class Adaptation(NamedTuple):
-    """Factors on steering and forces that adapt to contact utilisation and to the
-    object's resistance.
+    """Factors on steering and forces, from friction utilisation and the object's
+    resistance.
     """
 
     steering_scale: float = 1.0  # share of the steering that may be used
@@ -40,10 +40,10 @@ class Adaptation(NamedTuple):
         drag: float | None,
         dt: float,
     ) -> Adaptation:
-        """Adaptation after a tick of ``dt`` [s] at the largest friction ``utilisation``
-        of all contacts.
+        """Adaptation after a tick of ``dt`` [s].
 
-        ``speeds`` are those of tips led by a servo; ``drag`` [N] is identified.
+        ``utilisation`` is the largest friction utilisation of all contacts, ``speeds``
+        are those of the tips led by a servo, and ``drag`` [N] is the identified drag.
         """
         steering_scale = eased_steering_scale(
             self.steering_scale, utilisation, dt, STEERING_SCALE
@@ -51,11 +51,10 @@ class Adaptation(NamedTuple):
         return Adaptation(steering_scale, self._force_scale(speeds, dt), drag)
 
     def force_gain(self, gain: float, planned: float) -> float:
-        """Factor on the contact forces, with the contacts' own ``gain`` included.
-        ``planned`` is the support friction [N] of the plan.
+        """Factor on the contact forces, including the contacts' own ``gain``.
 
-        It compensates for errors of friction or mass, and for a load that the object
-        pushes.
+        ``planned`` is the support friction [N] of the plan. The factor compensates for
+        errors of friction or mass, and for a load that the object pushes.
         """
         ratio = 1.0
         if self.drag is not None:

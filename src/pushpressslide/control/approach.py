@@ -1,7 +1,7 @@
-"""The approach: free motion to the start of the touch. It gives commands in place of
-the controller.
+"""The approach: free-space motion to the start of the touch, commanded in place of the
+controller.
 
-Arms follow joint paths; on a plant without arms the tips travel.
+Arms follow joint paths. On a plant without arms the tips move by themselves.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Approach(ABC):
         """Start at time ``began`` [s], for ``duration`` [s].
 
         ``start`` is the planned X_WG at the start of the placement. ``held_commands``
-        has the command of each arm that keeps its contact, None for the others.
+        holds the command of each arm that keeps its contact, and None for the others.
         """
         self._began = began
         self._halted: float | None = None  # [s]
@@ -75,11 +75,13 @@ class Approach(ABC):
         self.arrival = math.inf
 
     def at_rest(self, time: float) -> bool:
-        """Whether the approach has come to rest after a halt."""
+        """Whether the approach is at rest after a halt."""
         return self._halted is not None and time - self._halted > HALT + SETTLE
 
     def _clock(self, time: float) -> tuple[float, float]:
-        """Time [s] on the path and its rate, which is 1, or less after a halt."""
+        """Time [s] along the path and its rate. The rate is 1, and falls to 0 after a
+        halt.
+        """
         if self._halted is None:
             return time - self._began, 1.0
         share = min((time - self._halted) / HALT, 1.0)
@@ -90,12 +92,15 @@ class Approach(ABC):
     def _command(
         self, arm: int, held_commands: TipCommand | None, elapsed: float, rate: float
     ) -> ArmCommand:
-        """Command of an arm ``elapsed`` [s] on its path, traversed at ``rate``."""
+        """Command of an arm at the time ``elapsed`` [s] of its path, which is traversed
+        at ``rate``.
+        """
 
 
 class JointApproach(Approach):
-    """Leads arms along their joint paths. An arm that keeps a contact takes only its
-    posture from its path.
+    """Moves arms along their joint paths.
+
+    An arm that keeps its contact takes only its posture from the path.
     """
 
     def __init__(
@@ -121,7 +126,7 @@ class JointApproach(Approach):
 
 @dataclass(frozen=True, slots=True)
 class TipPath:
-    """A path of a tip through ``corners`` [m], at rest at each of them."""
+    """Path of a tip through ``corners`` [m], with a stop at each of them."""
 
     corners: tuple[Vector3, ...]
 
@@ -146,7 +151,7 @@ class TipPath:
 
 
 class TipApproach(Approach):
-    """Leads tips without arms: up, across, and down to a point before their contacts."""
+    """Moves tips without arms: up, across, and down to a point before their contacts."""
 
     def __init__(
         self,
@@ -155,7 +160,7 @@ class TipApproach(Approach):
         held_commands: TipCommands,
         began: float,
     ) -> None:
-        """Follow ``paths``, one per tip, None for one that stays in place. The other
+        """Follow ``paths``, one per tip. None for a tip that stays in place. The other
         parameters are those of an approach.
         """
         longest = max((p.duration for p in paths if p is not None), default=0.0)
@@ -175,9 +180,7 @@ class TipApproach(Approach):
 
 
 def free_tip(position: Vector3, velocity: Vector3) -> TipCommand:
-    """Command of a tip without contact, about a ``position`` [m] that moves at a
-    ``velocity`` [m/s].
-    """
+    """Command of a tip without contact, at ``position`` [m] with ``velocity`` [m/s]."""
     return TipCommand(
         force=(0.0, 0.0, 0.0),
         position=position,

@@ -1,8 +1,8 @@
 """The cell that a plan runs on: arms, a tracker of the object, and a clock.
 
-A simulator gives all three, and a robot cell does. Each is a protocol of a few members,
-and can be replaced separately. Poses, points and forces are in x, y and height of the
-support's frame (core/support_frame.py), on a table the world's.
+Simulators and real robot cells both provide these three. Each is a protocol of a few
+members and can be replaced separately. Poses, points and forces are in the support's
+frame (core/support_frame.py): x, y and height. On a table this is the world frame.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from pushpressslide.selection.placement_planner import PlacementPlanner, PlansAl
 
 Interface = Literal["tip", "torque", "velocity", "position"]
 """Kind of command that an arm's driver accepts. With ``tip``, a tip without an arm
-obeys the command itself.
+executes the tip command directly.
 """
 
 
@@ -47,9 +47,9 @@ class Applied(NamedTuple):
 
 
 class Arm(Protocol):
-    """One robot arm with its tip, its limits, its executor and its own rate.
+    """One robot arm with its tip, joint limits, executor and control rate.
 
-    It obeys a command until the next one.
+    The arm executes a command until the next one arrives.
     """
 
     interface: Interface
@@ -65,23 +65,23 @@ class Arm(Protocol):
         """
 
     def connect(self) -> None:
-        """Start to drive the arm. Called before the first read."""
+        """Start to drive the arm. Called before the first ``read``."""
 
     def read(self) -> ArmState:
         """Present measurements."""
 
     def send(self, command: ArmCommand) -> Applied:
-        """Obey ``command`` until the next one. Returns what was really applied.
+        """Execute ``command`` until the next one. Returns what was really applied.
 
-        None: rest at the start of the joint path along the contact.
+        With None the arm rests at the start of the joint path along the contact.
         """
 
     def disconnect(self) -> None:
-        """Stop driving the arm, at rest. Called once, however the run ended."""
+        """Stop the arm, and stop driving it. Called once, however the run ended."""
 
 
 class Clock(Protocol):
-    """Simulated physics that advance, or a wall clock that waits."""
+    """A clock: simulated physics that advance, or a wall clock that waits."""
 
     # time stands still until ``advance``; sensors have the task's imperfections
     simulated: bool
@@ -98,7 +98,7 @@ class Clock(Protocol):
 
 
 class Truth(NamedTuple):
-    """True state for the record of a tick, more than a robot can measure."""
+    """True state at a tick, for the record. It contains more than a robot can measure."""
 
     X_WG: Pose2  # of the object as the tick began
     tips: tuple[TipState, ...]  # as it began
@@ -127,15 +127,15 @@ class Placements(Protocol):
 
     def prepare(self) -> PlacementPlanner:
         """Empty planner that starts from the present state of the arms. Its placements
-        replace all that are still ahead.
+        replace all remaining ones.
         """
 
     def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
-        """Go on with the next placement. Arms in ``kept_arms`` keep their contacts."""
+        """Continue with the next placement. Arms in ``kept_arms`` keep their contacts."""
 
 
 class TipsAlone:
-    """Placements of tips without arms, which travel by themselves."""
+    """Placements of tips without arms, which need no joint paths."""
 
     def prepare(self) -> PlacementPlanner:
         """Planner that accepts any plan."""

@@ -93,9 +93,9 @@ class PhaseStep(NamedTuple):
 
 
 class Controller:
-    """Closed-form control of one placement of a plan. Use one instance per run of it.
+    """Closed-form control of one placement of a plan. Use one instance per run.
 
-    A run accepts a subclass as ``controller``.
+    ``RunOptions.controller`` accepts a subclass.
     """
 
     def __init__(
@@ -136,9 +136,9 @@ class Controller:
         self.supervisor = Supervisor(self.placement, self.law.servo, patience)
 
     def tracking_law(self, query: MotionQuery, segment: Segment) -> Tracker:
-        """Tracking law of a ``segment``: its mode's law.
+        """Tracking law of a ``segment``: that of its mode.
 
-        A subclass may return another one, with the guidance of ``core.guidance``.
+        A subclass may return another law, which must return ``core.guidance`` objects.
         """
         return self.execution.tracker(query, segment)
 
@@ -147,7 +147,7 @@ class Controller:
     ) -> ControllerState:
         """State at the start of the touch.
 
-        ``held_commands`` are the commands of arms that have not let go.
+        ``held_commands`` are the commands of arms that still hold their contacts.
         """
         first, *ahead = self.segments
         tips = tuple(
@@ -190,8 +190,9 @@ class Controller:
     def halted(
         self, state: ControllerState, measurement: Measurement
     ) -> ControllerState:
-        """State in which retreating tips stop at their present reference. Tips that are
-        still at their contacts draw back later.
+        """State in which retreating tips stop at their present reference.
+
+        Tips that are still at their contacts draw back later.
         """
         phase = state.phase
         share = _share_back(phase, measurement.time)
@@ -219,7 +220,7 @@ class Controller:
     def _estimated(
         self, state: ControllerState, measurement: Measurement
     ) -> tuple[ControllerState, Instant]:
-        """State with this tick's estimate, and the instant's known quantities."""
+        """State with this tick's estimate, and the quantities known at this instant."""
         time = measurement.time
         tips = measurement.tips
         phase = state.phase
@@ -254,8 +255,9 @@ class Controller:
     def _thought(
         self, began: float | None, time: float, decision: Decision | None
     ) -> Thought:
-        """Log of the controller's belief at a ``time`` [s] of a motion that ``began``
-        [s].
+        """Log of the controller's reference and estimates.
+
+        ``time`` and ``began`` [s] are the present time and the start of the motion.
         """
         clock = 0.0 if began is None else time - began
         reference = self.planned.body_pose(clock).compose(self.X_BG)
@@ -279,8 +281,9 @@ class Controller:
     def normal_forces(
         self, state: ControllerState, measurement: Measurement
     ) -> list[float]:
-        """Normal force [N] measured at each tip. For a tip without contact, the size of
-        its force.
+        """Normal force [N] measured at each tip.
+
+        A tip without contact has no normal; the size of its force is returned.
         """
         X_WB = measurement.object_pose.compose(self.X_GB)
         forces = [math.hypot(*tip.force) for tip in measurement.tips]
@@ -300,8 +303,8 @@ class Controller:
         return state.estimate.X_WG.compose(self.X_GB).compose(self.X_BG)
 
     def missed(self, pose: Pose2) -> Ending | None:
-        """Text on the error by which an object at ``pose``, X_WG, misses the goal of
-        this placement, or None.
+        """Ending of a placement whose goal is missed by an object at ``pose``, X_WG.
+        None if the goal is reached.
         """
         goal = self.placement.last.goal
         tolerance = self.placement.last.tolerance
@@ -344,8 +347,10 @@ class Controller:
     def _touch_yaw(
         self, state: ControllerState, yaw: float, elapsed: float, aligned: float
     ) -> float:
-        """Wanted yaw of the tools [rad]: from the planned one to the object's ``yaw``,
-        over the alignment time [s] of the tips.
+        """Wanted yaw [rad] of the tools.
+
+        It changes from the planned yaw to the object's ``yaw`` while the tips are
+        aligned.
         """
         if not state.phase.align:
             return yaw
@@ -405,7 +410,7 @@ class Controller:
 
     def _release(self, state: ControllerState, instant: Instant) -> PhaseStep:
         """Draw the tips back. After a failure slow down first, and keep holding an
-        object that nothing else carries.
+        object that would otherwise fall.
         """
         phase = state.phase
         failed = phase.failure is not None
@@ -499,8 +504,7 @@ def _sunk(into: Insertion | None) -> float:
     """Depth [m] below its planned height at which a pressing tip counts as slid off the
     top.
 
-    Infinite during an insertion: an object that goes down into an opening takes its
-    tips along.
+    Infinite during an insertion: the tips follow the object down into the opening.
     """
     return margins.ARM.sunk if into is None else math.inf
 
@@ -511,18 +515,18 @@ def _rest(phase: PhaseState) -> float:
 
 
 def _ramp_back(phase: PhaseState, time: float) -> float:
-    """Elapsed fraction of the retreat's time, ignoring a halt."""
+    """Elapsed fraction of the retreat's duration, ignoring a halt."""
     elapsed = time - phase.since - _rest(phase)
     return elapsed / ramp_time(margins.ARM.retreat)
 
 
 def _share_back(phase: PhaseState, time: float) -> float:
-    """Fraction of the retreat's length that the tips have moved, ignoring a halt."""
+    """Fraction of the retreat's length covered so far, ignoring a halt."""
     return smooth(_ramp_back(phase, time))
 
 
 def _way_back(phase: PhaseState, time: float) -> WayBack:
-    """Retreat of the tips over a length of 1 m, halted at ``phase.drawn``."""
+    """Motion of a retreat of unit length [1 m], halted at ``phase.retreat_fraction``."""
     share = _share_back(phase, time)
     if share >= phase.retreat_fraction:
         return WayBack(phase.retreat_fraction, 0.0, 0.0)

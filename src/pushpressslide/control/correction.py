@@ -1,5 +1,7 @@
-"""Replanning during the motion: a path from the measured state costs microseconds, so
-that errors need not be chased.
+"""Replanning during the motion.
+
+A path from the measured state takes microseconds to plan, so the controller need not
+chase errors of an old path.
 """
 
 from __future__ import annotations
@@ -50,9 +52,9 @@ class Replanner:
         self.queries = queries
 
     def believing(self, rho: float | None) -> Replanner:
-        """Replanner whose scenes have ``rho`` [m] in place of a given one.
+        """Replanner with the identified ``rho`` [m] in its scenes.
 
-        The replanner itself if ``rho`` is None or no rho was given.
+        The replanner itself if ``rho`` is None, or if the scenes prescribe no rho.
         """
         if rho is None or self.queries[0].scene.rho is None:
             return self
@@ -73,8 +75,8 @@ class Replanner:
         return fresh if _free(query, fresh) else ()
 
     def retry(self, segment: Segment, measured: Measured) -> tuple[Segment, ...]:
-        """Segments with which a goal is tried once more. Empty if the mode has no
-        retry, or its segments are not free.
+        """Segments of another attempt at the goal. Empty if the mode has no retry, or
+        if its segments are not free.
         """
         query = self.queries[segment.leg]
         mode = MODES[segment.mode]
@@ -93,10 +95,10 @@ class Replanner:
     ) -> Replan | None:
         """Better segments from here, or None if no replan is needed.
 
-        A replan is made when a contact has slid or the tracking point is off the path,
-        unless that would take a detour. It is also made when the virtual axle or the
-        centre of mass is identified elsewhere. ``since_last`` [s] is the time since the
-        last replan.
+        Segments are replanned when a contact has slid or the tracking point is off the
+        path, unless the new path would be a detour. They are also replanned when the
+        virtual axle or the centre of mass is identified away from its planned position.
+        ``since_last`` [s] is the time since the last replan.
         """
         followed = segments[0]
         left = followed.path.length - guidance.progress
@@ -125,11 +127,11 @@ class Replanner:
 
 
 def _free(query: MotionQuery, segments: Sequence[Segment]) -> bool:
-    """Whether segments, the first of the leg of ``query``, stay in the workspace and
-    keep clear of obstacles.
+    """Whether segments stay in the workspace and keep clear of obstacles.
 
-    They also have to keep off openings and edges that would tip the object, and to push
-    straight with a tool.
+    The first segment belongs to the leg of ``query``. Segments must also keep off
+    openings and edges at which the object would tip, and must be straight if the object
+    serves as a tool.
     """
     if not segments:
         return True
@@ -170,8 +172,8 @@ def _axle_error(segment: Segment, identified: Identified | None) -> float:
 def _at_speed(segments: Sequence[Segment], profile: SpeedProfile) -> Replan:
     """Segments that start at the speed of ``profile``.
 
-    A path segment is put before the first one, on which its own profile would have
-    reached that speed.
+    The first path is extended backwards by the length that ``profile`` needs to reach
+    this speed from rest.
     """
     ramp = 0.5 * profile.speed * profile.speed / profile.acceleration
     first, *others = segments
@@ -180,7 +182,7 @@ def _at_speed(segments: Sequence[Segment], profile: SpeedProfile) -> Replan:
 
 
 def sides_of(body: ObjectModel, contacts: Sequence[Contact]) -> tuple[Side | None, ...]:
-    """Side of ``body`` that each contact is on. None for one on its top."""
+    """Side of ``body`` that each contact is on. None for a contact on top."""
     return tuple(
         side_of(body, contact) if contact.kind == "side" else None
         for contact in contacts
@@ -193,10 +195,10 @@ def touched_points(
     X_WB: Pose2,
     tips: Sequence[TipState],
 ) -> tuple[Point, ...]:
-    """Points [m] in B at which the tips of ``contacts`` touch the object, by their own
+    """Points [m] in B at which the tips of ``contacts`` touch the object, by the arms'
     kinematics.
 
-    ``sides`` are those of ``sides_of``. The points are projected onto the line of the
+    ``sides`` come from ``sides_of``. The points are projected onto the line of the
     face, the circle of a round side, or the top, so that a tip's measured depth does
     not count as a slide.
     """
@@ -205,8 +207,8 @@ def touched_points(
 
 
 def touched_point(side: Side | None, X_WB: Pose2, tip: TipState) -> Point:
-    """Point [m] in B at which a ``tip`` touches a ``side`` of the object, or its top if
-    that is None.
+    """Point [m] in B at which a ``tip`` touches a ``side`` of the object. If ``side``
+    is None, the tip is on top.
     """
     x, y, _ = tip.position
     point = X_WB.unapply((x, y))
@@ -240,9 +242,9 @@ def press_creep(contacts: Sequence[Contact], contact_points: Sequence[Point]) ->
 
 
 def rest_of(segment: Segment, progress: float) -> Segment:
-    """Segment along arcs without the first ``progress`` [m] of its path.
+    """Segment along arcs, without the first ``progress`` [m] of its path.
 
-    A segment along another kind of path is returned unchanged.
+    A segment along any other kind of path is returned unchanged.
     """
     path = segment.path
     if not isinstance(path, ArcPath):
@@ -251,7 +253,7 @@ def rest_of(segment: Segment, progress: float) -> Segment:
 
 
 def led_in(path: MotionPath, length: float) -> MotionPath:
-    """``path`` with ``length`` [m] put before its start."""
+    """``path`` extended backwards from its start by ``length`` [m]."""
     if isinstance(path, ArcPath):
         return ArcPath(
             advance(path.start, 0.0, -length), ((0.0, length), *path.sections)

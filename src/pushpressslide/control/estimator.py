@@ -1,8 +1,8 @@
-"""Estimate of the object's state and parameters from stamped poses, its commanded
-motion and the contact forces.
+"""Estimate of the object's state and parameters from stamped poses, commanded motion
+and contact forces.
 
-Another estimator can replace ``ObjectEstimator`` if it has the two functions of
-``Estimator``: ``RunOptions.estimator`` passes one to a run.
+``RunOptions.estimator`` passes another estimator to a run. It must have the two
+functions of ``Estimator``.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Observation(NamedTuple):
 
 
 class Estimator(Protocol):
-    """An estimator without mutable attributes: its state is passed in and out."""
+    """An estimator without mutable attributes. The caller keeps its state."""
 
     def start(self, pose: StampedPose) -> Any:
         """State at the start of a placement, with the object at the measured ``pose``."""
@@ -82,12 +82,12 @@ class EstimatorState(NamedTuple):
 
 
 class ObjectEstimator:
-    """Corrects a predicted pose by the measured one, and identifies virtual axle, rho,
-    drag and CoM while the object is driven.
+    """Corrects a predicted pose by the measured one. Identifies virtual axle, rho, drag
+    and CoM while the object is driven.
     """
 
     def __init__(self, query: MotionQuery) -> None:
-        """Bind to the object and the sensors of ``query``, as they are believed."""
+        """Bind to the believed object and sensors of ``query``."""
         self._X_GB = query.X_GB
         self._X_BG = self._X_GB.inverse()
         self._gain = pose_gain(query.sensing)
@@ -121,8 +121,9 @@ class ObjectEstimator:
         )
 
     def _pose(self, state: EstimatorState, observation: Observation) -> Pose2:
-        """X_WG predicted from the motion since the last tick and corrected by the
-        measured pose, unless the camera missed it.
+        """X_WG predicted from the motion since the last tick.
+
+        The measured pose corrects the prediction, unless the camera missed the object.
         """
         measured = observation.pose
         before = state.X_WG
@@ -146,7 +147,7 @@ class ObjectEstimator:
 
 
 def pose_gain(sensing: Sensing) -> float:
-    """Fraction of a measured pose's error that corrects the predicted one.
+    """Fraction of the prediction's error that a measured pose corrects.
 
     It is 1 without noise, and less if the noise exceeds POSE_NOISE or YAW_NOISE.
     """
@@ -168,8 +169,8 @@ def stamped(measurement: Measurement) -> StampedPose:
 def _carried_over(
     state: EstimatorState, prediction: Prediction
 ) -> tuple[AxleState, CenterState]:
-    """Identification state of virtual axle and CoM that stays valid under a plan with
-    other predictions.
+    """Identification state of virtual axle and CoM that remains valid when the plan's
+    predictions change.
     """
     axle = state.axle
     center = state.center
@@ -204,8 +205,8 @@ def _identified(
 def _estimates(
     predicted: Prediction, axle: AxleState, center: CenterState
 ) -> ParameterEstimates:
-    """Identified virtual axle and CoM if they contradict the plan, and rho with the
-    axle.
+    """Identified parameters that contradict the plan: virtual axle and CoM. An
+    identified axle comes with rho.
     """
     identified = None
     if predicted.axle is not None:

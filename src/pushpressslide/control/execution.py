@@ -1,4 +1,4 @@
-"""Execution options of a plan beyond its task: the usual laws, or those of an
+"""Options of a run beyond its task: the usual control laws, or the laws of an
 experiment.
 """
 
@@ -28,7 +28,7 @@ class Execution:
     joint_stiffness: float = 0.0
 
     def tracker(self, query: MotionQuery, segment: Segment) -> Tracker:
-        """Tracking law of a segment of ``query``: its mode's own."""
+        """Tracking law of a segment of ``query``, as defined by the segment's mode."""
         return MODES[segment.mode].tracker(query, segment)
 
     @property

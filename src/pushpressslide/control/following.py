@@ -69,8 +69,8 @@ class Prediction(NamedTuple):
 
 
 class Following(NamedTuple):
-    """The followed segment and the progress along it. Each segment has an instance of
-    its own.
+    """The followed segment and the progress along it. Every segment has its own
+    instance.
     """
 
     binding: BoundLaws  # now
@@ -93,7 +93,7 @@ class Following(NamedTuple):
         return self.binding.segment.path.length - self.progress
 
     def begun(self, time: float) -> Following:
-        """Copy whose motion starts at ``time`` [s], unless it was started before."""
+        """Copy whose motion starts at ``time`` [s], unless it has already started."""
         following = self
         if self.reference is None:
             reference = self.binding.segment
@@ -101,7 +101,7 @@ class Following(NamedTuple):
         return following if self.began is not None else following._replace(began=time)
 
     def delayed(self, passed: float) -> Following:
-        """Copy whose clock and reference start ``passed`` [s] later."""
+        """Copy with its clock and reference delayed by ``passed`` [s]."""
         return self._replace(
             clock_start=self.clock_start + passed,
             reference_start=self.reference_start + passed,
@@ -110,9 +110,9 @@ class Following(NamedTuple):
     def joint_progress(self, X_WB: Pose2) -> float:
         """Arc length [m] on the planned path at which to read the joint reference.
 
-        It leaves the same remaining length as on the current path. If a spin was
-        replanned as arcs, the lengths of the two paths belong to different points; the
-        planned pose nearest to the object at ``X_WB`` is then used.
+        The remaining length is the same as on the current path. If a spin was replanned
+        as arcs, the lengths of the two paths refer to different points; the planned
+        pose nearest to the object at ``X_WB`` is then used.
         """
         planned = self.segment
         path = planned.path
@@ -123,7 +123,7 @@ class Following(NamedTuple):
         return self.joint_start + max(0.0, path.length - self.left)
 
     def replanned_as_arcs(self, segment: Segment) -> bool:
-        """Whether ``segment`` drives along arcs while its leg was planned along twists."""
+        """Whether ``segment`` follows arcs although its leg was planned along twists."""
         planned = self.segment
         twists = isinstance(planned.path, TwistPath)
         same_leg = segment.leg == planned.leg
@@ -133,8 +133,8 @@ class Following(NamedTuple):
         """Arc length [m] on the planned path at which to read the joint reference
         during the move.
 
-        A ``timed`` reference is the planned one at this ``time`` [s], the paper's q(t),
-        at most JOINT_LEAD from the object at ``X_WB``.
+        A ``timed`` reference is the planned one at ``time`` [s], the paper's q(t). It
+        is at most JOINT_LEAD from the object at ``X_WB``.
         """
         here = self.joint_progress(X_WB)
         reference = self.reference

@@ -1,9 +1,9 @@
-"""Insertion of a pressed object into an opening of the support, up to its back.
+"""Insertion of a pressed object into an opening of the support, as far as its back.
 
-Once the support no longer carries it the object drops in, and the tips follow. They are
-pressed with their load against a damper, which keeps them to the speed at which they
-could still stop at the back; feed-forward brakes the arm's own inertia. Only the depth
-of the tips is measured.
+When the support no longer carries the object, it drops in and the tips follow. A damper
+acts against their load and limits the tips to a speed from which they can still stop at
+the back. Feed-forward brakes the arm's own inertia. Only the depth of the tips is
+measured.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Insertion:
     tips: tuple[tuple[int, float], ...]
 
     def depths(self, tips: Sequence[TipState]) -> list[float]:
-        """Depth [m] of each tip below its position on the face of an object on the
+        """Depth [m] of each tip below its height on an object that rests on the
         support.
         """
         return [height - tips[arm].position[2] for arm, height in self.tips]
@@ -47,10 +47,11 @@ class Insertion:
     def speeds(
         self, measured: Sequence[TipState], begun: Sequence[Vector3]
     ) -> list[float | None]:
-        """Allowed insertion speed [m/s] of each tip. None while the support is pressed.
+        """Allowed insertion speed [m/s] of each tip. None while the object still rests
+        on the support.
 
-        ``begun`` [m] is the depth of each tip at the start of the motion, pressed into
-        the face by its load.
+        ``begun`` [m] is the position of each tip at the start of the motion, when its
+        load already presses it into the face.
         """
         tips = (measured[arm] for arm, _ in self.tips)
         if (

@@ -1,4 +1,4 @@
-"""Speed along a path at which no joint of an arm comes near its speed limit."""
+"""Speed along a path that keeps every joint of an arm below its speed limit."""
 
 from __future__ import annotations
 
@@ -14,16 +14,19 @@ from pushpressslide.control.limits import ArmLimits
 from pushpressslide.core.plan import JointPath
 
 SHARE = 0.85
-"""Share of a joint's speed limit that a followed path may use. The rest is for
-corrections.
+"""Largest share of a joint's speed limit that a followed path may use.
+
+The rest is for corrections.
 """
 NEIGHBOURS = 1
-"""Number of samples before and after a point that also count there."""
+"""Number of neighbouring samples, on either side, whose speed limits also apply to a
+sample.
+"""
 
 
 @dataclass(frozen=True)
 class JointPace:
-    """Largest speed along the planned paths of some arms, by arc length."""
+    """Largest speed along the planned paths of several arms, by arc length."""
 
     arc_length: tuple[float, ...]  # (k,) [m]
     speed: tuple[float, ...]  # (k - 1,) [m/s] between two of them
@@ -37,9 +40,9 @@ class JointPace:
 def joint_pace(
     paths: Sequence[JointPath], limits: Sequence[ArmLimits]
 ) -> JointPace | None:
-    """Pace of arms that follow joint paths, within a share of their speed limits.
+    """Pace of arms along their joint paths, within a share of their speed limits.
 
-    None for paths of a single sample, and without arms.
+    None without arms, and for paths of a single sample.
     """
     paces = [_pace(path, arm) for path, arm in zip(paths, limits, strict=True)]
     found = [pace for pace in paces if pace is not None]

@@ -29,9 +29,9 @@ def approach_reference(path: JointPath, elapsed: float) -> tuple[Array, Array]:
 def path_reference(path: JointPath, progress: float) -> Array:
     """Joint positions (n,) [rad] at arc length ``progress`` [m] of the contact's path.
 
-    A negative ``progress`` refers to the tip at that distance before its touch, one
-    beyond the end to the tip retreated by that distance. If these joint positions are
-    not known, the nearer end of the path is returned.
+    A negative ``progress`` places the tip at that distance before the contact; a
+    ``progress`` beyond the end places it at that distance of its retreat. If these
+    joint positions are not known, those at the nearer end of the path are returned.
     """
     touch = path.touch
     if progress < 0.0 and touch is not None and len(touch) > 1:
@@ -47,15 +47,17 @@ def path_reference(path: JointPath, progress: float) -> Array:
 
 
 def _between(grid: Array, rows: Array, value: float) -> Array:
-    """``rows`` (k, n) at a rising ``grid`` (k,), interpolated at a value (n,)."""
+    """Rows (n,) interpolated at ``value`` from ``rows`` (k, n) at a rising ``grid``
+    (k,).
+    """
     i, share = _interval(grid, value)
     out: Array = rows[i] + share * (rows[i + 1] - rows[i])
     return out
 
 
 def _interval(grid: Array, value: float) -> tuple[int, float]:
-    """Interval of a rising ``grid`` that holds ``value``, and the fraction of the
-    interval up to it.
+    """Index of the interval of a rising ``grid`` that contains ``value``, and the
+    fraction of the interval up to ``value``.
     """
     i = min(max(int(grid.searchsorted(value)) - 1, 0), len(grid) - 2)
     before = float(grid[i])

@@ -44,7 +44,9 @@ NAME = "knocker"
 
 @dataclass(frozen=True)
 class Knocked:
-    """Result of a disturbance: time of the touch, displacement and rotation."""
+    """Result of a disturbance: time of the touch, displacement and rotation of the
+    object.
+    """
 
     time: float  # [s] when the ball touched
     moved: float  # [m] of the object along the push, besides its own motion
@@ -126,8 +128,9 @@ class Knocker:
             self._enter_phase("leaving", t)
 
     def _motion(self, pose: Pose2, t: float) -> tuple[Point, float]:
-        """Velocity [m/s] and yaw rate [rad/s] of the object over the last tick, before
-        the ball touches it.
+        """Velocity [m/s] and yaw rate [rad/s] of the object over the last tick.
+
+        Used before the ball touches the object.
         """
         if self._last is None:
             return (0.0, 0.0), 0.0
@@ -196,7 +199,7 @@ def with_knock(record: Record, knocker: Knocker) -> Record:
 
 
 def _hold(plan: Plan) -> float:
-    """Friction [N] of the support and of the tips on top, as planned."""
+    """Planned friction [N] of the support and of the tips on top."""
     press = max(sum(c.load for c in segment.contacts) for segment in plan.segments)
     scene = plan.task.scene
     return scene.max_friction(press) + scene.contact_friction * press

@@ -61,7 +61,10 @@ class Law:
         tips: Sequence[TipMemory],
         clock: Callable[[], float],
     ) -> Decision:
-        """Tip commands at an instant. ``clock`` [s] is for the record alone."""
+        """Tip commands at an instant.
+
+        ``clock`` [s] is only recorded.
+        """
         X_WB = instant.X_WB
         binding = following.binding
         segment = binding.segment
@@ -97,7 +100,9 @@ class Law:
         return Decision(guidance, allocation, commands, memories, felt, wall_times)
 
     def speed(self, following: Following, time: float) -> float:
-        """Speed [m/s] along the path: the profile's, plus a term that catches up."""
+        """Speed [m/s] along the path: that of the profile, plus a term that makes up
+        for a lag.
+        """
         profile = following.binding.segment.profile
         planned = profile.state_at(time - following.clock_start)
         left = following.left
@@ -109,7 +114,7 @@ class Law:
     def _holds(
         self, following: Following, allocation: Allocation
     ) -> list[ContactKeeping | None]:
-        """Contact keeping of each tip. None if it is not needed."""
+        """Contact keeping of each tip. None for a tip that needs none."""
         contacts = following.segment.contacts
         if not self.servo:
             return [None] * len(contacts)
@@ -118,9 +123,7 @@ class Law:
     def _entry_speeds(
         self, instant: Instant, tips: Sequence[TipMemory]
     ) -> list[float | None]:
-        """Allowed insertion speed [m/s] of each tip into an opening. None if there is
-        no opening.
-        """
+        """Allowed speed [m/s] of each tip into an opening. None without an opening."""
         if self.insertion is None:
             return [None] * len(tips)
         return self.insertion.speeds(instant.tips, [memory.start for memory in tips])

@@ -50,7 +50,7 @@ class ArmLimits:
 
 @dataclass(frozen=True, slots=True)
 class ArmReading:
-    """Joint state of one arm at a tick, and its command of the previous tick."""
+    """Joint state of one arm at a tick, and the arm's previous command."""
 
     q: Array  # (n,) [rad]
     v: Array  # (n,) [rad/s]
@@ -94,11 +94,10 @@ class Guard:
             memory.reference = None
 
     def successor(self, normal_force: float, held_commands: Commands) -> Guard:
-        """Guard for the run after a recovery, with another limit of the normal force
-        [N].
+        """Guard for the run after a recovery, with a new limit ``normal_force`` [N].
 
-        Its first commands are compared with ``held_commands``, which hold the arms
-        until then.
+        Its first commands are compared with ``held_commands``, which hold the arms in
+        the meantime.
         """
         other = Guard(normal_force, self.period, self.arms, anew=True)
         for arm, command in enumerate(held_commands):
@@ -131,10 +130,10 @@ class Guard:
         return found
 
     def near_joint_limit(self, readings: Sequence[ArmReading]) -> bool:
-        """Whether a joint is as near to its limit as a retreating arm may bring it.
+        """Whether a joint of a retreating arm has come too near to its limit.
 
-        The bound is the repulsion zone of the limit, or the joint's initial distance if
-        that is smaller.
+        The smallest allowed distance is that of the limit's repulsion zone, or the
+        joint's initial distance if that is smaller.
         """
         spaces = [
             minimum(_limit_distances(limits, reading))
@@ -244,13 +243,15 @@ class Guard:
 
 
 def _limit_distances(limits: ArmLimits, reading: ArmReading) -> Array:
-    """Distance of each joint from the nearer end of its range (n,)."""
+    """Distances (n,) [rad; m of slides] of the joints from the nearer ends of their
+    ranges.
+    """
     out: Array = np.minimum(reading.q - limits.lower, limits.upper - reading.q)
     return out
 
 
 def _tip_jump(before: TipCommand, command: TipCommand) -> float:
-    """Jump [m] of a reference along the axes that hold the tip both before and after."""
+    """Jump [m] of a tip's reference along the axes held both before and after."""
     x0, y0, z0 = before.position
     x1, y1, z1 = command.position
     dx, dy = x1 - x0, y1 - y0

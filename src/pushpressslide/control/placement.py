@@ -1,4 +1,4 @@
-"""One placement of a plan: everything that is constant while it is run."""
+"""One placement of a plan, with everything that stays constant while it is executed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from pushpressslide.planning.workspace import poses_along
 
 
 class Placement:
-    """The segments of one placement, their queries, and the binding of their laws."""
+    """The segments of one placement, with their queries and bound laws."""
 
     def __init__(
         self,
@@ -63,7 +63,9 @@ class Placement:
     def center_identifier(
         self, segment: Segment, center: Point
     ) -> CenterIdentifier | None:
-        """Identifier of the CoM in a segment planned with it at ``center``."""
+        """Identifier of the CoM in a segment that was planned with the CoM at
+        ``center``.
+        """
         query = self.queries[segment.leg]
         return MODES[segment.mode].center_identifier(query, segment, center)
 

@@ -1,4 +1,4 @@
-"""Collects what happens, tick by tick, into a Record."""
+"""Recorder that collects a run, tick by tick, into a Record."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Tick(NamedTuple):
 
 
 class _Noted(NamedTuple):
-    """A tick, and the segment followed in it."""
+    """A tick, with the segment followed in it."""
 
     tick: Tick
     segment: Segment
@@ -60,11 +60,12 @@ class _Noted(NamedTuple):
 class Recorder:
     """Collects the ticks of a run, and makes the arrays of its record at the end.
 
-    Arrays are not made between ticks, since the next tick would then find cold caches.
+    Arrays are made only at the end: making them between ticks would evict the caches
+    that the next tick needs.
     """
 
     def __init__(self, plan: Plan) -> None:
-        """Start empty, with the first placement of ``plan``."""
+        """Start without ticks, at the first placement of ``plan``."""
         self._noted: list[_Noted] = []
         self._X_GB = plan.task.X_GB
         self._X_BG = self._X_GB.inverse()
@@ -78,7 +79,7 @@ class Recorder:
         return len(self._noted)
 
     def begin_placement(self, plan: Plan, number: int) -> None:
-        """Note the start of placement ``number`` of ``plan``."""
+        """Record the start of placement ``number`` of ``plan``."""
         self._number += 1
         self._earlier = self._number - number
         self._plan = plan
@@ -136,7 +137,7 @@ class Recorder:
         }
 
     def _contact_columns(self, ticks: Sequence[Tick]) -> dict[str, Column]:
-        """Contact points of the arms' tips."""
+        """Columns of the contact points of the arms' tips."""
         if not ticks or not ticks[0].joints:
             return {}
         radii = [robot.tip_radius for robot in self._plan.task.robots]
@@ -214,9 +215,7 @@ def _log_columns(ticks: Sequence[Tick]) -> dict[str, Column]:
 
 
 def _twists(ticks: Sequence[Tick]) -> Column:
-    """Twists of the object. A twist that is not known is the difference quotient of the
-    poses.
-    """
+    """Twists of the object. Unknown twists are difference quotients of the poses."""
     twists: list[Vector3] = []
     for before, tick in zip([*ticks[:1], *ticks[:-1]], ticks, strict=True):
         twist = tick.truth.twist
@@ -231,7 +230,7 @@ def _twists(ticks: Sequence[Tick]) -> Column:
 
 
 def _forces(truth: Truth) -> tuple[Vector3, ...]:
-    """Force of each tip during a tick."""
+    """Mean force of each tip during a tick."""
     if truth.forces is not None:
         return truth.forces
     return tuple(tip.force for tip in truth.tips)
@@ -310,8 +309,9 @@ def _extra_columns(ticks: Sequence[Tick]) -> dict[str, Column]:
 
 
 def _array(column: Column) -> Array:
-    """Rows of a column as one array. For many short arrays this takes a fifth of the
-    time of ``np.array``.
+    """Rows of a column as one array.
+
+    For many short rows this takes a fifth of the time of ``np.array``.
     """
     if len(column) > 0 and isinstance(column[0], np.ndarray):
         return np.concatenate(column).reshape(len(column), *column[0].shape)

@@ -1,5 +1,5 @@
-"""Recovery: plans the remaining task from the measured pose, with identified parameters
-and any allowed mode and contacts.
+"""Recovery: a plan for the remaining task from the measured pose, with identified
+parameters and any allowed mode and contacts.
 """
 
 from __future__ import annotations
@@ -32,14 +32,15 @@ RECOVERABLE: frozenset[ReasonCode] = frozenset(
         "reference_jump",
     }
 )
-"""Endings after which arms that have drawn back can begin anew."""
+"""Failures after which arms that have drawn back can start again."""
 
 
 def restart(
     scene: Scene, segment: Segment, pose: Pose2, estimates: ParameterEstimates
 ) -> Restart:
-    """Start of the remaining task in ``scene``, left in ``segment`` with the object at
-    ``pose``, X_WG.
+    """Start of the remaining task in ``scene``.
+
+    The task was interrupted in ``segment``, with the object at ``pose``, X_WG.
     """
     x, y = scene.body.center_of_mass
     dx, dy = estimates.center
@@ -58,10 +59,10 @@ def planned_anew(
     """Plan for the remaining task of ``plan``, made by the empty placement planner that
     ``prepare`` returns.
 
-    If there is no plan with the task's own mode and contacts, they are chosen freely.
-    If there is none with the identified parameters either, the believed friction is
-    used, since a jammed object looks as if it had more friction. Raises
-    InfeasibleTaskError if there is no plan.
+    The task's own mode and contacts are tried first, then any others. If neither gives
+    a plan, the identified friction is replaced by the believed friction, since a jammed
+    object seems to have more friction than it has. Raises InfeasibleTaskError if there
+    is no plan.
     """
     task = plan.task
     free = replace(restart_state, free=True)

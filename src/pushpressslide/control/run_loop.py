@@ -116,10 +116,10 @@ def run_loop(
 
 @contextmanager
 def _uncollected() -> Iterator[None]:
-    """Context without Python's search for unreachable cycles, which would delay one
-    tick of each run by 0.1 s.
+    """Context without Python's cyclic garbage collection.
 
-    A run makes no cycles worth collecting.
+    The collection would delay one tick of each run by 0.1 s, and a run leaves no cycles
+    worth collecting.
     """
     collected = gc.isenabled()
     gc.disable()
@@ -131,7 +131,8 @@ def _uncollected() -> Iterator[None]:
 
 
 class RunLoop:
-    """One run: the present placement, those ahead, and the conditions that end it.
+    """One run: the present placement, the remaining ones, and the conditions that end
+    it.
 
     The caller connects the arms: ``with cell.connected()``.
     """
@@ -190,10 +191,10 @@ class RunLoop:
         return self.record(ending, perf_counter() - started)
 
     def step(self) -> Ending | None:
-        """Pass one control period: measure, decide, guard, send, advance, record.
+        """Run one control period: measure, decide, guard, send, advance, record.
 
-        Returns the reason why the run is over, or None while it goes on. After a
-        recovery, ``tick`` is the last one before the new approach.
+        Returns the reason why the run is over, or None while it continues. After a
+        recovery, ``tick`` is the last tick before the new approach.
         """
         if self.cell.clock.time >= self.time_limit:
             text = f"limits.time of {self.time_limit:g} s is over"
@@ -232,7 +233,7 @@ class RunLoop:
         )
 
     def measure(self) -> tuple[Measurement, list[ArmReading]]:
-        """Measurements of tracker and arms, and the joints of the arms."""
+        """Measurements of tracker and arms, and readings of the arms' joints."""
         time = self.cell.clock.time
         states = [arm.read() for arm in self.cell.arms]
         pose = self.tracker.read()
@@ -252,7 +253,7 @@ class RunLoop:
         return self.cell.clock.time < self.approach.arrival
 
     def drive(self, commands: Commands) -> Measurement:
-        """Pass one control period under external ``commands``, neither guarded nor
+        """Run one control period under external ``commands``, neither guarded nor
         recorded. Returns the measurements at its end.
         """
         self._send(commands)
@@ -261,7 +262,7 @@ class RunLoop:
         return measurement
 
     def _own_laws(self) -> dict[str, str]:
-        """Note for the record on changed laws. Empty if there are none."""
+        """Note on changed laws, for the record. Empty if none is changed."""
         options = self.options
         own: dict[str, str] = {}
         if options.execution.changed is not None:
@@ -271,7 +272,7 @@ class RunLoop:
         return own
 
     def _tick(self) -> tuple[Tick, Measurement]:
-        """Pass one control period. Returns the tick and its measurements."""
+        """Run one control period. Returns the tick and its measurements."""
         began = perf_counter()
         measurement, readings = self.measure()
         read = perf_counter()
@@ -302,13 +303,13 @@ class RunLoop:
         return tick, measurement
 
     def _send(self, commands: Commands) -> list[Applied]:
-        """Command every arm until the next call."""
+        """Send a command to every arm. Returns what was really applied."""
         arms = zip(self.cell.arms, commands, strict=True)
         return [arm.send(command) for arm, command in arms]
 
     def _truth(self, measurement: Measurement) -> Truth:
-        """State of the completed tick for the record: the true one if a witness knows
-        it, otherwise the measured one.
+        """State of the completed tick for the record: the true state if there is a
+        witness, otherwise the measured state.
         """
         witness = self.cell.witness
         if witness is not None:
@@ -332,8 +333,8 @@ class RunLoop:
         return step.commands, step.log
 
     def _supervise(self, commands: Commands, measurement: Measurement) -> None:
-        """Decide on the event of this tick, if there is one. ``commands`` are those the
-        arms obey.
+        """Decide on the event of this tick, if there is one. ``commands`` are those
+        that the arms execute.
         """
         event = self.event
         if event is None:
@@ -350,8 +351,8 @@ class RunLoop:
             self.state = state.delayed(passed)
 
     def _while_holding(self, plan: Callable[[], T], held_commands: Commands) -> T:
-        """Result of ``plan``. If the clock runs meanwhile, ``held_commands`` keep the
-        arms in position, tick by tick.
+        """Result of ``plan``. If time passes during planning, ``held_commands`` keep
+        the arms in position.
         """
         if self.cell.clock.simulated:
             return plan()
@@ -367,7 +368,9 @@ class RunLoop:
         return planned.result()
 
     def _runaways(self, readings: Sequence[ArmReading]) -> list[str | None]:
-        """Description of uncommanded motion of each arm's joints, or None."""
+        """Description of uncommanded joint motion of each arm. None for an arm without
+        any.
+        """
         watched = zip(self.joint_watches, readings, strict=True)
         return [watch.step(reading.v.tolist()) for watch, reading in watched]
 
@@ -385,8 +388,9 @@ class RunLoop:
         return self.guard.breach(forces, readings, commands)
 
     def _stop(self, breach: Ending, measurement: Measurement, phase: Phase) -> None:
-        """Stop safely because of a ``breach`` in a ``phase``: slow down, then draw
-        back, or hold an object that nothing else carries.
+        """Stop safely because of a ``breach`` in a ``phase``.
+
+        The arms slow down, then draw back, or hold an object that would otherwise fall.
         """
         time = measurement.time
         text = f"{breach.text} (at {time:.2f} s, {phase})"
@@ -451,8 +455,8 @@ class RunLoop:
         return time + (approach + TOUCH_AND_RELEASE) * len(ahead) + motions
 
     def _hand_over(self, tick: Tick, measurement: Measurement) -> None:
-        """Start the next placement. Arms that keep their contact continue to execute
-        their last command.
+        """Start the next placement. Arms that keep their contacts repeat their last
+        commands.
         """
         kept_arms = self.controller.kept_arms
         held_commands = tuple(
@@ -466,11 +470,11 @@ class RunLoop:
         self.recorder.begin_placement(self.plan, self.number)
 
     def _recovers(self, ending: Ending, tick: Tick, measurement: Measurement) -> bool:
-        """Try to recover: replan the remaining task from the current state and start
-        it. Return False if no plan ends in time.
+        """Replan the remaining task from the current state and start it. Return False
+        if no plan ends in time.
 
-        The arms hold meanwhile, since planning may take seconds of a cell's time. A run
-        with an arm that did not draw back is not recovered.
+        The arms hold their positions during planning, which may take seconds in a real
+        cell. There is no recovery if an arm did not draw back.
         """
         gave_up = self.stopping is not None and self.stopping.took_over
         if self.recoveries == 0 or gave_up:
@@ -498,8 +502,8 @@ class RunLoop:
         return True
 
     def _retriable_ending(self, ending: Ending, pose: Pose2) -> Ending | None:
-        """Failure from which the run can recover. None unless the arms have drawn back
-        and a restart is possible.
+        """Failure from which the run can recover. None if it cannot, or if the arms
+        have not drawn back.
         """
         if ending.code == "goal_reached":
             return self.controller.missed(pose)
@@ -508,7 +512,7 @@ class RunLoop:
     def _restart(self, pose: Pose2) -> Restart:
         """Start of the remaining task with the object at ``pose``, X_WG.
 
-        Raises InfeasibleTaskError if the arms cannot let go of it.
+        Raises InfeasibleTaskError if the arms cannot let go of the object.
         """
         scene = self.plan.task.scene
         segment = self.controller.segments[0]
@@ -548,7 +552,7 @@ class RunLoop:
             )
 
     def _note(self, time: float, failure: Ending, missing: str | None = None) -> None:
-        """Note the failure, and why there was no recovery from it."""
+        """Record the failure, and why there was no recovery."""
         self.events.append(
             {
                 "time": time,
@@ -560,7 +564,7 @@ class RunLoop:
         )
 
     def _resume(self, plan: Plan, held_commands: Commands) -> None:
-        """Start ``plan`` now, in place of the rest of the present one.
+        """Start ``plan`` now, in place of the rest of the present plan.
 
         The cell's clock has already advanced by the time spent on planning, during
         which the arms followed ``held_commands``.
@@ -607,7 +611,9 @@ class RunLoop:
         return Ending("goal_reached") if failure is None else Ending(*failure)
 
     def _stopped_short(self, stopping: Stop, time: float) -> Ending | None:
-        """Ending of a run whose arms did not draw back, once they rest at ``time`` [s]."""
+        """Ending of a run whose arms stopped without drawing back, once they are at
+        rest at ``time`` [s].
+        """
         assert self.breach is not None
         if not stopping.at_rest(time):
             return None
@@ -636,9 +642,7 @@ class RunLoop:
 
 
 def _runaway(runaways: Sequence[str | None]) -> Ending | None:
-    """Ending of a run in which an arm's joints run away, from the descriptions of all
-    arms.
-    """
+    """Ending of a run in which joints run away, from the descriptions of all arms."""
     for arm, text in enumerate(runaways):
         if text is not None:
             return Ending("runaway", f"arm {arm} runs away: {text}")
@@ -646,7 +650,7 @@ def _runaway(runaways: Sequence[str | None]) -> Ending | None:
 
 
 def still(commands: Commands, tips: Sequence[TipState]) -> Commands:
-    """Commands that hold ``tips`` [m] in place with their present press."""
+    """Commands that hold ``tips`` in place with their present press."""
     return tuple(
         _still(command, tip) if isinstance(command, TipCommand) else command
         for command, tip in zip(commands, tips, strict=True)
@@ -676,7 +680,7 @@ def tip_paths(
     """Path of each tip without an arm, over the object, to a point before its planned
     contact.
 
-    A tip without a contact goes to its robot's base, where it waits. None for a tip
+    A tip without a contact goes to its robot's base and waits there. None for a tip
     that keeps its contact, and at the start of a run.
     """
     query = placement.query

@@ -24,8 +24,9 @@ T = TypeVar("T")
 
 
 class DelayLine(Generic[T]):
-    """Delays values by a fixed number of ticks. Until that many values have been put
-    in, it returns the first one.
+    """Delays values by a fixed number of ticks.
+
+    Until the line is full, it returns the first value.
     """
 
     def __init__(self, delay: float, dt: float) -> None:
@@ -160,7 +161,7 @@ class SensedArm:
 
 
 class SensedTruth:
-    """The true state before the sensors distort it."""
+    """True state of a run, before the sensors distort it."""
 
     facts: Mapping[str, Any] = {}
 
@@ -170,7 +171,7 @@ class SensedTruth:
         self._arms = arms
 
     def observe(self) -> Truth:
-        """Pose and tips as last read."""
+        """True pose and tips at the last reading."""
         return Truth(self._tracker.truth, tuple(arm.truth for arm in self._arms))
 
 
@@ -178,8 +179,8 @@ def sensed(cell: Cell, sensing: Sensing, seed: int, dt: float) -> Cell:
     """The ``cell`` observed through sensors with the faults of ``sensing``.
 
     Pose, position and force have separate noise streams. They are read at every tick of
-    a run, whether or not they are used, so that a delay is always one in time. ``dt``
-    [s] is the control period.
+    a run, used or not, so that a delay in ticks is a delay in time. ``dt`` [s] is the
+    control period.
     """
     if sensing == Sensing():
         return cell

@@ -69,8 +69,9 @@ class TipMemory(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class StallWatch:
-    """Pose of the object at the last motion, and its time. Both are kept while the
-    object moves by less than the motion threshold.
+    """Pose and time of the object's last motion.
+
+    Both are kept while the object moves by less than the motion threshold.
     """
 
     pose: Pose2  # X_WB
@@ -79,14 +80,14 @@ class StallWatch:
 
 @dataclass(frozen=True, slots=True)
 class ContactLosses:
-    """Number of contact losses near one place."""
+    """Number of contact losses near one place of the path."""
 
     pose: Pose2  # X_WB at the first of them
     count: int
 
 
 class Watches(NamedTuple):
-    """Monitored failures, and the numbers of their corrections."""
+    """Monitored failures, and the number of corrections of each."""
 
     lost: float | None = None  # [s] since when contact is missing
     losses: ContactLosses | None = None
@@ -97,7 +98,7 @@ class Watches(NamedTuple):
 
 
 class PhaseState(NamedTuple):
-    """A phase. Each new phase is a new instance."""
+    """A phase and its progress. Each new phase is a new instance."""
 
     name: Phase
     since: float  # [s]
@@ -114,7 +115,8 @@ class PhaseState(NamedTuple):
 class ControllerState(NamedTuple):
     """State of the controller between ticks.
 
-    It consists of tuples: replacing a few fields takes a tenth of a dataclass's time.
+    It consists of tuples: replacing a few fields takes a tenth of the time that a
+    dataclass needs.
     """
 
     phase: PhaseState
@@ -125,8 +127,9 @@ class ControllerState(NamedTuple):
     watches: Watches = Watches()
 
     def delayed(self, passed: float) -> ControllerState:
-        """The same state started now, ``passed`` [s] after it was planned, with an
-        object that was not moved meanwhile.
+        """The same state, started ``passed`` [s] later.
+
+        The object was not moved in the meantime.
         """
         phase = self.phase
         watches = self.watches
@@ -144,7 +147,7 @@ class ControllerState(NamedTuple):
 
 
 class Instant(NamedTuple):
-    """Known quantities at a tick."""
+    """Quantities known at a tick."""
 
     time: float  # [s]
     dt: float  # [s] since the last tick
@@ -153,8 +156,10 @@ class Instant(NamedTuple):
     tips: tuple[TipState, ...]  # as measured
 
     def context(self, contact: Contact, tool_yaw: float, progress: float) -> TipContext:
-        """Input of the laws of the tip at a ``contact``, with ``tool_yaw`` [rad] wanted
-        of the tool and ``progress`` [m] of the joints.
+        """Input of the laws of the tip at a ``contact``.
+
+        ``tool_yaw`` [rad] is the wanted yaw of the tool, ``progress`` [m] the arc
+        length at which the joint reference is read.
         """
         tip = self.tips[contact.arm]
         return TipContext(
@@ -165,7 +170,9 @@ class Instant(NamedTuple):
 def tip_position(
     contact: Contact, X_WB: Pose2, radius: float, gap: float = 0.0
 ) -> Vector3:
-    """Centre of a tip of ``radius`` [m], ``gap`` [m] before its contact [m]."""
+    """Centre [m] of a tip of ``radius`` [m], at a distance ``gap`` [m] before its
+    contact.
+    """
     point, height = contact.tip_place(radius, gap)
     x, y = X_WB.apply(point)
     return (x, y, height)
@@ -175,8 +182,8 @@ def sunk(contact: Contact, tip: TipState, radius: float, max_depth: float) -> bo
     """Whether a ``tip`` that should press on top has slid off: it is more than
     ``max_depth`` [m] below its planned height.
 
-    ``radius`` [m] is the tip's. Nothing supports it then, so that a larger press makes
-    it fall onto the support next to the object.
+    ``radius`` [m] is the tip's. Nothing supports the tip then, and pressing harder
+    would push it onto the support next to the object.
     """
     if contact.kind != "top":
         return False
@@ -234,7 +241,7 @@ def ramp_time(distance: float, speed: float = ALIGN_SPEED) -> float:
 
 
 def between(a: Vector3, b: Vector3, share: float) -> Vector3:
-    """Point [m] at the fraction ``share`` from ``a`` to ``b``."""
+    """Point [m] at the fraction ``share`` of the line from ``a`` to ``b``."""
     return (
         a[0] + share * (b[0] - a[0]),
         a[1] + share * (b[1] - a[1]),
@@ -269,7 +276,7 @@ def enter_phase(
 
 
 def estimates(state: ControllerState) -> ParameterEstimates:
-    """Identified parameters, with the last known rho if it is not identified now."""
+    """Identified parameters. If rho is not identified now, the last known rho is used."""
     found = state.estimate.parameters
     rho = state.following.rho
     if found.rho is not None or rho is None:

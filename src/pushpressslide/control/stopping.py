@@ -1,4 +1,4 @@
-"""A stop by levels: the reaction of the arms to a broken limit.
+"""A stop in levels: the reaction of the arms to a broken limit.
 
     draw back   the controller leads the tips away, while the arms obey
     hold        an arm that does not obey stays where it is
@@ -89,9 +89,7 @@ class JointWatch:
         return found
 
     def _complaint(self, j: int, speed: float) -> str | None:
-        """Complaint about the motion of joint ``j`` at ``speed`` [rad/s]. None if there
-        is nothing to complain about.
-        """
+        """Description of a joint ``j`` that runs away at ``speed`` [rad/s], or None."""
         limit = self.limits[j]
         name = f"joint {j + 1}"
         if not speed <= BEYOND * limit:  # or no number
@@ -129,7 +127,7 @@ class Stop:
 
     @property
     def took_over(self) -> bool:
-        """Whether the stop commands at least one arm itself, since that arm no longer
+        """Whether the stop itself commands at least one arm, because that arm no longer
         draws back.
         """
         return any(self.levels)
@@ -162,8 +160,9 @@ class Stop:
         )
 
     def at_rest(self, time: float) -> bool:
-        """Whether a stop that took over is complete at ``time`` [s]: all joints are at
-        rest, or the waiting time is over.
+        """Whether a stop that took over is complete at ``time`` [s].
+
+        All joints are at rest, or the waiting time is over.
         """
         rested = self._resting * self.period >= REST_TIME
         return rested or time - self._waiting > LONGEST

@@ -69,20 +69,23 @@ class Settled(NamedTuple):
 
 
 class Supervisor:
-    """Decides on the events of one placement. It plans, and may exceed a tick."""
+    """Decides on the events of one placement.
+
+    Some actions replan and may take longer than a tick.
+    """
 
     def __init__(self, placement: Placement, servo: bool, patience: float) -> None:
         """Watch ``placement``.
 
-        With ``servo``, the tips are led by velocity, not by a force alone. ``patience``
-        [s] is the time for which a contact may be missing.
+        With ``servo``, a velocity servo leads the tips in addition to the planned
+        forces. ``patience`` [s] is the time for which a contact may be missing.
         """
         self.placement = placement
         self.servo = servo
         self.patience = patience
 
     def step(self, event: Moment | Settled) -> ControllerState:
-        """State after an event. In the motion, the first row that holds decides."""
+        """State after an event. During the motion, the first row that holds decides."""
         if isinstance(event, Settled):
             return self._begin_motion(event.state, event.instant)
         moment = self._watched(event)
@@ -214,7 +217,7 @@ class Supervisor:
         return True
 
     def _rested(self, moment: Moment) -> float:
-        """Time [s] for which the object has stood still."""
+        """Time [s] since the object last moved."""
         still = moment.state.watches.still
         return moment.instant.time - still.since if still else 0.0
 
@@ -232,9 +235,10 @@ class Supervisor:
         return ContactLosses(X_WB, 1)
 
     def _still(self, state: ControllerState, instant: Instant) -> StallWatch | None:
-        """Pose and time of the last motion in this phase.
+        """Pose and time of the object's last motion in this phase.
 
-        None while resting is allowed (pure force control, or waiting at the goal).
+        None while the object may rest (under pure force control, or waiting at the
+        goal).
         """
         if self.placement.waits or not self.servo:
             return None
@@ -247,7 +251,7 @@ class Supervisor:
         return StallWatch(instant.X_WB, instant.time)
 
     def _distance_from(self, pose: Pose2, X_WB: Pose2) -> float:
-        """Displacement [m] of the object from ``pose``, X_WB, turns included."""
+        """Displacement [m] of the object from ``pose``, X_WB, including its rotation."""
         turned = self.placement.object.radius * abs(wrap_angle(X_WB.yaw - pose.yaw))
         return math.dist(X_WB.position, pose.position) + turned
 
@@ -362,7 +366,7 @@ class Supervisor:
     def _arrived(self, following: Following, instant: Instant) -> bool:
         """Whether a segment is over.
 
-        The last one of a placement that ends in an opening, or with the object held, is
+        If a placement ends in an opening, or with the object held, its last segment is
         over only when the object rests, or at the latest ``SEAT_TIME`` after its
         planned end.
         """
@@ -404,7 +408,7 @@ class Supervisor:
         """Whether ``segments`` started at ``time`` [s] end in time and stay near the
         planned path.
 
-        Away from the planned path, it has not been checked whether the arms can follow.
+        The arms' ability to follow has been checked only for the planned path.
         """
         return self._in_time(segments, time) and (
             self.placement.reaches_far or self._is_near_plan(segments)
@@ -473,8 +477,9 @@ class Supervisor:
         instant: Instant,
         estimates: ParameterEstimates,
     ) -> tuple[tuple[Segment, ...], Point, int]:
-        """Segments ``ahead`` adapted to the object's pose, or a retry in their place,
-        with the p_BCom [m] they are planned with and the number of retries.
+        """Segments ``ahead`` adapted to the object's pose, or a retry in their place.
+
+        They come with the planned centre of mass p_BCom [m] and the number of retries.
         """
         X_WB = instant.X_WB
         following = state.following
@@ -529,7 +534,7 @@ class Transition(NamedTuple):
 
     @property
     def words(self) -> tuple[str, str]:
-        """Condition and action in words, from the docstrings of their functions."""
+        """Condition and action in words, taken from the docstrings of their functions."""
         when, then = (
             " ".join((function.__doc__ or "").split())
             for function in (self.holds, self.act)

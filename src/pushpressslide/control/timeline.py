@@ -1,4 +1,6 @@
-"""The first plan of a placement over time, the reference for errors."""
+"""The first plan of a placement over time: the reference from which errors are
+measured.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,7 @@ class Timeline:
     segments: Sequence[Segment]
 
     def body_pose(self, elapsed: float) -> Pose2:
-        """Planned X_WB ``elapsed`` [s] after the motion began. The goal after the end."""
+        """Planned X_WB ``elapsed`` [s] after the motion began. After the end, the goal."""
         for segment in self.segments[:-1]:
             duration = segment.profile.duration
             if elapsed < duration:

@@ -1,4 +1,4 @@
-"""Tip commands of the move, from contact forces and the object's twist."""
+"""Tip commands during the motion, from contact forces and the object's twist."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class TipTask(NamedTuple):
 
 
 class _Normal(NamedTuple):
-    """Command of a tip along its height above the support."""
+    """Command of a tip along the height axis."""
 
     height: float  # [m] of the reference
     stiffness: float  # [N/m]
@@ -78,7 +78,8 @@ class _Normal(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class TipMover:
-    """A contact force as feed-forward, and a velocity servo along the contact's motion.
+    """Moves a tip by feed-forward of its contact force and a velocity servo along the
+    contact's motion.
 
     The normal force of a press is regulated.
     """
@@ -93,11 +94,11 @@ class TipMover:
     sunk: float = margins.ARM.sunk
 
     def samples(self, contact: Contact) -> int:
-        """Number of measurements over which the normal force is averaged before a loss
-        is detected.
+        """Number of measurements of the normal force that are averaged to detect a loss
+        of contact.
 
-        The standard error of the mean is then margins.LOSS_SIGMAS times smaller than
-        the drop that counts as loss.
+        It makes the standard error of the mean margins.LOSS_SIGMAS times smaller than
+        the drop that counts as a loss.
         """
         if self.noise == 0.0:
             return 1
@@ -110,8 +111,10 @@ class TipMover:
     def holds(
         self, planned: Sequence[Contact], normals: Sequence[float]
     ) -> list[ContactKeeping | None]:
-        """Contact keeping of each of two pushing tips at its ``planned`` contact, with
-        ``normals`` [N] allocated. None for other contacts.
+        """Contact keeping of two pushing tips at their ``planned`` contacts. None for
+        other contacts.
+
+        ``normals`` [N] are the allocated normal forces.
         """
         if sum(contact.kind == "side" for contact in planned) < 2:
             return [None] * len(planned)
@@ -182,8 +185,8 @@ class TipMover:
         task: TipTask,
         normal_force: float,
     ) -> tuple[_Normal, TipMemory]:
-        """Command of the tip along its height, and its next state. ``normal_force`` [N]
-        is measured.
+        """Command of the tip along the height axis, and its next state.
+        ``normal_force`` [N] is measured.
         """
         contact = context.contact
         tip = context.tip
@@ -242,10 +245,10 @@ class TipMover:
 
 
 def _turning(before: float, wanted: float, dt: float) -> tuple[float, float]:
-    """Rate [rad/s] and acceleration [rad/s^2] of the tool's reference after a tick of
-    ``dt`` [s].
+    """Yaw rate [rad/s] and acceleration [rad/s^2] of the tool's reference after a tick
+    of ``dt`` [s].
 
-    The rate changes from ``before`` towards ``wanted``, within the largest
+    The rate changes from ``before`` towards ``wanted``, within the allowed
     acceleration.
     """
     most = TOOL_ACCELERATION * dt
@@ -258,12 +261,13 @@ def _reseating_velocity(
 ) -> Point:
     """Velocity [m/s], along the support, that returns a pushing tip to its contact.
 
-    It moves the tip along the face to the planned place, and into a face on which the
-    tip presses with less than ``hold.least``. ``normal_force`` [N] is measured;
-    ``speed`` [m/s] is the tip's speed without this correction. The servo follows the
-    wanted twist. If the object turns differently, the friction of a lightly loaded tip
-    cannot hold the tip against the servo. A tip that sticks turns the object while it
-    moves back. The correction is therefore limited to a fraction of its speed.
+    It moves the tip along the face to the planned place. A tip that presses with less
+    than ``hold.least`` also moves into the face. ``normal_force`` [N] is measured;
+    ``speed`` [m/s] is the tip's speed without this correction. The correction is needed
+    because the servo follows the wanted twist: if the object turns differently, the
+    friction of a lightly loaded tip cannot hold the tip in place. It is limited to a
+    fraction of ``speed``, because a tip that sticks to the face turns the object while
+    it moves back.
     """
     nx, ny, _ = context.contact.direction(context.X_WB)
     x, y = context.X_WB.apply(hold.place)
@@ -281,10 +285,10 @@ def eased_height(height: float | None, tip: float, wanted: float, dt: float) -> 
     """Height [m] at which a pushing tip is held after a tick of ``dt`` [s], near the
     height ``wanted``.
 
-    It follows the measured height ``tip``, which the friction at the face holds;
-    ``height`` is the result of the previous tick. A spring to a fixed height loads the
-    face with a tenth of a newton for each 0.05 mm, which is all the friction of a light
-    object.
+    ``height`` is the result of the previous tick. The result follows the measured
+    height ``tip``, at which friction holds the tip on the face. A spring to a fixed
+    height would load the face with 0.1 N per 0.05 mm, which exhausts the friction of a
+    light object.
     """
     if height is None:
         height = tip
@@ -303,8 +307,10 @@ def _within(force: Point, limit: float) -> Point:
 def missing(
     felt: Sequence[Felt], contacts: Sequence[Contact], normals: Sequence[float]
 ) -> bool:
-    """Whether a contact is lost that should press, or push with a considerable fraction
-    of all ``normals`` [N].
+    """Whether a required contact is lost.
+
+    All presses are required, and all pushes with a considerable fraction of the sum of
+    ``normals`` [N].
     """
     if not any(one.lost for one in felt):
         return False

@@ -44,7 +44,7 @@ class TouchStep(NamedTuple):
 
 
 class WayBack(NamedTuple):
-    """Retreat length of a tip from its contact, with its rates."""
+    """Length of a tip's retreat from its contact, with its first and second derivative."""
 
     distance: float  # [m]
     speed: float  # [m/s]
@@ -89,8 +89,8 @@ class TipTouch:
     ) -> TouchStep:
         """Command of the tip, its next state, and whether its touch is complete.
 
-        ``elapsed`` [s] is the time since the phase began. ``aligned`` [s] is the start
-        of the advance, 0 to go on from the tip's position.
+        ``elapsed`` [s] is the time since the phase began. ``aligned`` [s] is the time
+        at which the advance starts; with 0 it starts at once, from the tip's position.
         """
         if memory.held_command is not None:
             return TouchStep(memory.held_command, memory, True)
@@ -147,10 +147,11 @@ class TipTouch:
         elapsed: float,
         aligned: float,
     ) -> tuple[Vector3, float]:
-        """Start of the tip's advance [m], and the commanded advance [m].
+        """Start of the tip's advance [m], and length [m] of the commanded advance.
 
-        It starts at the end of the free path before the object ``advance_start`` at
-        X_WB, or at the tip's position when it lost its contact.
+        The advance starts at the end of the free gap before the object, which was at
+        ``advance_start``, X_WB. A tip that has lost its contact starts where it lost
+        it.
         """
         contact = context.contact
         before = tip_position(contact, advance_start, self.radius, self.gap)
@@ -181,7 +182,8 @@ class TipTouch:
     ) -> TouchStep:
         """Press at ``place`` [m] with a rising force.
 
-        Contact was first felt ``duration`` [s] ago; ``here``: it is felt at this tick.
+        Contact was first felt ``duration`` [s] ago. ``here`` says whether it is felt at
+        this tick.
         """
         normal = context.contact.direction(context.X_WB)
         force = self.force_of(context.contact)
@@ -205,10 +207,10 @@ class TipTouch:
         return f"contact felt and lost again for {most:.1f} s"
 
     def _pushes(self, context: TipContext, advance_start: Pose2) -> bool:
-        """Whether the tip is seen to push the object from the side.
+        """Whether the object is seen to move while the tip pushes it from the side.
 
-        The object has then moved from the X_WB at which it was ``advance_start``, with
-        the tip at its contact.
+        The object has then left its pose ``advance_start``, X_WB, and the tip is at its
+        contact.
         """
         contact = context.contact
         if contact.kind == "top":
@@ -226,10 +228,10 @@ class TipTouch:
 def _felt(
     memory: TipMemory, here: bool, context: TipContext, depth: float
 ) -> TipMemory:
-    """Memory with the time of the first contact and its depth [m], if the object is
+    """Memory with the time and the ``depth`` [m] of the first contact, if the object is
     felt at this tick (``here``).
 
-    A tip that has lost contact advances again from its position.
+    A tip that has lost contact advances again from its present position.
     """
     felt = memory.felt
     time = context.time

@@ -21,6 +21,6 @@ class ObjectTracker(Protocol):
     """
 
     def read(self) -> StampedPose | None:
-        """The newest pose X_WG with its time [s] on the cell's clock. None if there is
-        none since the last call.
+        """The newest pose X_WG, with its time [s] on the cell's clock. None if there is
+        no new pose since the last call.
         """

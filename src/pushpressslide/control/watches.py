@@ -1,5 +1,6 @@
-"""Watches: further conditions that end a run. A watch sees every tick and returns an
-Ending, or None.
+"""Watches: further conditions that end a run.
+
+A watch sees every tick and returns an Ending, or None.
 """
 
 from __future__ import annotations

@@ -1,3 +1,3 @@
-"""Nouns of the data flow, as frozen data: poses, wrenches, tasks, choices, plans,
+"""Core types of the data flow, as frozen data: poses, wrenches, tasks, choices, plans,
 allocations, records.
 """

@@ -1,5 +1,6 @@
-"""The result of an allocator: contact forces, their margin and a status. A call of an
-allocator never raises.
+"""The result of an allocator: contact forces, their margin and a status.
+
+An allocator never raises when it is called.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from pushpressslide.kernels.allocation import EXACT as EXACT
 
 AllocationStatus = Literal["ok", "projected", "infeasible"]
 STATUSES: tuple[AllocationStatus, ...] = ("ok", "projected", "infeasible")
-"""The words for the numbers of ``kernels.allocation``."""
+"""Status words, in the order of the status numbers in ``kernels.allocation``."""
 new = tuple.__new__  # at half the cost of a NamedTuple's own constructor
 
 

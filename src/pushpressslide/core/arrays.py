@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-"""Double-precision floats of any shape; docstrings name the shape, like (n, 2)."""
+"""Double-precision floats of any shape; docstrings give the shape, such as (n, 2)."""
 
 
 def minimum(values: Array) -> float:

@@ -1,8 +1,8 @@
 """The bodies of a task that can be moved, and the task of moving one of them.
 
-A task with ``goals`` is done in stages. A stage is one body's motion to one pose. It is
-an ordinary task whose object is that body, and whose obstacles are all other bodies at
-their poses of that moment.
+A task with ``goals`` is executed in stages. A stage moves one body to one pose. It is
+an ordinary task: its object is that body, and its obstacles are all other bodies at
+their current poses.
 """
 
 from __future__ import annotations
@@ -16,14 +16,15 @@ from pushpressslide.core.state import WorldState
 from pushpressslide.core.task import ObjectModel, Obstacle, Shape, Task
 
 SET_DOWN = "task-object"
-"""Name of the task's object as an obstacle, while another body is the one to be moved:
-'object' is then that body's.
+"""Name of the task's object as an obstacle, while another body is moved.
+
+The name 'object' then belongs to the moved body.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class Stage:
-    """One body's motion to one pose, X_WG."""
+    """One body's motion to a pose X_WG."""
 
     body: str
     goal: Pose2
@@ -44,15 +45,15 @@ def body_shape(task: Task, body: str) -> Shape:
 
 
 def obstacle_name(body: str, driven_body: str) -> str:
-    """Name of a body in the stage in which ``driven_body`` is the object."""
+    """Name of a body during a stage in which ``driven_body`` is the object."""
     if body == driven_body:
         return OBJECT
     return SET_DOWN if body == OBJECT else body
 
 
 def in_stage(state: WorldState, driven_body: str) -> WorldState:
-    """State with the bodies named as in the stage in which ``driven_body`` is the
-    object.
+    """State with the names that the bodies have in a stage in which ``driven_body`` is
+    the object.
     """
     poses = {obstacle_name(body, driven_body): X for body, X in state.poses.items()}
     spatial = {obstacle_name(body, driven_body): q for body, q in state.spatial.items()}
@@ -72,11 +73,10 @@ def goal_places(task: Task) -> tuple[tuple[str, Shape, Pose2], ...]:
 
 
 def stage_task(task: Task, stage: Stage, start: WorldState) -> Task:
-    """Ordinary task of a stage that starts in a state.
+    """Ordinary task of a stage that starts in the state ``start``.
 
-    The body is as the task has it: its own mass and shape, and its own friction with
-    the support. The face, contacts and height of ``motion`` apply to the task's object
-    alone.
+    The body keeps the mass, the shape and the support friction that the task gives it.
+    The face, contacts and height in ``motion`` apply only to the task's object.
     """
     obstacles = [_at_its_pose(o, start) for o in task.obstacles if o.name != stage.body]
     common = replace(task, start=start.poses[stage.body], goal=stage.goal, goals=())

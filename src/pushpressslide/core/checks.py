@@ -1,8 +1,8 @@
 """Checks of a scene's numbers for the constructors of all public data.
 
 Each check raises InputError, in one line, with the field, the value and the allowed
-range. The ranges in a task file are narrower. They are in ``core.field_spec``, and the
-reader checks them.
+range. The narrower ranges of a task file are in ``core.field_spec`` and are checked by
+its reader.
 """
 
 from __future__ import annotations
@@ -29,7 +29,9 @@ def check_positive(value: float, name: str, unit: str = "m") -> None:
 
 
 def check_places(points: Sequence[Point], name: str, min_count: int = 1) -> None:
-    """Raise InputError unless there are ``min_count`` points [m] or more, all finite."""
+    """Raise InputError unless there are at least ``min_count`` points [m], all of them
+    finite.
+    """
     if not isinstance(points, Sequence) and not hasattr(points, "tolist"):
         raise InputError(f"{name} {points!r}; must be points (x, y)")
     if len(points) < min_count:
@@ -50,8 +52,8 @@ def check_pose(pose: Pose2, name: str) -> None:
 
 
 def check_fields(data: Any) -> None:
-    """Raise InputError unless the numbers among a dataclass's fields are finite and
-    have the sign required by the task file.
+    """Raise InputError unless all numbers in a dataclass's fields are finite and have
+    the sign that the task file requires.
     """
     kind: Any = type(data)
     for name, unit, allowed in field_rules(kind):
@@ -62,7 +64,7 @@ def check_fields(data: Any) -> None:
 
 @cache
 def field_rules(kind: Any) -> tuple[tuple[str, str, str], ...]:
-    """Name, unit and allowed numbers of each field."""
+    """Name, unit and allowed range of each field."""
     rules = []
     for one in fields(kind):
         spec = one.metadata.get("entry")
@@ -80,7 +82,7 @@ def field_rules(kind: Any) -> tuple[tuple[str, str, str], ...]:
 
 
 def _holds(value: Any, allowed: str) -> bool:
-    """Whether all numbers in a value are allowed."""
+    """Whether all numbers in a value are within the ``allowed`` range."""
     if isinstance(value, float | int):
         if not math.isfinite(value):
             return False
@@ -96,7 +98,7 @@ def _holds(value: Any, allowed: str) -> bool:
 
 
 def is_number(value: object) -> bool:
-    """Whether a value is a real number, of Python or of NumPy."""
+    """Whether a value is a real number of Python or NumPy."""
     return isinstance(value, Real) and not isinstance(value, bool)
 
 

@@ -22,7 +22,8 @@ class TipState:
     """Position [m] and velocity [m/s] of a tip's centre, and its force [N] ON the
     object.
 
-    All along x, y and height of the support's frame, on a table the world.
+    All are along x, y and height of the support's frame, which is the world frame on a
+    table.
     """
 
     position: Vector3
@@ -32,7 +33,7 @@ class TipState:
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """All measurements available to a robot."""
+    """All measurements that a robot has."""
 
     time: float  # [s]
     object_pose: Pose2  # X_WG
@@ -82,7 +83,7 @@ class JointCommand:
 
 @dataclass(frozen=True, slots=True)
 class BrakeCommand:
-    """Command without motion: the arm's weight is held, and its joints are damped."""
+    """Command to brake: the arm's weight is held, and its joints are damped."""
 
 
 # None: the arm rests where its joint path along the contact begins
@@ -93,7 +94,7 @@ Commands = tuple[ArmCommand, ...]
 
 
 class Thought(NamedTuple):
-    """Internal quantities of a controller at one tick."""
+    """Internal quantities of a controller at one tick, for the record."""
 
     reference: Pose2  # X_WG at the same TIME
     # along [m], left [m], heading [rad]; reference minus actual
@@ -105,7 +106,7 @@ class Thought(NamedTuple):
 
 
 class ControlLog(NamedTuple):
-    """A tick of a controller, for the record."""
+    """Log of one tick of a controller."""
 
     phase: Phase
     progress: float  # [m]

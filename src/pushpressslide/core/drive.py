@@ -20,15 +20,17 @@ class Drive(Protocol):
 
     @property
     def max_friction(self) -> float:
-        """Friction of the support against straight sliding, mu_s N [N]."""
+        """Friction mu_s N [N] that resists straight sliding on the support."""
         ...
 
     @property
     def rho(self) -> float | None:
-        """Length [m] that weighs moments against forces; None: the mode's own."""
+        """Length [m] that makes moments comparable with forces. With None the mode
+        chooses its own.
+        """
         ...
 
     @property
     def center(self) -> Point:
-        """Reference point [m] in B of wrenches: the CoM, or the CoP of presses."""
+        """Reference point [m] in B of wrenches: the CoM, or for presses the CoP."""
         ...

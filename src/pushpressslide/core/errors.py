@@ -1,4 +1,4 @@
-"""Errors, all with one root.
+"""The errors of the package, with a common base class.
 
 Every message is one line with the cause, the value, and the allowed range.
 """
@@ -18,15 +18,14 @@ LONGEST_PATH = 4096  # characters, as of Linux
 
 
 class PushPressSlideError(Exception):
-    """Root of all deliberate errors of this package."""
+    """Base class of all deliberate errors of this package."""
 
 
 class TaskError(PushPressSlideError):
-    """A task file that cannot be used: names the file, the field, the value and the
-    allowed range.
+    """A task file that cannot be used.
 
-    One line: ``file: field: value is not allowed; what is allowed``, or ``file: fault``
-    if no single field is to blame.
+    The message is one line: ``file: field: value is not allowed; what is allowed``, or
+    ``file: fault`` if no single field is to blame.
     """
 
     def __init__(self, source: str, field: str, value: object, allowed: str) -> None:
@@ -44,12 +43,13 @@ class TaskError(PushPressSlideError):
 
 
 class TaskWarning(UserWarning):
-    """A value that is allowed but probably a slip."""
+    """A value that is allowed but probably a mistake."""
 
 
 class RobotFileError(TaskError):
-    """A robot's file that does not define an arm: names the file, the link or joint,
-    the value and the allowed range.
+    """A robot's file that does not define an arm.
+
+    The message gives the file, the link or joint, the value and the allowed range.
     """
 
     def __init__(self, path: str, place: str, value: object, allowed: str) -> None:
@@ -58,8 +58,8 @@ class RobotFileError(TaskError):
 
 
 class WriteError(PushPressSlideError, OSError):
-    """A file or folder of results that cannot be written: no space left, or not
-    allowed.
+    """A file or folder of results that cannot be written, for lack of space or
+    permission.
     """
 
     def __init__(self, path: object, error: OSError) -> None:
@@ -68,30 +68,33 @@ class WriteError(PushPressSlideError, OSError):
 
 
 class InputError(PushPressSlideError, ValueError):
-    """A number that a constructor cannot use: names it, its value and the allowed
-    range.
+    """A number that a constructor cannot use.
+
+    The message gives its name, its value and the allowed range.
     """
 
 
 class MissingFrameError(PushPressSlideError):
-    """A robot model that lacks the frame named as its tip."""
+    """A robot model without the frame that is named as its tip."""
 
 
 class MissingPackageError(PushPressSlideError, ImportError):
-    """A package of an extra that is not installed. The message holds the command that
-    installs it.
+    """A missing package of an extra.
+
+    The message contains the command that installs it.
     """
 
 
 def path_value(path: str) -> str:
-    """A path as the value of a message: in full, unless it is longer than any file's
-    path can be.
+    """A path as a value in a message.
+
+    It is shortened only if it is longer than any file's path can be.
     """
     return Shown(repr(path)) if len(path) <= LONGEST_PATH else path
 
 
 class Shown(str):
-    """A value inserted into a message without quotes: numbers with their units."""
+    """A value that appears in a message without quotes, such as a number with its unit."""
 
     __slots__ = ()
 
@@ -105,8 +108,9 @@ def _bounded(value: object) -> str:
 
 
 class InfeasibleTaskError(PushPressSlideError):
-    """No mode, path or joint path can do the task. The message holds the deciding
-    number.
+    """No mode, path or joint path can do the task.
+
+    The message contains the deciding number.
     """
 
     def __init__(

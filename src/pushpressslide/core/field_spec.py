@@ -1,7 +1,8 @@
 """Field specs of the task file: metadata of the dataclasses.
 
-The reader, its messages, the dump, help(), the tables of the documentation and the JSON
-Schema are all derived from these specs. A new field needs a change only in its dataclass.
+The reader, its messages, the dump, help(), the tables in the documentation and the JSON
+Schema are all derived from these specs. To add a field, only its dataclass has to be
+changed.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import Any, TypeVar
 T = TypeVar("T")
 
 REQUIRED: Any = object()
-"""Default of a field that the file must give."""
+"""Default of a required field."""
 
 FRICTIONS = "(0, 2)"
 """Range of the friction coefficient of a pair of surfaces."""
@@ -52,19 +53,21 @@ def field_spec(
 def setting(
     default: T, meaning: str, unit: str = "", within: str = "", **details: Any
 ) -> T:
-    """Dataclass field with a default and a task file spec."""
+    """Dataclass field with a default and a spec for the task file."""
     metadata = field_spec(meaning, unit, within, **details)
     return field(default=default, metadata=metadata)
 
 
 def documented(data: type[T]) -> type[T]:
-    """Dataclass whose docstring ends with its fields: meaning, unit, range, default."""
+    """Dataclass whose docstring ends with a list of its fields: meaning, unit, range,
+    default.
+    """
     data.__doc__ = "\n".join([str(data.__doc__).rstrip(), "", *_help_lines(data)])
     return data
 
 
 def _help_lines(data: Any) -> Iterator[str]:
-    """Yield lines on the fields of a dataclass, in the units of a program."""
+    """Yield help lines on the fields of a dataclass, in SI units and radians."""
     wrap = textwrap.TextWrapper(
         width=88, initial_indent=8 * " ", subsequent_indent=12 * " "
     )

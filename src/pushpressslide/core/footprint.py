@@ -1,4 +1,4 @@
-"""Footprints in the scene: overlaps, gaps, and their part carried by a ledge or next to
+"""Footprints in the scene: overlaps, gaps, and the part supported by a ledge or beside
 an opening.
 """
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pushpressslide.core.arrays import Array
 
 SAME_EDGE = 1e-6
-"""Distance [m] below which two edges are the same: round-off."""
+"""Distance [m] below which two edges count as one, for round-off."""
 
 
 def overlap_area(shape_1: Shape, X_W1: Pose2, shape_2: Shape, X_W2: Pose2) -> float:
@@ -70,10 +70,10 @@ def all_placed(shape: Shape, poses: Sequence[Pose2]) -> NDArray[np.object_]:
 
 
 def depth_beside(shape: Shape, X_WG: Pose2, opening: Opening, point: Point) -> float:
-    """Depth [m] of a point in the part of a footprint outside an opening.
+    """Depth [m] of a point inside the part of a footprint that is not over an opening.
 
-    The convex hull of this part is used. The depth is negative outside the hull, and
-    infinite if no part of the footprint is over the opening.
+    Depth is measured from the edge of this part's convex hull. It is negative outside
+    the hull, and infinite if no part of the footprint is over the opening.
     """
     from shapely import Point as Place
     from shapely import box
@@ -96,11 +96,12 @@ def depth_beside(shape: Shape, X_WG: Pose2, opening: Opening, point: Point) -> f
 def edge_depths(
     shape: Shape, poses: Sequence[Pose2], points: Array, region: Polygon
 ) -> Array:
-    """Depths (n,) [m] of points (n, 2) in W inside the tipping edge of a footprint at n
-    ``poses`` X_WG on a region of W.
+    """Depths (n,) [m] of ``points`` (n, 2), in W, inside the tipping edge of a
+    footprint on a ``region``.
 
-    The convex hull of the carried part of the footprint is used. Depths are negative
-    beyond it, and infinite if the hull has no edge on the region's edge.
+    The footprint is at n ``poses`` X_WG. Depths are measured from the edge of the
+    convex hull of the supported part of the footprint. They are negative outside the
+    hull, and infinite if no edge of the hull lies on the edge of the region.
     """
     import numpy as np
     import shapely
@@ -126,11 +127,11 @@ def edge_depths(
 
 
 def middle_room(support: Support, shape: Shape) -> BaseGeometry | None:
-    """Region in W of an object's centre of mass, with its margin, on a table with an
-    edge. None if there is no edge.
+    """Region in W in which an object's centre of mass stays clear of a table's edge.
+    None without an edge.
 
-    If base and table are convex, it is the region allowed by ``edge_depths`` of a
-    resting object, otherwise less.
+    For a convex base and table it is the region that ``edge_depths`` allows for a
+    resting object; otherwise it is smaller.
     """
     from shapely import Polygon
 

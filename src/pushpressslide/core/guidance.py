@@ -11,7 +11,8 @@ from pushpressslide.core.wrench import Twist, Wrench
 class Guidance(NamedTuple):
     """Wanted wrench and twist, and the nearest point of the path.
 
-    Plain numbers: nested objects take longer to construct than their content.
+    Its fields are plain numbers, since nested objects take longer to construct than
+    their contents.
     """
 
     progress: float  # [m] arc length of the path's nearest point

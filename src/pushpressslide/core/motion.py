@@ -1,6 +1,7 @@
 """Options, limits and tolerances of a motion.
 
-SI units and radians; docs/task-file.md documents the fields as a file has them.
+SI units and radians; docs/task-file.md documents the fields with the units of a task
+file.
 """
 
 from __future__ import annotations
@@ -19,18 +20,19 @@ from pushpressslide.core.scene import ARM_NAMES, ArmName
 Vehicle = Literal[
     "unicycle", "car", "forklift", "pivot", "mixed", "differential", "synchronised"
 ]
-"""Reduced model as which a mode drives the object, one of its ``Mode.vehicles``."""
+"""Reduced model with which a mode drives the object: one of its ``Mode.vehicles``."""
 
 Cop = Literal["balanced", "left", "right"] | float
 """Position of the centre of pressure between two presses. "balanced" means equal
-presses. "left" and "right" mean as far to that side as a turn on the spot allows at the
-press of the motion. A fraction in [0, 1] counts from the left contact to the right one.
+presses. "left" and "right" mean as far to that side as a turn on the spot allows with
+the loads of the motion. A fraction in [0, 1] is measured from the left contact to the
+right one.
 """
 
 
 PLANNED_SHARE = 0.9  # share of limits.normal_force
 FORCE_ALLOWED = f"allowed {{allowed:Ng}}, {PLANNED_SHARE:g} of limits.normal_force"
-"""End of the text of a refusal for too large a normal force."""
+"""End of the text that refuses too large a normal force."""
 
 
 @documented
@@ -58,13 +60,13 @@ class Tolerance:
 
 
 ON_THE_WAY = Tolerance(margins.ARM.via, margins.ARM.turned_via)
-"""Tolerance of via poses, which a search chose and nobody asked for."""
+"""Tolerance of via poses, which the search chooses and the task does not prescribe."""
 
 
 @documented
 @dataclass(frozen=True, slots=True)
 class ToolUse:
-    """Use of the object as a tool that pushes another body with a side face to that
+    """Use of the object as a tool: one of its side faces pushes another body to that
     body's goal.
     """
 
@@ -108,15 +110,18 @@ class Limits:
 
     @property
     def planned_force(self) -> float:
-        """Normal force [N] allowed in plans. The rest is for the regulator's ripple."""
+        """Normal force [N] allowed in plans. The remainder up to the limit is for the
+        regulator's ripple.
+        """
         return PLANNED_SHARE * self.normal_force
 
 
 @documented
 @dataclass(frozen=True, slots=True)
 class Sensing:
-    """Imperfections of each sensor: the object's pose, the tips by the joints, and the
-    contact forces. Noise is white, drawn anew at every control period.
+    """Imperfections of the sensors: of the object's pose, of the tips' positions (from
+    the joints), and of the contact forces. Noise is white, with a new sample in every
+    control period.
     """
 
     position_noise: float = setting(
@@ -169,7 +174,7 @@ class Sensing:
 
     @property
     def seen_motion(self) -> float:
-        """Displacement [m] above which motion of an object is detected."""
+        """Displacement [m] above which an object's motion is detected."""
         return max(margins.ARM.slid, margins.FELT_SIGMAS * self.position_noise)
 
     @property
@@ -303,5 +308,5 @@ class Motion:
 
     @property
     def freed(self) -> Motion:
-        """The motion with free choice of face, contacts and vehicle by the mode."""
+        """The motion with face, contacts and vehicle left to the mode."""
         return replace(self, face=None, contacts=None, vehicle=None)

@@ -1,7 +1,7 @@
 """Rich display of plans, records and results in a notebook.
 
-The pictures are made in ``jobs.notebook``. As that is a higher layer, its functions are
-looked up by name when needed.
+The pictures are made in ``jobs.notebook``. Because that is a higher layer, its
+functions are looked up by name when needed.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A path of circular arcs and lines, and a trapezoidal speed along it, in closed form."""
+"""A path of circular arcs and lines, with a trapezoidal speed profile, in closed form."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def advance(pose: Pose2, curvature: float, length: float) -> Pose2:
 
 @dataclass(frozen=True)
 class ArcPath:
-    """A forward path of a car-like point: the start pose, then pieces of (curvature
+    """A forward path of a car-like point: the start pose, then sections (curvature
     [1/m], length [m] >= 0).
 
     Poses are those of the vehicle frame V in the world: origin at the tracking point, x
@@ -41,7 +41,7 @@ class ArcPath:
 
     @cached_property
     def section_starts(self) -> tuple[tuple[float, Pose2], ...]:
-        """Arc length and pose at the start of each piece, and at the end."""
+        """Arc length and pose at the start of each section, and at the end of the path."""
         s = 0.0
         pose = self.start
         out = [(0.0, self.start)]
@@ -63,7 +63,7 @@ class ArcPath:
 
     @property
     def turning(self) -> float:
-        """Total turn [rad], to the left > 0, whole turns included."""
+        """Total turn [rad], positive to the left. Full turns count."""
         return sum(curvature * length for curvature, length in self.sections)
 
     @property
@@ -108,8 +108,8 @@ class ArcPath:
 
     @cached_property
     def _bends(self) -> tuple[tuple[float, float, float], ...]:
-        """Jumps of the curvature: arc length [m], size [1/m], and distance of the
-        nearer end of the path [m].
+        """Jumps of the curvature: arc length [m], size [1/m], and distance [m] from the
+        nearer end of the path.
         """
         out = []
         for i in range(1, len(self.sections)):
@@ -119,18 +119,19 @@ class ArcPath:
         return tuple(out)
 
     def eased(self, s: float, half: float) -> tuple[float, float]:
-        """Corrections of heading [rad] and curvature [1/m] at arc length ``s`` [m] for
-        the path averaged over ``half`` [m] before and behind.
+        """Corrections of heading [rad] and curvature [1/m] at arc length ``s`` [m] that
+        smooth the path.
 
-        The curvature then has no jumps. The path itself moves by at most ``half``^2 /
-        12 times the jump of curvature.
+        They average it over ``half`` [m] in either direction, so that the curvature has
+        no jumps. The path itself would move by at most ``half``^2 / 12 times a jump of
+        curvature.
         """
         return eased(s, half, self._bends)
 
     @cached_property
     def _projections(self) -> tuple[tuple[float, ...], ...]:
-        """One ``kernels.arc_path.Piece`` for each piece, and one for the straight line
-        after the end.
+        """One ``kernels.arc_path.Piece`` for each section, and one for the straight
+        line beyond the end.
         """
         rows = []
         pieces = (*self.sections, (0.0, math.inf))
@@ -155,19 +156,21 @@ class ArcPath:
     def rows(
         self,
     ) -> tuple[tuple[tuple[float, ...], ...], tuple[tuple[float, ...], ...]]:
-        """Rows of the path for ``kernels.arc_path.nearest``: its pieces and its bends."""
+        """Rows for ``kernels.arc_path.nearest``: the sections of the path, and its
+        jumps of curvature.
+        """
         return self._projections, self._bends
 
     def nearest(
         self, x: float, y: float, s: float, half: float = 0.0
     ) -> tuple[float, float, float, float]:
-        """Point of the path nearest to (x, y) [m], searched from the piece at arc
+        """Point of the path nearest to (x, y) [m], searched from the section at arc
         length ``s`` onwards.
 
-        Returns four numbers: arc length [m] of that point, offset [m] of (x, y) to the
-        left of the path, and heading [rad] and curvature [1/m] at that point, both
-        ``eased`` over ``half`` [m]. Closed form, no iteration. Past its end the path
-        continues straight.
+        Returns the arc length [m] of that point, the offset [m] of (x, y) to the left
+        of the path, and the heading [rad] and curvature [1/m] at that point, both
+        ``eased`` over ``half`` [m]. The solution is in closed form. Beyond its end the
+        path continues straight.
         """
         return nearest(x, y, s, half, self._projections, self._bends)
 

@@ -25,7 +25,9 @@ if TYPE_CHECKING:
 MotionPath = ArcPath | TwistPath
 
 ENOUGH = 8
-"""Feasible choices of one mode, after which no other is evaluated."""
+"""Number of feasible choices of one mode after which no other choice of the mode is
+evaluated.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,8 +59,8 @@ class Contact:
         return (x, y, 0.0)
 
     def tip_place(self, radius: float, gap: float = 0.0) -> tuple[Point, float]:
-        """Centre of a tip of ``radius`` [m], ``gap`` [m] before the contact: its
-        position in B [m] and its height above the support [m].
+        """Position [m] in B, and height [m] above the support, of the centre of a tip
+        of ``radius`` [m] that is ``gap`` [m] before the contact.
         """
         out = radius + gap
         if self.kind == "top":
@@ -68,7 +70,7 @@ class Contact:
 
 
 def same_places(first: Sequence[Contact], second: Sequence[Contact]) -> bool:
-    """Whether two sets of contacts are the same, with any loads."""
+    """Whether two sets of contacts agree, apart from their loads."""
     if len(first) != len(second):
         return False
     return all(a.same_place(b) for a, b in zip(first, second, strict=True))
@@ -142,7 +144,7 @@ class Choice:
 
     @property
     def evaluated(self) -> bool:
-        """Whether the choice was evaluated in full. False if it was skipped."""
+        """Whether the choice was evaluated. False if it was skipped."""
         return self.refusal is None or self.refusal.code != SKIPPED
 
     @property
@@ -213,17 +215,17 @@ class Plan:
 
     @property
     def first(self) -> int:
-        """Index of the first leg that is not done after the restart."""
+        """Index of the first leg that remains after the restart."""
         return 0 if self.restart is None else self.restart.leg
 
     def of_choices(self, chosen: Sequence[Choice]) -> Plan:
-        """Plan of the segments of one choice for each placement, in order."""
+        """Plan made of the segments of one choice per placement, in order."""
         segments = tuple(segment for choice in chosen for segment in choice.segments)
         return replace(self, segments=segments)
 
     @property
     def placements(self) -> tuple[tuple[Segment, ...], ...]:
-        """Groups of segments within which the arms do not let go."""
+        """Groups of segments during which the arms do not let go."""
         groups: list[list[Segment]] = []
         for segment in self.segments:
             if groups and groups[-1][-1].same_placement(segment):
@@ -234,7 +236,7 @@ class Plan:
 
     @property
     def by_placement(self) -> tuple[Plan, ...]:
-        """One plan for each placement, the replanned ones included."""
+        """One plan for each placement, including its replanned segments."""
         own = tuple(
             replace(self, segments=group, restart=None, later=())
             for group in self.placements
@@ -242,7 +244,7 @@ class Plan:
         return sum((plan.by_placement for plan in self.later), own)
 
     def begun(self, count: int, rest: Plan) -> Plan:
-        """Plan of its first ``count`` placements, continued with ``rest``."""
+        """Plan of the first ``count`` placements, continued with ``rest``."""
         groups = self.placements[:count]
         segments = tuple(segment for group in groups for segment in group)
         return replace(self, segments=segments).followed(rest)
@@ -272,7 +274,7 @@ class Plan:
         return segment.body_pose(s).compose(self.task.X_GB.inverse())
 
     def chosen(self, choices: Sequence[Choice]) -> list[Choice]:
-        """Subset of ``choices`` that the plan consists of."""
+        """The choices among ``choices`` that the plan consists of."""
         return [choice for choice in choices if self._holds(choice.segments)]
 
     def _holds(self, segments: Sequence[Segment]) -> bool:
@@ -288,7 +290,7 @@ class Plan:
         return sum(segment.profile.duration for segment in self.segments)
 
     def __repr__(self) -> str:
-        """One line."""
+        """Summary in one line."""
         modes = ", ".join(segment.mode for segment in self.segments) or "at its goal"
         return f"Plan({self.task.name!r}: {modes}; {self.duration:.1f} s)"
 
@@ -298,7 +300,7 @@ class Plan:
 
 
 def arms_kept(before: Sequence[Segment], after: Sequence[Segment]) -> frozenset[int]:
-    """Arms that keep their contact from one placement to the next."""
+    """Arms that keep their contacts from one placement to the next."""
     return frozenset(
         contact.arm
         for contact in before[0].contacts
@@ -309,8 +311,8 @@ def arms_kept(before: Sequence[Segment], after: Sequence[Segment]) -> frozenset[
 
 @dataclass(frozen=True, slots=True)
 class JointPath:
-    """Joint positions of one arm, as samples: by time on the approach, by arc length
-    along the path.
+    """Samples of the joint positions of one arm: by time on the approach, by arc length
+    along the contact's path.
     """
 
     approach_time: NDArray[np.float64]  # (m,) [s]

@@ -30,7 +30,7 @@ class Pose2:
     """Pose X_AB of a frame B in a frame A: origin (x, y) [m] in A, yaw [rad]
     counter-clockwise.
 
-    A yaw above 2 pi gives a TaskWarning. ``Pose2.deg`` takes degrees.
+    A yaw above 2 pi causes a TaskWarning. ``Pose2.deg`` takes degrees.
     """
 
     x: float = 0.0
@@ -42,7 +42,7 @@ class Pose2:
             self._warn_of_degrees()
 
     def _warn_of_degrees(self) -> None:
-        """Warn of a yaw above 2 pi, unless this package computed it."""
+        """Warn if the yaw is above 2 pi and was not computed by this package."""
         if called_from_inside(3):
             return
         warn_of_slip(

@@ -57,7 +57,7 @@ class MotionQuery:
 
     @property
     def yielding(self) -> tuple[Obstacle, ...]:
-        """The obstacles that the object may push along its path."""
+        """Obstacles that the object may push along its path."""
         if not self.may_push:
             return ()
         return tuple(body for body in self.scene.obstacles if body.may_move)
@@ -67,7 +67,7 @@ class MotionQuery:
         return replace(self, start=start, goal=goal)
 
     def moved_by(self, motion: Motion) -> MotionQuery:
-        """Copy of the query with another motion, limited to the arm that the motion
+        """Copy of the query with another motion, restricted to the arm that this motion
         names.
         """
         scene = replace(self.scene, arm=motion.only_arm)

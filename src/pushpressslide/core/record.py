@@ -77,10 +77,11 @@ class Record:
         return bool(self.figures["success"])
 
     def to_dataframe(self) -> Any:
-        """Time series with a value for each tick, as a pandas DataFrame by time [s].
+        """Time series with one value per tick, as a pandas DataFrame indexed by time
+        [s].
 
-        Its columns are those of ``core.record_columns``, as ``object_x``; phases are
-        words. Raises PushPressSlideError if pandas is not installed.
+        The columns are those of ``core.record_columns``, such as ``object_x``; phases
+        are words. Raises PushPressSlideError if pandas is not installed.
         """
         try:
             pandas = importlib.import_module("pandas")
@@ -93,7 +94,7 @@ class Record:
         return pandas.DataFrame(columns, index=index)
 
     def __repr__(self) -> str:
-        """One line."""
+        """Summary in one line."""
         ticks = len(self.arrays.get("time", ()))
         modes = ", ".join(self.modes)
         return (

@@ -1,7 +1,7 @@
 """Names of a record's columns, for data frames and CSV files.
 
 A name consists of body and quantity: ``object_x``, ``tip0_fx``, ``arm0_joint3_torque``.
-SI units and radians; NaN where there is no value.
+Values are in SI units and radians, and NaN if missing.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ VECTORS: dict[str, tuple[str, Sequence[str]]] = {
     "wanted_wrench": ("wanted", WRENCH),
     "allocated_wrench": ("allocated", WRENCH),
 }
-"""First and last parts of the names of an array (N, k)."""
+"""First and last parts of the column names of an array (N, k)."""
 
 TIPS: dict[str, tuple[str, Sequence[str]]] = {
     "tip_position": ("", POINT),
@@ -42,7 +42,7 @@ TIPS: dict[str, tuple[str, Sequence[str]]] = {
     "tip_reference": ("reference_", POINT),
     "contact_point": ("contact_", POINT),
 }
-"""Parts of the names of an array (N, A, 3), after ``tip0_``."""
+"""Last parts of the column names of an array (N, A, 3), after ``tip0_``."""
 
 
 def named_columns(
@@ -66,7 +66,7 @@ def named_columns(
 
 
 def _names(array: str, shape: tuple[int, ...]) -> list[str]:
-    """Names of the columns of an array whose rows have a ``shape``."""
+    """Names of the columns of an array whose rows have the given ``shape``."""
     if array in VECTORS:
         first, ends = VECTORS[array]
         return [f"{first}_{end}" for end in ends]

@@ -1,4 +1,4 @@
-"""Refusals as data, and the one place where they become English."""
+"""Refusals as data, and their conversion to English text."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ class Quantity(float):
     __slots__ = ()
 
     def __format__(self, form: str) -> str:
-        """The number followed by its unit. The unit is the one that ``form`` starts
-        with; the rest of ``form`` formats the number.
+        """The number followed by its unit.
+
+        ``form`` starts with the unit; its rest formats the number.
         """
         unit = next(name for name in SHOWN if form.startswith(name))
         value = float(self)
@@ -55,7 +56,7 @@ class Refusal:
 
 
 class _Unknown:
-    """Stand-in for a number that a refusal's text names but its data do not contain."""
+    """Placeholder for a number that a refusal's text uses but its data lack."""
 
     def __format__(self, form: str) -> str:
         """The word "unknown", for any unit."""
@@ -69,8 +70,8 @@ def _shown(number: float | None) -> Quantity | _Unknown:
 
 
 def enough_feasible(count: int) -> Refusal:
-    """Refusal of a choice that was not evaluated: ``count`` choices of its mode that
-    rank before it are feasible.
+    """Refusal of a choice that was not evaluated because ``count`` better choices of
+    its mode are feasible.
     """
     text = (
         "not evaluated: enough choices of this mode that rank before it are feasible "
@@ -80,7 +81,7 @@ def enough_feasible(count: int) -> Refusal:
 
 
 class RefusedError(ValueError):
-    """Raised if a model cannot be made. Carries the refusal."""
+    """A model cannot be made. The error carries the refusal."""
 
     def __init__(self, refusal: Refusal) -> None:
         super().__init__(str(refusal))
@@ -88,9 +89,7 @@ class RefusedError(ValueError):
 
 
 def literal(text: str) -> str:
-    """``text`` escaped for use in a refusal's text, so that none of it is read as a
-    placeholder.
-    """
+    """``text`` escaped for a refusal, so that no part of it is read as a placeholder."""
     return text.replace("{", "{{").replace("}", "}}")
 
 

@@ -1,4 +1,4 @@
-"""A package whose modules are found by ``dir`` and imported on first use."""
+"""A package whose modules are listed by ``dir`` and imported on first use."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from types import ModuleType
 def explorable(
     package: str,
 ) -> tuple[Callable[[str], ModuleType], Callable[[], list[str]]]:
-    """Functions ``__getattr__`` and ``__dir__`` of a package, by its full name."""
+    """The functions ``__getattr__`` and ``__dir__`` of a package, given its full name."""
 
     def modules() -> list[str]:
         path = sys.modules[package].__path__

@@ -1,8 +1,8 @@
-"""The physical scene of a task as believed by planner and controller.
+"""The physical scene of a task, as believed by planner and controller.
 
-It is a body on a support with arms and obstacles around it. The motion of the body is
-not part of it. SI units and radians; docs/task-file.md documents the fields as a file
-has them.
+It consists of a body on a support, with arms and obstacles around it. It does not
+include the motion of the body. Units are SI and radians; docs/task-file.md documents
+the fields with the units of a task file.
 """
 
 from __future__ import annotations
@@ -60,7 +60,9 @@ class Opening:
 
     @property
     def edges(self) -> tuple[float, float, float, float]:
-        """Left, right, low and high edge [m]: x, x, y and y in the wall's plane."""
+        """Left and right edge (x [m]), lower and upper edge (y [m]), in the wall's
+        plane.
+        """
         w, h = self.size
         cx, cy = self.center
         return cx - 0.5 * w, cx + 0.5 * w, cy - 0.5 * h, cy + 0.5 * h
@@ -153,7 +155,7 @@ class ObjectModel:
     def __post_init__(self) -> None:
         """Set a missing centre of mass to the centroid, and check the numbers.
 
-        A shape of another form is converted, or refused, by ``check_task``.
+        Shapes given in another form are converted, or refused, by ``check_task``.
         """
         if not isinstance(self.shape, Shape):
             return
@@ -259,8 +261,10 @@ class JointLimits:
 def doubled_by_tip(
     robot: Mapping[str, Any], radius: float, length: float
 ) -> str | None:
-    """Name of a robot's field whose value its tip, with a ``radius`` and a ``length``
-    [m], states as well. None if there is none.
+    """Name of a field of ``robot`` that duplicates a property of its tip. None if no
+    field does.
+
+    The tip has ``radius`` and ``length`` [m].
     """
     if robot["tip_frame"] is not None:
         return "tip_frame"
@@ -276,8 +280,7 @@ def doubled_by_tip(
 class Robot:
     """One arm (or a free tip, ``hand``) and the pose of its base.
 
-    A robot with a ``tip`` has its radius and its length as ``tip_radius`` and
-    ``tip_length``.
+    If the robot has a ``tip``, ``tip_radius`` and ``tip_length`` are those of the tip.
     """
 
     model: str = field(
@@ -429,7 +432,7 @@ class Obstacle:
 
     @property
     def nominal(self) -> Obstacle:
-        """The obstacle as believed by planner and controller."""
+        """The obstacle as planner and controller believe it to be."""
         return replace(
             self,
             mass=assumption(self.believed_mass, self.mass),
@@ -442,7 +445,7 @@ class Obstacle:
 @documented
 @dataclass(frozen=True, slots=True)
 class Belief:
-    """Assumptions of planner and controller. None means the true value."""
+    """Assumptions of planner and controller. None means that the true value is assumed."""
 
     support_friction: float | None = setting(
         None, "support.friction; null: the true one", within=FRICTIONS
@@ -477,7 +480,7 @@ class Belief:
 
 
 def assumption(belief: Value | None, true: Value) -> Value:
-    """Believed value, or the true one if the belief is None."""
+    """Believed value, or the true value if the belief is None."""
     return true if belief is None else belief
 
 
@@ -510,7 +513,7 @@ class Scene:
 
     @property
     def weight(self) -> Point:
-        """Components [N] of the weight along the support and into it."""
+        """Components [N] of the weight along the support and normal to it."""
         return math.hypot(*self.weight_along), self.weight_on
 
     @property
@@ -538,7 +541,8 @@ class Scene:
 
     @property
     def sure(self) -> float:
-        """Factor on a friction utilisation that allows for uncertain frictions.
+        """Factor that lowers the allowed friction utilisation if frictions are
+        uncertain.
 
         It is the ratio of the smallest contact friction to the largest support
         friction, divided by the same ratio of the believed values.
@@ -547,17 +551,17 @@ class Scene:
 
     @property
     def least_contact_friction(self) -> float:
-        """Lower bound of the friction of the pair tip/object, by its uncertainty."""
+        """Lower bound of the tip/object friction, from its uncertainty."""
         return (1.0 - self.friction_error) * self.contact_friction
 
     @property
     def friction_uses(self) -> tuple[float, ...]:
-        """Friction utilisations of contacts that a motion may have, the best first."""
+        """Friction utilisations that a motion may have at its contacts, the best first."""
         return tuple(self.sure * use for use in margins.FRICTION_USES)
 
     @property
     def run_ins(self) -> tuple[float, ...]:
-        """Lengths of the run-in of a manoeuvre, in look-aheads."""
+        """Lengths of a manoeuvre's run-in, in look-aheads."""
         return margins.RUN_INS_UNSURE if self.center_error else margins.RUN_INS
 
     @property
@@ -566,7 +570,7 @@ class Scene:
         return tuple(self.sure * use for use in margins.PIN_USES)
 
     def max_friction(self, press: float = 0.0) -> float:
-        """Friction of the support [N] against straight sliding under a ``press`` [N] on
+        """Friction [N] of the support against straight sliding, with a ``press`` [N] on
         top.
         """
         return self.support.friction * (self.weight_on + press)
@@ -592,7 +596,9 @@ class Scene:
         )
 
     def on_ledge(self, X_WG: Pose2, within: float = LEDGE_GAP) -> bool:
-        """Whether a fixed obstacle is ``within`` [m] below the object at a pose."""
+        """Whether a fixed obstacle lies at most ``within`` [m] below the object at a
+        pose.
+        """
         fixed = [obstacle for obstacle in self.obstacles if not obstacle.movable]
         if not fixed:
             return False

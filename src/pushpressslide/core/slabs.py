@@ -21,7 +21,7 @@ class Slab(NamedTuple):
 
     @property
     def size(self) -> tuple[float, float, float]:
-        """Full lengths [m]."""
+        """Edge lengths [m]."""
         spans = (self.x, self.y, self.height)
         width, length, thickness = (b - a for a, b in spans)
         return (width, length, thickness)
@@ -38,8 +38,9 @@ def slabs(
 ) -> list[Slab]:
     """Slabs of a support about its frame's origin, without those of zero volume.
 
-    They extend ``reach`` [m] to the sides and up, down to ``low`` [m] along y, from
-    ``level`` [m] in height to ``thickness`` [m] behind the opening's back.
+    They extend ``reach`` [m] to the sides and up, and down to ``low`` [m] along y. In
+    height they extend from ``level`` [m] to ``thickness`` [m] behind the opening's
+    back.
     """
     opening = support.opening
     left, right, bottom, top = NOWHERE if opening is None else opening.edges

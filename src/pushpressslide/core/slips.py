@@ -1,4 +1,4 @@
-"""Warnings about values that are allowed but are probably slips."""
+"""Warnings about values that are allowed but probably mistakes."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from types import FrameType
 from pushpressslide.core.errors import TaskWarning
 
 INSIDE = ("pushpressslide", "dataclasses")
-"""Modules that pass on values of a calling program."""
+"""Modules that only pass on values from a calling program."""
 
 
 def warn_of_slip(text: str) -> None:
-    """Issue a TaskWarning at the line of the program that called this package."""
+    """Issue a TaskWarning at the line of the program that called into this package."""
     level = 2
     frame: FrameType | None = sys._getframe(1)
     while frame is not None and _name(frame).startswith(INSIDE):

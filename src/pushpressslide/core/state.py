@@ -1,8 +1,8 @@
 """The state of bodies and arms between two motions: the start and the end of a motion.
 
-A task gives the initial state. From there planners and engines go from state to state:
-the stages of several bodies, a plant that continues another run, the remaining task
-after a recovery.
+A task gives the initial state. From there, planners and engines proceed from state to
+state: between the stages of several bodies, from one run to the run that continues it,
+and after a recovery.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ Joints = tuple[float, ...]  # [rad] of one arm
 
 @dataclass(frozen=True, slots=True)
 class HeldContacts:
-    """Mode and contacts that the arms hold. The loads of the contacts do not count."""
+    """Mode and contacts that the arms hold, regardless of the contacts' loads."""
 
     mode: str
     contacts: tuple[Contact, ...]  # without loads
 
     @classmethod
     def by(cls, mode: str, contacts: tuple[Contact, ...]) -> HeldContacts:
-        """Contacts of a mode without their loads."""
+        """Contacts of a mode, with their loads removed."""
         return cls(mode, tuple(replace(contact, load=0.0) for contact in contacts))
 
 
@@ -63,5 +63,5 @@ class WorldState:
         )
 
     def __hash__(self) -> int:
-        """Hash of the compared fields."""
+        """Hash of the fields that are compared."""
         return hash((frozenset(self.poses.items()), self.joints, self.held_contacts))

@@ -2,8 +2,9 @@
 
 On a table x, y and height are the world's axes. On a wall x points to the left and y up
 as seen by the robots that face it, and height out of the wall towards them. These axes
-are left-handed in the world, so that a yaw, from x to y, is about the normal that
-points INTO the wall. Everything within the plane is the same in both cases.
+are left-handed in the world: a positive yaw, from x to y, is about the normal that
+points INTO the wall. Within the plane there is no difference between a table and a
+wall.
 """
 
 from __future__ import annotations
@@ -56,7 +57,7 @@ class SupportFrame:
 
     @property
     def faces_up(self) -> bool:
-        """Whether the support is seen from above rather than from the front."""
+        """Whether the support is seen from above. Otherwise it is seen from the front."""
         return self.normal[2] > 0.5
 
     @property
@@ -104,4 +105,4 @@ class SupportFrame:
 
 
 TABLE = SupportFrame()
-"""The support's axes are the world's."""
+"""Frame of a table: the world frame."""

@@ -1,10 +1,10 @@
 """A task as typed, frozen data: the object, its support, start and goal, and the
 robots.
 
-Built in one place, ``taskfile/load.py``, which checks every field; docs/task-file.md
-documents the file. SI units and radians throughout (the file has degrees if its key
-ends in ``_deg``). The file's reader, dump and documentation are derived from the
-metadata of the fields alone.
+Tasks are built by ``taskfile/load.py``, which checks every field; docs/task-file.md
+documents the file. Units are SI and radians throughout (in the file, keys that end in
+``_deg`` are in degrees). Reader, dump and documentation of the file are all derived
+from the metadata of the fields.
 """
 
 from __future__ import annotations
@@ -45,7 +45,9 @@ from pushpressslide.geometry.shapes import Shape as Shape
 @documented
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """One leg of a task of several: a mode, and the end pose of the object."""
+    """One leg of a task with several: a mode, and the object's pose at the end of the
+    leg.
+    """
 
     mode: str = field(metadata=field_spec("contact mode", is_name=True))
     goal: Pose2 = field(
@@ -65,7 +67,7 @@ class Leg:
 
 @dataclass(frozen=True, slots=True)
 class BodyGoal:
-    """Goal pose of one of several bodies."""
+    """Goal pose of one body, in a task with several goals."""
 
     body: str  # "object", or the name of a movable obstacle
     pose: Pose2  # X_WG of that body
@@ -180,14 +182,14 @@ class Task:
         check_fields(self)
 
     def __repr__(self) -> str:
-        """One line. ``dump_task`` returns the whole task."""
+        """Summary in one line. ``dump_task`` returns the whole task."""
         shape = type(self.object.shape).__name__
         arms = ", ".join(robot.model for robot in self.robots)
         return f"Task({self.name!r}: {shape} of {self.object.mass:g} kg; {arms})"
 
     @property
     def full_belief(self) -> Belief:
-        """Assumptions of planner and controller, with all fields but rho filled in."""
+        """Assumptions of planner and controller. All fields except rho are filled in."""
         scene = self.scene
         return Belief(
             scene.support.friction,
@@ -241,9 +243,9 @@ class Task:
         """One query for each leg, from the end of the previous leg, or one for a task
         without legs.
 
-        Raises TaskError for a task of several goals, done in stages. ``from_search``:
-        the legs were found, not prescribed. ``may_push``: the object may push movable
-        obstacles.
+        Raises TaskError for a task with several goals, which is executed in stages.
+        ``from_search`` says that the legs were found by a search and not prescribed,
+        ``may_push`` that the object may push movable obstacles.
         """
         if self.goals:
             reason = "allowed: null; selection.stages makes stages of a task with goals"
@@ -278,14 +280,14 @@ class Task:
 
     @property
     def center_error(self) -> Point:
-        """Believed minus true centre of mass, in G [m]."""
+        """Error [m] of the believed centre of mass (believed minus true), in G."""
         x, y = self.object.center_of_mass
         believed = self.X_GB
         return (believed.x - x, believed.y - y)
 
     def resumed(self, restart: Restart) -> Task:
-        """The remaining task after ``restart``. The goals of completed legs are the
-        poses at which the object was left.
+        """The remaining task after ``restart``. The goals of completed legs become the
+        poses in which the object was left.
         """
         belief = replace(
             self.belief,

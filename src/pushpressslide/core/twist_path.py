@@ -34,7 +34,7 @@ def integrate(pose: Pose2, rate: TwistRate, length: float) -> Pose2:
 
 def screw(start: Pose2, end: Pose2) -> TwistRate:
     """Constant body twist (vx, vy [m], w [rad]) that leads from ``start`` to ``end`` in
-    one unit, turning by less than 180 degrees: the logarithm.
+    unit time: the logarithm. The turn is below 180 degrees.
     """
     x, y = start.unrotate((end.x - start.x, end.y - start.y))
     w = wrap_angle(end.yaw - start.yaw)
@@ -44,8 +44,8 @@ def screw(start: Pose2, end: Pose2) -> TwistRate:
 
 
 def reached(pose: Pose2, twists: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Poses (m, 3) reached from ``pose`` after one unit of each of the body twists
-    ``twists`` (m, 3).
+    """Poses (m, 3) reached from ``pose`` after unit time at each of the body ``twists``
+    (m, 3).
     """
     import numpy as np
 
@@ -85,11 +85,11 @@ def screws(
 
 @dataclass(frozen=True)
 class TwistPath:
-    """A path of the vehicle frame V: the start pose, then pieces of (twist per metre,
+    """A path of the vehicle frame V: the start pose, then sections (twist per metre,
     length [m] >= 0).
 
-    Length is measured with ``radius`` [m]: a turn by one radian counts as that length,
-    so that every piece's twist has vx^2 + vy^2 + (radius w)^2 = 1.
+    A turn by one radian counts as a length of ``radius`` [m], so that the twist of
+    every section has vx^2 + vy^2 + (radius w)^2 = 1.
     """
 
     start: Pose2
@@ -111,7 +111,7 @@ class TwistPath:
 
     @cached_property
     def section_starts(self) -> tuple[tuple[float, Pose2], ...]:
-        """Arc length and pose at the start of each piece, and at the end."""
+        """Arc length and pose at the start of each section, and at the end of the path."""
         s = 0.0
         pose = self.start
         out = [(0.0, self.start)]
@@ -159,7 +159,7 @@ class TwistPath:
     def rate(self, s: float) -> TwistRate:
         """Twist per metre at arc length ``s`` [m], in V.
 
-        It is zero for a path without pieces.
+        It is zero for a path without sections.
         """
         return (
             self.sections[self._section_index(s)][0]
@@ -175,8 +175,8 @@ class TwistPath:
         """Arc length [m], near ``s`` and not before it, of the pose nearest to
         ``X_WV``.
 
-        One Newton step in the metric of ``radius``: exact for a constant twist up to
-        second order in the error.
+        It is found by one Newton step in the metric of ``radius``. For a constant twist
+        it is exact up to second order in the error.
         """
         at = self.pose(s)
         vx, vy, w = self.rate(s)
@@ -189,7 +189,7 @@ class TwistPath:
         return s + max(0.0, ahead)
 
     def led_in(self, length: float) -> TwistPath:
-        """The path extended backward from its start by ``length`` [m] with its first
+        """The path extended backwards from its start by ``length`` [m], with its first
         twist.
         """
         rate = self.rate(0.0)

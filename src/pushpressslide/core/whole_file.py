@@ -1,4 +1,4 @@
-"""Atomic writing of files: complete or not at all."""
+"""Atomic writing: a file is either complete or absent."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from pathlib import Path
 from pushpressslide.core.errors import WriteError
 
 PART = ".part"
-"""In the name of a file that is not whole yet: ``.name.process.part``."""
+"""Mark in the name of an unfinished file: ``.name.process.part``."""
 
 
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
     """Context of a temporary file that becomes ``path`` when the block ends.
 
-    Creates missing folders. An older file stays until the new one is complete and on
-    the disk. Raises WriteError if that cannot be done.
+    Creates missing folders. An older file stays in place until the new one is complete
+    and on the disk. Raises WriteError if the file cannot be written.
     """
     temporary = path.with_name(f".{path.name}.{os.getpid()}{PART}{path.suffix}")
     with writing(path):
@@ -36,8 +36,8 @@ def write_whole(path: Path, data: bytes | str) -> Path:
     """Write ``path`` under a temporary name, rename it when complete, and return
     ``path``.
 
-    Creates missing folders; text is UTF-8. An older file stays until the new one is
-    complete. Raises WriteError if that cannot be done.
+    Creates missing folders; text is UTF-8. An older file stays in place until the new
+    one is complete. Raises WriteError if the file cannot be written.
     """
     with whole(path) as temporary:
         temporary.write_bytes(utf8(data) if isinstance(data, str) else data)
@@ -56,7 +56,7 @@ def writing(path: Path) -> Iterator[None]:
 
 
 def utf8(text: str) -> bytes:
-    """The text in UTF-8. Bytes of a command line in another encoding are replaced."""
+    """The text in UTF-8. Command-line bytes in any other encoding are replaced."""
     try:
         return text.encode("utf-8")
     except UnicodeEncodeError:

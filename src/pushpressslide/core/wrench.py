@@ -1,4 +1,4 @@
-"""Planar wrenches and twists, each with the point that it refers to."""
+"""Planar wrenches and twists, each with its reference point."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from pushpressslide.core.pose import Point, cross
 
 
 class Wrench(NamedTuple):
-    """Force (fx, fy) [N] and moment tau [N m] about the point ``about``, of the robots
-    ON the object.
+    """Force (fx, fy) [N] and moment tau [N m] about the point ``about``, exerted by the
+    robots ON the object.
 
-    All in one planar frame, the body frame B unless said otherwise (docs/mechanics.md,
-    section 0).
+    Everything is in one planar frame: the body frame B, unless stated otherwise
+    (docs/mechanics.md, section 0).
     """
 
     fx: float

@@ -75,8 +75,8 @@ class ArmDynamics:
 
 
 class PostureShare(NamedTuple):
-    """The part of the joint motion that the posture's impedance controls, found at the
-    joint positions ``q``.
+    """The part of the joint motion that the posture's impedance controls, at the joint
+    positions ``q``.
     """
 
     q: Array  # (n,) [rad]
@@ -148,8 +148,8 @@ class ArmExecutor:
 
         ``previous`` (n,) [N m] are those of the previous tick. All joints lose the same
         fraction of their speed, so that a torque clipped by the limits still takes
-        energy from the arm. The torque is bounded so that, at its allowed rate, it can
-        be removed by the time the arm rests.
+        energy from the arm. The torque is bounded so that, at its allowed rate of
+        change, it can return to zero by the time the arm is at rest.
         """
         momentum = arm.M @ arm.v
         size = np.maximum(np.abs(momentum), TINY)
@@ -167,10 +167,10 @@ class ArmExecutor:
         v_ref: Array,
         previous: Array,
     ) -> LimitedTorque:
-        """Torques that execute a tip command, in the posture ``q_ref`` (n,) [rad] that
-        changes by ``v_ref`` (n,) [rad/s].
+        """Torques that execute a tip command.
 
-        ``previous`` (n,) [N m] are those of the previous tick.
+        The reference of the posture is ``q_ref`` (n,) [rad], which changes at ``v_ref``
+        (n,) [rad/s]. ``previous`` (n,) [N m] are those of the previous tick.
         """
         velocity = self.frame.components(arm.velocity)
         J = arm.J
@@ -201,10 +201,10 @@ class ArmExecutor:
         moment: Vector3,
         velocity: Vector3,
     ) -> Impedance:
-        """Impedance of the tool's attitude, by a ``moment`` [N m], and of the tip,
-        whose ``velocity`` [m/s] is in the support's frame.
+        """Impedance of the tip and of the tool's attitude.
 
-        ``J`` (6, n) may be that of a tool that gives way.
+        ``moment`` [N m] holds the attitude. ``velocity`` [m/s] is that of the tip, in
+        the support's frame. ``J`` (6, n) may be reduced as by ``yielding``.
         """
         place = self.frame.coordinates(arm.position)
         own = servo(command, place, velocity, self.dt)
@@ -227,11 +227,11 @@ class ArmExecutor:
     def _of_posture(
         self, arm: ArmDynamics, J: Array, error: Array, speed: Array
     ) -> Impedance:
-        """Impedance of the joints about their reference, with deviations ``error`` (n,)
-        [rad] and ``speed`` (n,) [rad/s].
+        """Impedance of the joints about their reference.
 
-        It acts only on motion that is not felt at the tip, or hardly moves it. ``J``
-        (6, n) may be that of a tool that gives way.
+        ``error`` (n,) [rad] and ``speed`` (n,) [rad/s] are the deviations from the
+        reference. The impedance acts only on joint motion that exerts no force at the
+        tip or hardly moves the tip. ``J`` (6, n) may be reduced as by ``yielding``.
         """
         share = self._share
         if share is None or share.braked is not None or J is not arm.J:
@@ -254,10 +254,9 @@ class ArmExecutor:
         return Impedance(torque, growth)
 
     def _posture_share(self, arm: ArmDynamics, J: Array) -> PostureShare:
-        """Posture share at the present joint positions.
+        """Part of the joint motion left to the posture, at the present joint positions.
 
-        ``J`` (6, n) is the arm's Jacobian, or the Jacobian of a tool that gives way, as
-        in ``_of_posture``.
+        ``J`` (6, n) is the arm's Jacobian, which may be reduced as by ``yielding``.
         """
         n = len(arm.q)
         JJt = J @ J.T
@@ -281,13 +280,14 @@ class ArmExecutor:
     def _inertial(
         self, arm: ArmDynamics, command: TipCommand, velocity: Vector3
     ) -> Array:
-        """Wrench (6,), world axes, that accelerates the arm's own inertia as commanded.
+        """Wrench (6,), in world axes, that accelerates the arm's own inertia as
+        commanded.
 
-        ``velocity`` [m/s] is the tip's, in the support's frame. It is Lambda times the
-        acceleration of the reference: without it an arm that is accelerated along the
-        support also presses on it or lifts off, by the coupling of its inertia. The
-        tip's acceleration at constant joint rates is subtracted, since it needs no
-        torque.
+        ``velocity`` [m/s] is that of the tip, in the support's frame. The wrench is
+        Lambda times the acceleration of the reference. Without it, an arm that
+        accelerates along the support would also press on the object or lift off,
+        because its inertia is coupled. The tip's acceleration at constant joint rates
+        is subtracted, since it needs no torque.
         """
         spin = _times(command.tool_yaw_acceleration, self._spin_axis)
         moved = self.frame.direction(command.acceleration)
@@ -310,10 +310,10 @@ class ArmExecutor:
         """Add to the ``total`` wrench (6,), in world axes, a wrench that brings the tip
         to its reference's velocity within ``SERVO_TIME``.
 
-        Only for tips without stiffness. ``inertia`` (6, 6) and ``velocity`` [m/s] are
-        those of the tip, ``damping`` [N s/m] that of the damper. Together with the
-        damper's force, the added wrench stays within the servo's cap. It is zero along
-        axes on which the damper alone reaches that velocity in time.
+        It applies only to tips without stiffness. ``inertia`` (6, 6) and ``velocity``
+        [m/s] are those of the tip; ``damping`` [N s/m] is that of the damper. Together
+        with the damper's force, the added wrench stays within the servo's cap. It is
+        zero along axes on which the damper alone reaches that velocity in time.
         """
         # wrenches (6, 2) of accelerations along x and y, and their forces (2, 2) there
         if self._flat:

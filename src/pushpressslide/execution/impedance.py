@@ -29,9 +29,9 @@ def servo(
     ``period`` [s].
 
     Their force may leave the friction cone, since it also accelerates the arm's own
-    inertia. It is kept below ``command.servo_cap``: along the support, and along the
-    height. ``position`` [m] and ``velocity`` [m/s] are the tip's, in the support's
-    frame.
+    inertia. Along the support and along the height, it is kept below
+    ``command.servo_cap``. ``position`` [m] and ``velocity`` [m/s] are those of the tip,
+    in the support's frame.
     """
     c = math.cos(command.normal_yaw)
     s = math.sin(command.normal_yaw)
@@ -58,8 +58,8 @@ def servo(
 
 
 def tip_force(command: TipCommand, position: Vector3, velocity: Vector3) -> Vector3:
-    """Commanded force [N] of the tip on the object, in the support's frame: its
-    feed-forward, which is inside the friction cone, plus its servo's.
+    """Commanded force [N] of the tip on the object, in the support's frame: the
+    feed-forward, which is inside the friction cone, plus the force of the servo.
     """
     x, y, z = command.force
     fx, fy, fz = servo(command, position, velocity).force
@@ -67,7 +67,7 @@ def tip_force(command: TipCommand, position: Vector3, velocity: Vector3) -> Vect
 
 
 def _share_within(size: float, limit: float) -> float:
-    """Largest fraction, at most 1, that limits a ``size`` to ``limit``."""
+    """Largest factor, at most 1, that keeps ``size`` within ``limit``."""
     return limit / size if size > limit else 1.0
 
 
@@ -91,8 +91,8 @@ def tip_moment(
     """Moment [N m], world axes, of a rotational spring [N m/rad] and damper [N m
     s/rad].
 
-    The spring's deflection is limited to ``margins.ARM.attitude``. So a tool that a
-    joint limit has kept far from its wanted attitude turns back slowly.
+    The spring's deflection is limited to ``margins.ARM.attitude``. A tool that a joint
+    limit has turned far from its wanted attitude therefore returns slowly.
     """
     ex, ey, ez = rotation_error(R_wanted, R)
     size = math.sqrt(ex * ex + ey * ey + ez * ez)

@@ -19,11 +19,11 @@ class NormalForceState:
 @dataclass(frozen=True, slots=True)
 class NormalForceRegulator:
     """PI regulator with a ramped command, a clamp, conditional integration, and a reset
-    when contact is lost.
+    on loss of contact.
 
-    A bouncing tip is pressed by the command alone. Stable behind one sample of delay
-    iff |k_p| < 1 and 0 < k_i dt < 2 (1 - k_p), with the integral updated before the
-    output.
+    While a tip bounces, only the feed-forward command presses it. With one sample of
+    delay the loop is stable iff |k_p| < 1 and 0 < k_i dt < 2 (1 - k_p); the integral is
+    updated before the output.
     """
 
     k_p: float = 0.3
@@ -35,13 +35,13 @@ class NormalForceRegulator:
     firm: float = 0.5
 
     def init(self) -> NormalForceState:
-        """State at rest."""
+        """Initial state, without force."""
         return NormalForceState()
 
     def step(
         self, state: NormalForceState, command: float, measured: float, dt: float
     ) -> tuple[float, NormalForceState]:
-        """Normal force to apply [N] in [0, f_max], and the next state."""
+        """Normal force [N] to apply, in [0, f_max], and the next state."""
         step = self.ramp * dt
         ramped = min(max(command, state.ramped - step), state.ramped + step)
         if measured < self.contact_threshold:

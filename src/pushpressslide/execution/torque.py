@@ -34,7 +34,7 @@ FULL_RANK = 1e-6 * np.eye(6)
 
 
 class LimitedTorque(NamedTuple):
-    """Joint torques inside their limits, and the commanded ones."""
+    """Joint torques within their limits, and the commanded torques."""
 
     torque: Array  # (n,) [N m]
     share: float  # largest demanded torque as a share of its limit
@@ -51,7 +51,9 @@ class Impedance(NamedTuple):
 
 
 class Unfelt(NamedTuple):
-    """Part of torques and dampers on an arm's joints that is not felt at the tip."""
+    """Part of the torques and dampers on an arm's joints that causes no force at the
+    tip.
+    """
 
     share: Array  # (n, n) of a torque
     damper: Array  # (n, n) of a damper of one: symmetric, and positive semidefinite
@@ -68,22 +70,22 @@ class Gains(NamedTuple):
 def gains(stiffness: float, damping: float, period: float) -> Gains:
     """Gains of a spring and a damper, held over a tick of ``period`` [s].
 
-    ``stiffness`` [N m/rad] and ``damping`` [N m s/rad] of a turning joint; [N/m] and [N
-    s/m] of a sliding one.
+    ``stiffness`` is in [N m/rad] and ``damping`` in [N m s/rad] for a revolute joint;
+    for a sliding joint they are in [N/m] and [N s/m].
     """
     return Gains(stiffness, damping, period * (damping + period * stiffness))
 
 
 def held_for_a_tick(impedance: Impedance, M: Array) -> Array:
-    """Torque (n,) [N m] of springs and dampers that is constant for a tick, on an arm
-    of mass matrix ``M`` (n, n).
+    """Torque (n,) [N m] of springs and dampers, held constant for a tick, on an arm of
+    mass matrix ``M`` (n, n).
 
-    Consider each motion of the arm that the dampers do not couple to others, with its
-    damper D and inertia m. A constant torque would change its speed in a tick of h by
-    the fraction x = h D / m. For a light joint x may be above 1: the motion would
-    reverse and gain energy. The torque is then divided by x, so that it just stops the
-    motion. If x is below 1, as on a heavy arm that an object holds back, it is the
-    commanded one. (The implicit Euler method, 1 / (1 + x), lets that arm lag by a
+    The dampers define decoupled motions of the arm, each with a damper D and an inertia
+    m. During a tick of length h, a constant torque would change the speed of such a
+    motion by the fraction x = h D / m. For a light joint x may be above 1: the motion
+    would reverse and gain energy. The torque is then divided by x, so that it just
+    stops the motion. If x is below 1, as on a heavy arm that an object holds back, the
+    torque is unchanged. (The implicit Euler method, 1 / (1 + x), lets that arm lag by a
     quarter more.) Springs add h^2 K / m to x.
     """
     torque, added = impedance
@@ -100,15 +102,15 @@ def held_for_a_tick(impedance: Impedance, M: Array) -> Array:
 
 
 def unfelt(J: Array, JJt: Array) -> Unfelt:
-    """Part of a joint torque that neither a force at the tip nor a large moment on the
-    tool has to hold.
+    """Part of a joint torque that needs neither a force at the tip nor a large moment
+    on the tool to balance it.
 
-    ``J`` (6, n) at the tip, rows [angular; linear], world axes; ``JJt`` (6, 6) is J
-    J^T. If the arm can hardly turn the tool, its joints are left to this torque:
-    nothing else damps them. The wrench that holds a torque is (J J^T)^-1 J torque, and
-    the force in it has to be zero. J_v torque = 0 would not ensure that: if the tip is
-    held in place and a moment keeps the tool's attitude, the tip still exerts the force
-    of this wrench.
+    ``J`` (6, n) is the Jacobian at the tip, with rows [angular; linear], in world axes;
+    ``JJt`` (6, 6) is J J^T. Joints that can hardly turn the tool are included, since
+    nothing else damps them. The wrench that balances a torque is (J J^T)^-1 J torque,
+    and its force must be zero. The condition J_v torque = 0 would not ensure this: if
+    the tip is held in place and a moment keeps the tool's attitude, the tip still
+    exerts the force of this wrench.
     """
     identity = np.eye(J.shape[1])
     turning = identity - J.T @ _solved(JJt + SOFTENING, J)
@@ -119,8 +121,8 @@ def unfelt(J: Array, JJt: Array) -> Unfelt:
 
 
 def near_limit(q: Array, lower: Sequence[float], upper: Sequence[float]) -> bool:
-    """Whether one of the joints ``q`` (n,) is nearer to its limit, ``lower`` or
-    ``upper`` (n,) [rad], than ``margins.ARM.joint_buffer``.
+    """Whether one of the joints ``q`` (n,) [rad] is within ``margins.ARM.joint_buffer``
+    of its limit, ``lower`` or ``upper`` (n,) [rad].
     """
     buffer = margins.ARM.joint_buffer
     ranges = zip(q.tolist(), lower, upper, strict=True)
@@ -132,11 +134,12 @@ def near_limit(q: Array, lower: Sequence[float], upper: Sequence[float]) -> bool
 def kept_inside(
     J: Array, q: Array, v: Array, lower: Array, upper: Array, period: float
 ) -> Impedance:
-    """Impedance that keeps joints inside their limits without a force at the tip: the
-    tool's attitude gives way.
+    """Impedance that keeps joints inside their limits without a force at the tip. The
+    tool's attitude yields.
 
-    ``J`` (6, n) as in ``unfelt``; ``lower``, ``upper`` (n,) [rad]; ``period`` [s] of a
-    tick. Zero if all joints are farther inside than ``margins.ARM.joint_buffer``.
+    ``J`` (6, n) is as in ``unfelt``; ``lower`` and ``upper`` (n,) [rad] are the limits;
+    ``period`` [s] is that of a tick. The impedance is zero if all joints are farther
+    than ``margins.ARM.joint_buffer`` from their limits.
     """
     buffer = margins.ARM.joint_buffer
     inside = np.minimum(q - lower, upper - q)
@@ -154,12 +157,12 @@ def kept_inside(
 
 
 def braked(J: Array, JJt: Array) -> Array | None:
-    """Projector (n, n) on the direction of joint motion that moves the tip least, times
-    a factor. None unless that direction moves the tip by less than ``SINGULAR``.
+    """Projector (n, n) on the joint motion that moves the tip least, times a factor.
+    None if this motion moves the tip by ``SINGULAR`` or more.
 
     The factor grows from 0 to 1 as the tip's motion vanishes. ``J`` (6, n) and ``JJt``
-    (6, 6) as in ``unfelt``. A stretched arm coasts through that posture, and bends to
-    the other side, while its tip rests.
+    (6, 6) are as in ``unfelt``. Without braking, a stretched arm coasts through this
+    posture and bends to the other side while its tip rests.
     """
     # definite without SINGULAR^2 along its diagonal: no eigenvalue is below that
     _, indefinite = dpotrf(JJt - BRAKED)
@@ -176,9 +179,10 @@ def yielding(J: Array, moment: Vector3, q: Array, lower: Array, upper: Array) ->
     """Jacobian ``J`` (6, n) without the tool's rotation about the axes of joints that
     its ``moment`` (3,) [N m] presses into their limits.
 
-    The reduction grows towards the limit. World axes; ``lower``, ``upper`` (n,) [rad].
-    Such a joint gives no moment about its axis. If commanded all the same, the moment
-    would come from the other joints, with a force at the tip.
+    The reduction grows towards the limit. Axes are those of the world; ``lower`` and
+    ``upper`` (n,) [rad] are the limits. A joint at its limit provides no moment about
+    its axis. If the moment were commanded nevertheless, the other joints would provide
+    it, with a force at the tip.
     """
     buffer = margins.ARM.joint_buffer
     inside = np.minimum(q - lower, upper - q)
@@ -195,7 +199,7 @@ def yielding(J: Array, moment: Vector3, q: Array, lower: Array, upper: Array) ->
 def _solved(matrix: Array, right: Array) -> Array:
     """Solution of a symmetric system, (k,) or (k, n).
 
-    It is quick for a positive definite one, as all are except for round-off.
+    It is quick for positive definite systems, which all are apart from round-off.
     """
     _, solution, indefinite = dposv(matrix, right)
     if indefinite:
@@ -207,9 +211,10 @@ def _solved(matrix: Array, right: Array) -> Array:
 def task_inertia(J: Array, M: Array) -> Array:
     """Task-space inertia Lambda = (J M^-1 J^T)^-1 (6, 6) of the arm at its tip.
 
-    ``J`` (6, n) as in ``unfelt``; ``M`` (n, n) mass matrix. Near a singularity, where
-    it grows without bound, the arm should not be driven along directions that it can
-    hardly move: damped least squares, by ``LEAST_MOBILITY``.
+    ``J`` (6, n) is as in ``unfelt``; ``M`` (n, n) is the mass matrix. Near a
+    singularity Lambda would grow without bound. Damped least squares
+    (``LEAST_MOBILITY``) then prevent the arm from being driven along directions in
+    which it can hardly move.
     """
     mobility = J @ _solved(M, J.T)
     return _solved(mobility @ mobility + LEAST, mobility)
@@ -231,8 +236,8 @@ def limited(
     """``tau`` clipped to ``effort`` (n,) [N m], and its change per tick to
     ``most_change`` (n,) [N m].
 
-    ``previous`` is the torque (n,) of the previous tick. In plain floats: for a few
-    joints this takes half the time of arrays.
+    ``previous`` is the torque (n,) of the previous tick. It uses plain floats, which
+    for a few joints takes half the time of arrays.
     """
     torques = []
     share = 0.0

@@ -1,4 +1,4 @@
-"""Areas of several polygons with holes, as shapely has them: their rings and parts."""
+"""Areas made of several polygons with holes, as shapely represents them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Ring = tuple[Point, ...]
 
 
 def polygons(area: Area) -> Iterator[Polygon]:
-    """Polygons of an area, without the points and lines that it may hold."""
+    """Polygons of an area, without any points and lines in it."""
     import shapely
 
     for part in shapely.get_parts(area):
@@ -57,7 +57,7 @@ def inner_radius(area: Area | None) -> float:
 def joined_ring(area: Area) -> Ring:
     """Corners [m] of one ring about an area, counter-clockwise.
 
-    Its polygons and holes are joined by pairs of opposite edges, which cancel in every
+    Polygons and holes are joined by pairs of opposite edges, which cancel in every
     integral along the ring.
     """
     rings: list[Ring] = []
@@ -79,7 +79,9 @@ def _corners(coordinates: object) -> Ring:
 
 
 def _bridge(ring: Ring, other: Ring) -> tuple[float, int, int]:
-    """Length [m] of the shortest bridge between two rings, and its corners."""
+    """Length [m] of the shortest bridge between two rings, and the indices of its
+    corners.
+    """
     return min(
         (math.dist(a, b), i, j) for i, a in enumerate(ring) for j, b in enumerate(other)
     )

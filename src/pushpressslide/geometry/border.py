@@ -39,7 +39,7 @@ class Edge:
         )
 
     def points(self, count: int) -> list[Point]:
-        """Evenly spaced points, both ends among them."""
+        """Evenly spaced points, including both ends."""
         step = self.length / (count - 1)
         return [self.point_at(i * step) for i in range(count)]
 
@@ -50,7 +50,7 @@ class Edge:
 
 @dataclass(frozen=True, slots=True)
 class Arc:
-    """A convex round side, with its centre on the object's side."""
+    """A convex round side, with its centre on the side of the object."""
 
     center: Point  # [m]
     radius: float  # [m]
@@ -70,7 +70,7 @@ class Arc:
         )
 
     def points(self, count: int) -> list[Point]:
-        """Evenly spaced points, both ends among them."""
+        """Evenly spaced points, including both ends."""
         step = self.sweep / (count - 1)
         return [self.point_at(self.start + i * step) for i in range(count)]
 

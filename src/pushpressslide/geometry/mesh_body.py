@@ -1,7 +1,8 @@
-"""A body of any form that stands on its base, from a mesh.
+"""A body of any form that stands on its base, read from a mesh.
 
-It is three outlines. The base is what touches the support. The side is what a tip meets
-at its height. The top is the level patch that a press finds.
+It is described by three outlines. The base is the part that touches the support. The
+side is the outline that a tip meets at its height. The top is the level patch that a
+press can use.
 """
 
 from __future__ import annotations
@@ -30,29 +31,29 @@ if TYPE_CHECKING:
     from pushpressslide.core.arrays import Array
 
 ENOUGH = 0.5
-"""Share of the largest touchable length above which a height is good enough."""
+"""Share of the largest touchable length above which a height is accepted for a tip."""
 JOINT = 1e-3
-"""Gap [m] below which two sides continue each other."""
+"""Gap [m] below which two sides count as continuous."""
 WALL_ROOM = 2.0
-"""Distance of a contact point from the walls beside it, as a multiple of its margin to
-the edges of its patch.
+"""Distance of a contact point from adjacent walls, as a multiple of its margin to the
+edges of its patch.
 """
 HEIGHT_DIGITS = 3
 """Decimal places [m] of a section's height."""
 HEIGHTS = 24
-"""Heights that are tried for a tip."""
+"""Number of heights that are tried for a tip."""
 QUADRANT = 16
-"""Chords of a quarter of an offset corner."""
+"""Number of chords per quarter of an offset corner."""
 BESIDE = 0.05
-"""Overlap with other parts of the body that a tip may have, in tip radii: that of a
-side which leans by 18 degrees.
+"""Allowed overlap of a tip with other parts of the body, in tip radii. A side that
+leans by 18 degrees causes this overlap.
 """
 NEAR = 0.2
 """Distance above and below a contact at which the lean of a side is measured, in tip
 radii.
 """
 PLACES = 9
-"""Along a side, at which its lean is read."""
+"""Number of points along a side at which its lean is measured."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,8 +92,8 @@ class Patch:
     walls: Area  # [m^2] in G, of what stands above it
 
     def inside(self, margin: float) -> Area:
-        """Region of the patch ``margin`` [m] inside its edges, and a tip's radius and
-        more beside the walls.
+        """Region of the patch at least ``margin`` [m] inside its edges, and
+        ``WALL_ROOM`` times that distance from walls.
         """
         free = self.area.buffer(-margin, join_style="mitre")
         return free.difference(self.walls.buffer(WALL_ROOM * margin))
@@ -100,7 +101,7 @@ class Patch:
 
 @dataclass(frozen=True, slots=True)
 class SolidMoments:
-    """Centre and second moments of a uniform solid of one kilogram."""
+    """Centre and second moments of a uniform solid with a mass of 1 kg."""
 
     center: tuple[float, float, float]  # [m] in G, above the support
     inertia: tuple[float, ...]  # [m^2] about it: xx, yy, zz, xy, xz, yz
@@ -108,7 +109,7 @@ class SolidMoments:
 
 @dataclass(frozen=True, eq=False)
 class MeshBody(MeshSolid):
-    """A body in a mesh whose base, side and top have outlines of their own.
+    """A mesh body whose base, side and top have separate outlines.
 
     ``polygon`` is the outline seen from above. Two bodies are equal if they come from
     the same file with the same content.
@@ -150,17 +151,17 @@ class MeshBody(MeshSolid):
 
     @cached_property
     def breadth(self) -> float:
-        """Width [m] of the narrow part of the base."""
+        """Width [m] of the base at its narrow part."""
         return min(self.hull.breadth, 4.0 * self.base.area / self.base.length)
 
     @property
     def convex(self) -> bool:
-        """False: the body is no upright prism on a convex outline."""
+        """False: the body is not an upright prism with a convex outline."""
         return False
 
     @property
     def base_area(self) -> float:
-        """Area [m^2] of what touches the support."""
+        """Area [m^2] of the base on the support."""
         return float(self.base.area)
 
     @property
@@ -192,11 +193,15 @@ class MeshBody(MeshSolid):
         return self.hull.extent(direction, origin)
 
     def has_top(self, margin: float) -> bool:
-        """Whether the level patch on top has a place ``margin`` [m] inside its edges."""
+        """Whether the level patch on top has a point at least ``margin`` [m] inside its
+        edges.
+        """
         return not _inside_top(self, margin).is_empty
 
     def holds(self, point: Point, margin: float, origin: Point) -> bool:
-        """Whether ``point`` [m] in B is ``margin`` [m] inside the level patch on top."""
+        """Whether ``point`` [m] in B is at least ``margin`` [m] inside the level patch
+        on top.
+        """
         from shapely import Point as Place
 
         place = Place(point[0] + origin[0], point[1] + origin[1])
@@ -205,7 +210,7 @@ class MeshBody(MeshSolid):
     def chords(
         self, direction: Point, margin: float, origin: Point
     ) -> tuple[tuple[float, float], ...]:
-        """Intervals [m] of a ray from B's origin along a unit vector that are
+        """Intervals [m] of a ray from B's origin along a unit vector that are at least
         ``margin`` [m] inside the level patch on top, the nearest first.
         """
         if self.top is None:
@@ -213,29 +218,36 @@ class MeshBody(MeshSolid):
         return chords_in(_inside_top(self, margin), direction, origin)
 
     def section(self, height: float, lean: float = 0.5 * math.pi) -> Shape:
-        """The body as a tip at a height [m] meets it. Sides that lean by more than
-        ``lean`` [rad] cannot be touched.
+        """The body as met by a tip at a height [m].
+
+        Sides that lean by more than ``lean`` [rad] cannot be touched.
         """
         return _section(self, round(height, HEIGHT_DIGITS), lean)
 
     def side_height(
         self, wanted: float, bounds: tuple[float, float], tip_radius: float, lean: float
     ) -> float:
-        """Height [m] between ``bounds`` at which a tip can touch most of the side, or
-        the one nearest to ``wanted`` that serves about as well.
+        """Height [m] between ``bounds``, near ``wanted``, at which a tip can touch much
+        of the side.
+
+        It is the height nearest to ``wanted`` among those at which the touchable length
+        is not much below the largest.
         """
         return _side_height(self, wanted, bounds, tip_radius, lean)
 
     def section_depths(self, points: Sequence[Point], height: float) -> Array:
-        """Depths (m,) [m] of points in G inside the cross-section at a height, or at
-        the nearest one of the body. Negative outside.
+        """Depths (m,) [m] of points in G inside the body's cross-section at a height,
+        or at the nearest height that the body has.
+
+        Depths are negative outside.
         """
         band = min(self.bands, key=lambda band: band.distance(height))
         return band.depths(points, min(max(height, band.low), band.high))
 
     def obstruction(self, height: float, tip_radius: float) -> Area:
-        """Region of G that the centre of a tip at a ``height`` [m] cannot enter, for its
-        ball and for the rod above it.
+        """Region of G that the centre of a tip at a ``height`` [m] cannot enter.
+
+        The tip's ball and the rod above it must both stay clear of the body.
         """
         import shapely
 
@@ -262,7 +274,7 @@ class MeshBody(MeshSolid):
 
 @dataclass(frozen=True, eq=False)
 class Section(Outlined):
-    """The body as a tip at one height meets it."""
+    """The body as met by a tip at one height."""
 
     body: MeshBody
     level: float  # [m] of the tip's centre
@@ -299,12 +311,13 @@ class Section(Outlined):
         return tuple(part for run in runs for part in run)
 
     def least_lean(self, tip_radius: float) -> float:
-        """Lean [rad] of the most upright side that a tip meets."""
+        """Lean [rad] of the most upright side that the tip can touch."""
         return min(self.side_lean(side, tip_radius) for side in self.border.sides)
 
     def side_lean(self, side: BorderSide, tip_radius: float) -> float:
-        """Largest lean [rad] from the vertical of a side where a tip meets it, with its
-        upper or its lower part in front.
+        """Largest lean [rad] from the vertical of a side near the contact of a tip.
+
+        Either the upper or the lower part of the side may be in front.
         """
         points = side.points(PLACES)
         near = NEAR * tip_radius
@@ -317,7 +330,7 @@ class Section(Outlined):
 
 
 def _runs(parts: Sequence[Touchable]) -> list[list[Touchable]]:
-    """Parts of a border, counter-clockwise, in runs of consecutive parts."""
+    """Runs of consecutive parts of a border, counter-clockwise."""
     runs: list[list[Touchable]] = []
     for part in parts:
         if runs and _meet(runs[-1][-1], part):

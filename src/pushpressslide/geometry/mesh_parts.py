@@ -22,26 +22,33 @@ if TYPE_CHECKING:
     from pushpressslide.core.arrays import Array
 
 DETAIL = 3e-4
-"""Detail [m] of an outline that is too small to matter for contact."""
+"""Size [m] of details of an outline that do not matter for contact."""
 CONVEX = 0.995
 """Smallest area of a cross-section that counts as convex, as a share of its convex
-hull's.
+hull's area.
 """
 THIN = 0.005
-"""Thickness [m] below which a layer is thin. A pressing tip may sink in that deep."""
+"""Thickness [m] below which a layer is thin. A pressing tip may penetrate by this
+depth.
+"""
 UPRIGHT = 0.5
-"""Share of a layer's height above which one upright band stands for the whole layer."""
+"""Share of a layer's height above which a single upright band represents the whole
+layer.
+"""
 MOST_RINGS = 9
-"""Largest number of cross-sections of a convex part."""
+"""Largest number of cross-sections in a convex part."""
 MOST_PARTS = 100
-"""Largest number of convex shapes that stand for a body in distances to an arm."""
+"""Largest number of convex shapes that represent a body in distances to an arm."""
 SLACKS = (2e-3, 4e-3, 8e-3, 16e-3)
-"""Distances [m] by which such shapes may extend beyond the body, to need fewer of them.
+"""Distances [m] by which the convex shapes may extend beyond the body. Larger ones need
+fewer shapes.
 """
 SLAB = 3.0
-"""Height of a slab of such shapes, as a multiple of that distance."""
+"""Height of a slab of convex shapes, as a multiple of the distance in ``SLACKS``."""
 STEP = 4e-3
-"""Difference [m] below which two outlines count as one, for a body pressed inside."""
+"""Difference [m] below which two outlines count as one, for a body that is pressed
+inside a hollow.
+"""
 
 
 @dataclass(frozen=True)
@@ -119,7 +126,7 @@ def _covering_parts(body: MeshBody, slack: float) -> Iterator[UprightPart]:
 
 
 def _slabs(bands: Sequence[Band], height: float) -> list[list[Band]]:
-    """Bands from the base up, in groups that are about ``height`` [m] high."""
+    """Bands from the base up, in groups with a height of about ``height`` [m]."""
     out: list[list[Band]] = []
     for band in bands:
         if out and band.high - out[-1][0].low <= height:
@@ -148,7 +155,7 @@ def body_parts(body: MeshBody, thick: bool = False) -> Iterator[Part]:
 
 @dataclass(frozen=True)
 class _Layer:
-    """Bands that form one part: a convex stack, or a single band."""
+    """Consecutive bands that form one part: a convex stack, or a single band."""
 
     low: float  # [m]
     high: float  # [m]
@@ -160,8 +167,8 @@ class _Layer:
 
 
 def _solid_bands(body: MeshBody) -> list[Band]:
-    """Bands of a body with their holes filled. If a tip presses inside, a few bands
-    with open holes.
+    """Bands of a body with their holes filled. If a tip presses inside a hollow, a few
+    bands with open holes.
     """
     if body.pressed_inside:
         return _few(body.bands)
@@ -172,7 +179,7 @@ def _solid_bands(body: MeshBody) -> list[Band]:
 
 
 def _few(bands: Sequence[Band]) -> list[Band]:
-    """Bands, with neighbours joined if their outlines differ by less than ``STEP``."""
+    """The bands, with neighbours merged if their outlines differ by less than ``STEP``."""
     out: list[Band] = []
     for band in bands:
         last = out[-1] if out else None
@@ -203,8 +210,9 @@ def _layers(bands: Sequence[Band]) -> list[_Layer]:
 
 
 def _thick(layers: Sequence[_Layer]) -> list[_Layer]:
-    """Layers without thin ones, as at fillets: a thin layer is merged into the higher
-    of its neighbours.
+    """Layers without thin ones, such as those at fillets.
+
+    A thin layer is merged with its higher neighbour.
     """
     out = list(layers)
     while len(out) > 1:
@@ -221,7 +229,7 @@ def _thick(layers: Sequence[_Layer]) -> list[_Layer]:
 
 
 def _stays_convex(run: Sequence[Band], band: Band) -> bool:
-    """Whether the stack ``run`` of bands, convex as a whole, is still convex with
+    """Whether ``run``, a stack of bands that is convex as a whole, stays convex with
     ``band`` on top.
     """
     last = run[-1]
@@ -247,7 +255,7 @@ def _bulges(lower: Band, between: Band, upper: Band) -> bool:
 
 
 def _blend(foot: Array, head: Array, share: float) -> Area:
-    """Cross-section of a frustum at a share of its height."""
+    """Cross-section of a frustum at the fraction ``share`` of its height."""
     import shapely
 
     points = (1.0 - share) * foot[:, None] + share * head
@@ -255,13 +263,15 @@ def _blend(foot: Array, head: Array, share: float) -> Area:
 
 
 def _ring(area: Area) -> tuple[Point, ...]:
-    """Corners of the convex hull of a cross-section."""
+    """Corners [m] of the convex hull of a cross-section."""
     hull = area.convex_hull.simplify(DETAIL)
     return tuple((x, y) for x, y in next(polygons(hull)).exterior.coords[:-1])
 
 
 def _stacked(layer: _Layer, middle: float) -> ConvexPart:
-    """Convex part of a layer. Its height zero is ``middle`` [m] above the support."""
+    """Convex part made from a layer. Its origin is at the height ``middle`` [m] above
+    the support.
+    """
     bands = layer.bands
     levels = [(layer.low, bands[0].foot), *((band.high, band.head) for band in bands)]
     levels[-1] = (layer.high, bands[-1].head)

@@ -1,7 +1,7 @@
 """A shape on any simple outline of straight edges and arcs, convex or concave.
 
-Contacts and clearances to other bodies use the true footprint, tipping uses its convex
-hull. A load stays on the base as long as its centre is inside the hull.
+Contacts and clearances to other bodies use the true footprint. Tipping uses its convex
+hull: the object does not tip as long as the centre of pressure is inside the hull.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ class Outlined(Shape):
 
     @property
     def edges(self) -> tuple[Ends | None, ...]:
-        """Ends of each side in G [m], None for an arc."""
+        """Ends in G [m] of each side. None for an arc."""
         return tuple(
             (side.start, side.end) if isinstance(side, Edge) else None
             for side in self.border.sides
@@ -131,8 +131,8 @@ class Outlined(Shape):
     def breadth(self) -> float:
         """Width [m] of the narrow part of the footprint.
 
-        It is the smaller of two values: the width of the footprint's bounding
-        rectangle, and four times its area over its perimeter, which for a square is its
+        It is the smaller of two values: the width of the bounding rectangle, and four
+        times the area divided by the perimeter. For a square both are the length of its
         side.
         """
         whole = self.hull.breadth
@@ -156,15 +156,15 @@ class Outlined(Shape):
         return self.depth((point[0] + origin[0], point[1] + origin[1])) >= margin
 
     def depths(self, points: Array, origin: Point) -> Array:
-        """Depths of points (m, 2) [m] in B inside the hull, in half widths of the hull
-        as by ``Shape.depths``.
+        """Depths (m,) of points (m, 2) [m] in B inside the hull, in half widths of the
+        hull, as in ``Shape.depths``.
         """
         return self.hull.depths(points, origin)
 
     def chords(
         self, direction: Point, margin: float, origin: Point
     ) -> tuple[tuple[float, float], ...]:
-        """Intervals [m] of a ray from B's origin along a unit vector that are
+        """Intervals [m] of a ray from B's origin along a unit vector that are at least
         ``margin`` [m] inside the outline, the nearest first.
         """
         inner = self.area.buffer(-margin, join_style="mitre")
@@ -177,8 +177,8 @@ class Outlined(Shape):
     def side_places(
         self, clearance: float, tip_radius: float, origin: Point
     ) -> tuple[SidePlace, ...]:
-        """Places on the touchable part of each side, several on an arc. An arc that is
-        too sharp for the tip has none.
+        """Contact places on the touchable part of each side, several of them on an arc.
+        None on an arc too sharp for the tip.
         """
         out: list[SidePlace] = []
         sharp = margins.CREEP * tip_radius / margins.CREPT_TURN
@@ -244,8 +244,10 @@ def _shifted(point: Point, origin: Point) -> Point:
 
 
 def _edge_place(index: int, edge: Edge, clearance: float, origin: Point) -> SidePlace:
-    """Place on an edge for a contact, as near to the foot of the perpendicular from B's
-    origin as the ``clearance`` [m] from both corners allows.
+    """Contact place on an edge, as near as possible to the foot of the perpendicular
+    from B's origin.
+
+    The place keeps ``clearance`` [m] from both corners.
     """
     a = _shifted(edge.start, origin)
     length = edge.length
@@ -264,8 +266,8 @@ def _edge_place(index: int, edge: Edge, clearance: float, origin: Point) -> Side
 def _arc_places(
     index: int, arc: Arc, clearance: float, origin: Point
 ) -> list[SidePlace]:
-    """Contact places on an arc, one at each standard direction of a full circle that
-    lies on the arc. If none lies on it, the middle of the arc.
+    """Contact places on an arc, one for each standard direction of a full circle that
+    meets the arc. If none does, the middle of the arc.
     """
     step = 2.0 * math.pi / ROUND_SIDES
     if arc.whole:
@@ -285,7 +287,7 @@ def _arc_places(
 
 
 def _miss(side: BorderSide, point: Point, normal: Point, origin: Point) -> float:
-    """Distance [m] of a contact from a side, plus a penalty for the difference of the
+    """Distance [m] of a contact from a side, plus a penalty for the angle between their
     normals.
     """
     x = point[0] + origin[0]
@@ -307,7 +309,7 @@ def _miss(side: BorderSide, point: Point, normal: Point, origin: Point) -> float
 def _side_in_contact_frame(
     side: BorderSide, point: Point, normal: Point, origin: Point
 ) -> Side:
-    """Side, in the form used for a contact at ``point`` [m] in B."""
+    """Side of a contact at ``point`` [m] in B, in the form that contacts use."""
     if isinstance(side, Arc):
         arc = None if side.whole else (side.start, side.sweep)
         return RoundSide(_shifted(side.center, origin), side.radius, normal, arc)

@@ -17,7 +17,7 @@ FLAT = -1e-9  # [rad] turn to the right that counts as none
 @lru_cache(maxsize=64)
 def convex_pieces(corners: Polygon) -> tuple[Polygon, ...]:
     """Convex polygons that make up a simple polygon, all counter-clockwise. A convex
-    polygon is returned as its only piece.
+    polygon is returned unchanged.
     """
     if is_convex(corners):
         return (corners,)
@@ -50,8 +50,8 @@ def _triangles(corners: Polygon) -> list[tuple[Point, ...]]:
 
 
 def _merged_once(polygons: list[Polygon]) -> list[Polygon] | None:
-    """The pieces with two of them merged over their longest common edge. None if no two
-    pieces form a convex one.
+    """The polygons with one pair merged over the longest common edge. None if no pair
+    forms a convex polygon.
     """
     owner = {
         edge: i

@@ -22,7 +22,7 @@ def signed_area(polygon: tuple[Point, ...]) -> float:
 
 
 def counter_clockwise(polygon: tuple[Point, ...]) -> tuple[Point, ...]:
-    """Corners in counter-clockwise order. The first one stays first."""
+    """Corners [m] in counter-clockwise order. The first corner stays first."""
     return polygon if signed_area(polygon) > 0.0 else polygon[:1] + polygon[:0:-1]
 
 
@@ -54,7 +54,7 @@ def turns(polygon: tuple[Point, ...]) -> list[float]:
 def without_straight_corners(polygon: tuple[Point, ...]) -> tuple[Point, ...]:
     """Polygon without the corners at which its border does not turn.
 
-    A corner at which the border reverses its direction stays.
+    A corner at which the border reverses its direction is kept.
     """
     while len(polygon) > 3:
         straight = [abs(turn) < STRAIGHT for turn in turns(polygon)]
@@ -66,12 +66,14 @@ def without_straight_corners(polygon: tuple[Point, ...]) -> tuple[Point, ...]:
 
 
 def is_convex(polygon: tuple[Point, ...]) -> bool:
-    """Whether a simple polygon, its corners counter-clockwise, is convex."""
+    """Whether a simple polygon with counter-clockwise corners is convex."""
     return all(turn > -STRAIGHT for turn in turns(polygon))
 
 
 def convex_hull(polygon: tuple[Point, ...]) -> tuple[Point, ...]:
-    """Corners of the convex hull, counter-clockwise, without straight ones."""
+    """Corners [m] of the convex hull, counter-clockwise, without corners on straight
+    lines.
+    """
     from shapely import Polygon
 
     hull = Polygon(polygon).convex_hull
@@ -83,7 +85,7 @@ def convex_hull(polygon: tuple[Point, ...]) -> tuple[Point, ...]:
 
 
 def border_fault(polygon: tuple[Point, ...]) -> str | None:
-    """Reason why corners do not form a simple polygon with an area, or None.
+    """Reason why corners do not form a simple polygon with a positive area, or None.
 
     Corners on a straight line are allowed.
     """
@@ -115,8 +117,10 @@ def distance_to_segment(p: Point, a: Point, b: Point) -> float:
 def turn_near(
     corners: Sequence[Point], point: Point, normal: Point, distance: float
 ) -> float:
-    """Largest angle [rad] between a unit ``normal`` into a polygon, counter-clockwise,
-    and those of its sides within a ``distance`` [m] of a ``point``.
+    """Largest angle [rad] between ``normal`` and the inward normals of the sides within
+    ``distance`` [m] of ``point``.
+
+    ``corners`` are counter-clockwise, ``normal`` is a unit vector into the polygon.
     """
     out = 0.0
     for a, b in zip(corners, (*corners[1:], corners[0]), strict=True):

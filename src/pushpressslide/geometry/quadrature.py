@@ -1,8 +1,8 @@
 """Quadrature over polygons and discs, and the linear unilateral pressure with a given
 centre.
 
-A concave polygon is integrated over convex pieces. The pressure's centre may be
-anywhere inside its convex hull.
+A concave polygon is integrated over convex parts. The centre of pressure may be
+anywhere inside the polygon's convex hull.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _RULE = ((0.445948490915965, 0.223381589678011), (0.091576213509771, 0.109951743
 def as_polygon(corners: Sequence[Point]) -> Array:
     """Corners as an array (n, 2).
 
-    Raises ValueError unless counter-clockwise, round each point once.
+    Raises ValueError unless they run counter-clockwise, once round each inner point.
     """
     polygon = np.array(corners, dtype=np.float64)
     if (
@@ -58,8 +58,8 @@ def as_polygon(corners: Sequence[Point]) -> Array:
 
 
 def _covers_once(polygon: Array) -> bool:
-    """Whether a ring goes round each of its points once. It may touch itself, as the
-    bridges to the holes of an area do.
+    """Whether a ring encloses each of its points once. It may touch itself, as at the
+    bridges to an area's holes.
     """
     from shapely import Polygon, make_valid
 
@@ -112,7 +112,9 @@ def _hull(corners: tuple[Point, ...]) -> Array:
 
 @lru_cache(maxsize=64)
 def _base_moments(corners: tuple[Point, ...]) -> tuple[float, Array, Array]:
-    """Area, centroid (2,), and the inverse (2, 2) of the second moments about it."""
+    """Area, centroid (2,), and the inverse (2, 2) of the second moments about the
+    centroid.
+    """
     area, first, second = moments(base(corners))
     center = first / area
     inverse = np.linalg.inv(second - area * np.outer(center, center)).astype(np.float64)
@@ -122,8 +124,8 @@ def _base_moments(corners: tuple[Point, ...]) -> tuple[float, Array, Array]:
 def whole_pressure(
     corners: tuple[Point, ...], cop: Point
 ) -> tuple[float, Array] | None:
-    """Coefficients (a, b) of ``linear_pressure`` if it presses on the whole outline,
-    otherwise None.
+    """Coefficients (a, b) of ``linear_pressure`` if the pressure is positive on the
+    whole outline, otherwise None.
     """
     area, center, inverse = _base_moments(corners)
     b: Array = inverse @ (np.array(cop) - center)
@@ -151,8 +153,8 @@ def _next_corners(polygon: Array) -> Array:
 def clipped(polygon: Array, a: float, b: Array) -> Array:
     """Part of a polygon where a + b . r >= 0, as corners (m, 2).
 
-    m = 0 if there is none. Several parts of a concave polygon are joined by pairs of
-    opposite edges along the line; ``moments`` is correct for them too.
+    m is 0 if no part remains. Several parts of a concave polygon are joined by pairs of
+    opposite edges along the line, so that ``moments`` stays correct.
     """
     heights = a + polygon @ b
     if heights.min() >= 0.0:
@@ -178,8 +180,8 @@ def linear_pressure(
     """Coefficients (a, b) of the pressure max(0, a + b . r) with its centre at ``cop``
     (2,).
 
-    Its integral is one. ``hull`` is that of a concave polygon. Raises ValueError for a
-    CoP on or outside the hull.
+    The pressure's integral is one. ``hull`` is the convex hull of a concave polygon.
+    Raises ValueError for a CoP on or outside the hull.
     """
     _check_inside(polygon if hull is None else hull, cop)
     area, first, _ = moments(polygon)
@@ -241,8 +243,8 @@ def _least_energy(polygon: Array, target: Array) -> Array:
 def _energy(polygon: Array, target: Array, x: Array) -> tuple[float, Array, Array]:
     """Convex function of x = (a, b), with its gradient (3,) and Hessian (3, 3).
 
-    It is half the integral of max(0, a + b . r)^2, minus ``target`` . x. Its minimum is
-    the pressure with the load target[0] and the moments target[1:].
+    It is half the integral of max(0, a + b . r)^2, minus ``target`` . x. At its minimum
+    the pressure has the load target[0] and the moments target[1:].
     """
     patch = clipped(polygon, float(x[0]), x[1:])
     hessian = np.zeros((3, 3))
@@ -254,10 +256,11 @@ def _energy(polygon: Array, target: Array, x: Array) -> tuple[float, Array, Arra
 
 
 def polygon_rule(polygon: Array, resolution: float) -> tuple[Array, Array]:
-    """Points (m, 2) and areas (m,) of a rule over a convex polygon, exact to degree 4.
+    """Points (m, 2) and areas (m,) of a quadrature rule over a convex polygon, exact to
+    degree 4.
 
-    A fan of triangles about the centroid, each cut into equal parts so that there are
-    about 4 ``resolution``^2 of them in all, six points each.
+    A fan of triangles about the centroid is cut into about 4 ``resolution``^2 equal
+    parts, with six points in each.
     """
     area, first, _ = moments(polygon)
     center = first / area
@@ -277,9 +280,9 @@ def polygon_rule(polygon: Array, resolution: float) -> tuple[Array, Array]:
 @lru_cache(maxsize=64)
 def _triangle_rule(cuts: int) -> tuple[Array, Array]:
     """Points (m, 2) and area fractions (m,) of the rule over a triangle whose sides are
-    cut into ``cuts``.
+    divided into ``cuts`` equal parts.
 
-    Points are given as fractions of the two sides from one corner.
+    Points are given as fractions of the two sides that meet at the first corner.
     """
     rule = np.array(
         [(1 - 2 * g, g, g) for g, _ in _RULE] + [(g, 1 - 2 * g, g) for g, _ in _RULE]
@@ -297,7 +300,7 @@ def _triangle_rule(cuts: int) -> tuple[Array, Array]:
 
 
 def pieces_rule(parts: Sequence[Array], resolution: int) -> tuple[Array, Array]:
-    """Points (m, 2) and areas (m,) of a rule over several convex polygons.
+    """Points (m, 2) and areas (m,) of a quadrature rule over several convex polygons.
 
     It is as fine as ``polygon_rule`` over one polygon of their total area.
     """
@@ -315,8 +318,8 @@ def pieces_rule(parts: Sequence[Array], resolution: int) -> tuple[Array, Array]:
 
 
 def disc_rule(radius: float, resolution: int) -> tuple[Array, Array]:
-    """Points (m, 2) and areas (m,) of a rule over a disc about the origin: Gauss points
-    on rings.
+    """Points (m, 2) and areas (m,) of a quadrature rule over a disc about the origin:
+    Gauss points on rings.
     """
     rings = 2 * resolution
     spokes = 6 * resolution
@@ -356,7 +359,7 @@ def loaded_polygon(
     """Loaded part of an outline, as corners (m, 2), and the coefficients (a, b) of its
     ``linear_pressure``.
 
-    Several parts of a concave outline are joined as by ``clipped``. Raises ValueError
+    Several parts of a concave outline are joined as in ``clipped``. Raises ValueError
     for a CoP outside the outline's hull.
     """
     whole = whole_pressure(corners, cop)
@@ -367,7 +370,7 @@ def loaded_polygon(
 
 
 def _lifting_pressure(corners: tuple[Point, ...], cop: Point) -> tuple[float, Array]:
-    """Coefficients (a, b) of ``linear_pressure``."""
+    """Coefficients (a, b) of ``linear_pressure``, also if a part of the outline lifts."""
     place = np.array(cop, dtype=np.float64)
     return linear_pressure(base(corners), place, _hull(corners))
 
@@ -377,9 +380,9 @@ def disc_pressure(
 ) -> tuple[Array, Array, Array]:
     """Points (m, 2), areas (m,) and linear unilateral pressures (m,), not normalised.
 
-    The disc is about the origin. If a part of it lifts, for |cop| > radius / 4, it is
-    integrated as a polygon of equal second moment. Raises ValueError for a CoP outside
-    it.
+    The disc is about the origin. For |cop| > radius / 4 a part of it lifts, and it is
+    integrated as a polygon with the same second moment. Raises ValueError for a CoP
+    outside the disc.
     """
     if math.hypot(cop[0], cop[1]) <= 0.25 * radius:
         points, areas = disc_rule(radius, resolution)
@@ -389,7 +392,7 @@ def disc_pressure(
 
 @lru_cache(maxsize=64)
 def disc_corners(radius: float) -> tuple[Point, ...]:
-    """Corners of a polygon about the origin with a disc's second moment."""
+    """Corners [m] of a polygon about the origin with a disc's second moment."""
     step = 2.0 * math.pi / DISC_CORNERS
     # Second moment of a regular n-gon of circumradius R, over that of the disc: sin(s)
     # (2 + cos(s)) / (3 s).

@@ -1,7 +1,7 @@
-"""The border of a polygon whose round parts are arcs again.
+"""The border of a polygon, with arcs restored from their chords.
 
-A mesh has chords in place of arcs. Corners that lie on one circle, each a small turn
-from the next, are taken as an arc.
+A mesh has chords in place of arcs. Consecutive corners on one circle, with small turns
+between them, are taken as an arc.
 """
 
 from __future__ import annotations
@@ -15,18 +15,18 @@ from pushpressslide.geometry.border import Arc, Border, BorderSide, Edge
 from pushpressslide.geometry.polygon import distance_to_segment
 
 MOST_TURN = math.radians(25.0)
-"""Largest angle [rad] between neighbouring chords of an arc: that of a circle with 15
-corners.
+"""Largest angle [rad] between neighbouring chords of an arc. A circle with 15 corners
+has this angle.
 """
 FEWEST = 3
-"""Corners inside an arc: fewer lie on a circle by chance."""
+"""Smallest number of corners inside an arc. Fewer may lie on a circle by chance."""
 ROUND = 0.02
-"""Largest distance of corners from their arc, as a share of its radius."""
+"""Largest distance of a corner from its arc, as a share of the arc's radius."""
 ALIKE = 0.1
-"""Relative difference of the radii at two corners of one arc."""
+"""Largest relative difference between the radii at two corners of one arc."""
 FLAT = 5e-6
 """Distance [m] of a corner from the line through its neighbours below which the border
-is straight.
+counts as straight.
 """
 SHORTEST = 2e-3
 """Length [m] of the shortest arc."""
@@ -92,7 +92,10 @@ def _sides(corners: tuple[Point, ...], radii: Sequence[float]) -> list[BorderSid
 
 
 def _run_end(radii: Sequence[float], first: int) -> int:
-    """Index of the corner at which an arc ends whose first inner corner is ``first``."""
+    """Index of the corner at which an arc ends.
+
+    ``first`` is the index of the arc's first inner corner.
+    """
     n = len(radii)
     i = first
     while i < n and _are_equal(radii[i], radii[min(first, n - 1)]):
@@ -101,7 +104,7 @@ def _run_end(radii: Sequence[float], first: int) -> int:
 
 
 def _first_sharp(radii: Sequence[float]) -> int:
-    """A corner that is inside no arc, or 0."""
+    """Index of the first corner at which the radius changes, or 0."""
     n = len(radii)
     return next((i for i in range(n) if not _are_equal(radii[i], radii[i - 1])), 0)
 
@@ -125,7 +128,7 @@ def _radius(a: Point, b: Point, c: Point) -> float:
 
 
 def _fitted(points: Sequence[Point]) -> _Circle | None:
-    """Least-squares circle through points, or None if one of them is off it."""
+    """Least-squares circle through points. None if a point is too far off it."""
     import numpy as np
 
     places = np.array(points)

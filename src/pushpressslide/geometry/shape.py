@@ -1,8 +1,8 @@
 """The interface of a shape: an upright body on a footprint.
 
-A shape is given in its own frame G. A method with an ``origin`` [m] in G takes and
-returns points in B, which has G's axes and its origin there: the projected centre of
-mass.
+A shape is given in its own frame G. A method with an ``origin`` takes and returns
+points in B. Frame B has the axes of G, and its origin is at ``origin`` [m] in G, the
+projected centre of mass.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ Ends = tuple[Point, Point]
 
 
 InwardEdge = tuple[float, float, float, float]
-"""An edge: its inward unit normal (x, y), the depth [m] inside it of a point of G, and
-the width [m] of the footprint across it.
+"""Inward unit normal (x, y) of an edge, the depth [m] of a point of G inside the edge,
+and the width [m] of the footprint perpendicular to it.
 """
 
 KEPT = 256  # footprints of which the edges are remembered
@@ -39,8 +39,9 @@ KEPT = 256  # footprints of which the edges are remembered
 
 @lru_cache(maxsize=KEPT)
 def inward_edges(corners: tuple[Point, ...], origin: Point) -> tuple[InwardEdge, ...]:
-    """Edges of a convex polygon, counter-clockwise [m], relative to ``origin`` [m].
-    Cached for tips on a top.
+    """Edges [m] of a convex, counter-clockwise polygon relative to ``origin`` [m].
+
+    They are cached, since tips on top use them often.
     """
     out = []
     for (ax, ay), (bx, by) in zip(corners, corners[1:] + corners[:1], strict=True):
@@ -70,11 +71,13 @@ class Shape:
 
         @property
         def note(self) -> str:
-            """How the surface in a file was simplified, and why. Empty for most shapes."""
+            """How the surface in the file was simplified, and why. Empty for most
+            shapes.
+            """
 
         @property
         def file_mass(self) -> float | None:
-            """Mass [kg] that the shape's file gives. None for most shapes."""
+            """Mass [kg] given in the shape's file. None for most shapes."""
 
     else:
         note = ""
@@ -90,7 +93,7 @@ class Shape:
 
     @property
     def edges(self) -> tuple[Ends | None, ...]:
-        """Ends of each side of the footprint, counter-clockwise, None for a round one."""
+        """Ends of each side of the footprint, counter-clockwise. None for a round side."""
         return tuple(self._edges())
 
     @property
@@ -114,12 +117,14 @@ class Shape:
         return self.height
 
     def has_top(self, margin: float) -> bool:
-        """Whether a level patch on top has a place ``margin`` [m] inside its edges."""
+        """Whether the level patch on top has a point at least ``margin`` [m] inside its
+        edges.
+        """
         return self.inner_radius >= margin
 
     def section(self, height: float, lean: float = 0.5 * math.pi) -> Shape:
-        """The body as a tip at a ``height`` [m] meets it, without sides that lean by
-        more than ``lean`` [rad]. Upright bodies are the same at every height.
+        """The body as met by a tip at ``height`` [m], without sides that lean by more
+        than ``lean`` [rad]. Upright bodies are the same at every height.
         """
         return self
 
@@ -128,14 +133,16 @@ class Shape:
         return touchable(self.border, tip_radius)
 
     def least_lean(self, tip_radius: float) -> float:
-        """Lean [rad] of the most upright side that a tip meets: 0 for an upright body."""
+        """Lean [rad] of the most upright side that a tip can touch. 0 for an upright
+        body.
+        """
         return 0.0
 
     def side_height(
         self, wanted: float, bounds: tuple[float, float], tip_radius: float, lean: float
     ) -> float:
-        """Height [m] at which a tip can touch the side: ``wanted`` for an upright
-        body.
+        """Height [m] at which a tip can touch much of the side. ``wanted`` for an
+        upright body.
         """
         return wanted
 
@@ -177,7 +184,7 @@ class Shape:
 
     @property
     def breadth(self) -> float:
-        """Width [m] of the footprint's narrow part, which is the width of the bounding
+        """Width [m] of the footprint at its narrow part: the width of the bounding
         rectangle.
         """
         x_min, x_max, y_min, y_max = self.bounds(Pose2())
@@ -215,7 +222,7 @@ class Shape:
         return min(distance_to_segment(point, a, b) for a, b in self._edges())
 
     def holds(self, point: Point, margin: float, origin: Point) -> bool:
-        """Whether ``point`` [m] in B is ``margin`` [m] inside the footprint."""
+        """Whether ``point`` [m] in B is at least ``margin`` [m] inside the footprint."""
         return all(
             inside + point[0] * nx + point[1] * ny >= margin
             for nx, ny, inside, _ in self._inward_edges(origin)
@@ -226,7 +233,7 @@ class Shape:
         half width.
 
         The depth inside each edge is divided by half the width of the outline across
-        that edge, and the smallest quotient is taken. It is < 0 outside.
+        that edge, and the smallest quotient is taken. The result is negative outside.
         """
         import numpy as np
 
@@ -237,7 +244,7 @@ class Shape:
     def chords(
         self, direction: Point, margin: float, origin: Point
     ) -> tuple[tuple[float, float], ...]:
-        """Intervals [m] of a ray from B's origin along a unit vector that are
+        """Intervals [m] of a ray from B's origin along a unit vector that are at least
         ``margin`` [m] inside the outline, the nearest first.
         """
         ux, uy = direction
@@ -260,9 +267,10 @@ class Shape:
         return max(math.dist(corner, origin) for corner in self.corners)
 
     def gauge(self) -> Callable[[float, float], float]:
-        """Gauge function of (x, y) [m] from the middle: 0 there, 1 on the outline.
+        """Minkowski gauge of (x, y) [m] from the middle: 0 at the middle, 1 on the
+        outline.
 
-        It grows in proportion along each ray (the Minkowski gauge).
+        It grows linearly along each ray from the middle.
         """
         edges = [(x / depth, y / depth) for (x, y), depth in self._outward_edges()]
 
@@ -280,11 +288,12 @@ class Shape:
     def side_places(
         self, clearance: float, tip_radius: float, origin: Point
     ) -> tuple[SidePlace, ...]:
-        """One place in B on each side that a tip of ``tip_radius`` [m] can touch.
+        """One contact place in B on each side that a tip of ``tip_radius`` [m] can
+        touch.
 
-        The place is the point nearest to the line through B's origin along the normal
-        that is ``clearance`` [m] away from the corners, or the middle of a short edge.
-        A round side counts as ``ROUND_SIDES`` sides.
+        The place is as near as possible to the foot of the perpendicular from B's
+        origin, but at least ``clearance`` [m] from the corners. On a short edge it is
+        the middle. A round side counts as ``ROUND_SIDES`` sides.
         """
         corners = [(x - origin[0], y - origin[1]) for x, y in self.corners]
         out = []
@@ -332,8 +341,8 @@ class Shape:
 
     @property
     def base_corners(self) -> tuple[Point, ...]:
-        """Corners in G [m] of the polygon that carries the pressure: the footprint's,
-        or many for a round one.
+        """Corners in G [m] of the polygon that carries the pressure. A round footprint
+        is replaced by a polygon with many corners.
         """
         return self.corners
 
@@ -346,7 +355,7 @@ class Shape:
         return quadrature.base_rule(self.base_corners, resolution)
 
     def pressure(self, cop: Point, resolution: int) -> tuple[Array, Array, Array]:
-        """Points and areas as by ``base_rule``, and pressures (m,) at the points.
+        """Points and areas as in ``base_rule``, and pressures (m,) at the points.
 
         The pressure is linear and unilateral with its centre at ``cop`` [m] in G, not
         normalised. Raises ValueError for a ``cop`` outside the base.
@@ -364,7 +373,7 @@ class Shape:
         return inward_edges(self.corners, origin)
 
     def _outward_edges(self) -> list[tuple[Point, float]]:
-        """Outward unit normals and distances [m] from the middle."""
+        """Outward unit normals of the edges, and their distances [m] from the middle."""
         mx, my = self.middle
         sides = []
         for (ax, ay), (bx, by) in self._edges():

@@ -1,7 +1,7 @@
 """Shapes of objects: boxes, prisms, cylinders, compounds of these, and meshes.
 
-A new kind of shape is one new class, which defines its corners or its border, or
-overrides the methods.
+A new kind of shape needs only one new class, which defines its corners or its border,
+or overrides the methods.
 """
 
 from __future__ import annotations
@@ -83,8 +83,8 @@ class Box(Shape):
 class Prism(Shape):
     """An upright prism on a simple polygon, with its frame G at the polygon's origin.
 
-    One on a concave polygon is a ``ConcavePrism``. Raises InputError for a height that
-    is not finite and > 0, and for corners that are not finite or run clockwise.
+    A concave polygon gives a ``ConcavePrism``. Raises InputError for a height that is
+    not finite and > 0, and for corners that are not finite or run clockwise.
     """
 
     polygon: tuple[Point, ...]  # [m] corners in G, counter-clockwise
@@ -211,7 +211,7 @@ class Cylinder(Shape):
         return max(math.hypot(*point) - self.radius, 0.0)
 
     def holds(self, point: Point, margin: float, origin: Point) -> bool:
-        """Whether ``point`` [m] in B is ``margin`` [m] inside the circle."""
+        """Whether ``point`` [m] in B is at least ``margin`` [m] inside the circle."""
         return (
             math.hypot(point[0] + origin[0], point[1] + origin[1])
             <= self.radius - margin
@@ -228,9 +228,10 @@ class Cylinder(Shape):
     def chords(
         self, direction: Point, margin: float, origin: Point
     ) -> tuple[tuple[float, float], ...]:
-        """One chord, up to the circle that is ``margin`` [m] smaller.
+        """The single chord [m] along a ray, up to the circle whose radius is smaller by
+        ``margin`` [m].
 
-        It ends at 0 if B's origin is outside that circle and its line misses it.
+        The chord has no length if the line of the ray misses that circle.
         """
         cx, cy = origin
         radius = self.radius - margin
@@ -259,7 +260,7 @@ class Cylinder(Shape):
     def side_places(
         self, clearance: float, tip_radius: float, origin: Point
     ) -> tuple[SidePlace, ...]:
-        """Places in ``ROUND_SIDES`` directions."""
+        """Contact places in ``ROUND_SIDES`` directions."""
         out = []
         for i in range(ROUND_SIDES):
             angle = 2.0 * math.pi * i / ROUND_SIDES
@@ -272,18 +273,20 @@ class Cylinder(Shape):
         return tuple(out)
 
     def side(self, point: Point, normal: Point, origin: Point) -> Side:
-        """Round side."""
+        """The round side, at the contact."""
         return RoundSide((-origin[0], -origin[1]), self.radius, normal)
 
     @property
     def base_corners(self) -> tuple[Point, ...]:
-        """Corners in G [m] of a polygon of the disc's second moment."""
+        """Corners in G [m] of a polygon with the disc's second moment."""
         from pushpressslide.geometry import quadrature
 
         return quadrature.disc_corners(self.radius)
 
     def base_rule(self, resolution: int) -> tuple[Array, Array]:
-        """Points (m, 2) and areas (m,): Gauss points on rings."""
+        """Points (m, 2) [m] and areas (m,) [m^2] of a quadrature rule: Gauss points on
+        rings.
+        """
         from pushpressslide.geometry import quadrature
 
         return quadrature.disc_rule(self.radius, resolution)

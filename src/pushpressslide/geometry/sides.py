@@ -42,12 +42,14 @@ class FlatSide:
     ends: tuple[float, float]  # [m] along the face, to the left of the normal
 
     def gap(self, tip: Point, tip_radius: float) -> tuple[float, Point]:
-        """Gap [m] and normal. The gap is infinite beyond the ends of the face."""
+        """Gap [m] between a tip and the face, and the face's normal. The gap is
+        infinite beyond the ends of the face.
+        """
         gap = flat_gap(tip, tip_radius, self.normal, self.depth, self.ends)
         return gap, self.normal
 
     def foot(self, point: Point) -> Point:
-        """Point nearest to ``point`` on the line along the face through the contact."""
+        """Point [m] nearest to ``point`` on the line of the face."""
         x, y = self.point
         nx, ny = self.normal
         across = (point[1] - y) * nx - (point[0] - x) * ny
@@ -58,7 +60,7 @@ class FlatSide:
         return self.normal
 
     def coordinates(self, x: Array, y: Array) -> Array:
-        """Positions (N,) along the face [m] of points in B."""
+        """Positions (N,) [m] along the face of points in B."""
         nx, ny = self.normal
         return -ny * x + nx * y
 
@@ -75,7 +77,9 @@ class RoundSide:
     arc: tuple[float, float] | None = None
 
     def gap(self, tip: Point, tip_radius: float) -> tuple[float, Point]:
-        """Gap [m] and normal. The gap is infinite beyond the ends of the arc."""
+        """Gap [m] between a tip and the arc, and the normal there. The gap is infinite
+        beyond the ends of the arc.
+        """
         x = self.center[0] - tip[0]
         y = self.center[1] - tip[1]
         distance = math.hypot(x, y)
@@ -85,7 +89,7 @@ class RoundSide:
         return gap, (x / distance, y / distance) if distance > 0.0 else self.normal
 
     def foot(self, point: Point) -> Point:
-        """Point of the circle in the direction of ``point`` from its centre."""
+        """Point [m] of the arc's circle in the direction of ``point`` from its centre."""
         x = point[0] - self.center[0]
         y = point[1] - self.center[1]
         k = self.radius / math.hypot(x, y)
@@ -98,7 +102,7 @@ class RoundSide:
         return (x / math.hypot(x, y), y / math.hypot(x, y))
 
     def coordinates(self, x: Array, y: Array) -> Array:
-        """Arc lengths (N,) from the contact [m] to points in B."""
+        """Arc lengths (N,) [m] from the contact to points in B."""
         import numpy as np
 
         x = x - self.center[0]
@@ -109,7 +113,7 @@ class RoundSide:
 
 
 Side = FlatSide | RoundSide
-"""A side as a contact sees it."""
+"""Side of a footprint, relative to a contact on it."""
 
 
 def on_arc(arc: tuple[float, float], direction: Point) -> bool:

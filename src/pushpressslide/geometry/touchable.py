@@ -1,9 +1,9 @@
 """The parts of a border that a round tip can touch, from the border offset outwards by
 the tip's radius (by shapely).
 
-A place on a side can be touched if the tip there is clear of all other sides. The
+A place on a side can be touched if a tip at that place is clear of all other sides. The
 inside of a notch whose mouth is narrower than the tip cannot be touched, however wide
-the notch is behind it.
+the notch is farther inside.
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ def touchable(
     border: Border, tip_radius: float, around: Area | None = None
 ) -> tuple[Touchable, ...]:
     """Parts of a border that a tip of ``tip_radius`` [m] can touch. A tip of zero
-    radius touches all.
+    radius can touch all of it.
 
-    ``around`` is a region that its centre cannot enter besides.
+    ``around`` is a further region that the tip's centre cannot enter.
     """
     if tip_radius == 0.0:
         return tuple(Touchable(i, side) for i, side in enumerate(border.sides))
@@ -87,8 +87,8 @@ def free_space(border: Border, point: Point, normal: Point, tip_radius: float) -
 def _blocked(
     border: Border, tip_radius: float, closed: bool, around: Area | None = None
 ) -> Area:
-    """Forbidden region of the tip's centre. With ``closed``, notches that the tip
-    cannot enter are included.
+    """Region that the tip's centre cannot enter. With ``closed`` it includes notches
+    too narrow for the tip.
     """
     from shapely import Polygon, prepare, union
 
@@ -122,7 +122,7 @@ def _edge_parts(edge: Edge, tip_radius: float, blocked: Area) -> list[Edge]:
 
 
 def _between(edge: Edge, line: LineString, side: LineString) -> Edge:
-    """Part of an edge that faces a part of its offset line."""
+    """Part of an edge opposite a part of its offset line."""
     from shapely import Point as Place
 
     first, last = sorted(line.project(Place(end)) for end in side.coords)

@@ -1,6 +1,6 @@
 """The union of footprints that touch or overlap, as one border.
 
-By shapely, on a grid, so that parts with a gap of the size of round-off are joined.
+Shapely computes it on a grid, so that parts separated only by round-off are joined.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ ROUND = 0.004  # share of a circle's radius: chords lie inside it by up to half 
 def united(borders: Sequence[Border]) -> Border:
     """Border of the union of the areas within ``borders``.
 
-    The remaining part of a round border is an arc. The first side starts at the lowest
-    corner in y, of several the one that is lowest in x. Raises ValueError if the union
-    is not connected or has a hole.
+    The remaining part of a round border is an arc. The first side starts at the corner
+    with the smallest y, and among several at the one with the smallest x. Raises
+    ValueError if the union is not connected or has a hole.
     """
     import shapely
 
@@ -75,8 +75,8 @@ def _edges(corners: tuple[Point, ...]) -> list[Edge]:
 def _without_slivers(
     corners: tuple[Point, ...], arcs: Sequence[Arc]
 ) -> tuple[Point, ...]:
-    """Corners without the tiny edges between a straight edge and the chords of an arc
-    tangent to it. The end of the straight edge stays.
+    """Corners without the tiny edges between a straight edge and the chords of a
+    tangent arc. The end of the straight edge is kept.
     """
     if not arcs:
         return corners
@@ -97,7 +97,7 @@ def _without_slivers(
 
 
 def _circle_of(edge: Edge, arcs: Sequence[Arc]) -> Arc | None:
-    """Circle of which an edge is nearly a chord or a part of a chord, or None."""
+    """Circle on which an edge is nearly a chord or part of a chord, or None."""
     middle = edge.point_at(0.5 * edge.length)
     for arc in arcs:
         depths = [
@@ -112,7 +112,7 @@ def _circle_of(edge: Edge, arcs: Sequence[Arc]) -> Arc | None:
 
 
 def _first(corners: Sequence[Point], circles: Sequence[Arc | None]) -> int:
-    """Corner at which the first side starts."""
+    """Index of the corner at which the first side starts."""
     begins = [
         i
         for i, circle in enumerate(circles)
@@ -125,7 +125,7 @@ def _first(corners: Sequence[Point], circles: Sequence[Arc | None]) -> int:
 def _sides(
     edges: Sequence[Edge], circles: Sequence[Arc | None]
 ) -> tuple[BorderSide, ...]:
-    """The edges, with consecutive ones on one circle joined into an arc."""
+    """The edges, with consecutive edges on one circle joined into an arc."""
     starts = [
         i
         for i, circle in enumerate(circles)

@@ -20,7 +20,7 @@ from pushpressslide.identification.pairs import yaw_of
 from pushpressslide.identification.streams import Stream, Streams, stream_of
 
 TOPICS = {"object": "/object/pose", "tip": "/tip0/pose", "force": "/tip0/wrench"}
-"""Default topics: those written by ``pps export --mcap``."""
+"""Default topics: those that ``pps export --mcap`` writes."""
 
 Numbers = tuple[float, ...]
 
@@ -60,11 +60,11 @@ KINDS = {"object": POSES, "tip": POSES, "force": FORCES}
 
 
 def read_bag(path: Path, options: LogOptions) -> list[Streams]:
-    """The one recording of a bag.
+    """The recording in a bag, as the only element of a list.
 
-    Raises PushPressSlideError for a file that is not a bag, a missing topic, a type
-    that is not allowed, and frames that differ. Raises MissingPackageError without
-    rosbags.
+    Raises PushPressSlideError for a file that is not a bag, a missing topic, a message
+    type that is not supported, and poses in different frames. Raises
+    MissingPackageError without rosbags.
     """
     topics = {**TOPICS, **options.topics}
     for name in options.topics:
@@ -93,7 +93,7 @@ def read_bag(path: Path, options: LogOptions) -> list[Streams]:
 
 
 def _samples(path: Path, topics: dict[str, str]) -> dict[str, list[_Sample]]:
-    """Samples of each of the topics of a bag."""
+    """Samples of each topic in a bag."""
     try:
         highlevel = importlib.import_module("rosbags.highlevel")
         typesys = importlib.import_module("rosbags.typesys")
@@ -142,7 +142,7 @@ def _of_topic(path: Path, reader: Any, name: str, topic: str) -> list[_Sample]:
 
 
 def _stream(path: Path, topic: str, samples: Sequence[_Sample]) -> Stream:
-    """Stream of a topic. Of samples with the same stamp, one is kept."""
+    """Stream of a topic. One sample is kept per stamp."""
     times = np.array([sample.time for sample in samples])
     values = np.array([sample.values for sample in samples])
     frames = {sample.frame for sample in samples}
@@ -167,7 +167,7 @@ def _check_frame(path: Path, topic: str, frame: str, expected: str) -> None:
 
 
 def _turned(forces: Array, quaternions: Array) -> Array:
-    """Forces (n, 3), each turned by its quaternion (n, 4) w, x, y, z."""
+    """Forces (n, 3), rotated by quaternions (n, 4) w, x, y, z."""
     unit = quaternions / np.linalg.norm(quaternions, axis=1)[:, None]
     w = unit[:, :1]
     axis = unit[:, 1:]

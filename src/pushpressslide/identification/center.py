@@ -1,7 +1,8 @@
-"""Online identification of the centre of mass of an object moved by one contact, across
-the line to the contact (docs/mechanics.md, sections 2 to 4).
+"""Online identification of the centre of mass of an object moved by one contact. Only
+its coordinate across the line to the contact is identified (docs/mechanics.md, sections
+2 to 4).
 
-It uses measured poses alone. In any turn, the virtual axle has no velocity across the
+Only measured poses are used. In any turn, the virtual axle has no velocity across the
 heading. If the centre of mass is displaced, the line from it to the contact is turned
 by an angle u, and the heading and the whole pattern of motions are turned with it. With
 the velocity of B's origin along and across the planned heading, the turn rate w, and
@@ -46,7 +47,7 @@ SURE = 2.0
 
 
 class Doubt(NamedTuple):
-    """Standard deviations of the parameters that a segment is planned with."""
+    """Standard deviations of the parameters used to plan a segment."""
 
     heading: float = HEADING  # [rad] of the line to the contact
     axle: float = 0.0  # [m] of the virtual axle's place on the heading
@@ -65,9 +66,10 @@ def doubt(
     """Uncertainty of a plan with a ``contact`` [m] in B, at ``height`` [m] above the
     base.
 
-    The ``lever`` [m] is about the centre of pressure, which is at a ``reach`` [m] from
-    the axle. An error of the centre of mass along the line changes the lever. So does
-    an error of the friction, through the moment of the drag.
+    The ``lever`` [m] is that of the contact about the centre of pressure, and ``reach``
+    [m] is the distance from there to the axle. The lever changes with an error of the
+    centre of mass along the line, and with an error of the friction, through the moment
+    of the drag.
     """
     distance = math.hypot(*contact)
     drag = scene.friction_error * scene.support.friction * height
@@ -82,14 +84,14 @@ def doubt(
 
 
 class Window(NamedTuple):
-    """Measured motion of the object in a time window, in B."""
+    """Measured motion of the object during a time window, in B."""
 
     contact: Point  # [m]
     twist: tuple[float, float, float]  # [m/s], [rad/s] about the origin
 
 
 class CenterState(NamedTuple):
-    """The windows so far, and the one being filled."""
+    """Completed time windows, and the one being filled."""
 
     center: Point = (0.0, 0.0)  # p_BCom [m] as identified
     windows: tuple[Window, ...] = ()
@@ -103,7 +105,7 @@ class CenterState(NamedTuple):
 
 
 class CenterIdentifier:
-    """Least squares for heading and axle about a prediction, for one segment."""
+    """Least-squares estimate of heading and axle near a prediction, for one segment."""
 
     def __init__(
         self,
@@ -113,10 +115,10 @@ class CenterIdentifier:
         doubt: Doubt,
         window: float = WINDOW,
     ) -> None:
-        """Bind to a segment that is planned with the axle at ``X_BV`` for a ``contact``
-        and a ``center`` of mass [m] in B.
+        """Bind to a segment planned with its axle at ``X_BV``, for a ``contact`` and a
+        ``center`` of mass [m] in B.
 
-        ``window`` [s] is the time over which a twist is taken.
+        Each twist is measured over a ``window`` [s].
         """
         self._off_line = doubt.off_line
         self._window = window
@@ -175,7 +177,7 @@ class CenterIdentifier:
         return aside > max(self._off_line, self._sure * state.off)
 
     def carry_over(self, state: CenterState) -> CenterState:
-        """State that stays valid when a segment ends."""
+        """State that remains valid after the end of a segment."""
         known = state.known
         if state.windows:
             straight, mixed, turned, _, _ = self._sums(state.windows, state)
@@ -192,8 +194,8 @@ class CenterIdentifier:
     ) -> tuple[Point, float]:
         """Estimated p_BCom [m], and its standard deviation as an angle [rad].
 
-        The estimate lies on the line through B perpendicular to the line from B to the
-        contact.
+        The estimate lies on the line through B's origin perpendicular to the line from
+        there to the contact.
         """
         straight, mixed, turned, seen, seen_turned = self._sums(windows, state)
         weight = straight * turned - mixed * mixed
@@ -205,8 +207,8 @@ class CenterIdentifier:
     def _sums(
         self, windows: Sequence[Window], state: CenterState
     ) -> tuple[float, float, float, float, float]:
-        """Normal equations of two unknowns: the centre's offset divided by the lever,
-        and the axle's offset divided by its standard deviation as believed.
+        """Normal equations for two unknowns: the centre's offset divided by the lever,
+        and the axle's offset divided by its believed standard deviation.
         """
         before = self._aside(state.before) / self._lever
         straight = self._prior + state.known
@@ -224,7 +226,9 @@ class CenterIdentifier:
         return straight, mixed, turned, seen, seen_turned
 
     def _row(self, window: Window) -> Row:
-        """Linear equation of one time window, scaled to noise of standard deviation 1."""
+        """Linear equation from one time window, scaled to noise of standard deviation
+        1.
+        """
         vx, vy, w = window.twist
         ex, ey = self._heading
         along = vx * ex + vy * ey

@@ -1,8 +1,8 @@
 """Offset between the clock of the object's poses and that of the arm.
 
 While the tip pushes, its gap to the object is constant. If poses are stamped late, the
-gap seems to grow with the speed of the object. The offset is the one that leaves a
-constant gap: least squares with the gap as a second unknown.
+gap seems to grow with the speed of the object. The offset is chosen so that the gap is
+constant, by least squares with the gap as a second unknown.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ CONFIDENCE = 1.96  # standard deviations of a 95 % interval
 
 @dataclass(frozen=True)
 class ClockOffset:
-    """Time to add to the stamps of poses so that they agree with the arm's clock."""
+    """Time to add to the stamps of poses to match the arm's clock."""
 
     seconds: float
     half_width: float = 0.0  # [s] of its 95 % interval; 0 for a given offset
@@ -82,7 +82,7 @@ class OffsetFit:
         return touching_force(self.force)
 
     def _rows(self, offset: float) -> NDArray[np.bool_]:
-        """Poses in contact."""
+        """Mask of the poses in contact."""
         times = self.object.times + offset
         known = self.tip.covers(times) & self.force.covers(times)
         size = np.hypot(*self.force.values_at(times).T)
@@ -90,15 +90,15 @@ class OffsetFit:
         return rows
 
     def _gaps(self, offset: float, later: float) -> Array:
-        """Gaps [m] between the object and the tip ``later`` [s], for the poses in
-        contact.
+        """Gaps [m] between the object and the tip's position ``later`` [s] afterwards,
+        for the poses in contact.
         """
         rows = self._rows(offset)
         tip = self.tip.values_at(self.object.times[rows] + offset + later)
         return self.tip_contact.contacts(tip[:, :2], self.object.values[rows]).gaps
 
     def _step(self, offset: float) -> _Solution:
-        """Gauss-Newton step that leaves a constant gap, without outliers."""
+        """Gauss-Newton step towards a constant gap, ignoring outliers."""
         gaps = self._gaps(offset, 0.0)
         ahead = self._gaps(offset, SLOPE_TIME)
         behind = self._gaps(offset, -SLOPE_TIME)
@@ -118,7 +118,7 @@ class OffsetFit:
 
 
 def touching_force(force: Stream) -> float:
-    """Force [N] above which the tip counts as in contact, a share of the pushing force."""
+    """Force [N] above which the tip counts as in contact: a share of the pushing force."""
     size = np.hypot(*force.values.T)
     return max(LEAST_TOUCH, TOUCH_SHARE * float(np.percentile(size, 90.0)))
 

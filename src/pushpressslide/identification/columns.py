@@ -1,4 +1,4 @@
-"""Columns of a table, identified by name: the quantity and the unit of each."""
+"""Named columns of a table, with the quantity and unit of each."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ def _check_options(options: LogOptions) -> None:
 
 
 def _meaning(title: str, options: LogOptions) -> tuple[Quantity | None, str | None]:
-    """Quantity of a column, and the unit in its title. Each is None if it is missing."""
+    """Quantity of a column, and the unit in its title. None if unknown or missing."""
     named = {column: name for name, column in options.columns.items()}
     if title in named:
         return BY_NAME[named[title]], _unit_in(title)[1]
@@ -144,7 +144,7 @@ def _meaning(title: str, options: LogOptions) -> tuple[Quantity | None, str | No
 
 
 def _unit_in(title: str) -> tuple[str, str | None]:
-    """A title in lower case with underscores, and its unit in brackets, if any."""
+    """A title in lower case with underscores, and the unit in its brackets, or None."""
     match = UNIT.match(title)
     text = match.group(1) if match else title
     unit = match.group(2).strip().lower() if match else None

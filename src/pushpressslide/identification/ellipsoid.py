@@ -1,5 +1,5 @@
-"""Ellipsoids fitted to pushes: with one parameter (rho), and of any shape about the
-centre of mass.
+"""Ellipsoids fitted to pushes: either with one parameter (rho), or of any shape, about
+the centre of mass.
 
 Source: docs/mechanics.md, section 1; docs/uncertainty.md.
 """
@@ -25,7 +25,7 @@ class FittedEllipsoid:
 
     @property
     def max_force(self) -> float:
-        """mu N [N], mean over the directions of the force."""
+        """mu N [N], averaged over the directions of the force."""
         return 1.0 / math.sqrt(0.5 * float(self.matrix[0, 0] + self.matrix[1, 1]))
 
     @property
@@ -44,7 +44,7 @@ class FittedEllipsoid:
 def fit_one_parameter(pairs: Pairs) -> FittedEllipsoid:
     """Ellipsoid, isotropic in translation, with the rho that fits the directions best.
 
-    Its mu N is the median over the pushes.
+    Its mu N is the median of the values from all pushes.
     """
     return _fit(pairs, lambda z: np.diag((1.0, 1.0, math.exp(z[0]))), 1)
 
@@ -52,11 +52,11 @@ def fit_one_parameter(pairs: Pairs) -> FittedEllipsoid:
 def fit_full(pairs: Pairs) -> FittedEllipsoid:
     """Ellipsoid of any shape about the CoM that fits the directions best.
 
-    Its mu N is the median over the pushes.
+    Its mu N is the median of the values from all pushes.
     """
 
     def matrix(z: Array) -> Array:
-        """Positive definite matrix (3, 3) of parameters (5,)."""
+        """Positive definite matrix (3, 3) with parameters ``z`` (5,)."""
         root = np.array(
             [
                 [1.0, 0.0, 0.0],

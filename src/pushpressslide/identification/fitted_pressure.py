@@ -1,8 +1,8 @@
-"""The exact limit surface of a pressure distribution: from statics alone, or fitted to
-pushes.
+"""The exact limit surface of a pressure distribution, either from statics alone or
+fitted to pushes.
 
-The height of the push matters: it moves load to the far side (docs/mechanics.md, 1.2).
-Source: docs/mechanics.md, section 1; docs/uncertainty.md.
+The height of the push matters: a higher push moves load to the far side
+(docs/mechanics.md, 1.2). Source: docs/mechanics.md, section 1; docs/uncertainty.md.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ SURE = 1.5  # standard errors by which a fit must beat the pressure expected by 
 
 @dataclass(frozen=True, eq=False)
 class PressureModel:
-    """Loads on points, shifted by the push, with sliding by maximum dissipation."""
+    """Loads at points, shifted by the push. The object slides by maximum dissipation."""
 
     points: Array  # (n, 2) [m] in B
     shares: Array  # (n,) of the load at rest, sum 1
@@ -55,8 +55,8 @@ class PressureModel:
         return self.slides(wrenches, heights)[0]
 
     def slides(self, wrenches: Array, heights: Array) -> tuple[Array, Array]:
-        """Unit directions (n, 3) of sliding, and the friction mu N (n,) [N] that puts
-        each wrench on the limit surface.
+        """Unit directions (n, 3) of sliding, and the friction mu N (n,) [N] for which
+        each wrench is on the limit surface.
         """
         return slide(
             self.points, self.pushed_shares(wrenches, heights), self.radii, wrenches
@@ -67,8 +67,8 @@ class PressureModel:
         [m].
 
         The centre of pressure moves by h F / N. Each load is multiplied by a factor
-        that varies linearly over the base and is not below zero. This is exact for
-        three pins, and for an even load on springs (Winkler).
+        that varies linearly over the base and is not negative. This is exact for three
+        pins, and for an even load on an elastic foundation (Winkler).
         """
         arms = self.points - self.shares @ self.points
         spread = (self.shares[:, None] * arms).T @ arms
@@ -81,7 +81,7 @@ class PressureModel:
 
 
 def static_model(pressure: PressureSamples, friction: float = 1.0) -> PressureModel:
-    """Model without a fit: ``pressure`` [N] at rest, about the centre of mass.
+    """Model without a fit, with ``pressure`` [N] at rest, about the centre of mass.
 
     The friction coefficient does not change the predicted directions.
     """
@@ -91,9 +91,7 @@ def static_model(pressure: PressureSamples, friction: float = 1.0) -> PressureMo
 
 
 def nearest_pressure(pairs: Pairs, loads: Sequence[PressureSamples]) -> PressureSamples:
-    """Element of ``loads``, pressures at rest, that predicts ``pairs`` best without a
-    fit.
-    """
+    """The pressure at rest among ``loads`` that predicts ``pairs`` best without a fit."""
     if len(loads) == 1:
         return loads[0]
 
@@ -109,25 +107,25 @@ def nearest_pressure(pairs: Pairs, loads: Sequence[PressureSamples]) -> Pressure
 def fit_pressure(pairs: Pairs, pressure: PressureSamples) -> PressureModel:
     """Model whose pressure and friction fit ``pairs``.
 
-    ``pressure`` [N] is the one expected by statics. The pressure at rest is the
-    expected one times the exponential of a quadratic polynomial in the position. Of all
-    distributions with the fitted first and second moments, this is the nearest to the
-    expected one. Its five coefficients are fitted to the measured directions, with the
-    ridge toward zero that predicts each push best from the others. They are zero unless
-    a ridge is significantly better than the expected pressure. Friction is the median
-    over the pushes.
+    ``pressure`` [N] is the pressure expected from statics. The pressure at rest is the
+    expected pressure times the exponential of a quadratic polynomial in the position.
+    Of all distributions with the same first and second moments, this is the nearest to
+    the expected one. The five coefficients are fitted to the measured directions, with
+    the ridge penalty that predicts each push best from the others. They are zero unless
+    a ridge is significantly better than the expected pressure. The friction is the
+    median of the values from all pushes.
     """
     expected = static_model(pressure)
     x, y = ((expected.points - pressure.cop) / rho_pole(pressure)).T
     terms = np.stack([x, y, x * x, x * y, y * y])
 
     def model(coefficients: Array) -> PressureModel:
-        """Model with the pressure of the coefficients (5,)."""
+        """Model whose pressure has the ``coefficients`` (5,)."""
         shares = expected.shares * np.exp(coefficients @ terms)
         return replace(expected, shares=shares / shares.sum())
 
     def predict(coefficients: Array) -> Array:
-        """Directions (n, 3) under the measured wrenches."""
+        """Directions (n, 3) that the coefficients predict for the measured wrenches."""
         return model(coefficients).directions(pairs.wrenches, pairs.heights)
 
     found = model(_sure_coefficients(predict, pairs.directions, len(terms)))
@@ -138,9 +136,11 @@ def fit_pressure(pairs: Pairs, pressure: PressureSamples) -> PressureModel:
 def _sure_coefficients(
     predict: Callable[[Array], Array], measured: Array, count: int
 ) -> Array:
-    """Coefficients (count,) of the ridge with the largest gain on left-out pushes,
-    after ``SURE`` standard errors are subtracted from each gain. Zeros if no ridge
-    gains.
+    """Coefficients (count,) of the ridge regression with the largest gain on left-out
+    pushes.
+
+    ``SURE`` standard errors are subtracted from each gain. The coefficients are zero if
+    no gain remains.
     """
     best = np.zeros(count)
     coefficients = best

@@ -11,7 +11,7 @@ from pushpressslide.core.arrays import Array
 
 
 class SlidingModel(Protocol):
-    """Predicts the motion from the wrench."""
+    """A model that predicts motions from wrenches."""
 
     def directions(self, wrenches: Array, heights: Array) -> Array:
         """Unit directions (n, 3), as in ``Pairs``, of sliding under ``wrenches`` (n, 3)
@@ -34,8 +34,8 @@ class Fit(NamedTuple):
         """First-order chords (n,) between each direction and its prediction by a fit to
         the others.
 
-        Each error is that of the fit times (I - H)^-1, with H the leverage of the
-        direction's own measurement.
+        Each error is the error of the fit times (I - H)^-1, where H is the leverage of
+        the direction's own measurement.
         """
         j = self.jacobian
         p = j.shape[2]
@@ -52,9 +52,9 @@ def least_squares(
     """Parameters whose directions ``predict(parameters)`` (n, 3) are nearest to
     ``measured``.
 
-    Least squares of the chords between unit directions, plus ``ridge``^2 times the
-    squared parameters. The ridge is the scatter of a measured direction over the
-    believed scatter of a parameter.
+    The cost is the sum of squared chords between unit directions, plus ``ridge``^2
+    times the squared parameters. ``ridge`` is the scatter of a measured direction
+    divided by the believed scatter of a parameter.
     """
     return fitted(predict, measured, start, ridge).parameters
 
@@ -62,7 +62,7 @@ def least_squares(
 def fitted(
     predict: Callable[[Array], Array], measured: Array, start: Array, ridge: float
 ) -> Fit:
-    """Fit of ``least_squares`` with its errors and their jacobian."""
+    """Fit by ``least_squares``, with its errors and their Jacobian."""
     from scipy import optimize
 
     def residuals(parameters: Array) -> Array:

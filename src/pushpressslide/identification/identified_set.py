@@ -15,7 +15,7 @@ LARGEST_ERROR = 0.5  # largest value of belief.friction_error
 
 @dataclass(frozen=True, eq=False)
 class IdentifiedSet:
-    """Models and scores of a set, with intervals and advice."""
+    """Models and scores of a set, with confidence intervals and advice."""
 
     models: Identification
     intervals: Intervals
@@ -37,7 +37,9 @@ class IdentifiedSet:
     @property
     def needs_rho(self) -> bool:
         """Whether an ellipsoid predicts the pushes better than the load expected from
-        the shape, which plans use if no rho is given.
+        the shape.
+
+        Plans use this load if no rho is given.
         """
         return self.models.scores["ellipsoid"].mean < self.expected_error
 
@@ -45,7 +47,7 @@ class IdentifiedSet:
     def belief(self) -> dict[str, float | None]:
         """Identified fields of a task file's ``belief``, in the file's units.
 
-        ``rho`` is None if the shape's own load predicts the pushes better.
+        ``rho`` is None if the load expected from the shape predicts the pushes better.
         """
         known = self.intervals
         belief: dict[str, float | None] = {
@@ -63,6 +65,6 @@ class IdentifiedSet:
 def identified_set(
     models: Identification, recorded: RecordedSet | None, seed: int
 ) -> IdentifiedSet:
-    """The set with intervals, and the push that would narrow them most."""
+    """The set with confidence intervals, and the push that would narrow them most."""
     known = intervals(models, seed)
     return IdentifiedSet(models, known, next_push(models.push_set, known), recorded)

@@ -1,8 +1,8 @@
 """Intervals of identified parameters: bootstrap over whole pushes.
 
-Windows of one push share its errors, so pushes are drawn, not windows. The shape of the
-pressure is kept. The intervals exclude errors common to all pushes, such as that of the
-mass.
+Windows of one push share errors, so whole pushes are resampled instead of windows. The
+shape of the pressure is kept. The intervals do not include errors common to all pushes,
+such as an error of the mass.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ from pushpressslide.identification.streams import Streams, joined
 from pushpressslide.identification.table_log import read_csv, read_parquet
 
 Reader = Callable[[Path, LogOptions], list[Streams]]
-"""Function that reads the recordings of one file, or parts of them."""
+"""Function that reads the recordings, or parts of recordings, in one file."""
 
 READERS: dict[str, Reader] = {
     ".csv": read_csv,
@@ -34,10 +34,10 @@ RECORD = "record.npz"  # in a folder of a run
 
 
 def log_files(data: Sequence[Path]) -> list[Path]:
-    """Files with streams, and folders of rosbag2, at or in each path of ``data``.
+    """Stream files and rosbag2 folders among the paths of ``data`` or inside them.
 
-    Empty if there are none: the data may be text logs. Raises PushPressSlideError for a
-    path that does not exist.
+    Empty if there are none; the data may then be text logs. Raises PushPressSlideError
+    for a path that does not exist.
     """
     found: list[Path] = []
     for path in data:
@@ -62,9 +62,7 @@ def _files_at(path: Path) -> list[Path]:
 
 
 def _may_hold(path: Path) -> bool:
-    """Whether a file or folder in a folder is searched. Results of other commands are
-    not.
-    """
+    """Whether a file or folder may contain logs. Results of other commands do not."""
     return path.name not in RESULTS and not path.name.startswith(".")
 
 

@@ -1,4 +1,5 @@
-"""Logs of the MIT pushing set (Yu et al., IROS 2016), HDF5 or the same as JSON.
+"""Logs of the MIT pushing data set (Yu et al., IROS 2016), as HDF5 or as JSON with the
+same contents.
 
 A file holds one push: ``object_pose`` and ``tip_pose`` with rows t, x, y, yaw [s, m, m,
 rad], ``ft_wrench`` with rows t, fx, fy, tau [s, N, N, N m].
@@ -22,9 +23,9 @@ WIDTH = 4  # columns of each array
 
 
 def read_hdf5(path: Path, options: LogOptions) -> list[Streams]:
-    """The one push of an HDF5 file.
+    """The push in an HDF5 file, as the only element of a list.
 
-    Raises PushPressSlideError for another file, and MissingPackageError without h5py.
+    Raises PushPressSlideError for any other file, and MissingPackageError without h5py.
     """
     try:
         h5py = importlib.import_module("h5py")
@@ -41,9 +42,10 @@ def read_hdf5(path: Path, options: LogOptions) -> list[Streams]:
 
 
 def read_json_push(path: Path, options: LogOptions) -> list[Streams]:
-    """The one push of a JSON file with the sets of the HDF5 file.
+    """The push in a JSON file with the contents of the HDF5 file, as the only element
+    of a list.
 
-    Raises PushPressSlideError for another file.
+    Raises PushPressSlideError for any other file.
     """
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
@@ -78,6 +80,6 @@ def _streams(path: Path, arrays: dict[str, Array]) -> Streams:
 
 
 def _sorted(source: str, name: str, rows: Array) -> Stream:
-    """Stream of rows of t and three values. Of rows with the same stamp, one is kept."""
+    """Stream from rows of t and three values. One row is kept per stamp."""
     times, first = np.unique(rows[:, 0], return_index=True)
     return stream_of(source, name, times, rows[first, 1:WIDTH])

@@ -1,9 +1,9 @@
 """The most informative next push, for the less certain of the two parameters.
 
-On an ellipsoid, a push square to a face with a lever d gives a direction of motion at
-an angle a, tan a = LENGTH d / rho^2. The derivative of a with respect to the logarithm
-of rho is -sin 2a. Its size is largest at d = rho^2 / LENGTH. Friction is identified
-best without a lever, where the force does not depend on rho.
+On an ellipsoid, a push perpendicular to a face with a lever d causes a motion in a
+direction a with tan a = LENGTH d / rho^2. The derivative of a with respect to the
+logarithm of rho is -sin 2a. Its magnitude is largest at d = rho^2 / LENGTH. Friction is
+best identified without a lever, since the force then does not depend on rho.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ MORE = 5  # number of pushes for which the interval is predicted
 
 @dataclass(frozen=True)
 class NextPush:
-    """A push square to the outline of the base."""
+    """A push perpendicular to the outline of the base."""
 
     parameter: Literal["friction", "rho"]
     point: Point  # [m] in G
@@ -36,7 +36,7 @@ class NextPush:
 
 
 def next_push(push_set: PushSet, known: Intervals) -> NextPush:
-    """Push that most narrows the wider of the two relative intervals."""
+    """Push that narrows the wider of the two relative intervals most."""
     rho = known.rho.value
     by_rho = known.rho.relative >= known.friction.relative
     cx, cy = push_set.body.center_of_mass
@@ -61,16 +61,16 @@ def next_push(push_set: PushSet, known: Intervals) -> NextPush:
 
 
 def sensitivity(lever: float, rho: float) -> float:
-    """Size [rad] of the derivative of the direction of motion with respect to the
-    logarithm of rho, for a push with a ``lever`` [m].
+    """Sensitivity [rad] of the direction of motion to the logarithm of rho, for a push
+    with a ``lever`` [m].
     """
     angle = math.atan(LENGTH * abs(lever) / rho**2)
     return math.sin(2.0 * angle)
 
 
 def _left(push_set: PushSet, rho: float, merit: float) -> float:
-    """Share of the interval of rho that remains after ``MORE`` pushes with this
-    sensitivity.
+    """Share of the interval of rho that remains after ``MORE`` pushes with the
+    sensitivity ``merit``.
     """
     pairs: Pairs = push_set.pairs
     levers = pairs.wrenches[:, 2] / np.hypot(*pairs.wrenches[:, :2].T).clip(1e-9)

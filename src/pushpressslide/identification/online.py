@@ -1,9 +1,9 @@
 """Online identification for one contact: virtual axle, rho, and the drag of the object.
 
-From measured poses and the measured contact force alone. The axle is the point of the
-heading axis (x of the vehicle frame V, through the CoM) that does not move across it.
-Rho follows from its distance to the centre of pressure (docs/mechanics.md, sections 2
-and 4).
+Only measured poses and the measured contact force are used. The axle is the point of
+the heading axis (x of the vehicle frame V, through the CoM) that has no velocity across
+this axis. Rho follows from the axle's distance to the centre of pressure
+(docs/mechanics.md, sections 2 and 4).
 """
 
 from __future__ import annotations
@@ -36,15 +36,17 @@ OFF_RHO = 0.1  # the same of an ellipsoid whose rho was given, which may be wron
 
 
 def window_of(sensing: Sensing, speed: float, lever: float) -> float:
-    """Time window [s] for the twist of an object driven at ``speed`` [m/s] by a contact
-    at ``lever`` [m], with the noise of ``sensing``.
+    """Time window [s] for measuring the twist of a driven object.
+
+    A contact at ``lever`` [m] drives the object at ``speed`` [m/s]; the noise is that
+    of ``sensing``.
     """
     noise = max(sensing.position_noise, lever * sensing.yaw_noise)
     return max(WINDOW, WINDOW_WAY * noise / speed)
 
 
 class Identified(NamedTuple):
-    """Identified values, or the prediction if there are none yet."""
+    """Identified values, or the predicted values if nothing has been identified yet."""
 
     axle: float  # [m] of the virtual axle on the heading axis, from the CoM
     # [m] tan(force angle) per curvature, > 0; rho^2 / d on an ellipsoid
@@ -54,7 +56,7 @@ class Identified(NamedTuple):
 
 
 class AxleState(NamedTuple):
-    """Sums with forgetting, and the window being filled."""
+    """Sums with forgetting, and the time window being filled."""
 
     pose: Pose2 | None = None  # X_WB at its start
     time: float = 0.0  # [s] of its start
@@ -70,7 +72,7 @@ class AxleState(NamedTuple):
 
 
 class AxleIdentifier:
-    """Least squares with forgetting about a prediction. Its state is passed in and out."""
+    """Least squares with forgetting, near a prediction. The caller keeps its state."""
 
     def __init__(
         self,
@@ -85,11 +87,11 @@ class AxleIdentifier:
         """Bind to the heading axis at ``yaw`` [rad] in B.
 
         ``lever`` [m] is the contact's signed distance ahead of the centre of pressure
-        along that axis, ``cop`` [m] that centre's coordinate on it. The contact force,
-        at an angle a from the axis, is drag / sqrt(1 + stiffness sin^2 a);
-        ``stiffness`` is (d / rho)^2 if not given. An axle counts as identified only if
-        it differs from its prediction by the fraction ``off`` of its distance.
-        ``window`` [s] is the time over which a twist is taken.
+        along that axis; ``cop`` [m] is the coordinate of the centre of pressure on it.
+        A contact force at an angle a from the axis is drag / sqrt(1 + stiffness sin^2
+        a); by default ``stiffness`` is (d / rho)^2. An axle counts as identified only
+        if it differs from its prediction by the fraction ``off`` of its distance. Each
+        twist is measured over a ``window`` [s].
         """
         self._window = window
         self._axis = (math.cos(yaw), math.sin(yaw))
@@ -155,8 +157,10 @@ class AxleIdentifier:
     def _drag(
         self, before: float | None, level: float, keep: float, speed: float
     ) -> float | None:
-        """Drag of the object [N], after a window in which the force was at a ``level``
-        [N] and the contact moved at ``speed`` [m/s].
+        """Drag [N] of the object after a time window.
+
+        In the window the force was ``level`` [N], and the contact moved at ``speed``
+        [m/s].
         """
         if speed > LEAST_SPEED:
             return level if before is None else keep * before + (1.0 - keep) * level
@@ -165,8 +169,8 @@ class AxleIdentifier:
         return level if level > known else before
 
     def identified(self, state: AxleState) -> Identified | None:
-        """Estimates, within bounds of the prediction. None while they do not contradict
-        the prediction, or while the object has turned too little.
+        """Estimates, within bounds about the prediction. None while they do not
+        contradict it, or while the object has turned too little.
         """
         axle, wheelbase, drag, _ = self._predicted
         seen = (state.vw + PRIOR * axle) / (state.ww + PRIOR)

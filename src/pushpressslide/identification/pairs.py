@@ -1,7 +1,7 @@
-"""Pairs of wrench and motion from recorded pushes, with the conventions of the logs.
+"""Pairs of wrench and motion from recorded pushes, in the conventions of the logs.
 
-Source: docs/uncertainty.md. All in the body frame B: origin at the projected centre
-of mass, axes of the object as tracked.
+Source: docs/uncertainty.md. Everything is in the body frame B: origin at the projected
+centre of mass, axes of the tracked object.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ TOOL_FROM_SENSOR = -math.sqrt(0.5) * np.array([[1.0, 1.0], [1.0, -1.0]])
 
 @dataclass(frozen=True, eq=False)
 class Pairs:
-    """n pushes, one row each."""
+    """Measurements of n pushes, one row for each."""
 
     # (n, 3) mean fx, fy [N], tau [N m] of the probe on the object about the CoM
     wrenches: Array
@@ -66,9 +66,10 @@ def unit(rows: Array) -> Array:
 def measured_pairs(
     pushes: Sequence[RecordedPush], center_of_mass: Point
 ) -> tuple[Pairs, list[str]]:
-    """Valid pairs of all pushes, and a reason for each of the other pushes.
+    """Pairs from all valid pushes, and for each other push the reason why it is
+    invalid.
 
-    ``center_of_mass`` [m] in the object's tracked frame.
+    ``center_of_mass`` [m] is in the object's tracked frame.
     """
     rows = []
     refused = []
@@ -83,7 +84,7 @@ def measured_pairs(
 
 
 def _measured(push: RecordedPush, center_of_mass: Point) -> Array | str:
-    """Figures (9,) of one push, or the reason why it has none.
+    """Figures (9,) of one push, or the reason why it is invalid.
 
     They are fx, fy, tau, dx, dy, yaw, contact x, y and height.
     """
@@ -125,7 +126,7 @@ def _probe_at(push: RecordedPush, time: Array) -> tuple[Array, Array]:
 
 
 def yaw_of(quaternion: Array) -> Array:
-    """Yaw (n,) [rad] of quaternions (n, 4) w, x, y, z."""
+    """Yaws (n,) [rad] of quaternions (n, 4) w, x, y, z."""
     w, x, y, z = np.moveaxis(quaternion, -1, 0)
     out: Array = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y**2 + z**2))
     return out

@@ -27,8 +27,8 @@ NOTHING = ParameterEstimates()
 
 
 def dragged_friction(scene: Scene, load: float, drag: float | None) -> float:
-    """Support friction implied by the ``drag`` [N] of the object under a ``load`` [N]:
-    the belief, unless the measurement contradicts it.
+    """Support friction according to the ``drag`` [N] under a ``load`` [N]. It is the
+    believed friction unless the measurement contradicts the belief.
     """
     friction = scene.support.friction
     if drag is None:

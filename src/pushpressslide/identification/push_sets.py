@@ -1,7 +1,7 @@
 """Sets of recorded pushes: the object, its pins, and the pairs of wrench and motion.
 
 The object of the published sets is an aluminium prism (docs/uncertainty.md). For other
-logs a task describes it. A folder's name gives the pins under the object.
+logs a task describes the object. The name of a folder gives the pins under the object.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class PushedObject:
 PRISM = PushedObject(
     ((0.0, 0.0), (0.15, 0.0), (0.0, 0.15)), (0.05, 0.05), 1.5 * GRAVITY
 )
-"""The prism of the published sets, tracked at its right angle."""
+"""The prism of the published sets, tracked at its right-angled corner."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ class PushSet:
 
     @property
     def count(self) -> int:
-        """Number of pushes with pairs."""
+        """Number of pushes that have pairs."""
         return len(np.unique(self.numbers))
 
     @property
@@ -81,8 +81,10 @@ class PushSet:
         return tuple((x - cx, y - cy) for x, y in self.body.base)
 
     def static_pressure(self) -> PressureSamples:
-        """Load at rest [N] in B. It is on the pins by statics, otherwise that of a
-        rigid face. If an edge of a rigid face would lift, it is that of an elastic one.
+        """Load at rest [N] in B.
+
+        With pins it follows from statics. Otherwise it is the load of a rigid face, or
+        of an elastic face if an edge of the rigid one would lift.
         """
         if self.pins:
             return pin_pressure(self.pins, (0.0, 0.0), self.weight)
@@ -92,8 +94,9 @@ class PushSet:
             return self._elastic_pressure()
 
     def uniform_pressure(self) -> PressureSamples | None:
-        """Even load at rest [N] in B, or a linear one if the CoM is off the centroid.
-        None if the object stands on pins.
+        """Even load at rest [N] in B. None if the object stands on pins.
+
+        If the CoM is off the centroid, the load varies linearly.
         """
         return None if self.pins else self._elastic_pressure()
 
@@ -109,9 +112,9 @@ def load_sets(
     """One set for each folder with logs at or below ``data``, and a line for each
     skipped text file.
 
-    ``body`` is the object that was pushed. A text file is skipped if it is not a log, or a log without a push. Raises
-    PushPressSlideError for a log that cannot be read, a set with fewer than
-    ``LEAST_PUSHES``, and if no log holds a push.
+    ``body`` is the object that was pushed. A text file is skipped if it is not a log,
+    or a log without a push. Raises PushPressSlideError for a log that cannot be read,
+    for a set with fewer than ``LEAST_PUSHES`` pushes, and if no log holds a push.
     """
     logs, others = find_recordings(data)
     read: dict[Path, list[Recording]] = {}
@@ -136,10 +139,10 @@ def load_sets(
 
 
 def pins_of_name(name: str) -> tuple[Point, ...]:
-    """Pins [m] in the tracked frame for x1_x2_x3_y1_y2_y3 [mm].
+    """Pins [m] in the tracked frame, from a name that contains x1_x2_x3_y1_y2_y3 [mm].
 
-    Words may stand before and after the numbers, and other numbers before them. Empty
-    if the name holds no six numbers in a row.
+    Words may precede and follow the numbers, and other numbers may precede them. Empty
+    if the name does not contain six consecutive numbers.
     """
     for row in NUMBERS.findall(name):
         numbers = [1e-3 * float(word) for word in row.split("_")][-6:]
@@ -149,9 +152,9 @@ def pins_of_name(name: str) -> tuple[Point, ...]:
 
 
 def layout_note(name: str) -> str:
-    """Note on assumptions about the pins, if a folder's name leaves them open.
+    """Note on what was assumed about the pins, if a folder's name is ambiguous.
 
-    Empty for x1_x2_x3_y1_y2_y3 alone and for a name with ``WHOLE_BASE``.
+    Empty for a plain x1_x2_x3_y1_y2_y3, and for a name with ``WHOLE_BASE``.
     """
     pins = pins_of_name(name)
     if not pins:

@@ -1,7 +1,7 @@
 """Pairs of wrench and motion from streams, one for each window of a push.
 
-A push is an interval of contact, cut into windows of equal motion. A window gives the
-mean wrench, and the motion by a straight line through its poses.
+A push is an interval of contact, which is divided into windows of equal motion. Each
+window gives the mean wrench, and the motion as a straight line through its poses.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ PULLING = math.radians(60.0)  # from the face's normal: the force has other axes
 
 @dataclass(frozen=True, eq=False)
 class PushedWindows:
-    """Windows of a recording."""
+    """Windows of the pushes in a recording."""
 
     pairs: Pairs
     numbers: NDArray[np.intp]  # (n,) number of each window's push
@@ -55,7 +55,7 @@ class PushedWindows:
 
 @dataclass(frozen=True, eq=False)
 class _Aligned:
-    """Object, tip and force on the arm's clock."""
+    """Object, tip and force of a recording on the arm's clock."""
 
     source: str
     object: Stream
@@ -68,10 +68,10 @@ class _Aligned:
 def push_windows(
     streams: Streams, tip_contact: TipContact, center: Point, options: LogOptions
 ) -> PushedWindows:
-    """Windows of a complete recording; ``center`` [m] is the centre of mass in G.
+    """Windows of a complete recording. ``center`` [m] is the centre of mass in G.
 
-    Raises PushPressSlideError for streams without common times or contact, and for
-    units and axes that cannot be those of a push.
+    Raises PushPressSlideError for streams without common times or without contact, and
+    if units or axes cannot be right for a push.
     """
     aligned = align(streams, tip_contact, options)
     found = _Windows(aligned, tip_contact, np.array(center))
@@ -155,7 +155,9 @@ def _in_world(streams: Streams, force: Stream, options: LogOptions) -> Stream:
 def _without_bias(
     placed: Stream, tip: Stream, force: Stream, tip_contact: TipContact
 ) -> tuple[Stream, str]:
-    """Force less its median while the tip is free, and a note if the tip is never free."""
+    """Force minus its median while the tip is free, and a note if the tip is never
+    free.
+    """
     times = force.times
     known = tip.covers(times) & placed.covers(times)
     gaps = tip_contact.gaps(times[known], tip, placed)
@@ -246,7 +248,7 @@ def _check_axes(source: str, pairs: Pairs, normals: Array) -> None:
 
 
 def _pushes(aligned: _Aligned) -> list[tuple[float, float]]:
-    """Intervals of contact [s] by the force."""
+    """Intervals of contact [s], from the force."""
     times = aligned.force.times
     size = np.hypot(*aligned.force.values.T)
     touching = size > touching_force(aligned.force)
@@ -300,7 +302,7 @@ class _Windows:
         return rows, reason
 
     def _row(self, inside: NDArray[np.intp]) -> Array | str:
-        """Figures of one window, or the reason for having none."""
+        """Figures of one window, or the reason why it is invalid."""
         aligned = self.aligned
         times = aligned.object.times[inside]
         if (np.diff(times) > LONGEST_GAP).any():
@@ -335,7 +337,7 @@ def _cuts(poses: Array) -> list[int]:
     """Indices that cut poses (n, 3) [m] into windows of at least ``WINDOW`` and
     ``LEAST_POSES``.
 
-    No window contains the rest before or after the motion.
+    The object's rest before and after the motion belongs to no window.
     """
     cuts: list[int] = []
     start = _first_motion(poses)
@@ -350,15 +352,15 @@ def _cuts(poses: Array) -> list[int]:
 
 
 def _first_motion(poses: Array) -> int | None:
-    """Index of the first pose that has moved by a tenth of a window, or None."""
+    """Index of the first pose after a motion by a tenth of a window, or None."""
     moved = np.linalg.norm(poses - poses[: LEAST_POSES // 2].mean(0), axis=1)
     moving = np.flatnonzero(moved > 0.1 * WINDOW)
     return int(moving[0]) if len(moving) else None
 
 
 def _line(times: Array, poses: Array, clock: Array) -> tuple[Array, Array]:
-    """Motion (3,) between the ends of ``clock`` by a straight line through ``poses``,
-    and the poses (m, 3) on it at ``clock`` (m,) [s].
+    """Motion (3,) on a straight line fitted to ``poses``, between the ends of
+    ``clock``, and the poses (m, 3) on the line at ``clock`` (m,) [s].
     """
     middle = times.mean()
     matrix = np.column_stack([np.ones(len(times)), times - middle])

@@ -1,4 +1,5 @@
-"""A convex polynomial of fourth order, which needs no knowledge of the support.
+"""A convex polynomial of fourth order as a limit surface, without knowledge of the
+support.
 
 After Zhou, Paolini, Bagnell, Mason, "A convex polynomial force-motion model for planar
 sliding", ICRA 2016. Here it is a sum of fourth powers with coefficients >= 0, which is
@@ -46,8 +47,8 @@ class FittedQuartic:
 def fit_quartic(pairs: Pairs) -> FittedQuartic:
     """Sum of fourth powers whose directions are nearest to the measured ones.
 
-    Non-negative least squares of directions and levels, with a ridge toward the sphere
-    in (fx, fy, tau/rho).
+    Directions and levels are fitted by non-negative least squares, with a ridge penalty
+    towards the sphere in (fx, fy, tau/rho).
     """
     rho = fit_one_parameter(pairs).rho
     w = pairs.wrenches / (1.0, 1.0, rho)

@@ -18,9 +18,9 @@ IDLE = 0.5  # [N] largest force that an arm without a contact may measure
 
 
 def read_record(path: Path, options: LogOptions) -> list[Streams]:
-    """The one recording of a run's record.npz.
+    """The recording in a run's record.npz, as the only element of a list.
 
-    Raises PushPressSlideError for another archive, and for a run in which two tips
+    Raises PushPressSlideError for any other archive, and for a run in which two tips
     touched the object.
     """
     try:
@@ -34,7 +34,7 @@ def read_record(path: Path, options: LogOptions) -> list[Streams]:
 def streams_of_record(source: str, arrays: Mapping[str, Array]) -> Streams:
     """Streams of the pushing tip, from the arrays of a record.
 
-    Raises PushPressSlideError as ``read_record``.
+    Raises PushPressSlideError as ``read_record`` does.
     """
     lacking = [name for name in NAMES if name not in arrays]
     if lacking:

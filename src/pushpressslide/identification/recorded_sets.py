@@ -39,7 +39,7 @@ class RecordedClock:
 
 @dataclass(frozen=True, eq=False)
 class RecordedSet:
-    """Pushes of recordings."""
+    """Pushes from recordings, as one set."""
 
     push_set: PushSet
     clocks: tuple[RecordedClock, ...]
@@ -48,8 +48,8 @@ class RecordedSet:
 
 
 def pushed_object(scene: Scene) -> PushedObject:
-    """The object of a scene. Raises PushPressSlideError if it does not press on its
-    support.
+    """The object of a scene. Raises PushPressSlideError if its weight does not press on
+    the support.
     """
     if scene.weight_on <= 0.0:
         raise PushPressSlideError(
@@ -119,8 +119,8 @@ def _tip_contact(streams: Streams, scene: Scene, options: LogOptions) -> TipCont
 def _with_tip_height(
     streams: Streams, body: ObjectModel, options: LogOptions
 ) -> tuple[Streams, str]:
-    """Streams with a height [m] of the tip above the support, and a note if this is
-    assumed.
+    """Streams with the height [m] of the tip above the support, and a note if the
+    height is assumed.
     """
     tip = streams.tip
     if tip is None:
@@ -148,7 +148,7 @@ def _stacked(parts: Sequence[Pairs]) -> Pairs:
 
 
 def _check_forces(source: str, pairs: Pairs, weight: float) -> None:
-    """Raise PushPressSlideError for forces that are not those of a push."""
+    """Raise PushPressSlideError if the forces cannot be those of a push."""
     force = float(np.median(np.hypot(*pairs.wrenches[:, :2].T)))
     ratio = force / weight
     low, high = FRICTIONS
@@ -161,8 +161,10 @@ def _check_forces(source: str, pairs: Pairs, weight: float) -> None:
 
 
 def tip_friction(recordings: Sequence[PushedWindows]) -> tuple[float | None, float]:
-    """Friction of the tip, None if it does not slide, and the 95th percentile of the
-    ratio of forces.
+    """Friction of the tip, and the 95th percentile of the ratios of tangential to
+    normal force.
+
+    The friction is None if the tip does not slide.
     """
     ratios = []
     sliding = []

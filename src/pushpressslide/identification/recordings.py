@@ -59,9 +59,9 @@ class Recording:
 def read_recording(path: Path) -> Recording:
     """Pushes of a log. Blank lines are skipped.
 
-    The recorder writes the number of pushes first and each push when it is done, so a
-    log may hold fewer whole pushes than its first line says, or none. Raises
-    PushPressSlideError, with the line and its expected content, for anything else.
+    The recorder first writes the number of pushes, then each push when it is complete.
+    A log may therefore hold fewer pushes than its first line states, or none. For any
+    other deviation, PushPressSlideError gives the line and its expected content.
     """
     rows = _rows(path)
     if not rows:
@@ -92,9 +92,9 @@ def find_recordings(data: Path) -> tuple[list[Path], list[Path]]:
     """Logs in ``data``, a log or a folder with logs at any depth, and the text files
     that are not logs.
 
-    In a folder, every .txt file with a number in its first line counts, except the
-    recorder's lists of commanded pushes ("pushaction"). Raises PushPressSlideError if
-    there is no log.
+    In a folder, every .txt file whose first line is a number counts as a log, except
+    the recorder's lists of commanded pushes ("pushaction"). Raises PushPressSlideError
+    if there is no log.
     """
     if data.is_file():
         return [data], []
@@ -184,8 +184,9 @@ def _block(path: Path, rows: Sequence[Row], first: int, count: int, form: str) -
 
 
 def _numbers(lines: Sequence[Row]) -> Array:
-    """The lines as rows of numbers. If they are not numbers, or have unequal lengths,
-    the array has no columns.
+    """The lines as rows of numbers.
+
+    The array has no columns if the lines are not numbers or differ in length.
     """
     try:
         return np.array([line.split() for _, line in lines], dtype=np.float64)

@@ -51,7 +51,7 @@ class Score:
 
     @property
     def spread(self) -> float:
-        """Standard deviation [rad] over the splits of their mean error."""
+        """Standard deviation [rad] of the mean errors of the splits."""
         return float(np.std([part.mean() for part in self.errors]))
 
 
@@ -72,11 +72,11 @@ def identified(
     seed: int,
     progress: Progress | None = None,
 ) -> Identification:
-    """Models of a set, fitted to all of its pushes, and scores of models fitted to
-    random parts.
+    """Models fitted to all pushes of a set, and scores of models fitted to random
+    subsets.
 
-    There are ``splits`` parts, each with a share ``fit_share`` of the pushes. The same
-    seed gives the same parts.
+    There are ``splits`` subsets, each with a share ``fit_share`` of the pushes. The
+    same seed gives the same subsets.
     """
     pairs = push_set.pairs
     parts = split_pushes(push_set.numbers, fit_share, splits, seed)
@@ -86,7 +86,7 @@ def identified(
 
 
 def expected_loads(push_set: PushSet) -> tuple[PressureSamples, ...]:
-    """Expected loads at rest [N] in B for the set's object."""
+    """Expected loads at rest [N], in B, on the set's object."""
     even = push_set.uniform_pressure()
     expected = push_set.static_pressure()
     return (expected,) if even is None else (expected, even)
@@ -110,9 +110,10 @@ def fits_of(push_set: PushSet) -> dict[str, Fit]:
 def split_pushes(
     numbers: Rows, fit_share: float, splits: int, seed: int
 ) -> list[tuple[Rows, Rows]]:
-    """Random ``splits`` into rows to fit and rows to test, without dividing a push.
+    """Random ``splits`` into rows to fit and rows to test. Each push is in one part
+    only.
 
-    ``numbers`` (n,) gives each row's push.
+    ``numbers`` (n,) gives the push of each row.
     """
     pushes = np.unique(numbers)
     rows = [np.flatnonzero(numbers == push) for push in pushes]
@@ -143,10 +144,10 @@ def score(
     splits: list[tuple[Rows, Rows]],
     progress: Progress | None = None,
 ) -> dict[str, Score]:
-    """Score of each model, fitted to the first rows of each split and tested on its
-    second rows.
+    """Score of each model, fitted to the first part of each split and tested on the
+    second part.
 
-    For a test push a model gets only the wrench and the height of the contact.
+    From a test push, a model gets only the wrench and the height of the contact.
     """
     measured = pairs.directions
     errors: dict[str, list[Array]] = {name: [] for name in fits}

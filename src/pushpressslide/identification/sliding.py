@@ -1,7 +1,7 @@
 """The exact limit surface for many wrenches at once, each with its own loads.
 
-Source: docs/mechanics.md, section 1; ``mechanics.limit_surface.exact_twist_direction``
-is the single call.
+Source: docs/mechanics.md, section 1. ``mechanics.limit_surface.exact_twist_direction``
+does the same for one wrench.
 """
 
 from __future__ import annotations
@@ -21,10 +21,11 @@ def slide(
     it lies on the limit surface.
 
     ``points`` (n, 2) [m] and ``radii`` (n,) [m], > 0, are those of the loads;
-    ``shares`` (m, n) of the total load for each wrench; ``wrenches`` (m, 3) [N, N m],
-    not zero. All about the origin, directions as in ``Pairs``. The direction has the
-    smallest friction power among those with unit power of the wrench. It is found by
-    Newton steps with a line search, for all wrenches at once.
+    ``shares`` (m, n) are the loads' shares of the total for each wrench; ``wrenches``
+    (m, 3) [N, N m] are not zero. Everything is about the origin, with directions as in
+    ``Pairs``. The direction of sliding has the smallest friction power among all
+    directions in which the wrench has unit power. Newton steps with a line search find
+    it for all wrenches at once.
     """
     size = np.linalg.norm(wrenches / (1.0, 1.0, LENGTH), axis=1)
     target = wrenches / (1.0, 1.0, LENGTH) / size[:, None]
@@ -53,7 +54,7 @@ def slide(
 
 @dataclass(frozen=True, eq=False)
 class _Friction:
-    """The friction of n loads, with separate fractions for each of m total loads."""
+    """The friction of n loads, with separate load shares for each of m wrenches."""
 
     x: Array  # (n,) over LENGTH
     y: Array  # (n,)
@@ -89,8 +90,8 @@ class _Friction:
 
 
 def _newton_step(gradient: Array, hessian: Array, basis: Array) -> tuple[Array, Array]:
-    """Newton steps (m, 2) along the ``basis`` (m, 3, 2), and the derivatives (m,) of
-    the function along them.
+    """Newton steps (m, 2) along the ``basis`` (m, 3, 2), and the directional
+    derivatives (m,) along them.
     """
     slopes = (gradient[:, None] @ basis)[:, 0]
     curvature = basis.transpose(0, 2, 1) @ hessian @ basis
@@ -104,8 +105,8 @@ def _newton_step(gradient: Array, hessian: Array, basis: Array) -> tuple[Array, 
 
 
 def _basis(normals: Array) -> Array:
-    """Two unit vectors across each of the unit ``normals`` (m, 3), as columns (m, 3,
-    2).
+    """Two unit vectors perpendicular to each of the unit ``normals`` (m, 3), as columns
+    (m, 3, 2).
     """
     other = np.eye(3)[np.abs(normals).argmin(axis=1)]
     first = unit(np.cross(normals, other))

@@ -1,7 +1,7 @@
-"""Streams of a recording: object, tip and force, each with its own stamps. Every reader
-returns them.
+"""Streams of a recording: object, tip and force, each with its own stamps.
 
-The object's pose has the clock of its camera; tip and force share the arm's clock.
+All readers of recordings return these streams. The object's pose is stamped by the
+camera's clock, tip and force by the arm's clock.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Stream:
     values: Array  # (n, k)
 
     def values_at(self, times: Array) -> Array:
-        """Values (m, k) at ``times`` (m,) [s], linear between samples."""
+        """Values (m, k) at ``times`` (m,) [s], interpolated linearly."""
         columns = [np.interp(times, self.times, column) for column in self.values.T]
         return np.stack(columns, axis=1)
 
@@ -52,7 +52,7 @@ class Stream:
 
 @dataclass(frozen=True, eq=False)
 class Streams:
-    """A recording in world axes. Streams that a file lacks are None."""
+    """A recording in world axes. Missing streams are None."""
 
     source: str  # names the file
     object: Stream | None = None  # x, y [m], yaw [rad] of G, continuous
@@ -64,15 +64,15 @@ class Streams:
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Names of the streams required by identification that the recording lacks."""
+        """Names of the streams that identification needs and the recording lacks."""
         return tuple(name for name in NEEDED if getattr(self, name) is None)
 
 
 def stream_of(source: str, name: str, times: Array, values: Array) -> Stream:
     """Checked stream of a file.
 
-    Raises PushPressSlideError if it is too short or not finite, or if its clock stands
-    still or runs backward.
+    Raises PushPressSlideError if it is too short or not finite, or if its times do not
+    increase.
     """
     if len(times) < LEAST_SAMPLES:
         raise PushPressSlideError(
@@ -89,10 +89,11 @@ def stream_of(source: str, name: str, times: Array, values: Array) -> Stream:
 
 
 def joined(parts: Sequence[Streams]) -> list[Streams]:
-    """Recordings of several files: the complete ones, and one joined from the partial
-    ones.
+    """Recordings from several files: the complete recordings, and one joined from the
+    partial ones.
 
-    Raises PushPressSlideError if a stream is missing, or is in two parts.
+    Raises PushPressSlideError if a stream is missing, or occurs in two partial
+    recordings.
     """
     whole = [part for part in parts if not part.missing]
     rest = [part for part in parts if part.missing]

@@ -1,6 +1,6 @@
-"""Logs as tables, CSV or Parquet, with named columns and a row for each stamp.
+"""Logs as tables (CSV or Parquet) with named columns and one row per stamp.
 
-In the long form a row holds the streams with a sample at its time; the other cells are
+In the long form a row holds only the streams sampled at its time; the other cells are
 empty.
 """
 
@@ -32,7 +32,7 @@ FORCE = ("tip_fx", "tip_fy")
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """A file of columns."""
+    """A table read from a file, by columns."""
 
     source: str
     titles: tuple[str, ...]
@@ -44,18 +44,21 @@ class Table:
 
 
 def read_csv(path: Path, options: LogOptions) -> list[Streams]:
-    """The one recording, or part of one, in a CSV file.
+    """The recording, or the part of a recording, in a CSV file, as the only element of
+    a list.
 
-    The first line holds the names; lines that start with # are skipped. Raises
-    PushPressSlideError that names the line or the column at fault.
+    The first line holds the names; lines that start with # are skipped. On a fault,
+    PushPressSlideError names the line or the column.
     """
     return [streams_of(_csv_table(path), options)]
 
 
 def read_parquet(path: Path, options: LogOptions) -> list[Streams]:
-    """The one recording, or part of one, in a Parquet file.
+    """The recording, or the part of a recording, in a Parquet file, as the only element
+    of a list.
 
-    Raises PushPressSlideError as ``read_csv``, and MissingPackageError without pyarrow.
+    Raises PushPressSlideError as ``read_csv`` does, and MissingPackageError without
+    pyarrow.
     """
     return [streams_of(_parquet_table(path), options)]
 
@@ -184,7 +187,7 @@ def _continuous(source: str, placed: Stream, columns: dict[str, Column]) -> Stre
 
 
 def _with_height(tip: Stream) -> Stream:
-    """The tip's stream with a height, NaN if it has none."""
+    """The tip's stream with a height column. Unknown heights are NaN."""
     if tip.values.shape[1] == 3:
         return tip
     none = np.full(len(tip.times), np.nan)
@@ -192,7 +195,7 @@ def _with_height(tip: Stream) -> Stream:
 
 
 def _unused(table: Table, columns: dict[str, Column]) -> tuple[str, ...]:
-    """Note that a second tip is not used."""
+    """Note on a second tip, whose columns are not used."""
     used = {column.title for column in columns.values()}
     second = [
         t for t in table.titles if t.lower().startswith("tip1_") and t not in used
@@ -232,7 +235,7 @@ def _csv_table(path: Path) -> Table:
 
 
 def _csv_rows(path: Path) -> list[tuple[int, list[str]]]:
-    """Numbered lines of a CSV file, without blank ones and comments."""
+    """Numbered lines of a CSV file, without blank lines and comments."""
     try:
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:

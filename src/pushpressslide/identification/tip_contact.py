@@ -29,8 +29,8 @@ class TipContact:
     radius: float  # [m]
 
     def contacts(self, tip: Array, pose: Array) -> Contacts:
-        """Contacts of a tip's centre at ``tip`` (n, 2) [m] with the object at ``pose``
-        (n, 3) [m, m, rad], both in W.
+        """Contacts of tips with centres at ``tip`` (n, 2) [m] with the object at
+        ``pose`` (n, 3) [m, m, rad], both in W.
         """
         centers = rotated(tip - pose[:, :2], -pose[:, 2])
         places = shapely.points(centers)
@@ -43,5 +43,7 @@ class TipContact:
         return Contacts(outside * distance - self.radius, nearest, normals)
 
     def gaps(self, times: Array, tip: Stream, placed: Stream) -> Array:
-        """Gaps (n,) [m] at ``times`` (n,) [s], from streams on one clock."""
+        """Gaps (n,) [m] between tip and object at ``times`` (n,) [s], from streams on
+        one clock.
+        """
         return self.contacts(tip.values_at(times)[:, :2], placed.values_at(times)).gaps

@@ -1,5 +1,5 @@
-"""Top-level Python functions that select and plan. A task built in Python is checked
-like a task file.
+"""Top-level Python functions that select and plan. Tasks built in Python are checked
+like task files.
 """
 
 from __future__ import annotations
@@ -23,10 +23,11 @@ AnyTask = Task | str | PathLike[str] | Mapping[str, Any]
 def select(task: AnyTask, enough: int = 1) -> list[Choice]:
     """All choices for ``task``, the fastest feasible one first; never empty.
 
-    A choice that is not feasible has a refusal: with the deciding number if it cannot
-    do the task, or as skipped, with the reason, if ``enough`` choices of its mode are
-    feasible or many are blocked. Joint paths are not planned here; ``run`` plans them.
-    Raises TaskError for a task that no task file could describe.
+    A choice that is not feasible has a refusal. If it cannot do the task, the refusal
+    contains the deciding number. If ``enough`` choices of its mode are feasible, or too
+    many are blocked, it is skipped and the refusal says why. Joint paths are not
+    planned here but by ``run``. Raises TaskError for a task that no task file could
+    describe.
     """
     from pushpressslide.selection import select as selection
 
@@ -36,13 +37,15 @@ def select(task: AnyTask, enough: int = 1) -> list[Choice]:
 def plan(
     task: AnyTask, choice: Choice | str | None = None, *, force: bool = False
 ) -> Plan:
-    """Plan for ``choice``, by default the best one, or the best sequence of motions if
-    no single motion suffices. The name of a mode stands for its best choice.
+    """Plan for ``choice``. By default it is the best choice, or the best sequence of
+    motions if no single motion suffices.
 
-    Joint paths are not planned here; ``run`` plans them. In a task with legs, every
-    other placement takes its best choice. ``force`` plans an infeasible choice too, if
-    it has a path. Raises TaskError for a task that no task file could describe, and
-    InfeasibleTaskError with the reasons if the task is infeasible.
+    The name of a mode stands for its best choice.
+
+    Joint paths are not planned here but by ``run``. In a task with legs, all other
+    placements take their best choices. With ``force`` an infeasible choice is planned
+    too, if it has a path. Raises TaskError for a task that no task file could describe,
+    and InfeasibleTaskError with the reasons if the task is infeasible.
     """
     from pushpressslide.core.plan import Choice
     from pushpressslide.jobs.remedy import remedies_named
@@ -63,9 +66,10 @@ def plan(
 def checked(
     task: AnyTask, overrides: Overrides = (), *, mode: str | None = None
 ) -> Task:
-    """Task, checked like a task file, with ``mode`` as its only mode if one is given.
+    """Task, checked like a task file. If ``mode`` is given, it is the only mode.
 
-    Raises TaskError for a task that no task file could describe, and for anything else.
+    Raises TaskError for a task that no task file could describe, and for an argument
+    that is not a task.
     """
     from pushpressslide.taskfile.load import check_task, load_task
 

@@ -1,11 +1,11 @@
 """Samples of one planned push from behind, simulated together on arrays: a sweep
 without a run loop for each sample.
 
-The plan is made once. Every sample follows its path by the mode's law, with the tip and
-the servo of the planar engine, on an ellipsoid. Omitted are the approach, the touch and
-the release, replans after the touch and on the way, quantities identified on the way
-(drag, axle, centre of mass), retries, and a new contact after the tip has left the
-face: such a sample has missed. Obstacles and tipping are not checked.
+The plan is made once. Every sample follows the planned path by the mode's law, with the
+tip and the servo of the planar engine, on an ellipsoid. Approach, touch and release are
+omitted. So are replans, retries, and the online identification of drag, axle and centre
+of mass. A sample whose tip leaves the face counts as missed, since there is no new
+contact. Obstacles and tipping are not checked.
 """
 
 from __future__ import annotations
@@ -90,7 +90,9 @@ def drawn_truths(task: Task, seed: int, count: int) -> Truths:
 
 
 def truths_of(samples: list[Task]) -> Truths:
-    """Truths of tasks that are otherwise equal. The sensor noise is that of the first."""
+    """Truths of tasks that are otherwise equal. The sensor noise is taken from the
+    first task.
+    """
     starts = [sample.true_start for sample in samples]
     sensing = samples[0].sensing
     spread = sensing.position_noise
@@ -107,7 +109,7 @@ def truths_of(samples: list[Task]) -> Truths:
 def batched(plan: Plan, truths: Truths, seed: int = 0) -> Outcomes:
     """Outcomes of ``plan``, a push from behind on a flat face, for ``truths``.
 
-    ``seed`` seeds the sensor noise, which depends on it and the sample's number alone.
+    The sensor noise of a sample depends only on ``seed`` and the sample's number.
     Raises PushPressSlideError for other plans.
     """
     runs = path_runs(plan, truths.noise)
@@ -122,7 +124,7 @@ def batched(plan: Plan, truths: Truths, seed: int = 0) -> Outcomes:
 
 
 def path_runs(plan: Plan, noise: Array) -> PathRuns:
-    """Laws of a plan, with the controller's figures. ``noise`` (3,) [m], [m], [rad] is
+    """Laws of a plan, with the controller's parameters. ``noise`` (3,) [m, m, rad] is
     that of a measured pose.
 
     Raises PushPressSlideError for a plan that is not one push from behind on a flat
@@ -230,9 +232,9 @@ def _base(plan: Plan) -> tuple[float, float, float, float]:
     """Coefficients of rho^2 [m^2] as a polynomial in the tangent k of a push's angle,
     and the largest k checked without tipping.
 
-    The polynomial is fitted to the exact surface on both sides. An ellipsoid about the
-    centre of pressure with this rho has the curvature that the exact surface has at
-    each angle.
+    The polynomial is fitted to the exact surface for pushes to both sides. With this
+    rho, an ellipsoid about the centre of pressure gives the same path curvature as the
+    exact surface at each angle.
     """
     (contact,) = plan.contacts
     scene = plan.query.scene
@@ -257,8 +259,8 @@ def _base(plan: Plan) -> tuple[float, float, float, float]:
 
 
 def _bodies(plan: Plan, truths: Truths) -> tuple[Array, Array, float]:
-    """``kernels.path_run.Truth`` (n, 5), the starts (n, 3) X_WB, and the tip's position
-    along the face [m].
+    """Truths (n, 5) for ``kernels.path_run``, start poses (n, 3) X_WB, and the tip's
+    position along the face [m].
     """
     task = plan.task
     (contact,) = plan.contacts
@@ -328,7 +330,7 @@ def planned(task: Task) -> Plan:
 
 
 class BatchedSamples(NamedTuple):
-    """Samples of a sweep, and the times they took."""
+    """Samples of a sweep, with their computing times."""
 
     outcomes: Outcomes
     plan: Plan
@@ -337,10 +339,10 @@ class BatchedSamples(NamedTuple):
 
 
 def batched_samples(task: Task, seed: int, count: int) -> BatchedSamples:
-    """Plan ``task`` and run ``count`` truths of it.
+    """Plan ``task``, and run it for ``count`` truths.
 
-    Raises InfeasibleTaskError if it is infeasible, and PushPressSlideError if its plan
-    is not one push from behind.
+    Raises InfeasibleTaskError if the task is infeasible, and PushPressSlideError if its
+    plan is not one push from behind.
     """
     plan = planned(task)
     _pushed_car(plan)
@@ -352,7 +354,10 @@ def batched_samples(task: Task, seed: int, count: int) -> BatchedSamples:
 
 
 def batched_rows(task: Task, seed: int, outcomes: Outcomes) -> Iterator[Row]:
-    """Yield the row of each sample; ``duration`` [s] is the time of the motion alone."""
+    """Yield the row of each sample.
+
+    ``duration`` [s] is the time of the motion alone.
+    """
     for index, reached in enumerate(outcomes.reached.tolist()):
         end = int(outcomes.ends[index])
         yield {

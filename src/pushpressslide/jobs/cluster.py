@@ -16,7 +16,7 @@ LOST = 5
 
 
 class Cluster(NamedTuple):
-    """Pool that jobs are submitted to."""
+    """Pool to which jobs are submitted."""
 
     pool: Executor
     processes: int  # pieces that are done at a time
@@ -25,10 +25,11 @@ class Cluster(NamedTuple):
 @contextmanager
 def cluster(address: str) -> Iterator[Cluster]:
     """Open the pool of the cluster whose scheduler is at ``address``, such as
-    ``tcp://10.0.0.1:8786``. Its workers need this package.
+    ``tcp://10.0.0.1:8786``.
 
-    The jobs of a lost worker are repeated by another one. Raises PushPressSlideError
-    without ``distributed``, if no scheduler answers, and if it has no workers.
+    This package must be installed on the workers. Jobs of a lost worker are repeated by
+    another worker. Raises PushPressSlideError if ``distributed`` is not installed, if
+    no scheduler answers, and if there are no workers.
     """
     try:
         distributed = importlib.import_module("distributed")

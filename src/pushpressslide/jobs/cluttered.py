@@ -1,5 +1,5 @@
-"""Random tasks among obstacles, with start and goal anywhere in reach, at any yaw, and
-without a given mode.
+"""Random tasks among obstacles, for any mode. Start and goal are anywhere in reach, at
+any yaw.
 """
 
 from __future__ import annotations
@@ -56,9 +56,9 @@ def cluttered_task(base: Task, index: int, seed: int) -> Task:
     to OBSTACLES obstacles.
 
     The draw is repeated if start, goal and obstacles overlap each other or a base, if
-    no arm reaches the middle of the top at start or goal, or if a grid over position
-    and yaw has no free path for the footprint. Raises PushPressSlideError after TRIES
-    draws.
+    no arm reaches the middle of the top at start and goal, or if the footprint has no
+    free path on a grid over position and yaw. Raises PushPressSlideError after TRIES
+    failed draws.
     """
     rng = np.random.default_rng([seed, index])
     arms = len(base.robots)
@@ -100,10 +100,10 @@ def cluttered_task(base: Task, index: int, seed: int) -> Task:
 
 
 def started_task(base: Task, index: int, seed: int) -> Task:
-    """The task ``base`` with another start: anywhere in reach, at any yaw, off all
-    obstacles and bases, with a free path to the goal.
+    """The task ``base`` with another start.
 
-    Raises PushPressSlideError after TRIES draws.
+    The start is anywhere in reach, at any yaw, clear of all obstacles and bases, and
+    with a free path to the goal. Raises PushPressSlideError after TRIES failed draws.
     """
     rng = np.random.default_rng([seed, index])
     arms = len(base.robots)
@@ -157,7 +157,7 @@ def _shape(kind: str, width: float, depth: float, height: float, leg: float) -> 
 
 
 def _tee(half: float, leg: float) -> tuple[Point, ...]:
-    """Corners [m] of a T as wide as it is long, with a bar on top."""
+    """Corners [m] of a T whose width equals its length, with the bar on top."""
     stem = 0.5 * leg
     return (
         (-stem, -half),
@@ -172,7 +172,9 @@ def _tee(half: float, leg: float) -> tuple[Point, ...]:
 
 
 def _pose(rng: np.random.Generator, robots: Sequence[Robot], arms: int) -> Pose2:
-    """Draw a pose in reach of one of the robots; with two robots, of either at random."""
+    """Draw a pose in reach of one of the robots. With two robots, one is chosen at
+    random.
+    """
     robot = robots[int(rng.integers(len(robots)))]
     x, y, _ = robot.base
     r = float(rng.uniform(*REACH[arms]))
@@ -182,7 +184,7 @@ def _pose(rng: np.random.Generator, robots: Sequence[Robot], arms: int) -> Pose2
 
 
 def _in_reach(robots: Sequence[Robot], shape: Shape, ends: tuple[Pose2, Pose2]) -> bool:
-    """Whether some robot's tip reaches the middle of the top at both ends."""
+    """Whether some robot's tip reaches the middle of the object's top at both ends."""
     places = np.array([X.apply(shape.centroid) for X in ends])
     reachable = np.full(len(ends), False)
     for robot in robots:
@@ -201,7 +203,7 @@ def _obstacles(
     count: int,
     blocked: bool,
 ) -> tuple[Obstacle, ...]:
-    """Draw obstacles. If ``blocked``, the first stands on the straight path."""
+    """Draw obstacles. With ``blocked``, the first one stands on the straight path."""
     out = []
     for i in range(count):
         sizes = [float(size) for size in rng.uniform(*OBSTACLE_SIZE, size=3)]

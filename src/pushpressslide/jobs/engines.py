@@ -69,8 +69,9 @@ class Engine(Protocol):
     ) -> PlacementPlanner:
         """An empty joint-path planner.
 
-        With ``force`` it takes the best path available, however bad. The arms start as
-        in ``start`` if that has their joints, otherwise in their ready postures.
+        With ``force`` it takes the best path available, however bad. The arms start in
+        the joint positions of ``start`` if it has any, otherwise in their ready
+        postures.
         """
 
     def run(self, plan: Plan, options: RunOptions, arms: ArmOptions) -> Record:
@@ -79,8 +80,10 @@ class Engine(Protocol):
     def write_replay(
         self, runs: Sequence[StageRun], record: Record, out: Path, arms: ArmOptions
     ) -> None:
-        """Write the replay, pictures, and an animation if requested, of a run in stages
-        into the folder ``out``. ``record`` is that of all ``runs``.
+        """Write the replay and the pictures of a run in stages into the folder ``out``,
+        with an animation if requested.
+
+        ``record`` covers all ``runs``.
         """
 
 
@@ -176,9 +179,7 @@ class _Planar:
     def placement_planner(
         self, force: bool, start: WorldState | None = None
     ) -> PlacementPlanner:
-        """A placement planner that accepts any plan, since there are no arms that would
-        need joint paths.
-        """
+        """Placement planner that accepts any plan, since there are no arms to plan for."""
         from pushpressslide.selection.placement_planner import PlansAlone
 
         return PlansAlone()
@@ -227,8 +228,8 @@ PACKAGES: Mapping[str, tuple[str, ...]] = {
 def engine_named(name: str) -> Engine:
     """Engine with the given name.
 
-    Raises TaskError for an unknown one, and MissingPackageError for one that is not
-    installed.
+    Raises TaskError for an unknown engine, and MissingPackageError for an engine that
+    is not installed.
     """
     if not isinstance(name, str) or name not in ENGINES:
         raise TaskError("", "engine", name, nearest(name, map(str, ENGINES)))

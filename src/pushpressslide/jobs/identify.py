@@ -63,9 +63,10 @@ def identify(
 ) -> tuple[dict[str, Any], list[IdentifiedSet]]:
     """Identify every set of pushes in ``data``: logs, or folders with logs.
 
-    Recordings with streams form one set. Each folder of text logs is a set. Returns the
-    contents of result.json, and the sets. Writes result.json, report.html and a plot of
-    each set to ``out``. Raises PushPressSlideError for logs that cannot be read.
+    All recordings with streams together form one set; each folder of text logs forms
+    another. Returns the contents of result.json, and the sets. Writes result.json,
+    report.html and a plot of each set to ``out``. Raises PushPressSlideError for logs
+    that cannot be read.
     """
     files = log_files(data)
     recorded = None
@@ -123,7 +124,7 @@ def _result(
 def _recorded(
     data: Sequence[Path], files: Sequence[Path], options: IdentifyOptions
 ) -> RecordedSet:
-    """The set of all recordings in files."""
+    """The set of all recordings in ``files``."""
     task = options.task or _task_of_runs(files)
     recordings = read_logs(files, options.log)
     return recorded_set(data[0].name, recordings, task.scene, options.log)
@@ -132,7 +133,8 @@ def _recorded(
 def _task_of_runs(files: Sequence[Path]) -> Task:
     """Task of the runs that records belong to.
 
-    Raises PushPressSlideError for other files, and for runs of different objects.
+    Raises PushPressSlideError for files that are not records, and for runs with
+    different objects.
     """
     tasks = []
     for file in files:
@@ -154,7 +156,7 @@ def _task_of_runs(files: Sequence[Path]) -> Task:
 def _text_sets(
     data: Sequence[Path], options: IdentifyOptions
 ) -> tuple[list[PushSet], list[str]]:
-    """Sets of text logs, and a line for each file that is skipped."""
+    """Sets of text logs, and a line for each skipped file."""
     task = options.task
     body = PRISM if task is None else pushed_object(task.scene)
     sets: list[PushSet] = []
@@ -167,7 +169,7 @@ def _text_sets(
 
 
 def _overall(progress: Progress | None, done: int, sets: int) -> Progress:
-    """Progress callback for one set that adds to the progress over the ``sets``."""
+    """Progress callback for one set, which reports progress over all ``sets``."""
 
     def report_progress(part: float, parts: float) -> None:
         """Report progress within the current set."""
@@ -226,8 +228,8 @@ def _more_figures(result: IdentifiedSet) -> dict[str, Any]:
 
 
 def _reductions(identifications: Sequence[Identification]) -> dict[str, float]:
-    """Reduction of the error below that of the one-parameter ellipsoid, as a share: the
-    mean over the sets for each model.
+    """Relative reduction of each model's error compared with the one-parameter
+    ellipsoid, averaged over the sets.
     """
     names = [
         name

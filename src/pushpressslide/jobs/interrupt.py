@@ -1,4 +1,4 @@
-"""Ctrl-C as a request that a run grants at its next tick, to keep its recording."""
+"""Ctrl-C as a request that a run obeys at its next tick, so that its recording is kept."""
 
 from __future__ import annotations
 
@@ -10,15 +10,17 @@ from types import FrameType
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C, raised after the finished part has been stored. The message says where."""
+    """Ctrl-C, raised after the finished part has been stored. The message names the
+    location.
+    """
 
 
 ENDINGS = (signal.SIGINT, signal.SIGTERM)
-"""Ctrl-C, and the request to terminate, which counts as Ctrl-C."""
+"""Signals of Ctrl-C and of a request to terminate, which are treated alike."""
 
 
 class Interrupt:
-    """Ctrl-C, or a request to terminate, as a condition that a loop polls.
+    """Ctrl-C, or a request to terminate, as a flag that a loop polls.
 
     A second Ctrl-C interrupts at once.
     """
@@ -27,7 +29,7 @@ class Interrupt:
         self._asked = False
 
     def __call__(self) -> bool:
-        """Whether Ctrl-C was pressed while it was held back."""
+        """Whether Ctrl-C was pressed while it was deferred."""
         return self._asked
 
     def _note(self, number: int, frame: FrameType | None) -> None:
@@ -37,8 +39,9 @@ class Interrupt:
 
     @contextmanager
     def defer(self) -> Iterator[None]:
-        """Hold Ctrl-C back inside the block. Works only in the main thread, since other
-        threads get no signals.
+        """Defer Ctrl-C inside the block.
+
+        It works only in the main thread, since other threads receive no signals.
         """
         if threading.current_thread() is not threading.main_thread():
             yield
@@ -53,8 +56,8 @@ class Interrupt:
 
 @contextmanager
 def blocked_for_children() -> Iterator[None]:
-    """Hide Ctrl-C from processes that are started inside the block. A Ctrl-C inside the
-    block takes effect at its end.
+    """Hide Ctrl-C from processes started inside the block. A Ctrl-C in the meantime
+    takes effect at the end of the block.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield
@@ -69,7 +72,9 @@ def blocked_for_children() -> Iterator[None]:
 @contextmanager
 def terminated_as_interrupt() -> Iterator[None]:
     """Let a request to terminate raise KeyboardInterrupt inside the block, as Ctrl-C
-    does, so that open files are closed and other processes are ended.
+    does.
+
+    Open files are then closed, and other processes ended.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -22,7 +22,7 @@ class Monitor:
     interrupt: Interrupt | None = None
 
     def deferred_interrupt(self) -> AbstractContextManager[None]:
-        """Block inside which Ctrl-C waits for the next tick."""
+        """Context in which Ctrl-C waits for the next tick."""
         return nullcontext() if self.interrupt is None else self.interrupt.defer()
 
 
@@ -36,7 +36,7 @@ class Output:
 
 
 def interrupted(out: Output | None) -> Interrupted:
-    """Error of a run that Ctrl-C has ended. It names the location of its files."""
+    """Error of a run ended by Ctrl-C. It names the location of the run's files."""
     message = "interrupted"
     if out is not None:
         message += f"; record and result so far are in {out.folder}"

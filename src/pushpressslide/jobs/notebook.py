@@ -44,8 +44,8 @@ def record_html(record: Record) -> str:
 def _replay(record: Record) -> str:
     """Replay as an embedded page.
 
-    Empty if nothing was recorded or moved. Empty for a run in stages, too: the view
-    from above does not move the other bodies.
+    Empty if nothing was recorded or nothing moved. Also empty for a run in stages,
+    since the view from above does not show other bodies in motion.
     """
     moved = ticks(record) and record.plan.segments
     if not moved or "stage" in record.arrays:

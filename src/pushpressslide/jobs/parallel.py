@@ -1,4 +1,4 @@
-"""Jobs in processes of their own."""
+"""Jobs in separate processes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Progress = Callable[[int, int], None]
 def worker_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
     """Open a pool of processes, which end at once if the block raises.
 
-    ``processes``: 0 for one per core.
+    If ``processes`` is 0, there is one per core.
     """
     context = multiprocessing.get_context("spawn")
     count = processes or os.cpu_count() or 1
@@ -43,13 +43,13 @@ def worker_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
 
 
 def _hushed(pool: ProcessPoolExecutor, ended: Event) -> None:
-    """Silence the errors of a pool, once it has ``ended``, about jobs that it can no
-    longer hand out.
+    """Silence a pool's errors about jobs that it cannot hand out, once it has
+    ``ended``.
 
-    The pool's thread that hands out jobs may find the workers' pipe closed, and would
-    print that error with its traceback. Python has no public way to prevent this. The
-    thread reads its error function when it starts, so the function is replaced before
-    the first job is submitted.
+    The pool's thread that hands out jobs may find the pipe to the workers closed, and
+    would then print a traceback. Python has no public way to prevent this. The thread
+    reads its error function when it starts, so the function is replaced before the
+    first job is submitted.
     """
     queue = getattr(pool, "_call_queue", None)
     say = getattr(queue, "_on_queue_feeder_error", None)
@@ -65,13 +65,13 @@ def _hushed(pool: ProcessPoolExecutor, ended: Event) -> None:
 
 
 def end_with_parent() -> None:
-    """Let this process end as soon as its parent does, even by kill -9."""
+    """Let this process end as soon as its parent does, even if the parent is killed."""
     parent = multiprocessing.parent_process()
     if parent is None:
         return
 
     def watch(sentinel: int) -> None:
-        """Wait for the parent's end, which closes its side of a pipe."""
+        """Wait for the end of the parent, which closes its side of a pipe."""
         connection.wait([sentinel])
         os._exit(1)  # nobody is left to tell, and nothing to write
 
@@ -85,10 +85,9 @@ def in_parallel(
 ) -> dict[Key, Result]:
     """Do every job of ``work`` and return the results by their keys, in order.
 
-    At most ``jobs`` run at a time.
-
-    ``progress`` receives the number done and the total. An exception of a job is raised
-    again. On that, and on Ctrl-C, the other jobs are ended.
+    At most ``jobs`` run at a time. ``progress`` receives the number of finished jobs
+    and the total. An exception in a job is raised again. On an exception, and on
+    Ctrl-C, the other jobs are ended.
     """
     results: dict[Key, Result] = {}
     with worker_pool(max(1, min(jobs, len(work)))) as pool:

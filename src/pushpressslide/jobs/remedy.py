@@ -19,19 +19,19 @@ from pushpressslide.taskfile.dump import task_data
 from pushpressslide.taskfile.load import task_from_data
 
 MOST_TRIED = 12
-"""Largest number of changed tasks that are evaluated."""
+"""Largest number of modified tasks that are evaluated."""
 UP = (1.1, 1.25, 1.5, 2.0, 3.0, 4.0)
-"""Factors on a limit that is raised."""
+"""Factors by which a limit is raised."""
 DOWN = (0.75, 0.5, 0.25)
-"""Factors on a distance that is reduced."""
+"""Factors by which a distance is reduced."""
 SMALLER = (0.75, 0.5, 0.35, 0.25)
-"""Factors on a tip's radius."""
+"""Factors by which a tip's radius is reduced."""
 SHIFTS = (0.05, 0.1, 0.15, 0.2, 0.3)
 """Distances [m] by which a base is moved towards the object or away from it."""
 TURNS = (10.0, 20.0, 30.0, 45.0, 60.0, 90.0)
 """Angles [deg] by which the goal is turned."""
 SPARE = 1.02
-"""Factor on a figure named in a refusal, to leave a margin."""
+"""Factor on a value named in a refusal, to leave a margin."""
 PRESCRIBED = (
     "face",
     "contacts",
@@ -42,13 +42,13 @@ PRESCRIBED = (
     "cop",
     "look_ahead",
 )
-"""Fields of ``motion`` that a task can leave to the mode."""
+"""Fields of ``motion`` whose choice a task can leave to the mode."""
 SMOOTH = {"friction", "smooth_tip", "leaning", "squeeze", "outside_cone", "steering"}
-"""Codes of refusals that a rougher tip may lift."""
+"""Codes of refusals that a tip with more friction may remove."""
 LARGE = {"off_top", "tipping", "above_object", "no_faces", "hollow", "too_close"}
-"""Codes of refusals that a smaller tip may lift."""
+"""Codes of refusals that a smaller tip may remove."""
 TURNED = {"turning", "turn", "outside_cone", "loop", "steering", "no_path", "tool_skew"}
-"""Codes of refusals that another attitude at the goal may lift."""
+"""Codes of refusals that another yaw at the goal may remove."""
 
 Path = tuple[str | int, ...]
 
@@ -69,8 +69,8 @@ class Remedy:
 
 @dataclass(frozen=True)
 class _Ladder:
-    """Values of one field, the smallest change first. If one helps, so do all later
-    ones.
+    """Values of one field, from the smallest change to the largest. If one helps, so do
+    all later ones.
     """
 
     path: Path
@@ -84,7 +84,7 @@ class _Ladder:
 
 @contextmanager
 def remedies_named(task: Task) -> Iterator[None]:
-    """Context that appends a remedy to a refusal of ``task``, if one is found."""
+    """Context that appends a remedy to a refusal of ``task``, if there is one."""
     try:
         yield
     except InfeasibleTaskError as error:
@@ -98,10 +98,10 @@ def remedies_named(task: Task) -> Iterator[None]:
 
 def remedy(task: Task, refused: Sequence[Choice]) -> Remedy | None:
     """First change suggested by the ``refused`` choices that makes the task feasible,
-    or None. At most ``MOST_TRIED`` changes are tried.
+    or None.
 
-    Joint paths are not planned. None for a task of several goals, and if only joint
-    paths are missing.
+    At most ``MOST_TRIED`` changes are tried, without planning joint paths. None for a
+    task with several goals, and if only joint paths are missing.
     """
     codes = {choice.refusal.code for choice in refused if choice.refusal is not None}
     if task.goals or not codes or "joint_path" in codes:
@@ -125,7 +125,7 @@ class _Trial:
         self.left = MOST_TRIED
 
     def mode(self, path: Path, value: Any) -> str | None:
-        """Mode that can do the changed task, or None."""
+        """Mode that can do the modified task, or None."""
         from pushpressslide.selection.select import placements
 
         self.left -= 1
@@ -179,8 +179,10 @@ def _written(value: Any) -> str:
 def _ladders(
     task: Task, refused: Sequence[Choice], codes: set[str]
 ) -> Iterator[_Ladder]:
-    """Yield the changes suggested by refusals: prescribed fields first, then the fields
-    that a refusal names, then the cell and the goal.
+    """Yield the changes suggested by refusals.
+
+    Prescribed fields come first, then fields named by a refusal, then the cell and the
+    goal.
     """
     yield from _prescribed(task)
     yield from _forces(task, refused)
@@ -205,7 +207,7 @@ def _ladders(
 
 
 def _figures(refused: Sequence[Choice], code: str) -> list[tuple[float, float]]:
-    """Figure and bound of each refusal with a given code, the nearest to feasible
+    """Figures and limits of the refusals with a given code, the nearest to feasible
     first.
     """
     out = []
@@ -290,7 +292,7 @@ def _rougher(task: Task) -> _Ladder:
 def _moved_bases(
     task: Task, figures: Sequence[tuple[float, float]]
 ) -> Iterator[_Ladder]:
-    """Yield bases nearer to the object's path, then farther from it."""
+    """Yield bases moved towards the object's path, then away from it."""
     middle = (
         0.5 * (task.start.x + task.goal.x),
         0.5 * (task.start.y + task.goal.y),
@@ -325,6 +327,6 @@ def _turned_goals(task: Task) -> Iterator[_Ladder]:
 
 
 def _rounded_up(value: float) -> float:
-    """``value`` rounded up to two digits."""
+    """``value`` rounded up to two significant digits."""
     size = 10.0 ** (math.floor(math.log10(value)) - 1)
     return math.ceil(value / size - 1e-9) * size

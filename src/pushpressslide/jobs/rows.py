@@ -1,7 +1,7 @@
 """The rows of a sweep: one line of JSON each, appended as the samples finish.
 
-A row counts only for the sweep that made it. Its key is a hash of the resolved task,
-the options, the versions of libraries and the package's own source files.
+A row is reused only by a sweep with the same key: a hash of the resolved task, the
+options, the library versions and the package's source files.
 """
 
 from __future__ import annotations
@@ -45,10 +45,10 @@ def key_of(settings: Mapping[str, Any]) -> str:
 
 
 class Rows:
-    """Rows of one sweep in a file. Only their positions are held in memory."""
+    """Rows of one sweep in a file. Only their file positions are in memory."""
 
     def __init__(self, path: Path, key: str) -> None:
-        """Find the rows of ``key`` in the file ``path``; others are ignored."""
+        """Find the rows with ``key`` in the file ``path``, and ignore all others."""
         self._path = path
         self._key = key
         self._places = array("q")  # in the file, of each sample's row; ABSENT: none yet
@@ -67,11 +67,11 @@ class Rows:
         return len(self._places) - self._places.count(ABSENT)
 
     def has_forced(self, index: int, rank: int) -> bool:
-        """Whether a forced run of a refused sample's choice is stored."""
+        """Whether the forced run of a choice of a refused sample is stored."""
         return (index, rank) in self._forced
 
     def status(self, index: int) -> str:
-        """Status of a sample at its end."""
+        """Final status of a sample."""
         return self._statuses[self._codes[index]]
 
     def add(self, row: Row) -> None:
@@ -89,7 +89,7 @@ class Rows:
             place += len(line)
 
     def _append(self, lines: Sequence[bytes]) -> int:
-        """Append lines to the file, all or none, and sync it. Return their position."""
+        """Append all lines or none to the file, and sync it. Return their position."""
         self._path.parent.mkdir(parents=True, exist_ok=True)
         with self._path.open("ab+", buffering=0) as file:
             end = file.seek(0, os.SEEK_END)
@@ -107,11 +107,11 @@ class Rows:
         return start
 
     def read(self, count: int) -> Iterator[Row]:
-        """Yield the rows of the first ``count`` samples in their order."""
+        """Yield the rows of the first ``count`` samples in order."""
         yield from self._rows_at(self._places[i] for i in range(count))
 
     def read_forced(self, count: int) -> Iterator[Row]:
-        """Yield the forced runs of the first ``count`` samples in their order."""
+        """Yield the forced runs of the first ``count`` samples in order."""
         wanted = sorted(key for key in self._forced if key[0] < count)
         yield from self._rows_at(self._forced[key] for key in wanted)
 
@@ -140,7 +140,7 @@ class Rows:
 
 
 def _whole_lines(file: io.FileIO, end: int) -> int:
-    """End of the last complete line in a file up to ``end``."""
+    """Position after the last complete line in a file, up to ``end``."""
     while end > 0:
         start = max(0, end - BLOCK)
         file.seek(start)
@@ -152,7 +152,7 @@ def _whole_lines(file: io.FileIO, end: int) -> int:
 
 
 def _lines(path: Path) -> Iterator[tuple[int, Row]]:
-    """Yield each row and its position. A truncated line is skipped."""
+    """Yield each row with its position. A truncated line is skipped."""
     with path.open("rb") as file:
         place = 0
         for line in file:

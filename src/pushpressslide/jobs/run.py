@@ -1,5 +1,5 @@
 """Complete pipeline for one task: select, plan, run on an engine, measure, and write
-all files for the user.
+all files.
 """
 
 from __future__ import annotations
@@ -50,14 +50,14 @@ def simulate(
     knock: Knock | None = None,
     execution: Execution = USUAL,
 ) -> tuple[Plan, Record, list[Choice]]:
-    """Select, plan and run a task of one goal. Return the plan, the record and all
+    """Select, plan and run a task with one goal. Return the plan, the record and all
     choices.
 
-    Skipped choices state the reason. On an engine with arms a choice also needs a joint
-    path, and the first that has one is run. ``force`` runs the best choice that has a
-    path even if it is infeasible. ``knock``: another body pushes the object aside, on
-    an engine with arms. ``execution`` may change the laws. Raises InfeasibleTaskError
-    if the task is infeasible.
+    Skipped choices give the reason. On an engine with arms a choice also needs a joint
+    path; the first choice that has one is run. With ``force``, the best choice that has
+    a path is run even if it is infeasible. With ``knock``, another body pushes the
+    object aside, on an engine with arms. ``execution`` may change the laws. Raises
+    InfeasibleTaskError if the task is infeasible.
     """
     monitor = monitor or Monitor()
     loop = RunOptions(execution=execution)
@@ -106,10 +106,10 @@ def run(
     and ``figures``.
 
     A task may be given as to ``load_task``, with ``overrides``; ``mode`` is the name of
-    the only mode to consider. ``engine`` is "drake" or "planar".
-    ``controller`` may be a class derived from ``Controller``. ``tracker`` receives the
-    engine's object tracker and returns the one to use. ``estimator`` computes poses and
-    figures of the object from the measurements, for the motion as requested.
+    the only mode to consider. ``engine`` is "drake" or "planar". ``controller`` may be
+    a class derived from ``Controller``. ``tracker`` receives the engine's object
+    tracker and returns the tracker to use. ``estimator`` makes the estimator of the
+    object's pose and parameters for a motion query.
 
     Raises TaskError for a task that no task file could describe. Raises
     InfeasibleTaskError before anything moves if the task is infeasible.
@@ -141,7 +141,7 @@ def run(
 
 
 def check_seed(seed: Any) -> None:
-    """Raise TaskError unless ``seed`` is a whole number that is not negative."""
+    """Raise TaskError unless ``seed`` is a non-negative integer."""
     whole = isinstance(seed, Integral) and not isinstance(seed, bool)
     if not whole or seed < 0:
         raise TaskError("", "seed", seed, "allowed: a whole number, 0 or greater")
@@ -153,8 +153,10 @@ def measured(record: Record, task: Task) -> Record:
 
 
 def measured_figures(record: Record, task: Task | None = None) -> Figures:
-    """Contents of result.json for a record of a run of ``task``, by default its plan's
-    task. SI units and radians, None if a figure does not apply.
+    """Contents of result.json for the record of a run of ``task``, by default the task
+    of its plan.
+
+    Figures are in SI units and radians, and None if they do not apply.
     """
     from pushpressslide.report.metrics import result
 
@@ -175,10 +177,10 @@ def run_task(
 ) -> dict[str, Any]:
     """Run ``task`` and return its result.
 
-    With ``out`` all files of the run are written there, record and plans at the end of
-    each stage. Raises InfeasibleTaskError before anything moves if the task is
-    infeasible, and Interrupted on Ctrl-C once the engine runs, after record and result
-    so far are written.
+    With ``out`` all files of the run are written there; record and plans are updated at
+    the end of each stage. Raises InfeasibleTaskError before anything moves if the task
+    is infeasible. On Ctrl-C while the engine runs, it writes the record and the result
+    so far, then raises Interrupted.
     """
     interrupt = Interrupt()
     monitor = replace(monitor or Monitor(), interrupt=interrupt)
@@ -225,7 +227,7 @@ def _save(out: Output, done: Done) -> None:
 def write_pages(out: Output, done: Done, *, models: str = "generated") -> None:
     """Write the pictures, replay and report of a run whose data are in ``out``.
 
-    Each is complete or absent. Raises Interrupted on Ctrl-C.
+    Each file is either complete or absent. Raises Interrupted on Ctrl-C.
     """
     from pushpressslide.report.page import write_report
     from pushpressslide.report.plan_files import write_plan_pictures

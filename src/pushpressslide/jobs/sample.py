@@ -52,13 +52,15 @@ OURS = (
     TypeError,
     ValueError,
 )
-"""Errors of the software that are rows, not the end of a sweep; an engine that gives up
-exits.
+"""Errors of the software that become rows and do not end a sweep. An engine may give up
+with SystemExit.
 """
 KNOCKED = (0.25, 0.65)
-"""Range of the point of the knock, as a share of the direct path."""
+"""Range in which the object is knocked, as a share of the direct path."""
 FORCED = 3
-"""Number of choices of a refused task that are run: the best with a path."""
+"""Number of choices of a refused task that are run nevertheless: the best that have a
+path.
+"""
 
 
 class SampleTimeoutError(RuntimeError):
@@ -119,7 +121,7 @@ def _knock(options: SweepOptions, index: int) -> Knock | None:
 
 
 def run_forced(task: Task, options: SweepOptions, index: int, rank: int) -> Row:
-    """Run the choice of the given ``rank`` of a refused sample. Return its row:
+    """Run the choice with the given ``rank`` of a refused sample. Return its row:
     reached, missed, or not run, with the reason.
     """
     row: Row = {"index": index, "rank": rank}
@@ -163,8 +165,8 @@ def _figures(sample: Task, plan: Plan, record: Record) -> dict[str, Any]:
 
 
 def _overlap(sample: Task, measured: Mapping[str, Any]) -> float | None:
-    """Share of its footprint at the goal that the object covers at the end. None if it
-    was not recorded.
+    """Share of the object's footprint at the goal that the object covers at the end.
+    None if it was not recorded.
     """
     body = measured["bodies"].get("object")
     if body is None or body["final_pose"] is None:
@@ -177,9 +179,10 @@ def _overlap(sample: Task, measured: Mapping[str, Any]) -> float | None:
 
 @contextmanager
 def _at_most(seconds: float) -> Iterator[None]:
-    """Raise SampleTimeoutError if the block takes longer; 0 means no limit.
+    """Raise SampleTimeoutError if the block takes longer than ``seconds``; 0 means no
+    limit.
 
-    It works only in the main thread of a process, which alone has alarms.
+    It works only in the main thread of a process, since other threads have no alarms.
     """
     alarms = hasattr(signal, "SIGALRM")
     main = threading.current_thread() is threading.main_thread()

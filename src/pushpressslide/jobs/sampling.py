@@ -27,9 +27,10 @@ from pushpressslide.modes import MODES
 
 Range = tuple[float, float]
 Draw = Literal["ahead", "any", "cluttered"]
-"""Kind of drawn tasks. "ahead": goals about ahead of the push, objects of medium size.
-"any": goals in any direction, objects of any size, the centre of mass off centre.
-"cluttered": start and goal anywhere in reach, among obstacles (``jobs/cluttered.py``).
+"""Kind of drawn tasks. "ahead": goals roughly in the direction of the push, objects of
+medium size. "any": goals in any direction, objects of any size, centres of mass off the
+centroid. "cluttered": start and goal anywhere in reach, among obstacles
+(``jobs/cluttered.py``).
 """
 Poses = tuple[Pose2, Pose2]
 """X_WG at the start and at the goal."""
@@ -116,7 +117,7 @@ UNCERTAIN_SENSING = Sensing(
 
 
 class Aim(NamedTuple):
-    """Direction of a push or a press, as angles to either side [rad]."""
+    """Directions of a push or a press, as largest angles to either side [rad]."""
 
     heading: float  # of the push, of straight away from two robots
     bearing: float  # of the goal, of the direction of the push
@@ -126,18 +127,19 @@ class Aim(NamedTuple):
 def random_task(base: Task, index: int, seed: int, draw: Draw = "ahead") -> Task:
     """A new task for ``base``'s robots: other object, frictions, start and goal.
 
-    Two thirds of the objects are boxes, a third triangular and hexagonal prisms;
-    pressed objects may also be cylinders. One arm: start and goal are within
-    ``ONE_ARM_REACH`` and ``AZIMUTH``, the goal up to ``BEARING`` off the object's x
-    axis. Some pressed objects have a given contact. Two arms: start and goal are within
-    ``TWO_ARM_REACH`` of both. The push, on one face or on two neighbouring ones, is
-    straight away from the robots to within ``HEADING``; the goal is up to ``BEARING``
-    off the direction of the push. Pressed objects go in any direction.
+    Two thirds of the objects are boxes, one third triangular and hexagonal prisms;
+    pressed objects may also be cylinders. With one arm, start and goal are within
+    ``ONE_ARM_REACH`` and ``AZIMUTH``, and the goal is up to ``BEARING`` off the
+    object's x axis. Some pressed objects have a prescribed contact. With two arms,
+    start and goal are within ``TWO_ARM_REACH`` of both. The push, on one face or on two
+    neighbouring faces, is directed away from the robots to within ``HEADING``, and the
+    goal is up to ``BEARING`` off the direction of the push. Pressed objects move in any
+    direction.
 
-    In a cell with two arms tasks are drawn for both at once. If ``base`` names only
-    one-arm modes, they are drawn for one of the arms, at random.
+    In a cell with two arms, tasks are drawn for both arms together. If ``base`` names
+    only one-arm modes, they are drawn for one of the arms, chosen at random.
 
-    With ``draw`` "any" goals lie in any direction, and sizes, masses and centres of
+    With ``draw`` "any", goals lie in any direction, and sizes, masses and centres of
     mass are drawn from ANY_SIZE, ANY_DENSITY and OFF_CENTER.
 
     Raises TaskError if ``base`` names a mode for which no tasks can be drawn, and
@@ -236,7 +238,7 @@ def uncertain_task(known: Task, index: int, seed: int) -> Task:
 
 
 def _arms(base: Task) -> int:
-    """Number of arms that tasks are drawn for: all arms that may touch the object, or
+    """Number of arms for which tasks are drawn: all arms that may touch the object, or
     fewer if the modes named by ``base`` need fewer.
     """
     most = len(base.scene.arms)
@@ -254,8 +256,8 @@ def _drawn_robot(base: Task, rng: np.random.Generator) -> Robot:
 def _pushed_faces(base: Task, arms: int, rng: np.random.Generator) -> int:
     """Number of pushed faces, 0 if the object is pressed.
 
-    The mode that ``base`` names decides it. If the mode is open, the number is drawn.
-    With one arm, it is 1 for a mode that no tasks are drawn for.
+    It follows from the mode that ``base`` names. Without a prescribed mode, the number
+    is drawn at random. With one arm, it is 1 for modes for which no tasks are drawn.
     """
     drawn = {
         name: mode.pushed_faces
@@ -330,9 +332,7 @@ def _object(
 
 
 def _shape(rng: np.random.Generator, ranges: ObjectRanges, pressed: bool) -> Shape:
-    """Draw a shape: a box in two thirds of the draws, in slightly fewer if cylinders
-    are drawn too.
-    """
+    """Draw a shape. Two thirds are boxes, or slightly fewer if cylinders are drawn too."""
     kind = _kind(rng, pressed)
     heights = ranges.pressed_height if pressed else ranges.pushed_height
     height = float(rng.uniform(*heights))
@@ -356,7 +356,9 @@ def _kind(rng: np.random.Generator, pressed: bool) -> str:
 
 
 def _regular(count: int, radius: float, phase: float) -> tuple[Point, ...]:
-    """Corners [m] of a regular polygon; ``phase`` [rad] is that of the first."""
+    """Corners [m] of a regular polygon; ``phase`` [rad] is the direction of the first
+    corner.
+    """
     angles = [phase + 2.0 * math.pi * i / count for i in range(count)]
     return tuple(
         (float(radius * math.cos(a)), float(radius * math.sin(a))) for a in angles
@@ -366,8 +368,8 @@ def _regular(count: int, radius: float, phase: float) -> tuple[Point, ...]:
 def _centroid(shape: Shape) -> Point:
     """Centroid [m] of the footprint in G.
 
-    ``shape.centroid`` is not used, because it rounds differently and a seed must give
-    the same task to the last bit.
+    ``shape.centroid`` is not used, because it is rounded differently, and a seed must
+    give the same task to the last bit.
     """
     corners = shape.corners
     if not corners:
@@ -457,8 +459,7 @@ def _two_arm_poses(
 ) -> Poses:
     """Draw start and goal in front of two robots.
 
-    The push, if there is one, goes away from them. A pressed object moves in any
-    direction.
+    A push is directed away from the robots. A pressed object moves in any direction.
     """
     (lx, ly), (rx, ry) = (robot.base[:2] for robot in robots)
     # x away from the robots

@@ -1,8 +1,8 @@
-"""A run as a sequence of stages, one by default, without a reset between them.
+"""A run as a sequence of stages, by default a single one, without a reset between them.
 
-Each stage runs on a plant of its own, which starts with the arms and all bodies exactly
-as in the last sample of the previous stage. The planner knows only the measured poses
-of the bodies.
+Each stage runs on its own plant, which starts with the arms and all bodies exactly as
+in the last sample of the previous stage. The planner knows only the measured poses of
+the bodies.
 """
 
 from __future__ import annotations
@@ -104,8 +104,8 @@ class StageRunner:
     def run(self) -> Iterator[StageRun]:
         """Run the stages and yield each as soon as it has ended.
 
-        If a stage fails, it is the last one. If a stage was not started, ``lacking``
-        holds the reason.
+        A stage that fails is the last one. If a stage is not started, ``lacking``
+        contains the reason.
         """
         for number in range(len(self.planned)):
             done = self._run(number)
@@ -186,8 +186,8 @@ class StageRunner:
         return within.holds(pose, self._expected.poses[body])
 
     def _measured_pose(self) -> WorldState:
-        """State with the measured poses of the bodies at rest. Noise averages out, a
-        bias stays.
+        """State with the measured poses of the bodies at rest. Noise averages out, but
+        a bias remains.
         """
         sensing = self.task.sensing
         poses = {
@@ -225,8 +225,8 @@ class StageRunner:
         return replace(record, meta={**record.meta, **planned.solution.notes})
 
     def _as_it_is(self, planned: PlannedStage) -> Plan:
-        """The plan with the bodies at their current poses: the true start for the
-        object, the measured poses for the others.
+        """The plan with the bodies at their current poses: the true pose of the object,
+        the measured poses of the others.
         """
         plan = planned.solution.plan
         if not self.task.goals:
@@ -256,7 +256,7 @@ class StageRunner:
         return lambda time, whole: report(before + time, before + whole + ahead)
 
     def _go_on(self, done: StageRun) -> None:
-        """Take over the final state of a stage."""
+        """Start the next stage from the final state of this one."""
         body = done.stage.body
         arrays = done.record.arrays
         task = done.plan.task
@@ -284,7 +284,9 @@ def planned_part(planned: PlannedStage) -> StagePlan:
 
 
 def _of_arms(record: Record, name: str) -> tuple[Joints, ...]:
-    """Last sample of each arm. Empty for a plant without arms."""
+    """Last sample of each arm in an array of the record. Empty for a plant without
+    arms.
+    """
     arms = range(len(record.plan.task.robots))
     keys = (f"{name}_{arm}" for arm in arms)
     arrays = record.arrays
@@ -302,8 +304,8 @@ def _measured_pose(X: Pose2, sensing: Sensing) -> Pose2:
 
 
 def _learnt(plan: Plan) -> Belief | None:
-    """Belief about a body after a stage that identified its friction, or None if the
-    stage was not replanned.
+    """Belief about a body after a stage that identified its friction. None if the stage
+    was not replanned.
     """
     if not plan.later:
         return None

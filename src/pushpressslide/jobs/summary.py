@@ -1,4 +1,4 @@
-"""Summary of a sweep's rows: counts with intervals, spreads, and a table."""
+"""Summary of a sweep's rows: counts with confidence intervals, spreads, and a table."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pushpressslide.core.whole_file import whole
 from pushpressslide.jobs.rows import Row
 
 ATTEMPTED = ("reached", "missed", "failed")
-"""Outcomes of a sample that was not refused."""
+"""Outcomes of samples that were not refused."""
 SPREADS = ("final_position_error", "final_yaw_error", "duration", "slip_distance")
 CONFIDENCE = 0.95
 HEAD = (
@@ -23,7 +23,8 @@ HEAD = (
 
 
 def summarise(rows: Iterable[Row], forced: Iterable[Row]) -> dict[str, Any]:
-    """Counts, shares with their intervals, and spreads. None if there are no rows.
+    """Counts, shares with their confidence intervals, and spreads. Values without rows
+    are None.
 
     Rows are read once, and only one is held in memory.
     """
@@ -74,14 +75,12 @@ def refusals(forced: Iterable[Row]) -> dict[str, Any]:
 
 
 def share(part: int, whole: int) -> float | None:
-    """A share, or None if the total is zero."""
+    """Ratio of ``part`` to ``whole``, or None if the latter is zero."""
     return part / whole if whole else None
 
 
 def interval(part: int, whole: int) -> tuple[float, float] | None:
-    """Interval of a share at 95 % confidence by Wilson's score. None if the total is
-    zero.
-    """
+    """Wilson score interval of a share at 95 % confidence. None if the total is zero."""
     if not whole:
         return None
     from scipy.stats import binomtest
@@ -102,10 +101,10 @@ def _spread(values: array[float]) -> dict[str, float] | None:
 
 
 def write_table(path: Path, rows: Iterable[Row], forced: Iterable[Row]) -> None:
-    """Write the rows as a Markdown table, followed by the refusals that were run
-    nevertheless.
+    """Write the rows as a Markdown table, followed by the forced runs of refused
+    samples.
 
-    It is written row by row to a temporary file, which is renamed at the end.
+    The table is written row by row to a temporary file, which is renamed at the end.
     """
     with whole(path) as temporary, temporary.open("w", encoding="utf-8") as file:
         file.write(HEAD)

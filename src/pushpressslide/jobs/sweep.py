@@ -1,6 +1,6 @@
 """Many runs of one task under random variations, or of many random tasks.
 
-They run in parallel, are resumable, and leave one table at the end.
+The runs are parallel and can be resumed, and end in one table.
 """
 
 from __future__ import annotations
@@ -82,11 +82,11 @@ def sweep(
 ) -> dict[str, Any]:
     """Run the samples of ``task`` and return the summary.
 
-    Every finished sample is a row in ``out``/rows.jsonl and is not run again, unless
-    ``force``; rows of other tasks, options or sources in that file do not count. Of the
-    first ``check_refusals`` refused samples the best choices are run nevertheless. A
-    refusal is true if they miss the goal. Raises TaskError if no new tasks can be drawn
-    for ``task``.
+    Every finished sample is a row in ``out``/rows.jsonl and is not run again without
+    ``force``. Rows of other tasks, options or sources in that file are ignored. For the
+    first ``check_refusals`` refused samples, the best choices are run nevertheless. A
+    refusal is true if these runs miss the goal. Raises TaskError if no new tasks can be
+    drawn for ``task``.
     """
     if options.vary == "knocks" and not engine_named(options.engine).has_arms:
         raise PushPressSlideError(
@@ -146,7 +146,9 @@ def _batched(
 
 @contextmanager
 def _pool(options: SweepOptions) -> Iterator[tuple[Executor, int]]:
-    """Open the pool that runs the samples, with the number run at a time."""
+    """Open the pool that runs the samples. Yield it with the number of samples run at a
+    time.
+    """
     if options.cluster:
         if options.sample_time:
             raise PushPressSlideError(
@@ -168,7 +170,9 @@ def _draw(
     rows: Rows,
     progress: Progress | None,
 ) -> int:
-    """Run samples until enough of them count. Return the number of those that count."""
+    """Run samples until enough of them are complete. Return the number of complete
+    samples.
+    """
     running: set[Future[Row]] = set()
     numbers = count()
     drawn = _CompleteSamples(options, rows)
@@ -191,7 +195,7 @@ def _draw(
 
 
 class _CompleteSamples:
-    """The samples that count: from the first on without a gap, up to the requested
+    """The complete samples: from the first on without a gap, up to the requested
     number.
     """
 
@@ -202,8 +206,8 @@ class _CompleteSamples:
         self.attempted = 0
 
     def complete(self) -> bool:
-        """Whether there are enough. Raises PushPressSlideError if hardly any of the
-        drawn tasks could be attempted.
+        """Whether enough samples are complete. Raises PushPressSlideError if hardly any
+        of the drawn tasks could be attempted.
         """
         options = self._options
         while not self._enough():
@@ -246,7 +250,7 @@ def _check_refusals(
 
 
 def _in_order(pool: Executor, work: Sequence[Work]) -> Iterator[Row]:
-    """Yield the rows of ``work`` in its order."""
+    """Yield the rows of ``work`` in the same order."""
     with blocked_for_children():
         futures = [pool.submit(piece) for piece in work]
     for future in futures:

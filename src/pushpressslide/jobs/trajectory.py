@@ -32,7 +32,7 @@ ENDS = (".csv", ".yaml", ".yml")
 
 
 def check_trajectory_file(path: Path) -> None:
-    """Raise PushPressSlideError for a file of another kind."""
+    """Raise PushPressSlideError unless the file is of a supported kind."""
     if path.suffix.lower() not in ENDS:
         raise PushPressSlideError(
             f"--trajectory: {str(path)!r} is not allowed; allowed: a .csv file, or a "
@@ -43,7 +43,7 @@ def check_trajectory_file(path: Path) -> None:
 def arm_limits(robots: Sequence[Robot]) -> JointLimits:
     """Limits of the joints of all arms.
 
-    The maker's acceleration is used if it is stated.
+    The manufacturer's acceleration limit is used if it is known.
     """
     joints = [joint for robot in robots for joint in robot_facts(robot).moving]
     speed = np.array([joint.velocity for joint in joints])
@@ -57,7 +57,7 @@ def trajectory(
 ) -> JointTrajectory:
     """Trajectory of all arms over planned stages with joint paths.
 
-    Raises PushPressSlideError if the stages have none.
+    Raises PushPressSlideError if there are no joint paths.
     """
     parts = [
         planned_joints(plan, [path for path, _ in paths])
@@ -84,7 +84,9 @@ def write_trajectory(
 
 
 def _csv(made: JointTrajectory, names: Sequence[str]) -> str:
-    """A row for each sample: time, phase, positions, velocities, accelerations."""
+    """CSV text with a row for each sample: time, phase, positions, velocities,
+    accelerations.
+    """
     kinds = ("position", "velocity", "acceleration")
     head = ["time", "phase", *(f"{name}_{kind}" for kind in kinds for name in names)]
     rows = np.hstack([made.positions, made.velocities, made.accelerations])
@@ -96,7 +98,7 @@ def _csv(made: JointTrajectory, names: Sequence[str]) -> str:
 
 
 def _joint_trajectory(made: JointTrajectory, names: Sequence[str]) -> dict[str, Any]:
-    """Content of a ROS 2 trajectory_msgs/JointTrajectory."""
+    """Contents of a ROS 2 trajectory_msgs/JointTrajectory message."""
     points = []
     for i, time in enumerate(made.times.tolist()):
         seconds, rest = divmod(time, 1.0)
@@ -118,5 +120,5 @@ def _joint_trajectory(made: JointTrajectory, names: Sequence[str]) -> dict[str, 
 
 
 def _digits(values: Any) -> list[float]:
-    """Numbers with nine digits."""
+    """Numbers rounded to nine digits."""
     return [float(f"{value:.9g}") for value in values.tolist()]

@@ -1,4 +1,4 @@
-"""Status numbers and result layout shared by the kernels of all allocators.
+"""Status numbers and layout of results, shared by the kernels of all allocators.
 
 A result is (forces, normal forces, margin, status, residual), in the units of
 ``core.allocation``.
@@ -16,6 +16,6 @@ EXACT = (0.0, 0.0, 0.0)  # residual of a wrench that is given whole
 GIVEN = 1e-9  # error that counts as zero, as a share of a wrench
 
 One = tuple[tuple[Vector], tuple[float], float, int, Wrench]
-"""The answer of one contact."""
+"""Result for one contact."""
 Two = tuple[tuple[Vector, Vector], Vector, float, int, Wrench]
-"""The answer of two contacts."""
+"""Result for two contacts."""

@@ -14,17 +14,22 @@ from pushpressslide.kernels.kernel import compiled_as, kernel
 TURN = 2.0 * pi
 
 Piece = tuple[float, float, float, float, float, float, float, float]
-"""A piece of a path; all: arc length [m] at start and end, curvature [1/m]. Arc: its
-yaw [rad] extrapolated to arc length 0, its centre, its radius and its side. Line: its
-yaw, its direction, and arc length and offset to the left of the world's origin. After
-the last piece the path continues with an infinite line.
+"""One section of a path.
+
+Every section has the arc length [m] at its start and end, and the curvature [1/m]. For
+an arc, these are followed by the yaw [rad] extrapolated to arc length 0, the centre,
+the radius and the side; for a line, by the yaw, the direction, and the arc length and
+the offset to the left of the world's origin. Beyond the last section the path continues
+as an infinite line.
 """
 Bend = tuple[float, float, float]
-"""A jump of the curvature: its arc length [m], its size [1/m], and the distance [m] of
-the nearer end of the path.
+"""A jump of the curvature: arc length [m], size [1/m], and distance [m] from the nearer
+end of the path.
 """
 Nearest = tuple[float, float, float, float]
-"""Arc length [m], offset to the left of a point [m], heading [rad] and curvature [1/m]."""
+"""Arc length [m] of the nearest point of a path, offset [m] of the given point to the
+left, heading [rad] and curvature [1/m].
+"""
 
 
 def _eight(row: Sequence[float]) -> Piece:
@@ -37,13 +42,13 @@ def _three(row: Sequence[float]) -> Bend:
 
 @compiled_as(_eight)
 def piece_of(row: Sequence[float]) -> Piece:
-    """One row of pieces. Compiled code takes it from an array."""
+    """One row of sections. Compiled code reads it from an array."""
     return cast(Piece, row)
 
 
 @compiled_as(_three)
 def bend_of(row: Sequence[float]) -> Bend:
-    """One row of bends. Compiled code takes it from an array."""
+    """One row of bends. Compiled code reads it from an array."""
     return cast(Bend, row)
 
 
@@ -68,8 +73,8 @@ def nearest(
     sections: Sequence[Sequence[float]],
     bends: Sequence[Sequence[float]],
 ) -> Nearest:
-    """Point of a path nearest to (x, y) [m], on the arc at arc length ``s`` or one
-    after it.
+    """Point of a path nearest to (x, y) [m], on the section at arc length ``s`` or a
+    later one.
 
     Heading and curvature are ``eased`` over ``half`` [m].
     """
@@ -104,8 +109,8 @@ def nearest(
 
 @kernel
 def eased(s: float, half: float, bends: Sequence[Sequence[float]]) -> Vector:
-    """Corrections of heading [rad] and curvature [1/m] at arc length ``s`` [m] for a
-    path averaged over ``half`` [m] before and behind.
+    """Corrections of heading [rad] and curvature [1/m] at arc length ``s`` [m], for a
+    path averaged over ``half`` [m] in either direction.
     """
     heading = 0.0
     curvature = 0.0

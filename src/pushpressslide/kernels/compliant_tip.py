@@ -5,7 +5,7 @@ The tip's own law is f = f_0 - B v, B > 0 along two axes of the plane. It combin
 force, a spring evaluated at the end of the tick, and a damper. Each contact's force is
 thus an explicit function of the velocity of the tip's centre as carried by the body. No
 iteration between stick, slip and separation is needed (docs/mechanics.md, section 3).
-Frame B, places relative to the centre of pressure.
+Everything is in frame B, with positions relative to the centre of pressure.
 """
 
 from __future__ import annotations
@@ -29,20 +29,22 @@ ON_RIM = 1e-12
 SLIP_STEPS = 30  # one for equal dampings
 
 Law = tuple[Vector, Vector, Vector]
-"""f = f_0 - B v: a unit axis, the other one is to its left; f_0 [N] and B [N s/m] along
-the two.
+"""Law f = f_0 - B v of a tip: a unit axis, then the components of f_0 [N] and B [N s/m]
+along this axis and to its left.
 """
 Side = tuple[Vector, Vector, Law, float, float]
-"""A tip at a side face: point of the face [m]; centre of the tip [m], which turns with
-the body, so that it does not roll along the face; its law, along the inward normal;
-friction of the pair tip/body; [m/s] at which the tip may come nearer to the face: its
-gap over the tick.
+"""A tip at a side face.
+
+Its members are the point of the face [m]; the centre of the tip [m], which turns with
+the body, so that the tip does not roll along the face; the tip's law, with the inward
+normal as its axis; the friction of the pair tip/body; and the gap divided by the tick:
+the speed [m/s] at which the tip may approach the face.
 """
 Slope = tuple[float, float, float, float]
 """Decrease of a force per velocity of the tip's centre [N s/m]: xx, xy, yx, yy."""
 Touch = tuple[Vector, Slope, int, Vector, Vector]
-"""Force on the body [N] and its slope, status, point where it acts [m], centre of the
-tip [m].
+"""Force on the body [N], its slope, the contact's status, the point of action [m], and
+the centre of the tip [m].
 """
 NONE = (0.0, 0.0)
 LEVEL = (0.0, 0.0, 0.0, 0.0)
@@ -52,10 +54,10 @@ LEVEL = (0.0, 0.0, 0.0, 0.0)
 def side_contact(
     tip: Vector, radius: float, gap: float, law: Law, friction: float, dt: float
 ) -> Side:
-    """Contact of a tip with its centre at ``tip`` [m], ``gap`` [m] before a side, in a
-    tick of ``dt`` [s].
+    """Contact of a tip with its centre at ``tip`` [m], a distance ``gap`` [m] before a
+    side, in a tick of ``dt`` [s].
 
-    The inward normal of the side is the law's axis.
+    The axis of the law is the side's inward normal.
     """
     nx, ny = law[0]
     out = gap + radius
@@ -77,8 +79,8 @@ def tip_velocity(force: Vector, law: Law) -> Vector:
 def side_touch(vx: float, vy: float, w: float, contact: Side) -> Touch:
     """Force, slope and status of a tip at a side under a body's twist.
 
-    Complementarity: the normal force prevents penetration or is zero. Friction holds
-    the tip on the face, up to the cone's edge.
+    The normal force prevents penetration, or is zero (complementarity). Friction holds
+    the tip on the face, up to the edge of the cone.
     """
     point, center, law, friction, approach = contact
     axis, (fn, ft), (bn, bt) = law
@@ -106,8 +108,9 @@ def wedged_touch(vx: float, vy: float, w: float, own: Side, wall: Side) -> Touch
     """Force, slope and status of a tip in a notch, between its ``own`` side and the
     other ``wall``.
 
-    If contact with one of the two alone keeps the tip out of both, the tip touches that
-    one. Otherwise it sticks between them, and its force is taken to act at its centre.
+    The tip touches only one of the two if this contact also keeps it out of the other.
+    Otherwise the tip sticks between them, and its force is assumed to act at its
+    centre.
     """
     center = own[1]
     force, slope, status, _, _ = side_touch(vx, vy, w, own)
@@ -124,7 +127,7 @@ def wedged_touch(vx: float, vy: float, w: float, own: Side, wall: Side) -> Touch
 def stuck_between(
     vx: float, vy: float, w: float, own: Side, wall: Side
 ) -> tuple[Vector, Slope, int]:
-    """Force of a tip that closes both gaps and moves with the body."""
+    """Force, slope and status of a tip that closes both gaps and moves with the body."""
     _, center, law, _, a = own
     axis, (fn, ft), (bn, bt) = law
     ax, ay = axis
@@ -146,7 +149,7 @@ def stuck_between(
 def enters(
     vx: float, vy: float, w: float, touched: Side, other: Side, force: Vector
 ) -> bool:
-    """Whether a tip that touches one side would penetrate another one."""
+    """Whether a tip that touches one side would penetrate the ``other`` one."""
     ux, uy = tip_velocity(force, touched[2])
     cx, cy = touched[1]
     nx, ny = other[2][0]
@@ -160,7 +163,7 @@ def press_touch(
 ) -> Touch:
     """Force, slope and status of a tip pressed on the top face at ``point`` [m].
 
-    It sticks, or slips with the force ``limit`` [N] against its slip.
+    The tip sticks, or slips with a friction force of ``limit`` [N].
     """
     axis, (f1, f2), (d1, d2) = law
     ax, ay = axis
@@ -201,12 +204,12 @@ def turned(axis: Vector, s11: float, s12: float, s22: float) -> Slope:
 def sliding_force(
     holding: Vector, damping: Vector, limit: float
 ) -> tuple[float, float, float]:
-    """Force of size ``limit`` along the slip that remains under it, and slip per force
-    [m/(N s)].
+    """Friction force f of size ``limit`` along the slip that it leaves, and slip per
+    force m [m/(N s)].
 
-    ``holding`` is the force that would prevent the slip s; D s = holding - f and s = m
-    f, so that f_i = holding_i / (1 + d_i m): 1/|f| is concave in m, and Newton's steps
-    from m = 0 do not overshoot.
+    ``holding`` is the force that would prevent the slip s. From D s = holding - f and s
+    = m f follows f_i = holding_i / (1 + d_i m). Since 1/|f| is concave in m, Newton
+    steps from m = 0 do not overshoot.
     """
     m = 0.0
     f1, f2 = holding

@@ -10,14 +10,14 @@ from pushpressslide.kernels.allocation import Vector, Wrench
 from pushpressslide.kernels.kernel import kernel
 
 Line = tuple[float, float, float, float, float]
-"""Unit vector x, y in B from contact 1 to 2, their distance [m], and the middle x, y [m]
-in B.
+"""Line through two contacts: unit vector x, y in B from contact 1 to 2, distance [m],
+and midpoint x, y [m] in B.
 """
 
 
 @kernel
 def contact_line(first: Vector, second: Vector) -> Line:
-    """Line from one contact to another [m]. Its direction is zero if the contacts
+    """Line from one contact to the other. The direction is zero if the contacts
     coincide.
     """
     dx = second[0] - first[0]
@@ -32,10 +32,11 @@ def contact_line(first: Vector, second: Vector) -> Line:
 
 @kernel
 def line_parts(fx: float, fy: float, tau: float, line: Line, about: Vector) -> Wrench:
-    """Wrench components (F.e, g_1, g_2) [N], with the moment about ``about`` [m].
+    """Components (F.e, g_1, g_2) [N] of a wrench whose moment is about the point
+    ``about`` [m].
 
-    g_1 = F.m/2 - tau_mid/l and g_2 = F.m/2 + tau_mid/l, tau_mid the moment about the
-    middle.
+    g_1 = F.m/2 - tau_mid/l and g_2 = F.m/2 + tau_mid/l, where tau_mid is the moment
+    about the midpoint and l the length of the line.
     """
     ex, ey, length, middle_x, middle_y = line
     along = ex * fx + ey * fy

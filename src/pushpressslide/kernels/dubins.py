@@ -1,9 +1,10 @@
 """Shortest forward paths between two poses for a car whose left and right curvature
 limits may differ.
 
-Dubins (1957) for equal limits; for unequal ones the shortest path is one of the same
-six words (Bakolas and Tsiotras, "Optimal synthesis of the asymmetric sinistral/dextral
-Markov-Dubins problem", J. Optim. Theory Appl. 150, 2011): LSL, RSR, LSR, RSL, RLR, LRL.
+Dubins (1957) solved the problem for equal limits. For unequal limits the shortest path
+is one of the same six words (Bakolas and Tsiotras, "Optimal synthesis of the asymmetric
+sinistral/dextral Markov-Dubins problem", J. Optim. Theory Appl. 150, 2011): LSL, RSR,
+LSR, RSL, RLR, LRL.
 """
 
 from __future__ import annotations
@@ -44,14 +45,16 @@ BLUR = 1e-15
 
 Pose = tuple[float, float, float]
 Solution = tuple[float, int, float, float, float]
-"""Length [m], word, first arc [rad], middle [rad] or [m], last arc [rad]. The length is
-infinite if there is no path.
+"""A path: length [m], word, first arc [rad], middle arc [rad] or line [m], last arc
+[rad]. The length is infinite if there is no path.
 """
 Circles = tuple[float, float, Vector, Vector, float, float]
-"""The turning circles of both ends, seen from the start pose: radii [m] of left and right
-turns, vectors [m] from the start's own position to the goal's left and right centre, the
-yaw [rad] of the goal, NaN for poses that are no numbers, and what is unknown [m] of the
-centres. The start's centres are (0, rl) and (0, -rr).
+"""Turning circles of both ends, relative to the start pose.
+
+The members are the radii rl and rr [m] of left and right turns; the vectors [m] from
+the start position to the goal's left and right centre; the yaw [rad] of the goal, NaN
+for poses that are not finite; and the round-off [m] of the centres. The start's own
+centres are (0, rl) and (0, -rr).
 """
 Solutions = tuple[
     Solution, Solution, Solution, Solution, Solution, Solution, Solution, Solution
@@ -60,14 +63,14 @@ Solutions = tuple[
 
 @kernel
 def quick_full_turn(angle: float) -> float:
-    """``full_turn`` by one formula for all angles."""
+    """``full_turn``, as a single formula without branches."""
     angle = turn_part(angle)
     return angle if ROUND_OFF < angle < TURN - ROUND_OFF else 0.0
 
 
 @compiled_as(quick_full_turn)
 def full_turn(angle: float) -> float:
-    """Angle [rad] in [0, 2 pi), zero if it is a full turn to round-off."""
+    """Angle [rad] in [0, 2 pi). Zero if it is a full turn, to within round-off."""
     if TURN <= angle < 2.0 * TURN:
         angle = angle - TURN
     elif -TURN < angle < 0.0:
@@ -110,7 +113,7 @@ def turning_circles(
 
 @kernel
 def dubins_solutions(circles: Circles) -> Solutions:
-    """Paths of all words, in order. Those of three arcs come twice, once for each
+    """Paths of all words, in order. Words of three arcs occur twice, once for each
     position of the middle circle.
     """
     rl, rr, left, right, yaw, _ = circles
@@ -137,8 +140,8 @@ def dubins_solutions(circles: Circles) -> Solutions:
 def centre_line(circles: Circles, dx: float, dy: float) -> Vector:
     """Distance [m] and direction [rad] between two centres.
 
-    For zero distance the direction is 0. If it equals one of the headings to round-off,
-    it is set to that heading.
+    For zero distance the direction is 0. If the direction equals one of the headings to
+    within round-off, it is set to that heading.
     """
     length = hypotenuse(dx, dy)
     if not length > ROUND_OFF * (circles[0] + circles[1]):
@@ -198,8 +201,8 @@ def right_left(circles: Circles) -> Solution:
 
 @kernel
 def middle_opening(half: float) -> float:
-    """Angle [rad] from the line of centres to the middle circle's centre, < 0 if that
-    circle cannot touch both.
+    """Angle [rad] from the line of centres to the middle circle's centre. Negative if
+    the middle circle cannot touch both others.
 
     ``half`` is half the distance of the centres, divided by rl + rr.
     """
@@ -210,7 +213,9 @@ def middle_opening(half: float) -> float:
 
 @kernel
 def right_arcs(circles: Circles, angle: float, side: float, opening: float) -> Solution:
-    """The path RLR with the middle circle at ``side`` [rad] from the line of centres."""
+    """The path RLR, with the middle circle's centre at ``side`` [rad] from the line of
+    centres.
+    """
     rl, rr, _, _, yaw, _ = circles
     if opening < 0.0:
         return inf, NONE, 0.0, 0.0, 0.0
@@ -224,7 +229,9 @@ def right_arcs(circles: Circles, angle: float, side: float, opening: float) -> S
 
 @kernel
 def left_arcs(circles: Circles, angle: float, side: float, opening: float) -> Solution:
-    """The path LRL with the middle circle at ``side`` [rad] from the line of centres."""
+    """The path LRL, with the middle circle's centre at ``side`` [rad] from the line of
+    centres.
+    """
     rl, rr, _, _, yaw, _ = circles
     if opening < 0.0:
         return inf, NONE, 0.0, 0.0, 0.0
@@ -238,7 +245,9 @@ def left_arcs(circles: Circles, angle: float, side: float, opening: float) -> So
 
 @kernel
 def shortest_solution(circles: Circles) -> Solution:
-    """Shortest path; of several equally short ones the first in the order of the words."""
+    """Shortest path. Of several equally short ones, the first in the order of the
+    words.
+    """
     lsl, rsr, lsr, rsl, rlr_1, rlr_2, lrl_1, lrl_2 = dubins_solutions(circles)
     best = shorter(shorter(shorter(lsl, rsr), lsr), rsl)
     return shorter(shorter(shorter(shorter(best, rlr_1), rlr_2), lrl_1), lrl_2)

@@ -1,8 +1,8 @@
 """Friction under a polygon with a linear pressure: the exact limit surface in closed
 form, edge by edge (docs/mechanics.md, section 1.3).
 
-Twists and wrenches are those of the centre of pressure, and so are places; friction is
-over mu_s N.
+Twists, wrenches and positions refer to the centre of pressure. Friction is divided by
+mu_s N.
 """
 
 from __future__ import annotations
@@ -32,29 +32,34 @@ UNKNOWN = (nan, nan, nan, nan, nan, nan, nan, nan, nan)
 NO_SLOPE = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 Edges = Sequence[Sequence[float]]
-"""Eight rows, one number for each edge, in their order round the polygon: x, y of its
-first corner; its unit vector (tx, ty), with (ty, -tx) outwards; its length; the pressure
-at its middle; the pressure's slope outwards and along it.
+"""Eight rows with one number per edge, in order round the polygon.
+
+The rows are x and y of the edge's first corner; its unit vector (tx, ty), with (ty,
+-tx) outwards; its length; the pressure at its middle; and the pressure's slope outwards
+and along the edge.
 """
 Edge = tuple[float, float, float, float, float, float, float, float]
 """One column of ``Edges``."""
 Plane = tuple[float, float, float, float, float]
-"""The pressure p + q . r of unit load as p, q_x, q_y; the turn rate per speed below
-which the series holds; the square of rho.
+"""Coefficients p, q_x, q_y of the pressure p + q . r for unit load; the ratio of turn
+rate to speed below which the series is valid; and the square of rho.
 """
 Series = Sequence[complex]
-"""Ten complex coefficients, ``mechanics.face_pressure.series``."""
+"""Ten complex coefficients, from ``mechanics.face_pressure.series``."""
 Center = tuple[float, float, float, float, float]
-"""The centre of rotation c: its position x, y, the unit vector e to it, and p(c)."""
+"""The centre of rotation c: position x, y, unit vector e towards c, and pressure p(c).
+"""
 Forces = tuple[float, float, float, float]
-"""Sums over the edges: of k int f ds, of k int p f ds, and of n int p f ds."""
+"""Sums over the edges, in the notation of ``near``: k int f ds, k int p f ds, and n int
+p f ds.
+"""
 Stretches = tuple[float, float, float, float, float]
-"""Sums over the edges: of n int |R| ds, and of the components xx, xy, yy of the
-integral of p R R^T / |R|^3.
+"""Sums over the edges, in the notation of ``near``: n int |R| ds, and the components
+xx, xy, yy of the integral of p R R^T / |R|^3.
 """
 Side = tuple[float, float, float, float, float]
-"""Terms of one edge: k; half the logarithm in int ds / |R|; the increase of |R| along
-it; int |R| ds; p(c).
+"""Terms of one edge, in the notation of ``near``: k; half the logarithm in int ds /
+|R|; the increase of |R| along the edge; int |R| ds; and p(c).
 """
 
 
@@ -87,11 +92,11 @@ def near(
     """Wrench and slope of a twist by integrals over the edges, for ``w`` not zero. The
     slope is valid only with ``sloped``.
 
-    Places R are from the centre of rotation c; u is J R / |R| for w > 0. The unit
-    vector e leads from the centre of pressure to c, and f = |R| + e . R, whose gradient
-    is R / |R| + e, is small where c is far away. With the outward normal n of an edge,
-    its distance k and p = p_0 + q . r, the divergence theorem gives the integrals over
-    the area
+    Positions R are relative to the centre of rotation c; the direction of motion is u =
+    J R / |R| for w > 0. The unit vector e leads from the centre of pressure to c, and f
+    = |R| + e . R, whose gradient is R / |R| + e, is small where c is far away. With the
+    outward normal n of an edge, its distance k and p = p_0 + q . r, the divergence
+    theorem gives the integrals over the area
 
     - of f: a third of the sum of k int f ds,
     - of p f: a fourth of the sum of k int p f ds and of p(c) times the first,
@@ -165,7 +170,7 @@ def over_edges(edges: Edges, center: Center, sloped: bool) -> tuple[Forces, Stre
 
 @kernel
 def first_end(x: float, y: float, center: Center) -> Vector:
-    """The values |R| and f at a corner."""
+    """|R| and f at a corner, in the notation of ``near``."""
     cx, cy, ex, ey, _ = center
     ra = sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy))
     return ra, beyond(ex * (x - cx) + ey * (y - cy), ex * y - ey * x, ra)
@@ -173,7 +178,9 @@ def first_end(x: float, y: float, center: Center) -> Vector:
 
 @kernel
 def second_end(edge: Edge, center: Center) -> tuple[float, float, float, float]:
-    """Distance k of an edge, e along it, and |R| and f at its second end."""
+    """Distance k of an edge, component of e along it, and |R| and f at its second end,
+    in the notation of ``near``.
+    """
     x0, y0, tx, ty, length, _, _, _ = edge
     cx, cy, ex, ey, _ = center
     x = x0 - cx
@@ -189,8 +196,9 @@ def second_end(edge: Edge, center: Center) -> tuple[float, float, float, float]:
 
 @kernel
 def beyond(ahead: float, aside: float, distance: float) -> float:
-    """|R| + e . R of a place R from its |R|, e . R and e x R, without cancellation if
-    the two are opposite.
+    """The sum |R| + e . R, from ``distance`` |R|, ``ahead`` e . R and ``aside`` e x R.
+
+    The terms do not cancel if R is opposite to e.
     """
     if ahead < 0.0:
         return aside * aside / (distance + abs(ahead) + LEAST)
@@ -199,7 +207,7 @@ def beyond(ahead: float, aside: float, distance: float) -> float:
 
 @kernel
 def bulge(z: float, half_log: float) -> float:
-    """The value ``tail`` of 1 - (1 / z - z) artanh z = 2 z^2 (1 / 3 + tail)."""
+    """Value ``tail`` in 1 - (1 / z - z) artanh z = 2 z^2 (1 / 3 + tail)."""
     u = z * z
     if z < SHORT:
         rest = 1 / 63 + u * (1 / 99 + u * (1 / 143 + u / 195))
@@ -209,7 +217,7 @@ def bulge(z: float, half_log: float) -> float:
 
 @kernel
 def stretched(sums: Stretches, edge: Edge, side: Side) -> Stretches:
-    """The sums with one edge added."""
+    """The sums with the terms of one edge added."""
     hx, hy, xx, xy, yy = sums
     _, _, tx, ty, _, _, across, _ = edge
     k, half_log, rise, radial, level = side
@@ -282,10 +290,12 @@ def waves(
 ) -> tuple[
     tuple[float, float, float, float], tuple[float, float, float, float], Vector
 ]:
-    """The coefficients b_2 to b_5 of a direction e, their derivatives by its angle, and
-    the second derivatives of the first two.
+    """The coefficients b_2 to b_5 of ``far_center_friction`` for a direction e, with
+    derivatives.
 
-    The phase of g decreases with the angle.
+    The derivatives are with respect to the angle of e: the first of all four
+    coefficients, and the second of b_2 and b_3. The phase of g decreases with the
+    angle.
     """
     g = ey + 1j * ex
     g2 = g * g

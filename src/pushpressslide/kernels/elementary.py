@@ -1,9 +1,9 @@
 """Elementary functions that kernels call in place of those of ``math``.
 
-In Python they are those of ``math``. Compiled, they are arithmetic without branches,
-accurate to 1e-15 for angles up to a million radians: a compiled loop calls no library
-and works on several rows at once. The coefficients are those of the Cephes Mathematical
-Library (S. Moshier, 1984 to 2000).
+In Python they are those of ``math``. In compiled code they are arithmetic without
+branches, accurate to 1e-15 for angles up to a million radians. A compiled loop
+therefore calls no library, and can process several rows at once. The coefficients are
+those of the Cephes Mathematical Library (S. Moshier, 1984 to 2000).
 """
 
 from __future__ import annotations
@@ -85,14 +85,14 @@ def quick_tangent(angle: float) -> float:
 
 @kernel
 def rest_of(angle: float, quarters: float) -> float:
-    """Remainder of an angle after a number of quarter turns."""
+    """Remainder of an angle [rad] after a number of quarter turns."""
     rest = angle - quarters * HALF_PI_1
     return (rest - quarters * HALF_PI_2) - quarters * HALF_PI_3
 
 
 @kernel
 def sine_of_quarters(quarters: float, rest: float) -> float:
-    """Sine of a number of quarter turns plus a ``rest`` up to pi/4."""
+    """Sine of a number of quarter turns plus a ``rest`` [rad] up to pi/4."""
     sine, cosine = sine_and_cosine(rest)
     quarter = quarters - 4.0 * np.floor(0.25 * quarters)  # 0 to 3, of the circle
     value = cosine if (quarter == 1.0) | (quarter == 3.0) else sine
@@ -133,7 +133,7 @@ def quick_turn_part(angle: float) -> float:
 
 @kernel
 def quick_rounded_down(number: float) -> float:
-    """Greatest whole number that is not above the argument."""
+    """Largest whole number not above the argument."""
     return float(np.floor(number))
 
 
@@ -193,7 +193,7 @@ def turn_part(angle: float) -> float:
 
 @compiled_as(quick_rounded_down)
 def rounded_down(number: float) -> float:
-    """Greatest whole number that is not above the argument."""
+    """Largest whole number not above the argument."""
     return math.floor(number)
 
 

@@ -1,9 +1,9 @@
 """The exact limit surface of a sampled pressure: the wrench that drives a twist, and by
 Newton's method the twist that a wrench drives (docs/mechanics.md, section 1).
 
-Twists, wrenches and places are relative to the centre of pressure. Functions of one
-sample take arrays of samples as well. Sums over samples are NumPy's in Python, and a
-loop in compiled code.
+Twists, wrenches and positions refer to the centre of pressure. Functions of one sample
+also accept arrays of samples. Sums over samples are computed by NumPy in Python, and by
+a loop in compiled code.
 """
 
 from __future__ import annotations
@@ -31,24 +31,26 @@ SHORTEST = 1e-8  # share of a Newton step below which it is accepted
 STRAIGHT_ANGLE = 1e-4
 
 Column = Any
-"""A number, or one for each sample."""
+"""A number, or an array with one number per sample."""
 Twist = tuple[float, float, float]
 Sample = tuple[Column, Column, Column, Column]
-"""Place x, y, square of the radius of the cell, load."""
+"""A sample: position x, y, square of the cell's radius, load."""
 Samples = Any
-"""An array (4, m): a ``Sample`` in each column."""
+"""An array (4, m) with a ``Sample`` in each column."""
 Blur = Vector
-"""Additions to the square of a sample's radius, and to the square of its speed."""
+"""Terms added to the square of a sample's radius, and to the square of its speed."""
 Power = tuple[
     Column, Column, Column, Column, Column, Column, Column, Column, Column, Column
 ]
-"""Friction power over mu, its gradient, which is the wrench, and its symmetric Hessian in
-(vx, vy, w): xx, xy, xw, yy, yw, ww.
+"""Friction power divided by mu, its gradient (which is the wrench), and its symmetric
+Hessian in (vx, vy, w): xx, xy, xw, yy, yw, ww.
 """
 Extent = tuple[float, float]
-"""Mean distance rho [m] of the load to its centre; 1 for a pressure with pins, else 0."""
+"""Mean distance rho [m] of the load from its centre, and 1 for a pressure with pins,
+otherwise 0.
+"""
 Along = tuple[float, float, float, float, float, float]
-"""Power, its gradient and its Hessian 00, 01, 11 along two unit vectors."""
+"""Power, its gradient, and its Hessian 00, 01, 11, along two unit vectors."""
 
 
 @kernel
@@ -57,8 +59,8 @@ def velocity_of_sample(
 ) -> tuple[Column, Column, Column]:
     """Components of a sample's velocity, and its speed.
 
-    The speed includes the rotation of the sample about its own centre: ``turning`` is
-    the square of that speed.
+    The speed includes the sample's rotation about its own centre, whose squared
+    contribution is ``turning``.
     """
     vx, vy, w = twist
     px = vx - w * y
@@ -70,7 +72,7 @@ def velocity_of_sample(
 def friction_of_sample(
     twist: Twist, x: Column, y: Column, radius: Column, load: Column
 ) -> tuple[Column, Column, Column]:
-    """Wrench that makes a sample slide, divided by mu. Zero at rest."""
+    """Wrench divided by mu that makes a sample slide. Zero at rest."""
     w = twist[2]
     turn = radius * w
     px, py, speed = velocity_of_sample(twist, x, y, turn * turn)
@@ -128,7 +130,7 @@ def _wrench_loop(vx: float, vy: float, w: float, samples: Samples) -> Wrench:
 
 @compiled_as(_wrench_loop, sums=True)
 def wrench_of_samples(vx: float, vy: float, w: float, samples: Samples) -> Wrench:
-    """Wrench that drives a twist, divided by mu. The ``samples`` have the radius in
+    """Wrench divided by mu that drives a twist. The ``samples`` contain the radius in
     place of its square.
     """
     x, y, radius, load = np.asarray(samples)
@@ -178,8 +180,9 @@ def power_of_samples(twist: Twist, samples: Samples, blur: Blur) -> Power:
 
 @kernel
 def sampled_friction(vx: float, vy: float, w: float, samples: Samples) -> Friction:
-    """Friction of samples whose loads are fractions of the total: the wrench of a power
-    in which each sample's speed is softened by ``CREEP``.
+    """Friction of samples whose loads are fractions of the total.
+
+    It is the gradient of a power in which each sample's speed is softened by ``CREEP``.
     """
     parts = power_of_samples((vx, vy, w), samples, (0.0, CREEP * CREEP))
     _, fx, fy, tau, xx, xy, xw, yy, yw, ww = parts
@@ -193,11 +196,11 @@ def exact_slide(
     """Twist that a wrench drives, with |(v, rho w)| = 1, and the factor by which the
     wrench exceeds the surface of mu N = 1.
 
-    NaN for a wrench that drives none. ``samples`` have places in units of rho, and
-    loads as fractions of the total. The twist is the one of smallest friction power
-    among those with unit power of the wrench (maximum dissipation), which is the normal
-    of the surface. If the surface has an edge or a vertex there (pins), it is one of
-    its normals.
+    NaN for a wrench that drives no twist. ``samples`` have positions in units of rho,
+    and loads as fractions of the total. The twist has the smallest friction power among
+    all twists at which the wrench has unit power (maximum dissipation); it is the
+    normal of the surface. At an edge or a vertex of the surface (pins), it is one of
+    the normals.
     """
     rho, pinned = extent
     turn = tau / rho
@@ -221,7 +224,7 @@ def exact_slide(
 
 @kernel
 def across(unit: Twist) -> tuple[Twist, Twist]:
-    """Two unit vectors at right angles to a ``unit`` vector and to each other."""
+    """Two unit vectors perpendicular to a ``unit`` vector and to each other."""
     x, y, z = unit
     sign = copysign(1.0, z)
     a = -1.0 / (sign + z)
@@ -231,8 +234,9 @@ def across(unit: Twist) -> tuple[Twist, Twist]:
 
 @kernel
 def twist_at(z: Vector, target: Twist, a: Twist, b: Twist) -> Twist:
-    """Twist ``target`` + p a + q b at z = (p, q); each such twist has unit power under
-    the unit wrench ``target``.
+    """Twist ``target`` + p a + q b for z = (p, q).
+
+    At each of these twists the unit wrench ``target`` has unit power.
     """
     p, q = z
     return (
@@ -246,8 +250,8 @@ def twist_at(z: Vector, target: Twist, a: Twist, b: Twist) -> Twist:
 def power_along(
     z: Vector, target: Twist, a: Twist, b: Twist, samples: Samples, softening: float
 ) -> Along:
-    """Power of the twist at z, with derivatives by z. ``softening`` rounds the edges of
-    the surface of pins.
+    """Power of the twist at z, with derivatives with respect to z. ``softening`` rounds
+    the edges of the surface of pins.
     """
     blur = (softening * softening, 0.0)
     parts = power_of_samples(twist_at(z, target, a, b), samples, blur)
@@ -279,7 +283,10 @@ def power_along(
 def least_power(
     z: Vector, target: Twist, a: Twist, b: Twist, samples: Samples, softening: float
 ) -> Vector:
-    """The z of the smallest power, by Newton steps that are halved until it falls."""
+    """The z with the smallest power.
+
+    Newton steps are halved until the power decreases.
+    """
     at = power_along(z, target, a, b, samples, softening)
     for _ in range(STEPS):
         gradient = (at[1], at[2])
@@ -329,8 +336,8 @@ def exact_axle(
     """Distance [m] from the centre of pressure to the virtual axle, away from the
     contact at x, y [m]. NaN for a contact at the centre.
 
-    The contact's force is at the ``angle`` [rad] to the heading axis. ``spread`` has
-    the mean xx, xy and yy [m^2] of the load.
+    The contact's force is at the ``angle`` [rad] to the heading axis. ``spread``
+    contains the mean xx, xy and yy [m^2] of the load.
     """
     d = sqrt(x * x + y * y)
     if not 0.0 < d < inf:

@@ -10,19 +10,19 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 KERNELS: list[Callable[..., Any]] = []
 """All kernels of the modules that have been imported."""
 APART: list[Callable[..., Any]] = []
-"""Kernels that are compiled once, not in each of their callers."""
+"""Kernels that are compiled once, and not inlined in their callers."""
 WIDE: list[Callable[..., Any]] = []
-"""Kernels of which compiled loops take four rows at once, every branch of each."""
+"""Kernels that compiled loops evaluate for four rows at once, in all branches."""
 COMPILED: dict[Callable[..., Any], Callable[..., Any]] = {}
-"""Function that compiled code runs in place of each kernel."""
+"""Function that replaces each kernel in compiled code."""
 SUMS: list[Callable[..., Any]] = []
-"""Kernels that compiled code may add up in any order, and so several at a time."""
+"""Kernels whose sums compiled code may compute in any order, and thus several terms at
+a time.
+"""
 
 
 def kernel(function: Function) -> Function:
-    """Mark a function as a kernel that compiled code may call. The function itself is
-    unchanged.
-    """
+    """Mark a function as a kernel for compiled code. The function itself is unchanged."""
     KERNELS.append(function)
     return function
 
@@ -34,8 +34,8 @@ def kernel_apart(function: Function) -> Function:
 
 
 def kernel_wide(function: Function) -> Function:
-    """Mark a kernel with unpredictable branches. Computing all of them for four rows at
-    once is quicker than branching.
+    """Mark a kernel with unpredictable branches. Computing all branches for four rows
+    at once is quicker than branching.
     """
     WIDE.append(function)
     return kernel(function)
@@ -45,13 +45,13 @@ def compiled_as(
     other: Callable[..., Any], *, sums: bool = False
 ) -> Callable[[Function], Function]:
     """Decorator for kernels that compiled code replaces by ``other``, which is equal to
-    round-off.
+    within round-off.
 
-    With ``sums``, compiled sums may run in any order.
+    With ``sums``, compiled code may add terms in any order.
     """
 
     def marked(function: Function) -> Function:
-        """Mark the function and return it unchanged."""
+        """Register the function, and return it unchanged."""
         COMPILED[function] = other
         if sums:
             SUMS.append(function)

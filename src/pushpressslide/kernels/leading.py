@@ -1,5 +1,5 @@
-"""Steps of a control tick besides the tracking law: pose filter, pacing along the path
-and steering scale.
+"""Steps of a control tick other than the tracking law: pose filter, pacing along the
+path, and steering scale.
 """
 
 from __future__ import annotations
@@ -13,17 +13,19 @@ from pushpressslide.kernels.plane import Pose
 
 Pace = tuple[float, float, float, float]
 """Bounds of the speed along a path: final speed [m/s], largest speed [m/s],
-acceleration [m/s^2], and gain of the time reference on the progress [1/s].
+acceleration [m/s^2], and gain [1/s] that makes up for a lag behind the time reference.
 """
 SteeringScale = tuple[float, float, float, float]
-"""Scale of the steering: friction utilisation above which it decreases, rates of
-decrease and increase [1/s], and smallest scale.
+"""Parameters of the steering scale: friction utilisation above which it decreases,
+rates of decrease and increase [1/s], and smallest value.
 """
 
 
 @kernel
 def corrected(predicted: Pose, measured: Pose, gain: float) -> Pose:
-    """A predicted pose, corrected by a fraction of the difference to a measured one."""
+    """A predicted pose, corrected by a fraction ``gain`` of its difference from a
+    measured pose.
+    """
     turn = wrapped(measured[2] - predicted[2])
     return (
         predicted[0] + gain * (measured[0] - predicted[0]),
@@ -36,10 +38,11 @@ def corrected(predicted: Pose, measured: Pose, gain: float) -> Pose:
 def paced(
     planned: Vector, progress: float, left: float, min_speed: float, pace: Pace
 ) -> float:
-    """Speed [m/s] along a path: the profile's, plus a term that catches up.
+    """Speed [m/s] along a path: that of the profile, plus a term that makes up for a
+    lag.
 
-    ``planned`` are progress [m] and speed [m/s] of the profile, ``left`` is the
-    remaining length [m] of the path, ``min_speed`` the smallest speed.
+    ``planned`` are progress [m] and speed [m/s] of the profile, ``left`` [m] is the
+    remaining length of the path, and ``min_speed`` [m/s] the smallest speed.
     """
     floor, upper, acceleration, catch_up = pace
     wanted = planned[1] + catch_up * (planned[0] - progress)
@@ -51,8 +54,8 @@ def paced(
 def eased_steering_scale(
     share: float, used: float, dt: float, steering_scale: SteeringScale
 ) -> float:
-    """Fraction of the steering that may be used after ``dt`` [s] at a friction
-    utilisation.
+    """Fraction of the steering that may be used after another ``dt`` [s] at the
+    friction utilisation ``used``.
     """
     use, fall, rise, lower = steering_scale
     rate = -fall if used > use else rise
@@ -61,7 +64,7 @@ def eased_steering_scale(
 
 @kernel
 def approached(value: Vector, target: Vector, step: float) -> Vector:
-    """``target`` if it is within ``step`` of ``value``, otherwise the point at ``step``
+    """``target`` if it is within ``step`` of ``value``, otherwise the point a ``step``
     towards it.
     """
     dx = target[0] - value[0]

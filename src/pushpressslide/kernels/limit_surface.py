@@ -1,5 +1,5 @@
-"""The ellipsoidal limit surface, also with its centre moved by drag: wrench of a twist,
-and twist of a wrench (docs/mechanics.md, sections 1 and 1.2).
+"""The ellipsoidal limit surface, also with its centre displaced by drag: wrench of a
+twist, and twist of a wrench (docs/mechanics.md, sections 1 and 1.2).
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from pushpressslide.kernels.kernel import kernel
 
 Twist = tuple[float, float, float]
 Ellipsoid = tuple[float, float, float]
-"""Largest force mu_s N [N], rho [m], and the shift [m] of the centre of pressure by
-that force: h mu_s for forces at height h.
+"""Largest force mu_s N [N], rho [m], and the displacement [m] of the centre of pressure
+by this force: h mu_s for forces at height h.
 """
 Placed = tuple[float, float, float, float, float]
 """An ``Ellipsoid``, and the position [m] in B of the centre of pressure without drag.
@@ -24,8 +24,8 @@ Placed = tuple[float, float, float, float, float]
 def ellipsoid_wrench(
     vx: float, vy: float, w: float, max_force: float, rho: float
 ) -> Wrench:
-    """Wrench on the surface that drives a twist of the centre of pressure. Zero for a
-    zero twist.
+    """Wrench on the limit surface that drives a twist of the centre of pressure. Zero
+    for a zero twist.
 
     W = mu_s N (vx, vy, rho^2 w) / sqrt(vx^2 + vy^2 + rho^2 w^2).
     """
@@ -39,8 +39,9 @@ def ellipsoid_wrench(
 
 @kernel
 def dragged_wrench(vx: float, vy: float, w: float, surface: Ellipsoid) -> Wrench:
-    """Wrench on the surface that drives a twist, both of the centre of pressure without
-    drag. Zero for a zero twist.
+    """Wrench on the limit surface that drives a twist. Zero for a zero twist.
+
+    Wrench and twist refer to the centre of pressure without drag.
     """
     max_force, rho, lift = surface
     turn = square(rho * w)
@@ -65,8 +66,10 @@ def dragged_wrench(vx: float, vy: float, w: float, surface: Ellipsoid) -> Wrench
 
 @kernel
 def ellipsoid_twist(fx: float, fy: float, tau: float, rho: float) -> Twist:
-    """Direction of sliding (fx, fy, tau / rho^2) under a wrench, both of the centre of
-    pressure, with |(v, rho w)| = 1 m/s. Zero for a zero wrench.
+    """Direction of sliding (fx, fy, tau / rho^2) under a wrench, with |(v, rho w)| = 1
+    m/s. Zero for a zero wrench.
+
+    Wrench and twist refer to the centre of pressure.
     """
     spin = tau / rho
     norm = sqrt(fx * fx + fy * fy + spin * spin)
@@ -77,10 +80,10 @@ def ellipsoid_twist(fx: float, fy: float, tau: float, rho: float) -> Twist:
 
 @kernel
 def dragged_twist(fx: float, fy: float, tau: float, surface: Ellipsoid) -> Twist:
-    """Direction of sliding under a wrench, scaled to the surface, both of the centre of
-    pressure without drag.
+    """Direction of sliding under a wrench that is scaled to the surface.
 
-    It is ``ellipsoid_twist`` of the moved centre.
+    Wrench and twist refer to the centre of pressure without drag. The result is
+    ``ellipsoid_twist`` about the displaced centre.
     """
     _, rho, lift = surface
     vx, vy, w = ellipsoid_twist(fx, fy, tau, rho)
@@ -109,7 +112,9 @@ def driving_wrench(vx: float, vy: float, w: float, placed: Placed) -> Wrench:
 def driven_twist(
     fx: float, fy: float, tau: float, placed: Placed
 ) -> tuple[Twist, float]:
-    """``dragged_twist`` for wrench and twist of B's origin, and the level."""
+    """``dragged_twist`` for wrench and twist of B's origin, and the level of the
+    wrench.
+    """
     max_force, rho, lift, x, y = placed
     surface = (max_force, rho, lift)
     tau = tau - x * fy + y * fx

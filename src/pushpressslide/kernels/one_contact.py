@@ -21,8 +21,8 @@ SideContact = tuple[float, float, float, float, float]
 """One side contact in B: point x, y [m], unit inward normal x, y, friction."""
 
 Nearness = tuple[float, float, float]
-"""Terms of the norm diag(1, 1, 1/rho^2): rho [m], 1 / rho^2, and the factor by which it
-shrinks the turning component of a force.
+"""Terms of the norm diag(1, 1, 1/rho^2): rho [m], 1 / rho^2 [1/m^2], and the factor by
+which the norm shrinks the moment component of a force.
 """
 
 
@@ -30,7 +30,7 @@ shrinks the turning component of a force.
 def one_contact_figures(
     point: Vector, normal: Vector, friction: float, rho: float
 ) -> tuple[SideContact, Nearness]:
-    """Figures of ``one_contact``, with ``point`` and ``rho`` [m]."""
+    """Parameters of ``one_contact``, with ``point`` and ``rho`` in [m]."""
     px, py = point
     per_square = 1.0 / (rho * rho)
     # Normal equations of min |f - F|^2 + (p x f - tau)^2 / rho^2: (I + a a^T / rho^2) f
@@ -44,7 +44,7 @@ def one_contact_figures(
 def one_contact(
     fx: float, fy: float, tau: float, contact: SideContact, norm: Nearness
 ) -> One:
-    """Allocation of a wrench [N, N m] about B's origin."""
+    """Allocation of a wrench [N, N m] about B's origin to one side contact."""
     px, py, nx, ny, friction = contact
     fn = fx * nx + fy * ny
     ft = fy * nx - fx * ny
@@ -94,8 +94,10 @@ def nearest_push(
 def nearest_on_edges(
     fx: float, fy: float, tau: float, contact: SideContact, per_square: float
 ) -> Vector:
-    """Force [N] on the edges of the friction cone whose wrench is nearest: the nearest
-    force of each edge is found, and the better one taken. Zero if no force is nearer.
+    """Force [N] on an edge of the friction cone whose wrench is nearest. Zero if no
+    force is nearer than zero.
+
+    The nearest force on each edge is computed, and the better one is taken.
     """
     none = fx * fx + fy * fy + tau * tau * per_square
     friction = contact[4]
@@ -122,9 +124,9 @@ def along_edge(
     per_square: float,
 ) -> tuple[Vector, float]:
     """Nearest force [N] along the left edge of a cone, and its squared error. Zero if
-    it would have to pull.
+    the contact would have to pull.
 
-    For the right edge, pass minus the friction.
+    For the right edge, pass the negative friction.
     """
     px, py, nx, ny, _ = contact
     ex = nx - friction * ny

@@ -10,13 +10,13 @@ from pushpressslide.kernels.allocation import INFEASIBLE, OK, PROJECTED, One, Ve
 from pushpressslide.kernels.kernel import kernel
 
 Press = tuple[float, float, float, float]
-"""One press: arm x, y [m] in B from the centre of pressure, normal force [N], radius of
-the friction disc [N].
+"""One press: lever arm x, y [m] in B from the centre of pressure, normal force [N],
+radius [N] of the friction disc.
 """
 
 Nearness = tuple[float, float]
-"""Terms of the norm diag(1, 1, 1/rho^2): 1 / rho^2, and the factor by which it shrinks
-the turning component of a force.
+"""Terms of the norm diag(1, 1, 1/rho^2): 1 / rho^2 [1/m^2], and the factor by which the
+norm shrinks the moment component of a force.
 """
 
 
@@ -24,7 +24,9 @@ the turning component of a force.
 def one_press_figures(
     point: Vector, load: float, friction: float, rho: float, cop: Vector
 ) -> tuple[Press, Nearness]:
-    """Figures of ``one_press``, with ``point``, ``rho`` and ``cop`` [m], ``load`` [N]."""
+    """Parameters of ``one_press``, with ``point``, ``rho`` and ``cop`` in [m], ``load``
+    in [N].
+    """
     rx = point[0] - cop[0]
     ry = point[1] - cop[1]
     per_square = 1.0 / (rho * rho)
@@ -34,8 +36,9 @@ def one_press_figures(
 
 @kernel
 def one_press(fx: float, fy: float, tau: float, press: Press, norm: Nearness) -> One:
-    """Allocation of a wrench [N, N m] about the centre of pressure: projected to the
-    nearest direction, then onto the disc.
+    """Allocation of a wrench [N, N m] about the centre of pressure to one press.
+
+    The wrench is projected to the nearest direction, then onto the disc.
     """
     rx, ry, load, upper = press
     off = tau - rx * fy + ry * fx

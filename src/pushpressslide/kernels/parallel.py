@@ -18,7 +18,9 @@ from pushpressslide.kernels.two_contacts import (
 from pushpressslide.kernels.wrench_cone import Points
 
 Face = tuple[float, float, float, float, float, float, float, float]
-"""Normal force of contact 1 per fx, fy and tau, normal x, y, friction, caps [N]."""
+"""Two contacts on one face: normal force of contact 1 per fx, fy and tau; normal x, y;
+friction; caps [N].
+"""
 
 
 @kernel
@@ -29,7 +31,7 @@ def parallel_figures(
     caps: Vector,
     choices: Vector,
 ) -> tuple[Face, tuple[Linear, Rest]]:
-    """Figures of ``parallel_pushes``, the same as ``two_contact_figures``."""
+    """Parameters of ``parallel_pushes``, with the arguments of ``two_contact_figures``."""
     line = contact_line(points[0], points[1])
     nx, ny = normal
     sign = copysign(1.0, line[0] * ny - line[1] * nx)
@@ -45,8 +47,8 @@ def parallel_figures(
 def parallel_pushes(
     fx: float, fy: float, tau: float, face: Face, general: tuple[Linear, Rest]
 ) -> Two:
-    """Allocation of a wrench [N, N m] about B's origin. Wrenches outside this split are
-    passed to ``two_contacts``.
+    """Allocation of a wrench [N, N m] about B's origin. Wrenches that this split cannot
+    realise are passed to ``two_contacts``.
     """
     x, y, t, nx, ny, friction, cap1, cap2 = face
     push = nx * fx + ny * fy

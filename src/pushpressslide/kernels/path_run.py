@@ -1,11 +1,11 @@
 """One planned push from behind, tick by tick: pose filter, rear Stanley law, velocity
 servo, and a compliant tip that pushes a body on the ellipsoid.
 
-It does the same as the run loop during phase move of a rear push on the planar engine.
-Only the exact limit surface is replaced by an ellipsoid about the true centre of
-pressure. Approach, touch, release, replans, online identification and retouches are
-left out. Frame B is at the centre of mass as believed; n and t are along the face's
-inward normal and to its left.
+It does the same as the run loop in the phase ``move`` of a rear push on the planar
+engine, except that an ellipsoid about the true centre of pressure replaces the exact
+limit surface. Approach, touch, release, replans, online identification and retouches
+are omitted. The origin of frame B is the believed centre of mass. The axis n is the
+face's inward normal, and t is to its left.
 """
 
 from __future__ import annotations
@@ -35,47 +35,68 @@ UNDER_WAY = 0.0
 ARRIVED = 1.0
 LEFT_FACE = 2.0
 ASTRAY = 3.0
-"""Status of a run."""
+"""Status of a run: off the path. The other values are above."""
 THINNEST = 1e-12  # [m^2] of an ellipsoid's rho^2
 
 Clock = tuple[float, float, float, float, float, float]
-"""Progress along the path [m]; share of the steering that may be used; how long the
-contact's force has not been felt [s]; largest distance of the axle from the path so far
-[m]; time since the motion began [s]; how the run stands.
+"""Progress of a run.
+
+The members are the progress along the path [m]; the fraction of the steering that may
+be used; the time [s] for which no contact force has been felt; the largest distance [m]
+of the axle from the path so far; the time [s] since the motion began; and the status of
+the run.
 """
 State = tuple[Pose, Pose, Triple, Vector, Vector, Triple, Vector, Clock]
-"""X_WB; the same as believed; the twist of B's origin that is expected, in B; the tip
-[m], and the velocity [m/s] that leads it, in the world; the body's twist, of B's origin;
-the tip's force on it [N] along n and t; the clock.
+"""State of a run.
+
+The members are the true and the believed X_WB; the expected twist of B's origin, in B;
+the position [m] and the reference velocity [m/s] of the tip, in the world; the true
+twist of B's origin; the tip's force [N] on the body along n and t; and the clock.
 """
 Truth = tuple[float, float, float, Vector]
-"""mu_s N [N]; height of the contact over the load [m/N]; friction of the pair tip/body;
-the centre of mass from where it is believed [m], along n and t.
+"""True parameters of a body.
+
+The members are mu_s N [N]; the height of the contact divided by the load [m/N]; the
+friction of the pair tip/body; and the offset [m] of the true centre of mass from the
+believed one, along n and t.
 """
 Lead = tuple[float, Vector, float, Stanley, Car, SteeringScale]
-"""Share of a measured pose's error that corrects the predicted one; the virtual front axle
-in B [m]; direction of the car's heading axis in B [rad]; its law and figures, and how its steering is scaled.
+"""Parameters that lead the object.
+
+The members are the share of the prediction's error that a measured pose corrects; the
+virtual front axle [m] in B; the direction [rad] of the car's heading axis in B; the
+steering law; the car's parameters; and those of the steering scale.
 """
 Touch = tuple[Face, Vector, float, float, float, float, float]
-"""The face and the tip at it; planned centre of the tip [m]; believed friction; force
-[N] that counts as contact, and force below which contact is lost; largest change of the
-tip's reference velocity [m/s^2]; longest loss of contact [s].
+"""Parameters of the contact.
+
+The members are the face with its tip; the planned centre [m] of the tip; the believed
+friction; the force [N] above which contact is felt, and the force [N] below which it is
+lost; the largest acceleration [m/s^2] of the tip's reference; and the longest allowed
+loss of contact [s].
 """
 Base = tuple[float, float, float, float]
-"""rho^2 [m^2] of the ellipsoid about the centre of pressure, as the exact surface has it
-for a force at the tangent k to the line through the centre of mass, less the square of the
-distance between the two centres: at k = 0, per |k|, per k^2, and |k| beyond which it stays.
+"""Coefficients of rho^2 [m^2] for the ellipsoid about the centre of pressure.
+
+The ellipsoid matches the exact surface for a force whose angle to the line through the
+centre of mass has the tangent k. The square of the distance between the two centres is
+subtracted. The members are the value at k = 0, the coefficients of |k| and of k^2, and
+the |k| above which the value is constant.
 """
 Course = tuple[Pace, float, float, float, float, float, float, float]
-"""Bounds of the speed; length of the path [m], cruising speed of its profile [m/s],
-time over which bends are averaged [s], remaining path [m] at which the motion ends,
-distance off the path [m] at which it is given up, tick [s], and time limit [s] of the
-run.
+"""Parameters of the path and the run.
+
+The members are the bounds of the speed; the length [m] of the path; the cruising speed
+[m/s] of its profile; the time [s] over which bends are averaged; the remaining path [m]
+at which the motion ends; the distance off the path [m] at which it is abandoned; the
+tick [s]; and the time limit [s] of the run.
 """
 Laws = tuple[Lead, Touch, Base, Course]
 Rows = Sequence[Sequence[float]]
 Guide = tuple[float, float, Vector, Triple]
-"""Progress [m], offset to the left [m], force [N] and twist of B's origin, in B."""
+"""Guidance of a tick: progress [m], offset to the left [m], and force [N] and twist of
+B's origin, in B.
+"""
 
 
 @kernel
@@ -90,7 +111,7 @@ def path_run(
 ) -> State:
     """State after some ticks, or at the end of the run.
 
-    Row ``number`` of ``noise`` has the errors [m], [m], [rad] of each tick's measured
+    Row ``number`` of ``noise`` contains the errors [m, m, rad] of each tick's measured
     pose.
     """
     course = laws[3]
@@ -143,7 +164,7 @@ def ticked(
 
 @kernel
 def ending(progress: float, left: float, parted: bool, path_data: Course) -> float:
-    """Status of a run: how it ended, or that it is still running."""
+    """Status of a run, from its progress and its contact."""
     if abs(left) > path_data[5]:
         return ASTRAY
     if parted:
@@ -161,7 +182,7 @@ def guided(
     sections: Rows,
     bends: Rows,
 ) -> Guide:
-    """Guidance of the rear Stanley law at the present speed."""
+    """Guidance by the rear Stanley law at the present speed."""
     pace, length, cruise, easing, _, _, dt, _ = path_data
     _, axle, bearing, law, car, _ = lead
     progress, steering_scale, _, _, time, _ = clock
@@ -216,7 +237,8 @@ def pushed_body(
 
 @kernel
 def square_of_base(lever: Vector, lift: float, force: Vector, base: Base) -> float:
-    """The value rho^2 [m^2] about the centre of pressure, under the last tick's force.
+    """Square of rho [m^2] about the centre of pressure, under the force of the last
+    tick.
 
     ``lever`` [m] is from the contact to the centre of mass.
     """

@@ -1,7 +1,7 @@
-"""Ticks and balances of bodies with two tips on each kind of support, for the rows of a
-batch.
+"""Ticks and force balances of bodies with two tips, on each kind of support, for the
+rows of a batch.
 
-A missing tip is represented by one that touches nothing.
+A missing tip is represented by a tip that touches nothing.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Sides = tuple[Side, Side]
 
 @kernel
 def step_on_ellipsoid(pose: Pose, guess: Triple, leds: Leds, figures: Figures) -> Step:
-    """``two_tip_step`` on an ellipsoid."""
+    """``two_tip_step`` on an ellipsoidal support."""
     faces, body = figures
     laws = (on_ellipsoid, side_touch)
     return two_tip_step(pose, guess, leds, faces, body, body[2], laws)
@@ -39,7 +39,7 @@ def step_on_polygon(
     edges: Edges,
     series: Series,
 ) -> Step:
-    """``two_tip_step`` under a polygon with a pressure."""
+    """``two_tip_step`` for a polygon with a linear pressure."""
     faces, body = figures
     laws = (on_polygon, side_touch)
     surface = (plane, edges, series)
@@ -50,7 +50,7 @@ def step_on_polygon(
 def step_on_samples(
     pose: Pose, guess: Triple, leds: Leds, figures: Figures, samples: Samples
 ) -> Step:
-    """``two_tip_step`` on samples of the load."""
+    """``two_tip_step`` for samples of the load."""
     faces, body = figures
     laws = (on_samples, side_touch)
     return two_tip_step(pose, guess, leds, faces, body, samples, laws)
@@ -60,7 +60,7 @@ def step_on_samples(
 def slide_on_ellipsoid(
     guess: Triple, sides: Sides, limit: float, rho: float
 ) -> tuple[Triple]:
-    """``slide`` on an ellipsoid. ``limit`` [N] is mu_s N, ``rho`` in [m]."""
+    """``slide`` on an ellipsoidal support. ``limit`` [N] is mu_s N, ``rho`` is in [m]."""
     laws = (on_ellipsoid, side_touch)
     return (slide(guess, sides, (rho, limit, rho), laws),)
 
@@ -75,7 +75,7 @@ def slide_on_polygon(
     edges: Edges,
     series: Series,
 ) -> tuple[Triple]:
-    """``slide`` under a polygon with a pressure."""
+    """``slide`` for a polygon with a linear pressure."""
     support = ((plane, edges, series), limit, rho)
     return (slide(guess, sides, support, (on_polygon, side_touch)),)
 
@@ -84,6 +84,6 @@ def slide_on_polygon(
 def slide_on_samples(
     guess: Triple, sides: Sides, limit: float, rho: float, samples: Samples
 ) -> tuple[Triple]:
-    """``slide`` on samples of the load."""
+    """``slide`` for samples of the load."""
     laws = (on_samples, side_touch)
     return (slide(guess, sides, (samples, limit, rho), laws),)

@@ -9,9 +9,9 @@ from pushpressslide.kernels.allocation import Vector
 from pushpressslide.kernels.kernel import kernel
 
 Pose = tuple[float, float, float]
-"""x, y [m] and yaw [rad] of a frame in another one."""
+"""Pose of one frame in another: x, y [m] and yaw [rad]."""
 Rate = tuple[float, float, float]
-"""A twist, or one per metre of path: vx, vy, w."""
+"""A twist, or a twist per metre of path: vx, vy, w."""
 
 STRAIGHT = 1e-9  # [rad] turn below which an arc is its chord
 
@@ -25,7 +25,7 @@ def in_axis(axis: Vector, v: Sequence[float]) -> Vector:
 
 @kernel
 def from_axis(axis: Vector, v: Vector) -> Vector:
-    """Vector with the components ``v`` along ``axis``, and to its left."""
+    """Vector given by its components ``v`` along ``axis`` and to the left of it."""
     c, s = axis
     return c * v[0] - s * v[1], s * v[0] + c * v[1]
 
@@ -57,7 +57,9 @@ def flat_gap(
 
 @kernel
 def carried(pose: Pose, rate: Rate, length: float) -> Pose:
-    """Pose after ``length`` [m], or [s], at a constant body twist: the exponential map."""
+    """Pose after a distance or time ``length`` [m or s] at a constant body twist: the
+    exponential map.
+    """
     return carried_from(heading(pose[2]), pose, rate, length)
 
 
@@ -74,8 +76,8 @@ def carried_from(axis: Vector, pose: Pose, rate: Rate, length: float) -> Pose:
 
 @kernel
 def chord(rate: Rate, length: float, sine: float, half_sine: float) -> Vector:
-    """Displacement in the body's axes at the start. ``sine`` and ``half_sine`` are
-    those of the turn and of half of it.
+    """Displacement [m] in the body's initial axes. ``sine`` and ``half_sine`` are the
+    sines of the turn and of half the turn.
     """
     vx, vy, w = rate
     if abs(w * length) < STRAIGHT:

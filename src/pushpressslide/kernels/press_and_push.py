@@ -1,9 +1,10 @@
-"""A press from above and a push from the side: the push turns the object about the
-pressed point, the press gives the remaining force (docs/mechanics.md, section 7).
+"""A press from above and a push from the side. The push turns the object about the
+pressed point, and the press provides the remaining force (docs/mechanics.md, section
+7).
 
-The moment about the pressed point fixes the push across the line of contacts. Along it
-the force can be shared in any way that keeps the push inside its cone and the press
-inside its disc.
+The moment about the pressed point determines the push across the line of contacts.
+Along this line the force can be shared in any way that keeps the push inside its cone
+and the press inside its disc.
 """
 
 from __future__ import annotations
@@ -24,12 +25,12 @@ from pushpressslide.kernels.kernel import kernel, kernel_wide
 
 Push = tuple[float, float, float, float, float, float, float]
 """The push in B: unit vector x, y from the press to the push; unit inward normal x, y;
-lever [m] about the press; slopes of the slacks of the two sides of its cone along the
-line.
+lever [m] about the press; and for each side of the push's friction cone, the change of
+its slack per force along the line.
 """
 Press = tuple[float, float, float, float, float]
-"""The press: arm x, y [m] in B from the centre of pressure, normal force [N], radius of
-its disc [N], friction.
+"""The press: lever arm x, y [m] in B from the centre of pressure, normal force [N],
+radius [N] of the friction disc, friction.
 """
 
 
@@ -42,7 +43,7 @@ def press_and_push_figures(
     friction: float,
     cop: Vector,
 ) -> tuple[Push, Press]:
-    """Figures of ``press_and_push``, with places [m] and ``load`` [N]."""
+    """Parameters of ``press_and_push``, with positions in [m] and ``load`` in [N]."""
     ex, ey, length, _, _ = contact_line(press, push)
     nx, ny = normal
     lever = length * (ex * ny - ey * nx)
@@ -58,7 +59,9 @@ def press_and_push_figures(
 
 @kernel_wide
 def press_and_push(fx: float, fy: float, tau: float, push: Push, press: Press) -> Two:
-    """Allocation of a wrench [N, N m] about the centre of pressure."""
+    """Allocation of a wrench [N, N m] about the centre of pressure to a press and a
+    push.
+    """
     px, py, load, upper, friction = press
     if not abs(fx) + abs(fy) + abs(tau) < inf:
         return ((0.0, 0.0), (0.0, 0.0)), (load, 0.0), 0.0, INFEASIBLE, (fx, fy, tau)
@@ -94,10 +97,10 @@ def press_and_push(fx: float, fy: float, tau: float, push: Push, press: Press) -
 def shared(
     fx: float, fy: float, tau: float, push: Push, press: Press
 ) -> tuple[float, float, float, float, int]:
-    """Push along its normal and along the line [N], the press [N] that would go with
-    the first of these alone, and a status.
+    """Components [N] of the push along its normal and along the line, the press [N] for
+    the normal component alone, and a status.
 
-    The push is left out if it would have to pull.
+    The push is zero if it would have to pull.
     """
     ex, ey, nx, ny, lever, slope_1, slope_2 = push
     px, py, _, upper, friction = press
@@ -117,8 +120,8 @@ def shared(
 
 @kernel
 def with_side(low: float, high: float, slack: float, slope: float) -> Vector:
-    """Part of an interval of s in which slack + slope s >= 0. If there is no such part,
-    its lower end is above its upper end.
+    """Part of an interval of s in which slack + slope s >= 0. If there is none, the
+    lower end of the result is above its upper end.
     """
     if slope > 0.0:
         return max(low, -slack / slope), high
@@ -134,7 +137,7 @@ def least_along(low: float, high: float, middle: float, tolerance: float) -> flo
     """Smallest component of the push along the line, in [low, high], that is within
     ``tolerance`` of ``middle``.
 
-    If no component in the interval is that close, the one nearest to ``middle``.
+    If no component in the interval is that close, it is the one nearest to ``middle``.
     """
     lower = max(low, middle - tolerance)
     upper = min(high, middle + tolerance)

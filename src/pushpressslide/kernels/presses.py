@@ -1,8 +1,8 @@
 """Two top contacts: tangential forces inside the friction discs of two presses
 (docs/mechanics.md, section 7).
 
-Across the line of contacts both forces follow from the wrench; along it, every split
-without opposite signs is free of antagonistic shear.
+The force components across the line of contacts follow from the wrench. Those along the
+line are free of antagonistic shear if they do not have opposite signs.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ NOTHING = 1e-9  # share of a wrench that counts as zero
 LITTLE = 1e-30
 
 PressPair = tuple[float, float, float, float, float, float, float, float]
-"""Two presses: unit vector x, y in B from contact 1 to 2, half of it turned left x, y,
-the middle x, y [m] in B, one over the distance [1/m], friction.
+"""Two presses: unit vector x, y in B from contact 1 to 2; half of this vector turned
+left, x, y; midpoint x, y [m] in B; inverse distance [1/m]; friction.
 """
 
 
 @kernel
 def press_pair(first: Vector, second: Vector, friction: float) -> tuple[PressPair]:
-    """Figures of ``two_presses``."""
+    """Parameters of ``two_presses``."""
     ex, ey, length, middle_x, middle_y = contact_line(first, second)
     per_length = 1.0 / length if length > 0.0 else inf
     return ((ex, ey, -0.5 * ey, 0.5 * ex, middle_x, middle_y, per_length, friction),)
@@ -53,8 +53,8 @@ def two_presses(
     cop: Vector,
     pair: PressPair,
 ) -> Two:
-    """Allocation of a wrench [N, N m] about the centre of pressure [m] of two normal
-    forces [N].
+    """Allocation of a wrench [N, N m] to two presses with ``normals`` [N], about their
+    centre of pressure ``cop`` [m].
     """
     n1, n2 = normals
     cop_x, cop_y = cop
@@ -93,8 +93,8 @@ def two_presses(
 def onto_discs(
     wrench: Wrench, parts: Wrench, radii: Vector, normals: Vector, e: Vector
 ) -> Two:
-    """Allocation of a wrench with given ``line_parts``, scaled onto two discs. ``e`` is
-    the unit vector from contact 1 to 2.
+    """Allocation of a wrench, from its ``line_parts``, scaled onto two friction discs.
+    ``e`` is the unit vector from contact 1 to 2.
     """
     fx, fy, tau = wrench
     ex, ey = e

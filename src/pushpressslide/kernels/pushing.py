@@ -1,7 +1,7 @@
 """One contact on the ellipsoid: its friction cone, its motion cone, and the motion of a
 body under a pusher with a given velocity (docs/mechanics.md, sections 2 to 4).
 
-Frame B; the left tangent is the inward normal n turned by +90 degrees.
+Everything is in frame B. The left tangent is the inward normal n turned by +90 degrees.
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ from pushpressslide.kernels.sliding import REST, Triple
 Edges = tuple[Vector, Vector]
 """The right and the left edge of a cone."""
 Contact = tuple[Vector, Vector, float, float]
-"""Vector from the centre of pressure to the contact [m]; unit inward normal; friction
-of the pair; rho [m].
+"""A contact: vector [m] from the centre of pressure to it, unit inward normal, friction
+of the pair, rho [m].
 """
 Push = tuple[int, Triple, float]
-"""Status, with ``FREE`` for a pusher that leaves; twist of the centre of pressure; slip
-[m/s] of the pusher relative to the body, to the left.
+"""Result of a push: status, which is ``FREE`` for a pusher that leaves the body; twist
+of the centre of pressure; slip [m/s] of the pusher to the left, relative to the body.
 """
 Face = tuple[Vector, Vector, Vector, float, float]
-"""Foot: the point [m] of a face at place 0; unit inward normal; the face's right and left
-end [m] from its foot; friction of the pair; rho [m].
+"""A pushed face: its foot, the point [m] at place 0; unit inward normal; right and left
+end [m] from the foot; friction of the pair; rho [m].
 """
 Pushed = tuple[Pose, float, float]
-"""Pose of a body; position of its pusher along the face [m]; gap between them [m],
-infinite once the pusher has passed an edge.
+"""A pushed body: pose, position [m] of its pusher along the face, and gap [m] between
+them, infinite once the pusher has passed an end of the face.
 """
 
 
@@ -46,7 +46,7 @@ def cone_edges(normal: Vector, friction: float) -> Edges:
 
 @kernel
 def cone_margin(force: Vector, normal: Vector, friction: float) -> float:
-    """Margin mu f_n - |f_t| [N] of a force: >= 0 inside the cone."""
+    """Margin mu f_n - |f_t| [N] of a force. Not negative inside the cone."""
     f_n = force[0] * normal[0] + force[1] * normal[1]
     return friction * f_n - abs(cross(normal, force))
 
@@ -55,7 +55,7 @@ def cone_margin(force: Vector, normal: Vector, friction: float) -> float:
 def velocity_of_force(lever: Vector, rho: float, force: Vector) -> Vector:
     """Vector G f along the velocity of the contact under a ``force`` f.
 
-    Its length is not a speed: on the same scale, the velocity of the CoP is f.
+    Its length is not a speed; on the same scale the velocity of the CoP is f.
     """
     k = cross(lever, force) / (rho * rho)
     return force[0] - k * lever[1], force[1] + k * lever[0]
@@ -112,7 +112,10 @@ def pushed(velocity: Vector, contact: Contact) -> Push:
 def pushed_with_force(
     velocity: Vector, contact: Contact, max_force: float
 ) -> tuple[int, Vector, Triple, float]:
-    """``pushed`` with the pusher's force [N]. ``max_force`` [N] is mu_s N."""
+    """Result of ``pushed``, and the pusher's force [N].
+
+    ``max_force`` [N] is mu_s N.
+    """
     kind, twist, slip = pushed(velocity, contact)
     fx, fy, _ = ellipsoid_wrench(*twist, max_force, contact[3])
     return kind, (fx, fy), twist, slip
@@ -120,13 +123,16 @@ def pushed_with_force(
 
 @kernel
 def driven(mobile: Vector, lever: Vector, rho: float) -> Triple:
-    """Twist whose velocity at the centre of pressure is along a force."""
+    """Twist of a body that slides under a force.
+
+    The velocity of the centre of pressure is along the force.
+    """
     return mobile[0], mobile[1], cross(lever, mobile) / (rho * rho)
 
 
 @kernel
 def quick_heading(yaw: float) -> Vector:
-    """Unit vector at an angle [rad], by arithmetic in compiled code."""
+    """Unit vector at an angle [rad], computed by plain arithmetic in compiled code."""
     if not isfinite(yaw):
         return nan, nan
     return cosine(yaw), sine(yaw)
@@ -139,8 +145,8 @@ def advance_push(
     """Body and pusher after ``dt`` [s] in which the pusher moves at a velocity [m/s] in
     the world.
 
-    It sticks, slips along the face, leaves the body, or passes its edge. The twist is
-    constant in the body's own frame.
+    The pusher sticks, slips along the face, leaves the body, or passes an end of the
+    face. The twist is constant in the body frame.
     """
     foot, normal, ends, friction, rho = face
     axis = quick_heading(pose[2])

@@ -1,10 +1,10 @@
 """The motion of a body on its support under compliant tips: the twist at which all
 forces balance.
 
-One tick of quasi-statics (docs/mechanics.md, sections 1 to 3): friction of the support,
-contacts that stick, slip or separate, no inertia. Frame B, about the centre of
-pressure. The laws of the support and of the contacts are kernels too, given as
-``laws``.
+A tick is quasi-static (docs/mechanics.md, sections 1 to 3): it takes into account the
+friction of the support and contacts that stick, slip or separate, but no inertia.
+Everything is in frame B, about the centre of pressure. The laws of the support and of
+the contacts are also kernels, passed as ``laws``.
 """
 
 from __future__ import annotations
@@ -36,19 +36,21 @@ TRIALS = 60
 STATUSES = 8  # more than a contact has
 
 Triple = tuple[float, float, float]
-"""A twist (m/s, rad/s), or a force [N] and moment [N m], at the centre of pressure."""
+"""A twist [m/s, rad/s], or a force [N] and moment [N m], of the centre of pressure."""
 Matrix = tuple[Triple, Triple, Triple]
 Drag = tuple[float, Triple]
-"""A drag [N s/m], and the twist towards which it acts."""
+"""A drag coefficient [N s/m], and the twist towards which the drag acts."""
 Support = tuple[Any, float, float]
-"""Description of the support for ``Laws``, mu N [N], rho [m]."""
+"""Description of the support for ``Laws``, mu_s N [N], and rho [m]."""
 Laws = tuple[
     Callable[[float, float, float, Any, float, bool], Friction],
     Callable[[float, float, float, Any], Touch],
 ]
-"""Two functions. The first returns the friction for a twist, a description of the
-support and mu N [N]. Unless the last argument is true, it may omit the slope. The
-second returns the reaction of a contact to a twist.
+"""Two functions.
+
+The first returns the friction for a twist, a description of the support and mu_s N [N];
+it may omit the slope unless its last argument is true. The second returns the reaction
+of a contact to a twist.
 """
 REST = (0.0, 0.0, 0.0)
 FREED: Drag = (0.0, REST)
@@ -58,14 +60,15 @@ FREED: Drag = (0.0, REST)
 def slide(
     guess: Triple, contacts: Sequence[Any], support: Support, laws: Laws
 ) -> Triple:
-    """Twist (m/s, rad/s) at which support and ``contacts`` balance, to 1e-9 of mu N.
+    """Twist [m/s, rad/s] at which the forces of the support and of ``contacts``
+    balance, to 1e-9 of mu_s N.
 
-    ``guess`` is the twist of the previous tick; at rest the body creeps, by less than a
-    few times ``CREEP``. Newton's method starts from the guess. Close to balance, its
-    last two steps share one slope if no contact changes its status. If the method
-    fails, the body is released from rest, held back by drag, until it moves in balance:
-    this finds the motion that the body would take up. Always ends, after ``TRIALS``
-    without balance.
+    ``guess`` is the twist of the previous tick, from which Newton's method starts. At
+    rest the body creeps, by less than a few times ``CREEP``. Close to balance, the last
+    two Newton steps share one slope if no contact changes its status. If the method
+    fails, the body is released from rest against a drag, which is reduced until the
+    body moves in balance; this gives the motion that the body would really take up. The
+    search ends after ``TRIALS`` attempts even without balance.
     """
     touched = False
     for contact in contacts:
@@ -213,7 +216,7 @@ def statuses_of(
 
 @kernel
 def dragged(wrench: Triple, twist: Triple, drag: Drag, rho: float) -> Triple:
-    """Wrench of friction and drag."""
+    """Wrench [N, N m] of friction and drag."""
     size, (vx, vy, w) = drag
     if size == 0.0:
         return wrench
@@ -237,9 +240,9 @@ def ended(
     """Whether force and friction balance near ``twist``, and the twist at which they
     do.
 
-    One step of Newton's method led to ``twist`` from a force of some size [N]. If the
-    contacts keep their status, one more step with the same slope reduces the remaining
-    force by twice the factor of the first step.
+    One Newton step led to ``twist``; ``before`` holds the remaining force [N] and the
+    slope before this step. If the contacts keep their status, another step with the
+    same slope leaves about twice the fraction of the force that the first step left.
     """
     _, limit, rho = support
     past, slope = before
@@ -266,8 +269,10 @@ def shortened(
     support: Support,
     laws: Laws,
 ) -> Triple:
-    """Twist along the step to ``end``, by bisection, at which little force along the
-    step remains. ``led`` are the force before it and the step.
+    """Twist along the step to ``end`` at which little force along the step remains, by
+    bisection.
+
+    ``led`` are the force before the step, and the step itself.
     """
     force, step = led
     rho = support[2]
@@ -289,9 +294,7 @@ def shortened(
 
 @kernel
 def is_motion(twist: Triple) -> bool:
-    """Whether a twist is finite. The friction of a twist whose square overflows is
-    zero.
-    """
+    """Whether a twist is finite, and small enough that its square does not overflow."""
     return dot(twist, twist) <= FASTEST
 
 
@@ -320,7 +323,7 @@ def too_near(ahead: Triple, force: Triple, step: Triple, rho: float) -> bool:
 
 @kernel
 def size_of(force: Triple, rho: float) -> float:
-    """Size [N] of a force and moment."""
+    """Size [N] of a force and a moment, which is divided by rho."""
     turning = force[2] / rho
     return sqrt(force[0] * force[0] + force[1] * force[1] + turning * turning)
 

@@ -1,8 +1,8 @@
-"""Friction between a body and its support as a smooth function of the twist, for all
-limit surfaces, and the ellipsoid's (docs/mechanics.md, section 1).
+"""Friction between a body and its support as a smooth function of the twist: the common
+part of all limit surfaces, and the ellipsoid (docs/mechanics.md, section 1).
 
-Twists (v_x, v_y, w) and wrenches are those of the centre of pressure; friction is over
-mu_s N.
+Twists (v_x, v_y, w) and wrenches are those of the centre of pressure. Friction is
+divided by mu_s N.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Slope = tuple[float, float, float, float, float, float]
 """Symmetric derivative of a wrench with respect to the twist: xx, xy, xw, yy, yw, ww.
 """
 Friction = tuple[float, float, float, float, float, float, float, float, float]
-"""The wrench that slides a body with a twist, x, y and moment, and its slope."""
+"""Wrench x, y and moment that slides a body with a twist, and its slope."""
 
 
 @kernel
@@ -27,7 +27,7 @@ def softened(power: float, wrench: Wrench, slope: Slope) -> Friction:
     """Wrench and slope of the softened power sqrt(P^2 + CREEP^2) from those of the
     power P.
 
-    Its friction falls to zero with the speed.
+    The friction falls to zero with the speed.
     """
     fx, fy, tau = wrench
     xx, xy, xw, yy, yw, ww = slope
@@ -51,7 +51,7 @@ def softened(power: float, wrench: Wrench, slope: Slope) -> Friction:
 
 @kernel
 def ellipsoid_friction(vx: float, vy: float, w: float) -> Friction:
-    """Wrench and slope of a twist (v_x, v_y, rho w), the moment divided by rho."""
+    """Wrench and slope for a twist (v_x, v_y, rho w), with the moment divided by rho."""
     inverse = 1.0 / sqrt(vx * vx + vy * vy + w * w + CREEP * CREEP)
     fx = vx * inverse
     fy = vy * inverse

@@ -14,8 +14,8 @@ from pushpressslide.kernels.support_friction import Friction, ellipsoid_friction
 def on_polygon(
     vx: float, vy: float, w: float, surface: Any, limit: float, sloped: bool
 ) -> Friction:
-    """Friction law of a support under a polygon. ``surface`` are the arguments of
-    ``polygon_friction``.
+    """Friction law of a support under a polygon with a linear pressure. ``surface``
+    holds the arguments of ``polygon_friction``.
     """
     plane, edges, series = surface
     return scaled(polygon_friction(vx, vy, w, plane, edges, series, sloped), limit, 1.0)
@@ -25,7 +25,7 @@ def on_polygon(
 def on_samples(
     vx: float, vy: float, w: float, surface: Any, limit: float, sloped: bool
 ) -> Friction:
-    """Friction law of a support of samples."""
+    """Friction law of a support under samples of the load."""
     return scaled(sampled_friction(vx, vy, w, surface), limit, 1.0)
 
 
@@ -33,7 +33,7 @@ def on_samples(
 def on_ellipsoid(
     vx: float, vy: float, w: float, rho: float, limit: float, sloped: bool
 ) -> Friction:
-    """Friction law of an ellipsoid of ``rho`` [m]."""
+    """Friction law of an ellipsoidal limit surface with ``rho`` [m]."""
     return scaled(ellipsoid_friction(vx, vy, rho * w), limit, rho)
 
 

@@ -1,7 +1,7 @@
 """One tick of a body on its support with one or two compliant tips at its flat sides:
 the inner step of the planar engine (docs/mechanics.md, sections 1 to 3).
 
-Frame B of a body; the twist in a tick is constant there.
+Everything is in the body frame B, in which the twist is constant during a tick.
 """
 
 from __future__ import annotations
@@ -32,40 +32,47 @@ from pushpressslide.kernels.sliding import Laws, Triple, slide
 PASSED = 1e-3  # [m] behind a face: a tip there came round its end, not through it
 
 Command = tuple[Vector, Vector, Vector, Vector, Vector]
-"""Command of a tip in the plane. In the world: force [N], position error [m] and
-reference velocity [m/s]. Along an axis and to its left: stiffness [N/m] and damping [N
-s/m].
+"""Command of a tip in the plane.
+
+Force [N], position error [m] and reference velocity [m/s] are in the world. Stiffness
+[N/m] and damping [N s/m] are along an axis and to its left.
 """
 Led = tuple[Vector, Vector, Vector]
 """Position of a tip's centre [m], with its reference velocity [m/s] and force [N], in
 the world.
 """
 Face = tuple[Vector, float, float, float, float, float, float]
-"""A flat side and its tip: unit inward normal; position of the side along it [m]; right
-and left end of the side, to the left of it [m]; radius of the tip [m], friction of the
-pair, damping [N s/m].
+"""A flat side and its tip.
+
+The members are the unit inward normal; the position [m] of the side along it; the right
+and left end [m] of the side, measured to the left; the radius [m] of the tip; the
+friction of the pair; and the damping [N s/m].
 """
 Body = tuple[Vector, float, float, float]
-"""Centre of pressure [m]; mu_s N [N]; rho [m]; how long the tick is [s]."""
+"""A body: centre of pressure [m], mu_s N [N], rho [m], and duration of a tick [s]."""
 Reach = tuple[Vector, Vector, Vector, Law]
-"""A tip at the start of a tick. In the world: B's axis and the tip's position [m]. In
-B: its position [m] and its law.
+"""A tip at the start of a tick.
+
+B's x axis and the tip's position [m] are in the world; the second position [m] and the
+tip's law are in B.
 """
 Motion = tuple[Triple, Vector, Pose, float]
-"""A body in a tick: twist of its centre of pressure, that centre [m], pose at the end,
-and how long the tick is [s].
+"""Motion of a body in a tick: twist of its centre of pressure, position [m] of this
+centre, pose at the end, and duration of the tick [s].
 """
 After = tuple[Vector, Vector, Vector]
-"""Position [m] and velocity [m/s] of a tip, and its force on the body [N], in the
+"""A tip after a tick: position [m], velocity [m/s], and force on the body [N], in the
 world.
 """
 State = tuple[Vector, Vector, int]
-"""Position [m] of a tip and its force on the body [N] in the world, and its status."""
+"""A tip after a tick: position [m] and force on the body [N] in the world, and status
+of its contact.
+"""
 
 
 @kernel
 def held_force(axis: Vector, command: Command) -> Vector:
-    """Force f_0 [N], in the world, of a tip that does not move."""
+    """Force f_0 [N], in the world, of a tip at rest."""
     c, s = axis
     (fx, fy), (dx, dy), (ux, uy), (kn, kt), (bn, bt) = command
     fn = kn * (c * dx + s * dy) + bn * (c * ux + s * uy)
@@ -75,7 +82,7 @@ def held_force(axis: Vector, command: Command) -> Vector:
 
 @kernel
 def tip_law(axis: Vector, force: Vector, damping: Vector) -> Law:
-    """Law of a tip along an axis, its force f_0 [N] given in B."""
+    """Law of a tip along an axis, with its force f_0 [N] in B."""
     return axis, in_axis(axis, force), damping
 
 
@@ -92,8 +99,9 @@ def carried_body(
 
 @kernel
 def tip_after(reach: Reach, force: Vector, free: bool, motion: Motion) -> After:
-    """Tip after one tick. ``force`` [N] acts on the body in B; ``free`` if the tip does
-    not touch.
+    """Tip after one tick.
+
+    ``force`` [N] acts on the body, in B. ``free`` says that the tip does not touch.
     """
     axis, (x, y), (px, py), law = reach
     (vx, vy, w), cop, after, dt = motion
@@ -112,8 +120,9 @@ def tip_after(reach: Reach, force: Vector, free: bool, motion: Motion) -> After:
 def reached(
     pose: Pose, axis: Vector, led: Led, face: Face, body: Body
 ) -> tuple[Reach, Side]:
-    """Tip at the start of a tick, and its possible contact with its face. No contact if
-    the tip is beyond or behind the face, or an argument is not finite.
+    """Tip at the start of a tick, and its possible contact with its face. There is no
+    contact if the tip is beyond the ends of the face or behind it, or if an argument is
+    not finite.
     """
     (x, y), velocity, force = led
     normal, depth, right, left, radius, friction, damping = face
@@ -135,7 +144,7 @@ def reached(
 
 @kernel
 def followed(reach: Reach, contact: Side, motion: Motion) -> State:
-    """Tip after a tick of its body."""
+    """Tip after a tick in which its body moved."""
     vx, vy, w = motion[0]
     force, _, status, _, _ = side_touch(vx, vy, w, contact)
     place, _, felt = tip_after(reach, force, status == FREE, motion)

@@ -14,16 +14,16 @@ from pushpressslide.kernels.kernel import kernel
 
 Twist = tuple[float, float, float]
 Stanley = tuple[float, float, float, float]
-"""Gain over speed k / v [1/m], effective wheelbase [m] of the feed-forward (0: none), and
-bounds of the steering angle [rad].
+"""Gain over speed k / v [1/m], effective wheelbase [m] of the feed-forward (0 without
+feed-forward), and bounds [rad] of the steering angle.
 """
 Car = tuple[float, float, float, float, float, float]
-"""Heading axis x, y in B, largest friction force [N], 1 + (D / rho)^2 of the lever D from
-contact to centre of pressure, -D [m], and -D / rho^2 [1/m].
+"""Heading axis x, y in B, largest friction force [N], 1 + (D / rho)^2, -D [m], and -D /
+rho^2 [1/m], where D is the lever from contact to centre of pressure.
 """
 Pull = tuple[float, float, float, float]
 """Speed [m/s] in the path's metric, length [m] over which an error decays to 1/e,
-radius [m] of the metric, and error [m] up to which the correction is proportional.
+radius [m] of the metric, and largest error [m] that is corrected in proportion.
 """
 
 
@@ -31,8 +31,11 @@ radius [m] of the metric, and error [m] up to which the correction is proportion
 def stanley_law(
     wheelbase: float, low: float, high: float, gain: float, feed_forward: float
 ) -> tuple[Stanley]:
-    """Figures of ``stanley_steering``: effective ``wheelbase`` [m], bounds [rad],
-    ``gain`` in units of the largest without overshoot, ``feed_forward`` > 0.
+    """Parameters of ``stanley_steering``.
+
+    ``wheelbase`` [m] is the effective one, ``low`` and ``high`` [rad] are the bounds,
+    ``gain`` is relative to the largest gain without overshoot, and ``feed_forward`` > 0
+    enables feed-forward.
     """
     ahead = wheelbase if feed_forward > 0.0 else 0.0
     return ((gain / (4.0 * wheelbase), ahead, low, high),)
@@ -73,7 +76,7 @@ def look_ahead_curvature(
 
 @kernel
 def clipped(wanted: float, limit: float) -> tuple[float, bool]:
-    """Number clipped to +-``limit``, and whether it was beyond."""
+    """A number clipped to +-``limit``, and whether it was clipped."""
     if wanted > limit:
         return limit, True
     if wanted < -limit:
@@ -83,10 +86,10 @@ def clipped(wanted: float, limit: float) -> tuple[float, bool]:
 
 @kernel
 def steered_push(delta: float, speed: float, car: Car) -> tuple[Wrench, Twist]:
-    """Wrench about the centre of pressure and twist of the virtual axle of a push at
-    the steering angle ``delta`` [rad], in B.
+    """Wrench and twist of a push at the steering angle ``delta`` [rad], in B.
 
-    ``speed`` [m/s] is the axle's.
+    The wrench is about the centre of pressure; the twist and ``speed`` [m/s] are those
+    of the virtual axle.
     """
     ex, ey, max_friction, stretch, arm, turning = car
     k = tangent(delta)
@@ -103,9 +106,9 @@ def pulled_twist(
 ) -> tuple[Twist, tuple[float, float], bool]:
     """Twist of V's origin, in V, that leads a body along its path.
 
-    Also the path's own velocity there, per metre, in V; and whether the pull was
-    limited. The wanted pose is at ``x``, ``y`` [m] and ``turned`` [rad] in V. ``rate``
-    is the path's twist at the wanted pose, in that pose's axes.
+    It is followed by the path's own velocity at that point, per metre, in V, and by
+    whether the pull was limited. The wanted pose is at ``x``, ``y`` [m] and ``turned``
+    [rad] in V. ``rate`` is the path's twist at the wanted pose, in that pose's axes.
     """
     vx, vy, w = rate
     speed, decay, radius, upper = law

@@ -1,9 +1,9 @@
-"""Two side contacts, anywhere on the object: four force components for the three of a
-wrench (docs/mechanics.md, sections 5 and 6).
+"""Two side contacts anywhere on the object: four force components for the three
+components of a wrench (docs/mechanics.md, sections 5 and 6).
 
-The forces are linear in the wrench until a cone is met. The squeeze along the line of
-contacts is free: each edge of a friction cone bounds it from above or from below, and a
-wrench is feasible exactly if the bounds leave an interval.
+The forces are linear in the wrench until one reaches the edge of its cone. The squeeze
+along the line of contacts is free. Each edge of a friction cone bounds it from above or
+from below, and a wrench is feasible if and only if the bounds leave an interval.
 """
 
 from __future__ import annotations
@@ -43,21 +43,27 @@ Linear = tuple[
     float,
     float,
 ]
-"""Force x of contact 1 per fx, fy and tau, force y likewise, normals x, y of contact 1
-and 2, friction, caps [N]; the caps are minus infinity without friction, which leaves
-everything to ``nearest_forces``.
+"""Coefficients of the linear split.
+
+The members are the x component of contact 1's force per fx, fy and tau; its y component
+likewise; the normals x, y of contacts 1 and 2; the friction; and the caps [N]. Without
+friction the caps are minus infinity, which leaves every wrench to ``nearest_forces``.
 """
 Sides = tuple[Vector, Vector, Four, Four]
-"""Unit vector from contact 1 to 2, its part along either normal, the slopes of the
-slacks mu f_n - f_t, mu f_n + f_t of contact 1, then of contact 2, for a force along it,
-none of them zero, and minus one over each.
+"""Sides of the friction cones.
+
+The members are the unit vector from contact 1 to 2; its component along either normal;
+the change, per force along this vector, of the slacks mu f_n - f_t and mu f_n + f_t of
+contact 1, then of contact 2, none of them zero; and minus the inverse of each.
 """
 Place = tuple[Points, float, Vector, float]
-"""Points [m], rho [m], caps [N], and whether wrenches outside of the cone are left to
-the caller: > 0.
+"""Points [m], rho [m], caps [N], and a number that is > 0 if wrenches outside the cone
+are left to the caller.
 """
 Rest = tuple[Sides, Place, tuple[Line, Wrench], Cone]
-"""And the line of contacts with the shares of F.e, g_1 and g_2 in contact 1's force."""
+"""Sides, points and cone of two contacts, and their line with the shares of F.e, g_1
+and g_2 in contact 1's force.
+"""
 
 
 @kernel
@@ -68,10 +74,10 @@ def two_contact_figures(
     caps: Vector,
     choices: Vector,
 ) -> tuple[Linear, Rest]:
-    """Figures of ``two_contacts``. ``frictions`` are friction and rho [m].
+    """Parameters of ``two_contacts``. ``frictions`` are friction and rho [m].
 
-    ``choices`` > 0 select the split with the smallest friction, and leave wrenches
-    outside the cone to the caller.
+    If ``choices`` are > 0, the first selects the split with the smallest friction, and
+    the second leaves wrenches outside the cone to the caller.
     """
     friction, rho = frictions
     line = contact_line(points[0], points[1])
@@ -110,7 +116,7 @@ def in_axes(line: Line, v: Vector) -> Vector:
 
 @kernel
 def split_shares(line: Line, normals: Points, least_friction: float) -> Wrench:
-    """Weights of F.e, g_1 and g_2 in contact 1's force along the line."""
+    """Shares of F.e, g_1 and g_2 in contact 1's force along the line."""
     n1e, n1m = in_axes(line, normals[0])
     n2e, n2m = in_axes(line, normals[1])
     squares = n1m * n1m + n2m * n2m
@@ -121,7 +127,7 @@ def split_shares(line: Line, normals: Points, least_friction: float) -> Wrench:
 
 @kernel
 def cone_sides(line: Line, normals: Points, friction: float) -> Sides:
-    """Bounds of a force along the line by the sides of both cones."""
+    """Bounds that the sides of both cones set on a force along the line."""
     n1e, n1m = in_axes(line, normals[0])
     n2e, n2m = in_axes(line, normals[1])
     a1, a2 = nonzero_slopes(friction * n1e + n1m, friction * n1e - n1m)
@@ -134,9 +140,9 @@ def cone_sides(line: Line, normals: Points, friction: float) -> Sides:
 def nonzero_slopes(a: float, b: float) -> Vector:
     """Slopes of a cone's sides, none of them zero.
 
-    A side along the line of contacts bounds nothing if its slack is >= 0, and otherwise
-    excludes every force. To represent this, it gets a distant bound, opposite in
-    direction to the other side's.
+    A side parallel to the line of contacts bounds nothing if its slack is >= 0, and
+    otherwise excludes every force. It is represented by a distant bound, in the
+    direction opposite to that of the other side.
     """
     if abs(a) < ALONG:
         return copysign(ALONG, -b), b
@@ -145,8 +151,8 @@ def nonzero_slopes(a: float, b: float) -> Vector:
 
 @kernel
 def against(slope: float) -> float:
-    """Minus one over a slope. Zero for a zero slope, which occurs only in a cone of
-    zero width.
+    """Negative inverse of a slope. Zero for a zero slope, which occurs only in a cone
+    of zero width.
     """
     return -1.0 / slope if slope != 0.0 else 0.0
 
@@ -163,7 +169,7 @@ def first_force(fx: float, fy: float, tau: float, split: tuple[Line, Wrench]) ->
 
 @kernel
 def two_contacts(fx: float, fy: float, tau: float, linear: Linear, rest: Rest) -> Two:
-    """Allocation of a wrench [N, N m] about B's origin."""
+    """Allocation of a wrench [N, N m] about B's origin to two side contacts."""
     x_fx, x_fy, x_tau, y_fx, y_fy, y_tau, n1x, n1y, n2x, n2y, mu, cap1, cap2 = linear
     f1x = x_fx * fx + x_fy * fy + x_tau * tau
     f1y = y_fx * fx + y_fy * fy + y_tau * tau
@@ -196,10 +202,11 @@ def projected(
     linear: Linear,
     rest: Rest,
 ) -> Two:
-    """Allocation of a wrench whose wanted ``forces`` exceed a cone or a cap: shifted
-    along the line of contacts as little as the cones need.
+    """Allocation of a wrench whose wanted ``forces`` [N] exceed a cone or a cap.
 
-    ``pushes`` are mu f_n of both contacts, then f_n, and ``slides`` their f_t [N].
+    The forces are shifted along the line of contacts as little as the cones require.
+    ``pushes`` [N] are mu f_n of both contacts, then f_n of both; ``slides`` [N] are
+    their f_t.
     """
     most1, most2, f1n, f2n = pushes
     if not isfinite(most1 + most2):
@@ -236,10 +243,10 @@ def within(low: float, high: float, d: float, k: float) -> Vector:
 
 @kernel
 def capped(wrench: Wrench, linear: Linear, rest: Rest) -> Two:
-    """Allocation of a wrench in the cone, for which the usual split exceeds a cap on a
-    normal force.
+    """Allocation of a wrench in the cone whose usual split exceeds a cap on a normal
+    force.
 
-    The force along the line of contacts is shared differently. If no split inside both
+    The force along the line of contacts is split differently. If no split inside both
     cones respects the caps, the wrench is scaled down.
     """
     fx, fy, tau = wrench
@@ -271,8 +278,8 @@ def capped(wrench: Wrench, linear: Linear, rest: Rest) -> Two:
 
 @kernel
 def bounded(low: float, high: float, slack: float, slope: float) -> Vector:
-    """Part of an interval of d in which slack + slope d >= 0. If there is no such part,
-    its lower end is above its upper end.
+    """Part of an interval of d in which slack + slope d >= 0. If there is none, the
+    lower end of the result is above its upper end.
     """
     if slope > 0.0:
         return max(low, -slack / slope), high
@@ -287,8 +294,8 @@ def bounded(low: float, high: float, slack: float, slope: float) -> Vector:
 def best_scaled(
     interval: Vector, pushes: Vector, alongs: Vector, caps: Vector
 ) -> Vector:
-    """Force d [N] along the line of contacts, in ``interval``, that lets the largest
-    fraction of the wrench stay within the caps; and this fraction.
+    """Force d [N] along the line of contacts, in ``interval``, with which the largest
+    fraction of the wrench respects the caps, and this fraction.
 
     ``pushes`` are the normal forces [N] at d = 0, ``alongs`` the components of the
     line's direction along the normals.
@@ -319,8 +326,8 @@ def kept_part(f1n: float, f2n: float, caps: Vector) -> float:
 
 @kernel
 def outside(wrench: Wrench, linear: Linear, rest: Rest) -> Two:
-    """Allocation of the nearest wrench of the cone, unless the caller projects the
-    wrench.
+    """Allocation of the cone's nearest wrench, unless the caller projects the wrench
+    itself.
     """
     if rest[1][3] > 0.0:
         none = ((0.0, 0.0), (0.0, 0.0))
@@ -347,7 +354,7 @@ def nearest_forces(wanted: Wrench, aim: Wrench, linear: Linear, rest: Rest) -> T
 def allocation_of(
     wanted: Wrench, forces: Points, scale: float, linear: Linear, rest: Rest
 ) -> Two:
-    """Allocation of ``scale`` times two forces, evaluated against the wanted wrench."""
+    """Allocation of ``scale`` times two forces, compared with the wanted wrench."""
     (f1x, f1y), (f2x, f2y) = forces
     f1x = scale * f1x
     f1y = scale * f1y

@@ -1,5 +1,5 @@
-"""The cone of the wrenches that two side contacts can give, and the nearest wrench in it
-(docs/mechanics.md, section 6).
+"""The cone of wrenches that two side contacts can give, and the nearest wrench in the
+cone (docs/mechanics.md, section 6).
 
 The cone is spanned by four edge wrenches, one for each edge of the two friction cones.
 Distances are in the norm diag(1, 1, 1/rho^2).
@@ -16,23 +16,25 @@ FLAT = 1e-9  # sine of the angle below which two edge wrenches span no facet
 
 Points = tuple[Vector, Vector]
 Edge = tuple[float, float, float, float]
-"""Edge wrench for a normal force of 1 N: force x, y, moment over rho, and its square."""
+"""Edge wrench for a normal force of 1 N: force x, y, moment over rho, and squared norm.
+"""
 Edges = tuple[Edge, Edge, Edge, Edge]
 """The right and left edge of contact 1, then of contact 2."""
 Span = Vector
-"""Products of two edges: their scalar product, and one over the square of their cross
-product, or 0 if they span no plane.
+"""Two numbers for a pair of edges: their scalar product, and the inverse square of the
+size of their cross product. The second is 0 for parallel edges.
 """
 Spans = tuple[Span, Span, Span, Span, Span, Span]
 Cone = tuple[Edges, Spans]
-"""The edges, and the spans of 12, 13, 14, 23, 24 and 34."""
+"""The edges, and the spans of the pairs 12, 13, 14, 23, 24 and 34."""
 Parts = tuple[float, float, float, float]
 
 
 @kernel
 def wrench_cone(points: Points, normals: Points, friction: float, rho: float) -> Cone:
-    """Cone of the wrenches that two contacts at ``points`` [m] can give, for an
-    ellipsoid of ``rho`` [m].
+    """Cone of the wrenches that two contacts at ``points`` [m] can give.
+
+    ``rho`` [m] is that of the ellipsoid.
     """
     a = cone_edge(points[0], normals[0], -friction, rho)
     b = cone_edge(points[0], normals[0], friction, rho)
@@ -44,7 +46,7 @@ def wrench_cone(points: Points, normals: Points, friction: float, rho: float) ->
 
 @kernel
 def cone_edge(point: Vector, normal: Vector, friction: float, rho: float) -> Edge:
-    """Left edge of a contact's cone. For the right one, pass minus the friction."""
+    """Left edge of a contact's cone. For the right edge, pass the negative friction."""
     fx = normal[0] - friction * normal[1]
     fy = normal[1] + friction * normal[0]
     turn = (point[0] * fy - point[1] * fx) / rho
@@ -53,8 +55,8 @@ def cone_edge(point: Vector, normal: Vector, friction: float, rho: float) -> Edg
 
 @kernel
 def span(a: Edge, b: Edge) -> Span:
-    """Product of two edges, and the inverse square of their cross product. The latter
-    is 0 if they are parallel.
+    """Scalar product of two edges, and the inverse square of their cross product, which
+    is 0 for parallel edges.
     """
     ax, ay, az, a_square = a
     bx, by, bz, b_square = b
@@ -74,8 +76,8 @@ def nearest_parts(fx: float, fy: float, z: float, cone: Cone) -> Parts:
     """Coefficients of the cone's edges whose sum is the wrench nearest to a given one
     outside the cone. ``z`` is the moment divided by rho.
 
-    The nearest wrench lies on a facet, so it is the best of the four edges and their
-    six pairs: least squares with coefficients >= 0, by enumeration.
+    The nearest wrench lies on a facet. It is therefore the best solution among the four
+    edges and their six pairs: non-negative least squares by enumeration.
     """
     a, b, c, d = cone[0]
     ons = (
@@ -94,7 +96,7 @@ def nearest_edge(wrench: Wrench, edges: Edges, ons: Parts) -> tuple[float, Parts
     """Squared distance and coefficients of the nearest wrench on an edge, or of the
     zero wrench.
 
-    ``ons`` are the products of edges and wrench.
+    ``ons`` are the scalar products of edges and wrench.
     """
     a, b, c, d = edges
     fx, fy, z = wrench
@@ -123,8 +125,8 @@ def nearest_edge(wrench: Wrench, edges: Edges, ons: Parts) -> tuple[float, Parts
 def nearest_facet(
     wrench: Wrench, cone: Cone, ons: Parts, min_error: float, parts: Parts
 ) -> Parts:
-    """Coefficients of the nearest wrench between two edges, or ``parts`` if none is
-    nearer than ``min_error``.
+    """Coefficients of the nearest wrench between two edges, or ``parts`` if no such
+    wrench is nearer than ``min_error``.
     """
     (a, b, c, d), (ab, ac, ad, bc, bd, cd) = cone
     on_a, on_b, on_c, on_d = ons

@@ -1,7 +1,7 @@
-"""Environments for learning to push, a mode's controller as a policy, and
+"""Environments in which to learn pushing, the controllers of modes as policies, and
 demonstrations.
 
-Importing this registers the environments with Gymnasium if that is installed.
+Importing this package registers the environments with Gymnasium, if that is installed.
 """
 
 from pushpressslide.learning.registration import register

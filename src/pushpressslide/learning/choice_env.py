@@ -39,11 +39,11 @@ except ImportError as error:
     raise ImportError(MISSING) from error
 
 SPREAD = (0.15, 0.15, math.pi)
-"""Largest offset of a drawn start from the task's, to either side: x, y [m] and yaw
-[rad].
+"""Largest offset of a random start from the task's start, to either side: x, y [m] and
+yaw [rad].
 """
 THRESHOLD = (0.02, math.radians(10.0))
-"""Errors of a success by default: position [m] and yaw [rad]."""
+"""Default errors of a successful episode: position [m] and yaw [rad]."""
 # largest angle of a push from the face's normal, to either side
 LEAN = math.radians(60.0)
 LONGEST = 0.1  # [m] length of the longest push
@@ -55,11 +55,11 @@ ONE = np.zeros(1, dtype=np.intp)
 class ChoiceEnv(gymnasium.Env):
     """One object that a tip pushes to a goal, with one push per step.
 
-    Actions (3,) in [-1, 1]: the place along the flat faces that can be pushed, joined
-    end to end; the direction from the inward normal, up to 60 degrees; and the length,
-    up to 0.1 m. Observations (6,) are the pose of G and the goal. Reward, ``success``
-    and the ellipsoid of each face are as in ``environment.PushEnv``. A push ends when
-    the tip passes an end of its face.
+    An action (3,) in [-1, 1] gives the place along the flat faces that can be pushed,
+    joined end to end; the angle from the inward normal, up to 60 degrees; and the
+    length, up to 0.1 m. An observation (6,) is the pose of G and the goal. Reward,
+    ``success`` and the ellipsoid of each face are as in ``environment.PushEnv``. A push
+    ends when the tip passes an end of its face.
     """
 
     metadata: ClassVar[dict[str, Any]] = {**METADATA, "render_fps": 1}
@@ -89,8 +89,9 @@ class ChoiceEnv(gymnasium.Env):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
-        """Start an episode within 0.15 m and any yaw of the task's start. ``start`` and
-        ``goal`` in ``options`` are those of ``environment.PushEnv``.
+        """Start an episode up to 0.15 m from the task's start, at any yaw.
+
+        ``start`` and ``goal`` in ``options`` are as in ``environment.PushEnv``.
         """
         super().reset(seed=seed)
         asked = poses_asked(options, 1)
@@ -113,7 +114,7 @@ class ChoiceEnv(gymnasium.Env):
         return self._last[:6], float(out.rewards[0]), success, late, info
 
     def pushed(self, pose: Array, action: Array) -> Outcome:
-        """Outcome of one push at a pose X_WG (3,). The episode does not change."""
+        """Outcome of a push from a pose X_WG (3,), without a change of the episode."""
         place, lean, length = np.clip(np.asarray(action, dtype=np.float64), -1.0, 1.0)
         along = 0.5 * (float(place) + 1.0) * self._ends[-1]
         number = min(bisect(self._ends, along), len(self._ends) - 1)
@@ -146,7 +147,7 @@ class ChoiceEnv(gymnasium.Env):
         self._last = pushing.observations()[0]
 
     def _random_start(self) -> Array:
-        """A start X_WG (3,)."""
+        """A random start X_WG (3,)."""
         start = self.push.task.true_start
         offset = self.np_random.uniform(-1.0, 1.0, 3) * SPREAD
         own = np.array([start.x, start.y, start.yaw]) + offset

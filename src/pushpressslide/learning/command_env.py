@@ -1,5 +1,6 @@
-"""Any task of one placement as a Gymnasium environment, on either engine. Observations
-and actions are the controller's inputs and outputs at each tick.
+"""Any task of one placement as a Gymnasium environment, on either engine.
+
+Observations and actions are the inputs and outputs of the controller at each tick.
 """
 
 from __future__ import annotations
@@ -51,24 +52,24 @@ except ImportError as error:
     raise ImportError(MISSING) from error
 
 SPREAD = (0.01, 0.01, math.radians(5.0))
-"""Largest offset of a drawn start from the task's, to either side: x, y [m] and yaw
-[rad].
+"""Largest offset of a random start from the task's start, to either side: x, y [m] and
+yaw [rad].
 """
 ENGINES = ("drake", "planar")
 DRAWS = 20
-"""Number of starts that are drawn until one has a plan."""
+"""Largest number of starts that are drawn until one has a plan."""
 
 
 class CommandEnv(gymnasium.Env):
-    """One task whose tips an agent commands like the controller, from just before the
-    touch.
+    """One task whose tips an agent commands in place of the controller, from just
+    before the touch.
 
     Observations (7 + 9 A,) and actions (25 A,) for A arms are laid out as in
     ``command_rows``. Rows of arms without a contact in the plan are ignored. A step is
-    one control period. The reward [m] is minus the distance to the goal and minus rho
-    times the angle to it; ``success`` in ``info``: the object is within the task's
-    tolerance. This ends the episode, as does a failure of the engine. ``limits.time``
-    truncates.
+    one control period. The reward [m] is the negative sum of the distance to the goal
+    and rho times the angle to the goal. ``success`` in ``info`` says that the object is
+    within the task's tolerance. Success ends the episode, and so does a failure of the
+    engine. ``limits.time`` truncates it.
     """
 
     metadata: ClassVar[dict[str, Any]] = {**METADATA, "render_fps": 250}
@@ -80,13 +81,13 @@ class CommandEnv(gymnasium.Env):
         render_mode: str | None = None,
         threshold: Threshold | None = None,
     ) -> None:
-        """Prepare a task, given directly, by the name of a shipped one, or by the path
+        """Prepare a task, given directly, by the name of a shipped task, or by the path
         of a file.
 
         ``render_mode`` is None, or "rgb_array" for pictures from above. ``threshold``
         replaces the task's tolerance: position [m] and yaw [rad]. Raises TaskError for
-        a task of several goals and an unknown engine, and MissingPackageError for one
-        that is not installed.
+        a task with several goals and for an unknown engine, and MissingPackageError for
+        an engine that is not installed.
         """
         loaded = check_task(task) if isinstance(task, Task) else load_task(task)
         self.task = with_threshold(loaded, threshold)
@@ -123,11 +124,12 @@ class CommandEnv(gymnasium.Env):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
-        """Replan from a start near the task's, or from ``options["start"]``: x, y [m]
-        and yaw [rad] of X_WG, to the task's goal or to ``options["goal"]``. Lead the
-        tips to the points before their contacts.
+        """Start an episode: replan, and move the tips to the points before their
+        contacts.
 
-        Raises InfeasibleTaskError if no plan leads from there to the goal.
+        The start is near that of the task, or ``options["start"]``: x, y [m] and yaw
+        [rad] of X_WG. The goal is that of the task, or ``options["goal"]``. Raises
+        InfeasibleTaskError if no plan leads from the start to the goal.
         """
         super().reset(seed=seed)
         asked = poses_asked(options, 1)
@@ -166,7 +168,7 @@ class CommandEnv(gymnasium.Env):
         return self._camera.picture(observation_row(measurement, self.plan.task.goal))
 
     def _observe(self, measurement: Measurement) -> tuple[Array, dict[str, Any]]:
-        """The observation, clipped to its bounds, and its info."""
+        """The observation, clipped to its bounds, and the ``info`` with it."""
         space = self.observation_space
         row = observation_row(measurement, self.plan.task.goal)
         distance, angle = errors(row[1:SEEN])
@@ -182,7 +184,8 @@ class CommandEnv(gymnasium.Env):
     def _made(
         self, start: Sequence[float] | Array | None, goal: Pose2
     ) -> tuple[Cell, Plan]:
-        """A cell and a plan to a goal from a start, drawn if none is given.
+        """A cell, and a plan from a start to a goal. The start is random if none is
+        given.
 
         Objects that need an arm or a ledge to carry them start at the task's own start.
         """
@@ -221,9 +224,7 @@ class CommandEnv(gymnasium.Env):
 
 
 def _lone(plan: Plan) -> Plan:
-    """The given plan, which must have only one placement. Raises InfeasibleTaskError if
-    it has more.
-    """
+    """The plan, if it has only one placement. Raises InfeasibleTaskError otherwise."""
     if len(plan.placements) > 1:
         count = len(plan.placements)
         raise InfeasibleTaskError(f"{plan.task.name}: takes {count} placements, not 1")

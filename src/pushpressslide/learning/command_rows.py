@@ -20,7 +20,9 @@ FAST = 10.0  # [m/s] bound of an observed velocity
 FAR = 20.0  # [m] bound of an observed position
 STRONG = 1e5  # [N] bound of an observed force
 SEEN = 7
-"""Number of values in an observation before those of the tips: time, pose, goal."""
+"""Number of values at the beginning of an observation, before those of the tips: time,
+pose, goal.
+"""
 TIP = 9
 """Number of values in an observation for each tip: position, velocity, force."""
 WIDTH = 25
@@ -65,8 +67,8 @@ def command_names(arms: int) -> tuple[str, ...]:
 
 
 class CommandScale:
-    """Scale of a tip's command as numbers in [-1, 1]: from the smallest to the largest
-    allowed value of each field.
+    """Scaling of a tip's command to numbers in [-1, 1], from the smallest to the
+    largest allowed value of each field.
     """
 
     def __init__(self, motion: Motion, limits: Limits) -> None:
@@ -97,7 +99,7 @@ class CommandScale:
         self._half = 0.5 * (high - low)
 
     def row(self, command: TipCommand | None) -> Array:
-        """A command as numbers (25,). A tip without a contact gives zeros."""
+        """Numbers (25,) of a command. Zeros for a tip without a contact."""
         if command is None:
             return np.zeros(WIDTH)
         values = [np.ravel(getattr(command, name)) for name, _ in COMMAND]
@@ -105,7 +107,7 @@ class CommandScale:
         return np.asarray(np.clip(scaled, -1.0, 1.0))
 
     def command(self, row: Array) -> TipCommand:
-        """Command from numbers (25,), each clipped to its bounds."""
+        """Command given by numbers (25,), each clipped to its bounds."""
         numbers = (self._middle + self._half * np.clip(row, -1.0, 1.0)).tolist()
         fields = dict(self._fields(numbers))
         fields["catches_up"] = fields["catches_up"] >= 0.5
@@ -120,8 +122,10 @@ class CommandScale:
 
 
 def observation_row(measurement: Measurement, goal: Pose2) -> Array:
-    """Time [s], pose X_WG, goal and, for each tip, position [m], velocity [m/s] and
-    force [N] on the object as numbers (7 + 9 A,).
+    """An observation as numbers (7 + 9 A,).
+
+    It contains time [s], pose X_WG, goal and, for each tip, position [m], velocity
+    [m/s] and force [N] on the object.
     """
     X = measurement.object_pose
     row = [measurement.time, X.x, X.y, X.yaw, goal.x, goal.y, goal.yaw]

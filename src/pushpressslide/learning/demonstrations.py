@@ -36,8 +36,8 @@ ONE = np.zeros(1, dtype=np.intp)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Demonstrations:
-    """Frames of episodes, one after the other. A frame is an observation and the
-    policy's action.
+    """Frames of all episodes in sequence. A frame is an observation and the policy's
+    action.
     """
 
     # (n, 8), or (n, 7 + 9 A) for commanded tips; columns as in ``state_names``
@@ -107,8 +107,8 @@ def demonstrate(
 ) -> Demonstrations:
     """Demonstrate one episode of mode rear_push for each seed.
 
-    The starts are those of ``environment.PushEnv`` with that seed, on the exact limit
-    surface if ``exact``. Raises ValueError without seeds.
+    The starts are those of ``environment.PushEnv`` with the same seed. With ``exact``
+    the object is on its exact limit surface. Raises ValueError without seeds.
     """
     _check_seeds(seeds)
     policy = RearPushPolicy(push)
@@ -131,11 +131,11 @@ def _check_seeds(seeds: Sequence[int]) -> None:
 def demonstrate_commands(
     task: Task, seeds: Sequence[int], progress: Progress | None = None
 ) -> Demonstrations:
-    """Demonstrate one episode of the task's best mode for each seed, tick by tick, in
-    ``command_env.CommandEnv`` on the planar engine.
+    """Demonstrate one episode of the task's best mode for each seed, tick by tick.
 
-    Raises InfeasibleTaskError if no plan leads from a start to the goal, ImportError
-    without Gymnasium, and ValueError without seeds.
+    The episodes are those of ``command_env.CommandEnv`` on the planar engine. Raises
+    InfeasibleTaskError if no plan leads from a start to the goal, ImportError without
+    Gymnasium, and ValueError without seeds.
     """
     from pushpressslide.learning.command_env import CommandEnv
     from pushpressslide.learning.mode_policy import ModePolicy
@@ -156,7 +156,7 @@ def demonstrate_commands(
 
 
 def _commanded(env: CommandEnv, policy: Policy, first: Array) -> _Episode:
-    """Play an episode of commanded tips to its end."""
+    """Play an episode of ``CommandEnv`` to its end."""
     states = [first]
     actions = []
     rewards = []
@@ -177,7 +177,7 @@ def _commanded(env: CommandEnv, policy: Policy, first: Array) -> _Episode:
 
 
 def _away(distance: float, angle: float) -> str:
-    """Text on the final errors [m] and [rad] of an episode."""
+    """Text on an episode's final errors in position [m] and angle [rad]."""
     return f"{1e3 * distance:.0f} mm and {math.degrees(angle):.0f} deg from the goal"
 
 

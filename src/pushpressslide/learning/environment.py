@@ -29,10 +29,11 @@ ONE = np.zeros(1, dtype=np.intp)
 class PushEnv(gymnasium.Env):
     """One object that a tip pushes to a goal.
 
-    Observations (8,) as ``pushing.OBSERVATION``, actions (2,) velocities [m/s] of the
-    tip in the world; the reward [m] is minus the distance to the goal and minus rho
-    times the angle to it. ``success`` in ``info``: the object is within the task's
-    tolerance. This ends the episode, as does a tip that has passed its face.
+    Observations (8,) are laid out as ``pushing.OBSERVATION``; actions (2,) are
+    velocities [m/s] of the tip in the world. The reward [m] is the negative sum of the
+    distance to the goal and rho times the angle to the goal. ``success`` in ``info``
+    says that the object is within the task's tolerance. Success ends the episode, and
+    so does a tip that leaves its face.
     """
 
     metadata: ClassVar[dict[str, Any]] = METADATA
@@ -44,13 +45,13 @@ class PushEnv(gymnasium.Env):
         render_mode: str | None = None,
         threshold: Threshold | None = None,
     ) -> None:
-        """Prepare a task, given directly, by the name of a shipped one, or by the path
+        """Prepare a task, given directly, by the name of a shipped task, or by the path
         of a file.
 
-        ``exact``: the object is on its exact limit surface, by the planar engine,
-        instead of an ellipsoid. ``render_mode`` is None, or "rgb_array" for pictures by
-        ``picture.Camera``. ``threshold`` replaces the task's tolerance: position [m]
-        and yaw [rad].
+        With ``exact``, the planar engine simulates the object on its exact limit
+        surface instead of an ellipsoid. ``render_mode`` is None, or "rgb_array" for
+        pictures by ``picture.Camera``. ``threshold`` replaces the task's tolerance:
+        position [m] and yaw [rad].
         """
         push = push_task(task, threshold)
         self.render_mode = checked_mode(render_mode)
@@ -64,7 +65,7 @@ class PushEnv(gymnasium.Env):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
         """Start an episode near the task's start, or at ``options["start"]``: x, y [m]
-        and yaw [rad] of X_WG. ``options["goal"]`` is a goal in place of the task's.
+        and yaw [rad] of X_WG. ``options["goal"]`` replaces the task's goal.
         """
         super().reset(seed=seed)
         asked = poses_asked(options, 1)

@@ -1,5 +1,6 @@
-"""One pushed object on the exact limit surface: the planar engine under a rigid tip, in
-place of ``pushing.Pushing``.
+"""One pushed object on the exact limit surface.
+
+The planar engine with a rigid tip takes the place of ``pushing.Pushing``.
 """
 
 from __future__ import annotations
@@ -53,9 +54,10 @@ class ExactPushing:
         self, rows: Indices, start_poses: ArrayLike, goals: Array | None = None
     ) -> None:
         """Start an episode with the object at ``start_poses`` (..., 3) X_WG and the tip
-        at the middle of its face. ``rows`` always selects the only object.
+        at the middle of its face.
 
-        ``goals`` (..., 3) X_WG are by default the task's.
+        ``rows`` has no effect, since there is only one object. ``goals`` (..., 3) X_WG
+        are those of the task by default.
         """
         self._goal = goal_of(self.push)
         self._most_steps = self.push.steps
@@ -76,7 +78,7 @@ class ExactPushing:
         return seen
 
     def step(self, velocities: ArrayLike) -> Outcome:
-        """Move the tip for a period, as ``pushing.Pushing.step``."""
+        """Move the tip for one period, as ``pushing.Pushing.step`` does."""
         ((vx, vy),) = clipped(self.push, velocities).tolist()
         for _ in range(TICKS):
             self._now = self._world.step(self._now, (self._command((vx, vy)),))
@@ -86,7 +88,7 @@ class ExactPushing:
         return outcome(self.push, self.observations(), passed, over)
 
     def _command(self, velocity: Point) -> TipCommand:
-        """Command of a tip that moves at a velocity whatever the resistance."""
+        """Command of a tip that moves at a given velocity, whatever the resistance."""
         nx, ny = self._contact.normal
         return TipCommand(
             force=(0.0, 0.0, 0.0),

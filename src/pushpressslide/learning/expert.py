@@ -16,10 +16,10 @@ from pushpressslide.modes.rear_push import MODE
 
 
 class RearPushPolicy:
-    """Policy that follows mode rear_push, with the mode's belief about the task.
+    """Policy of mode rear_push, with the task's belief.
 
-    It plans from the first observation of an episode. The mode's law then follows the
-    path.
+    The policy plans a path from the first observation of an episode, and then follows
+    it by the mode's law.
     """
 
     def __init__(self, push: PushTask) -> None:
@@ -33,7 +33,7 @@ class RearPushPolicy:
 
     @property
     def duration(self) -> float:
-        """Duration [s] of the episode's path, 0 before it is planned."""
+        """Duration [s] of the episode's path. 0 before it is planned."""
         return 0.0 if self._segment is None else self._segment.profile.duration
 
     def reset(self) -> None:
@@ -41,8 +41,9 @@ class RearPushPolicy:
         self._segment = None
 
     def __call__(self, observation: Array) -> Array:
-        """Velocity (2,) [m/s] of the tip in the world for an observation (8,) as
-        ``pushing.OBSERVATION``.
+        """Velocity (2,) [m/s] of the tip in the world.
+
+        ``observation`` (8,) is laid out as ``pushing.OBSERVATION``.
         """
         x, y, yaw, *goal, tip_x, tip_y = np.asarray(observation).tolist()
         X_WG = Pose2(x, y, yaw)

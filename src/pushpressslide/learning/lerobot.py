@@ -1,5 +1,4 @@
-"""Demonstrations in the layout of LeRobot's data sets, version 3: files of Parquet and
-JSON.
+"""Demonstrations in the layout of LeRobot data sets, version 3: Parquet and JSON files.
 
 Source: the package lerobot, whose ``LeRobotDatasetMetadata`` names files and fields.
 """
@@ -89,7 +88,7 @@ def write_lerobot(
 
 
 def _is_empty(folder: Path) -> bool:
-    """Whether a folder holds only hidden files, such as the lock of its writer."""
+    """Whether a folder contains nothing but hidden files, such as its writer's lock."""
     if not folder.is_dir():
         return False
     return all(item.name.startswith(".") for item in folder.iterdir())
@@ -128,7 +127,7 @@ def _arrow() -> Any:
     import pyarrow
 
     def column(values: Values) -> Any:
-        """Rows of k numbers as lists of that length."""
+        """Column of rows with k numbers, each as a list of length k."""
         if values.ndim == 1:
             return pyarrow.array(values)
         flat = pyarrow.array(values.reshape(-1))
@@ -202,7 +201,7 @@ def _info(shown: Demonstrations, columns: Mapping[str, Values]) -> dict[str, Any
 def _episodes(
     shown: Demonstrations, columns: Mapping[str, Values], text: str
 ) -> dict[str, list[Any]]:
-    """Columns of all episodes: their positions in the file, and their statistics."""
+    """Columns of all episodes: their positions in the file and their statistics."""
     count = len(shown.seed)
     ends = np.cumsum(np.bincount(shown.episode, minlength=count)).tolist()
     starts = [0, *ends[:-1]]

@@ -1,4 +1,4 @@
-"""The video of a LeRobot data set: a picture of every frame, in one mp4."""
+"""The video of a LeRobot data set: a picture of every frame, in one MP4 file."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def write_video(shown: Demonstrations, picture: Picture, path: Path) -> Video:
 
 
 def video_columns(shown: Demonstrations, video: Video) -> dict[str, list[Any]]:
-    """Columns of all episodes: the position of each in the video, and its statistics."""
+    """Columns of all episodes: their positions in the video and their statistics."""
     count = len(shown.seed)
     ends = np.cumsum(np.bincount(shown.episode, minlength=count)) / video.fps
     prefix = f"videos/{IMAGE}"

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 
 
 class ModePolicy:
-    """Mode of an environment's plan, through touch, motion and release."""
+    """Policy of an environment's plan: its mode's controller, through touch, motion and
+    release.
+    """
 
     def __init__(self, env: CommandEnv) -> None:
         """Prepare the policy. Call ``reset`` after each reset of the environment."""

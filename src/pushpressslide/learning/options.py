@@ -14,7 +14,7 @@ METADATA = {"render_modes": list(MODES), "render_fps": round(1.0 / PERIOD)}
 
 
 def checked_mode(mode: str | None) -> str | None:
-    """A valid render mode. Raises ValueError for an unknown one."""
+    """The render mode, if it is valid. Raises ValueError for an unknown one."""
     if mode is not None and mode not in MODES:
         allowed = ", ".join(MODES)
         raise ValueError(f"render_mode {mode!r} is not allowed; allowed: {allowed}")
@@ -22,7 +22,7 @@ def checked_mode(mode: str | None) -> str | None:
 
 
 class ResetPoses(NamedTuple):
-    """Poses (count, 3) X_WG in a reset's options, each None if it is not given."""
+    """Starts and goals (count, 3) X_WG in a reset's options. None if not given."""
 
     start: Array | None
     goal: Array | None

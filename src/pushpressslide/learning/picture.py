@@ -1,4 +1,6 @@
-"""Pictures of a pushed object from above, in NumPy alone, for policies with vision."""
+"""Pictures of a pushed object from above, made with NumPy alone, for policies with
+vision.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,9 @@ AHEAD = 0.5  # distance of the dot from G's origin along x, over the object's ra
 
 
 class TopView:
-    """Camera looking down on a task: x to the right, y up, start and goal inside."""
+    """Camera that looks down on a task: x to the right, y up, start and goal in the
+    picture.
+    """
 
     def __init__(self, task: Task, around: float, side: int = SIDE) -> None:
         """Prepare square pictures of ``side`` pixels that extend ``around`` [m] beyond
@@ -70,7 +74,7 @@ class TopView:
         return out
 
     def _covered(self, X_WG: Pose2) -> NDArray[np.bool_]:
-        """Pixels that the shape covers at a pose: those with an odd number of edges to
+        """Pixels covered by the shape at a pose: those with an odd number of edges to
         their right.
         """
         corners = np.array([X_WG.apply((x, y)) for x, y in self._outline.tolist()])
@@ -91,7 +95,7 @@ class Camera(TopView):
         self, push: PushTask, side: int = SIDE, spread: float = SPREAD[0]
     ) -> None:
         """Prepare square pictures of ``side`` pixels, for starts up to ``spread`` [m]
-        to either side.
+        away from the task's start.
         """
         self._tip = push.task.robots[0].tip_radius
         self._normal = push.normal

@@ -1,5 +1,5 @@
 """Tasks for learning: one object on a table, pushed by one tip on a straight face, and
-the figures of their environment.
+the parameters of their environment.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from pushpressslide.planning.side_contacts import lone_contact_height
 from pushpressslide.taskfile.load import load_task
 
 PERIOD = 0.05
-"""Time [s] of a step."""
+"""Duration [s] of a step."""
 SPREAD = (0.05, 0.05, math.radians(15.0))
-"""Largest offset of a drawn start from the task's, to either side: x, y [m] and yaw
-[rad].
+"""Largest offset of a random start from the task's start, to either side: x, y [m] and
+yaw [rad].
 """
 FIELD = 10.0
 """Largest coordinate [m] of a start, and of a goal."""
@@ -37,7 +37,7 @@ Threshold = tuple[float, float]
 def with_threshold(task: Task, threshold: Threshold | None) -> Task:
     """The task with ``threshold`` as its tolerance, if one is given.
 
-    Raises InputError for an error that is not > 0.
+    Raises InputError unless both errors are > 0.
     """
     if threshold is None:
         return task
@@ -47,12 +47,12 @@ def with_threshold(task: Task, threshold: Threshold | None) -> Task:
 
 @dataclass(frozen=True, slots=True)
 class PushTask:
-    """True parameters of a task of one push, and its environment's figures.
+    """True parameters of a task of one push, and the parameters of its environment.
 
-    The object is on an ellipsoid. This is the ellipsoid that moves like the exact limit
-    surface under the forces at which a planned path turns. Frame B is at the centre of
-    pressure, which the support's friction moves ahead of the centre of mass, with axes
-    along G's.
+    The object is on an ellipsoid, chosen so that it moves as on the exact limit surface
+    under the forces with which a planned path turns. The origin of frame B is the
+    centre of pressure, which the support's friction shifts ahead of the centre of mass;
+    its axes are parallel to those of G.
     """
 
     task: Task
@@ -73,7 +73,7 @@ class PushTask:
 
     @property
     def reach(self) -> float:
-        """Largest coordinate [m] that object and tip may reach."""
+        """Largest coordinate [m] at which object and tip may be."""
         path = PERIOD * self.steps * self.speed_limit
         return FIELD + path + 2.0 * self.task.object.radius
 
@@ -81,7 +81,8 @@ class PushTask:
 def push_task(task: Task | str | Path, threshold: Threshold | None = None) -> PushTask:
     """Task of one push, given directly or by the name or path of a task file.
 
-    ``threshold`` replaces its tolerance. Raises TaskError for a task of another kind.
+    ``threshold`` replaces the task's tolerance. Raises TaskError for any other kind of
+    task.
     """
     loaded = task if isinstance(task, Task) else load_task(task)
     loaded = with_threshold(loaded, threshold)

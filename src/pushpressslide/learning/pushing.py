@@ -1,6 +1,6 @@
-"""Many objects pushed at once, step by step; the basis of every environment.
+"""Many objects pushed at once, step by step, as the basis of every environment.
 
-A step is compiled if numba is installed, and otherwise runs object by object.
+If numba is installed, a step is compiled; otherwise it runs object by object.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Outcome(NamedTuple):
 
 
 class Pushing:
-    """Objects of one task, each with its own tip. All start at the task's start."""
+    """Objects of one task, each with its own tip, all at the task's start initially."""
 
     def __init__(self, push: PushTask, count: int) -> None:
         """Prepare ``count`` objects."""
@@ -62,10 +62,10 @@ class Pushing:
         goals: Array | None = None,
         along: float = 0.0,
     ) -> None:
-        """Start episodes of ``rows`` with the objects at ``start_poses`` (..., 3) X_WG
-        and the tips ``along`` [m] their faces from the middle.
+        """Start episodes of ``rows`` with the objects at ``start_poses`` (..., 3) X_WG.
 
-        ``goals`` (..., 3) X_WG are by default the task's.
+        The tips start at ``along`` [m] from the middle of their faces. ``goals`` (...,
+        3) X_WG are those of the task by default.
         """
         self._goals[rows] = (
             goal_of(self.push) if goals is None else wrapped_poses(goals)
@@ -94,10 +94,10 @@ class Pushing:
         return out
 
     def step(self, velocities: ArrayLike) -> Outcome:
-        """Move the tips for a period at ``velocities`` (n, 2) [m/s] in the world, which
-        are clipped to the speed limit.
+        """Move the tips for one period at ``velocities`` (n, 2) [m/s] in the world,
+        clipped to the speed limit.
 
-        Raises ValueError for a velocity of NaN.
+        Raises ValueError if a velocity is NaN.
         """
         v = clipped(self.push, velocities)
         self._pushes = self._bodies.advance(self._pushes, v, PERIOD)
@@ -108,8 +108,8 @@ class Pushing:
         return outcome(self.push, self.observations(), passed, over)
 
     def _touching(self, tips: Array) -> Array:
-        """Contact points (n, 2) [m] of the tips in the world. For a tip that has passed
-        its object, this is the point in ``tips``.
+        """Contact points (n, 2) [m] of the tips in the world. For a tip that has left
+        its face, it is the point in ``tips``.
         """
         poses, places, gaps = self._pushes
         nx, ny = self.push.normal
@@ -128,7 +128,7 @@ class Pushing:
 def clipped(push: PushTask, velocities: ArrayLike) -> Array:
     """Velocities [m/s] within the speed limit.
 
-    Raises ValueError for one of NaN.
+    Raises ValueError if a velocity is NaN.
     """
     asked = np.asarray(velocities, dtype=np.float64)
     if np.isnan(asked).any():
@@ -157,8 +157,9 @@ def goal_of(push: PushTask) -> Array:
 def steps_to(
     push: PushTask, start_poses: ArrayLike, goals: ArrayLike
 ) -> NDArray[np.intp]:
-    """Largest number of steps of episodes with other goals: in proportion to the
-    distance, and at least that of the task's goal.
+    """Largest number of steps of episodes with other goals.
+
+    It is proportional to the distance, and at least that for the task's goal.
     """
     start = push.task.true_start
     own = (start.x, start.y, start.yaw)
@@ -168,7 +169,7 @@ def steps_to(
 
 
 def _distance(push: PushTask, start_poses: ArrayLike, goals: ArrayLike) -> Array:
-    """Distance [m] and rho times the angle between poses (..., 3)."""
+    """Distance [m] between poses (..., 3), with rho times the angle included."""
     off = np.asarray(goals) - np.asarray(start_poses)
     far = np.hypot(off[..., 0], off[..., 1])
     return np.asarray(far + push.rho * np.abs(wrapped(off[..., 2])))
@@ -182,16 +183,16 @@ def wrapped_poses(poses: ArrayLike) -> Array:
 
 
 def drawn_start(push: PushTask, rng: np.random.Generator) -> Array:
-    """A start X_WG (3,) near the task's."""
+    """A random start X_WG (3,) near the task's start."""
     start = push.task.true_start
     offset = rng.uniform(-1.0, 1.0, 3) * SPREAD
     return np.array([start.x, start.y, start.yaw]) + offset
 
 
 def checked_poses(poses: ArrayLike, count: int, name: str = "start") -> Array:
-    """Starts or goals (count, 3) X_WG as requested.
+    """Starts or goals (count, 3) X_WG, checked.
 
-    Raises ValueError for another shape, and for poses outside the field.
+    Raises ValueError for any other shape, and for poses outside the field.
     """
     X = np.asarray(poses, dtype=np.float64)
     if X.shape not in ((3,), (count, 3)):

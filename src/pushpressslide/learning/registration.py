@@ -16,16 +16,16 @@ ENVIRONMENTS: dict[str, dict[str, Any]] = {
         for name, task in TASKS.items()
     },
 }
-"""Arguments of each registered id."""
+"""Arguments of the environment behind each registered id."""
 COMMANDS: dict[str, dict[str, Any]] = {
     "pushpressslide/Commands-v0": {"task": "press-slide", "engine": "planar"},
     "pushpressslide/CommandsDrake-v0": {"task": "press-slide", "engine": "drake"},
 }
-"""Arguments of each id with tips commanded tick by tick."""
+"""Arguments of each id whose tips are commanded tick by tick."""
 CHOICES: dict[str, dict[str, Any]] = {
     "pushpressslide/ChoosePush-v0": {"task": "rear-push-rear"},
 }
-"""Arguments of each id whose agent chooses where to push."""
+"""Arguments of each id with an agent that chooses where to push."""
 CHOSEN = "pushpressslide.learning.choice_env:ChoiceEnv"
 SINGLE = "pushpressslide.learning.environment:PushEnv"
 COMMANDED = "pushpressslide.learning.command_env:CommandEnv"

@@ -12,7 +12,7 @@ from pushpressslide.learning.push_task import PushTask
 
 
 def observation_space(push: PushTask) -> Any:
-    """Space of one observation (8,), as ``pushing.OBSERVATION``."""
+    """Space of one observation (8,), laid out as ``pushing.OBSERVATION``."""
     r = push.reach
     high = np.array([r, r, math.pi, r, r, math.pi, r, r])
     return Box(-high, high, dtype=np.float64)

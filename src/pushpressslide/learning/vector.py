@@ -31,9 +31,9 @@ from pushpressslide.learning.spaces import action_space, observation_space
 class PushVectorEnv(VectorEnv):
     """Many objects of one task, each as in ``environment.PushEnv``.
 
-    An episode that has ended restarts in the next step, whose action is ignored. Each
-    object has its own random numbers: with a seed s, object i behaves like a single
-    environment with the seed s + i.
+    An episode that has ended restarts in the next step, and the action of this step is
+    ignored. Each object has its own random numbers: with a seed s, object i behaves
+    like a single environment with the seed s + i.
     """
 
     metadata: ClassVar[dict[str, Any]] = {
@@ -48,8 +48,8 @@ class PushVectorEnv(VectorEnv):
         render_mode: str | None = None,
         threshold: Threshold | None = None,
     ) -> None:
-        """Prepare ``num_envs`` objects of a task. ``threshold`` replaces its tolerance:
-        position [m] and yaw [rad].
+        """Prepare ``num_envs`` objects of a task. ``threshold`` replaces the task's
+        tolerance: position [m] and yaw [rad].
 
         Raises MissingPackageError without numba, and TaskError for a task that is not
         one push.
@@ -75,9 +75,11 @@ class PushVectorEnv(VectorEnv):
         seed: int | Sequence[int | None] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[Array, dict[str, Any]]:
-        """Start all episodes. ``options["start"]`` is one start (3,) or one for each
-        (n, 3): x, y [m] and yaw [rad] of X_WG; ``options["goal"]`` likewise. An episode
-        that restarts has the task's goal.
+        """Start all episodes.
+
+        ``options["start"]`` is one start (3,), or one start per object (n, 3): x, y [m]
+        and yaw [rad] of X_WG. ``options["goal"]`` has the same form. An episode that
+        restarts has the task's goal.
         """
         asked = poses_asked(options, self.num_envs)
         if seed is not None:
@@ -90,7 +92,7 @@ class PushVectorEnv(VectorEnv):
         return observations, _info(observations, np.zeros_like(self._ended))
 
     def step(self, actions: Array) -> tuple[Array, Array, Flags, Flags, dict[str, Any]]:
-        """Move all tips for one period; actions (n, 2) [m/s]."""
+        """Move all tips for one period at the velocities ``actions`` (n, 2) [m/s]."""
         begun = np.flatnonzero(self._ended)
         observations, rewards, terminated, truncated, success = self._pushing.step(
             actions
@@ -117,7 +119,7 @@ class PushVectorEnv(VectorEnv):
         return tuple(map(self._camera.picture, self._pushing.observations()))
 
     def _random_starts(self, rows: Indices) -> Array:
-        """Starts (n, 3) near the task's start."""
+        """Random starts (n, 3) near the task's start."""
         return np.array([drawn_start(self.push, self._rngs[i]) for i in rows.tolist()])
 
     def _seeded(

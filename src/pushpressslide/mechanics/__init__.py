@@ -1,6 +1,5 @@
-"""Physics common to all modes: pressure, limit surfaces, friction, contacts.
-
-docs/mechanics.md, sections 0 to 4.
+"""Physics common to all modes: pressure, limit surfaces, friction, contacts
+(docs/mechanics.md, sections 0 to 4).
 """
 
 from pushpressslide.core.room import explorable

@@ -1,5 +1,4 @@
-"""Checks of friction, limit surface and force parameters, one each, for all
-constructors.
+"""Checks of friction, limit surface and force parameters, shared by all constructors.
 
 Each raises InputError, in one line, with the name and the value.
 """

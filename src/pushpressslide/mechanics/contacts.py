@@ -1,7 +1,7 @@
 """Contact forces, their total wrench, and the mobility of a contact point.
 
-Source: docs/mechanics.md, sections 0 and 2. Points and forces in one planar frame, the
-body frame B unless said otherwise.
+Source: docs/mechanics.md, sections 0 and 2. Points and forces are in one planar frame:
+the body frame B, unless stated otherwise.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ Matrix2 = tuple[tuple[float, float], tuple[float, float]]
 def wrench_of_forces(
     points: Sequence[Point], forces: Sequence[Point], about: Point = (0.0, 0.0)
 ) -> Wrench:
-    """Wrench, moment about ``about``, of ``forces`` [N] on the object at ``points``
-    [m].
+    """Wrench of ``forces`` [N] on the object at ``points`` [m], with the moment about
+    the point ``about`` [m].
 
     Raises ValueError for unequal lengths.
     """
@@ -39,9 +39,9 @@ def least_norm_forces(points: Sequence[Point], wrench: Wrench) -> tuple[Point, .
     """Forces [N] at ``points`` [m] that add up to ``wrench``, with the smallest sum of
     squares.
 
-    An equal share of the force each, plus a turn about the mean point: f_i = F/k + g J
-    (p_i - p_mean). Friction cones are ignored. Raises ValueError for fewer than two
-    distinct points, which cannot give every moment.
+    Each force is an equal share of the total plus a part that turns about the mean
+    point: f_i = F/k + g J (p_i - p_mean). Friction cones are ignored. Raises ValueError
+    for fewer than two distinct points, which cannot provide every moment.
     """
     k = len(points)
     if k == 0:
@@ -56,11 +56,10 @@ def least_norm_forces(points: Sequence[Point], wrench: Wrench) -> tuple[Point, .
 
 
 def contact_mobility(lever: Point, rho: float) -> Matrix2:
-    """Mobility G = I + (J r)(J r)^T / rho^2: a contact force f moves its point with v_c
-    ~ G f on the ellipsoid.
+    """Mobility G = I + (J r)(J r)^T / rho^2 of a contact on the ellipsoid.
 
-    ``lever`` r [m] is the contact relative to the centre of pressure
-    (docs/mechanics.md, section 2).
+    A contact force f moves its point with a velocity v_c ~ G f. ``lever`` r [m] is the
+    contact relative to the centre of pressure (docs/mechanics.md, section 2).
     """
     a = -lever[1] / rho
     b = lever[0] / rho
@@ -70,7 +69,7 @@ def contact_mobility(lever: Point, rho: float) -> Matrix2:
 def velocity_of_force(lever: Point, rho: float, force: Point) -> Point:
     """Vector G f along the velocity of the contact point under a ``force`` f [N].
 
-    Its length is not a speed: on the same scale, the velocity of the CoP is f.
+    Its length is not a speed; on the same scale the velocity of the CoP is f.
     """
     return pushing.velocity_of_force(lever, rho, force)
 
@@ -79,6 +78,7 @@ def force_of_velocity(lever: Point, rho: float, velocity: Point) -> Point:
     """Vector G^-1 v_c, along the force of a sticking contact that moves with
     ``velocity``.
 
-    Its length is not a force: scale it onto the limit surface.
+    Its length is not that of the force, which results from scaling it onto the limit
+    surface.
     """
     return pushing.force_of_velocity(lever, rho, velocity)

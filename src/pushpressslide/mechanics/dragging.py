@@ -1,9 +1,9 @@
 """Exact sliding motion of an object dragged by one force at a height, for many forces
 at a time.
 
-The drag itself moves the pressure (docs/mechanics.md, sections 1 and 1.2). The pressure
-is unilateral and linear over the base, with its centre at cop + h F / N. All in the
-body frame B.
+The drag itself shifts the pressure (docs/mechanics.md, sections 1 and 1.2). The
+pressure is unilateral and linear over the base, with its centre at cop + h F / N.
+Everything is in the body frame B.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ FOUR = ([0, 0, 0, 0, 1, 1, 1, 2, 2, 3], [0, 1, 2, 3, 1, 2, 3, 2, 3, 3])
 
 @dataclass(frozen=True, slots=True)
 class Dragged:
-    """Sliding motions under m forces, each of the size that slides the object."""
+    """Sliding motions under m forces, each just large enough to slide the object."""
 
     # (m, 3) of B's origin, about 1 m/s in size: only their direction counts
     twists: Array
@@ -48,7 +48,7 @@ class Dragged:
 
 @dataclass(frozen=True, slots=True)
 class DraggedEllipsoid:
-    """A base whose limit surface is the ellipsoid of one rho, for any centre of
+    """A base whose limit surface is an ellipsoid with the same rho for every centre of
     pressure.
     """
 
@@ -56,7 +56,7 @@ class DraggedEllipsoid:
     shift: float  # [m] as of DraggedBase
 
     def slide(self, cops: Array, contacts: Array, directions: Array) -> Dragged:
-        """Sliding motion under forces, as by DraggedBase, in closed form."""
+        """Sliding motion under forces, as in ``DraggedBase``, but in closed form."""
         x, y = (contacts - cops).T
         fx, fy = directions.T
         # the drag moves the centre of pressure along the force, which has no moment
@@ -68,7 +68,7 @@ class DraggedEllipsoid:
 
 
 class DraggedBase:
-    """The base of one object."""
+    """The base of one object, with its exact limit surface."""
 
     def __init__(
         self, body: ObjectModel, shift: float, resolution: int = RESOLUTION
@@ -97,16 +97,16 @@ class DraggedBase:
         self._squares = (self._basis[FOUR[0]] * self._basis[FOUR[1]]).T
 
     def slide(self, cops: Array, contacts: Array, directions: Array) -> Dragged:
-        """Sliding motion under forces along ``directions`` (m, 2), unit vectors, at
-        ``contacts`` (m, 2).
+        """Sliding motion under forces along unit vectors ``directions`` (m, 2) at
+        ``contacts`` (m, 2) [m].
 
-        ``cops`` (m, 2) [m] are without drag; the moved ones must be inside the base.
-        The pressure is found by Newton steps. The twist is that of the smallest
-        friction power among those with unit power of the force. Each of the first steps
-        takes the twist of an ellipsoid with the friction of the last twist, which
-        always lowers the friction power. Later steps are Newton steps wherever those
-        lower it too. If a coarser base has already given a result, there are only later
-        steps.
+        ``cops`` (m, 2) [m] are the centres of pressure without drag; the centres
+        shifted by the drag must be inside the base. The pressure is found by Newton
+        steps. The twist has the smallest friction power among all twists at which the
+        force has unit power. Each of the first steps takes the twist of an ellipsoid
+        with the friction of the previous twist, which always lowers the friction power.
+        Later steps are Newton steps wherever these also lower the power. If a coarser
+        base has already given a result, there are only later steps.
         """
         x, y = contacts.T
         direction = directions.T
@@ -136,7 +136,7 @@ class DraggedBase:
     def _slid(
         self, force: Array, direction: Array, cop: Array, start: Array, first: int
     ) -> tuple[Array, NDArray[np.bool_]]:
-        """Twist, share and pressure (7, m) from given initial ones, and whether the
+        """Twist, share and pressure (7, m) from given initial values, and whether the
         pressure is in balance.
         """
         twist = start[:3]
@@ -189,8 +189,8 @@ class DraggedBase:
         return plane
 
     def _plane(self, plane: Array, target: Array) -> Array:
-        """Pressures (3, m) with the load and moments ``target``, over the area that
-        ``plane`` presses.
+        """Pressures (3, m) with the load and moments ``target``, on the area loaded by
+        ``plane``.
         """
         touching = np.where(plane.T @ self._linear > 0.0, self._shares, 0.0)
         hessian = (touching @ self._moments).T
@@ -201,9 +201,9 @@ class DraggedBase:
         self, loads: Array, twist: Array, force: Array, newton: bool
     ) -> tuple[Array, Array, Array]:
         """Ratio (m,) of the friction's power to the force's power, and the next twists
-        (3, m), of unit power of the force.
+        (3, m), at which the force has unit power.
 
-        The next twists are those of the ellipsoid and, if requested, of Newton's
+        The next twists are those of the ellipsoid and, if requested, those of Newton's
         method.
         """
         vx, vy, w = twist
@@ -230,10 +230,10 @@ class DraggedBase:
         return power, ellipsoid, np.where(np.isfinite(out).all(0), out, ellipsoid)
 
     def _lessened(self, k: Array, twist: Array) -> Array:
-        """Difference (6, m) between the ellipsoid's hessian and the friction's.
+        """Difference (6, m) between the Hessians of the ellipsoid and the friction.
 
-        It is the sum ``k`` q q^T, with the gradient q = (v_x - w y, v_y + w x, r x v +
-        w radius^2) of |v|^2 / 2.
+        It is the sum of ``k`` q q^T, with the gradient q = (v_x - w y, v_y + w x, r x v
+        + w radius^2) of |v|^2 / 2.
         """
         vx, vy, w = twist
         n1, mx, my, ms, xx, xy, xs, yy, ys, ss = (k @ self._squares).T

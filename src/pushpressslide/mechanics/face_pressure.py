@@ -1,7 +1,5 @@
 """Continuous pressure under a base with straight edges: linear on the polygon that
-carries the load.
-
-Source: docs/mechanics.md, sections 1.2 and 1.3.
+carries the load (docs/mechanics.md, sections 1.2 and 1.3).
 """
 
 from __future__ import annotations
@@ -48,8 +46,8 @@ TERMS = (
 
 @dataclass(frozen=True, eq=False)
 class FacePressure:
-    """Pressure p + q . r on a polygon, with a total load of one, about its centre of
-    pressure.
+    """Linear pressure p + q . r on a polygon, with a total load of 1, about its centre
+    of pressure.
     """
 
     corners: Array  # (n, 2) [m] counter-clockwise
@@ -88,8 +86,9 @@ class FacePressure:
 
     def series(self) -> tuple[complex, ...]:
         """Coefficients of ``TERMS`` in the load-weighted mean of |1 + k z|, for a small
-        complex k and z = x + i y. Each coefficient stands for a term together with its
-        conjugate.
+        complex k and z = x + i y.
+
+        Each coefficient covers a term and its conjugate.
         """
         return tuple(
             (1.0 if i == j else 2.0) * ROOT[i] * ROOT[j] * self._moment(i, j)
@@ -139,12 +138,12 @@ class FacePressure:
 
 
 def face_pressure(shape: Shape, center_of_mass: Point, cop: Point) -> FacePressure:
-    """Pressure under a shape, with its centre ``cop`` [m] in the body frame B.
+    """Pressure under a shape, with its centre at ``cop`` [m] in the body frame B.
 
-    ``center_of_mass`` [m] in the shape's frame G.
+    ``center_of_mass`` [m] is in the shape's frame G.
     ``mechanics.pressure.support_pressure`` gives samples of the same pressure. A round
-    base is a polygon of 64 corners. Raises ValueError for a CoP outside the base's
-    hull.
+    base is replaced by a polygon with 64 corners. Raises ValueError for a CoP outside
+    the base's hull.
     """
     place = (cop[0] + center_of_mass[0], cop[1] + center_of_mass[1])
     polygon, a, b = quadrature.loaded_polygon(shape.base_corners, place)
@@ -152,8 +151,8 @@ def face_pressure(shape: Shape, center_of_mass: Point, cop: Point) -> FacePressu
 
 
 def of_polygon(corners: Array, level: float, slope: Sequence[float]) -> FacePressure:
-    """Pressure of a total load of one from its values at the origin, the centre of
-    pressure.
+    """Pressure with a total load of 1, from its value and slope at the origin, the
+    centre of pressure.
     """
     face = FacePressure(corners, level, (float(slope[0]), float(slope[1])))
     load = face._moment(0, 0).real

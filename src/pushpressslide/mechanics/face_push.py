@@ -27,13 +27,15 @@ class Turning(NamedTuple):
 
 
 def on_face(face: Face, left: float) -> Point:
-    """Point [m] in B of a face, ``left`` [m] of the CoM's line along the normal."""
+    """Point [m] in B on a face, a distance ``left`` [m] to the left of the line through
+    the CoM along the normal.
+    """
     n = face.normal
     return (-face.depth * n[0] - left * n[1], -face.depth * n[1] + left * n[0])
 
 
 class Push(NamedTuple):
-    """A force on a face, in the frame of its normal and the CoM."""
+    """A force on a face, in the frame of the face's normal and the CoM."""
 
     face: Face
     left: float  # [m] of the CoM's line along the normal, where it acts
@@ -47,7 +49,7 @@ def turnings(
 
     The pressure under the object is shifted by the push itself. ``mu`` is the friction
     of the pair object/support. Raises ValueError if the object tips, and for a force
-    through the CoM, which does not turn it.
+    through the CoM, which does not turn the object.
     """
     if any(push.left == 0.0 and push.slope == 0.0 for push in pushes):
         raise ValueError("a force through the CoM does not turn the object")

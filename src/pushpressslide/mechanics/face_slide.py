@@ -1,8 +1,8 @@
 """Sliding of an object on a base with straight edges under a wrench: the exact limit
 surface in closed form, inverted by Newton's method.
 
-Source: docs/mechanics.md, sections 1 and 1.3. Plain floats; ``mechanics.limit_surface``
-does the same for samples of a pressure.
+Source: docs/mechanics.md, sections 1 and 1.3. All numbers are plain floats.
+``mechanics.limit_surface`` does the same for samples of a pressure.
 """
 
 from __future__ import annotations
@@ -52,10 +52,11 @@ class FaceSurface:
         """Direction of sliding under ``wrench``, and the factor by which the wrench
         exceeds the surface of mu N = 1.
 
-        The direction is a twist of the wrench's point, the centre of pressure. It is
-        the twist of smallest friction power among those with unit power of the wrench
-        (maximum dissipation). A ``guess`` of it, of any body point, saves time. Raises
-        ValueError for a wrench that is zero or not finite.
+        The direction is a twist of the wrench's reference point, the centre of
+        pressure. It has the smallest friction power among all twists at which the
+        wrench has unit power (maximum dissipation). A ``guess`` of the twist, at any
+        body point, saves time. Raises ValueError for a wrench that is zero or not
+        finite.
         """
         rho = self.rho
         size = math.hypot(wrench.fx, wrench.fy, wrench.tau / rho)
@@ -74,11 +75,11 @@ class FaceSurface:
         return found, size / power
 
     def _least_power_twist(self, twist: Triple, target: Triple) -> tuple[Triple, float]:
-        """Twist of smallest friction power among those with unit power of the unit
-        wrench ``target``, and that power.
+        """Twist with the smallest friction power among all twists at which the unit
+        wrench ``target`` has unit power, and the friction power.
 
-        Found by Newton steps that are halved until the power, or at the end its
-        gradient, falls.
+        It is found by Newton steps, which are halved until the power, or in the end its
+        gradient, decreases.
         """
         a, b = across(target)
         off = 1.0 - _dot(target, twist)
@@ -107,8 +108,8 @@ class FaceSurface:
 
 
 class _Power:
-    """Friction power at a twist, its gradient, and its second derivative along two unit
-    vectors.
+    """Friction power at a twist, with its gradient and second derivatives along two
+    unit vectors.
     """
 
     __slots__ = ("aa", "ab", "bb", "ga", "gb", "value")

@@ -1,4 +1,4 @@
-"""The side faces of an object as places to push."""
+"""The side faces of an object, on which a tip can push."""
 
 from __future__ import annotations
 
@@ -43,13 +43,13 @@ def faces(
     height: float = 0.0,
     lean: float = 0.5 * math.pi,
 ) -> tuple[Face, ...]:
-    """Faces of ``body`` that a tip of ``tip_radius`` [m] can touch at a ``height`` [m],
-    with a lean of up to ``lean`` [rad]. A tip of zero radius can touch all.
+    """Faces of ``body`` that a tip of ``tip_radius`` [m] can touch at ``height`` [m].
 
-    If a part of a face is blocked, each remaining part counts as a face. Contacts stay
+    Their lean is at most ``lean`` [rad]. A tip of zero radius can touch all faces. If a
+    part of a face is blocked, each remaining part counts as a face. Contacts stay
     ``corner_clearance`` [m] away from the corners, or at the middle of an edge that is
-    too short for that. A part on which a creeping tip would meet another normal is not
-    a face.
+    too short for this. A part on which a creeping tip would meet a different normal is
+    excluded.
     """
     out = []
     com = body.center_of_mass
@@ -73,7 +73,7 @@ def faces(
 
 
 def side_of(body: ObjectModel, contact: Contact) -> Side:
-    """Side of ``body`` with a given ``contact``."""
+    """Side of ``body`` on which ``contact`` lies."""
     section = body.shape.section(contact.height)
     return section.side(contact.point, contact.normal, body.center_of_mass)
 

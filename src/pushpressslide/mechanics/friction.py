@@ -33,8 +33,8 @@ def cone_margin(force: Point, normal: Point, mu: float) -> float:
 
 
 def press_margin(force: Point, normal_force: float, mu: float) -> float:
-    """Margin mu N_i - |f| [N] of a top contact pressed with ``normal_force`` [N]: >= 0
-    if it sticks.
+    """Margin mu N_i - |f| [N] of a top contact pressed with ``normal_force`` [N]. Not
+    negative if the contact sticks.
     """
     return mu * normal_force - math.hypot(force[0], force[1])
 
@@ -56,8 +56,8 @@ def motion_cone(
 ) -> tuple[Point, Point]:
     """Right and left edge (G f_-, G f_+) of the velocities at which the contact sticks.
 
-    ``lever`` [m] is the contact relative to the CoP. For a contact whose normal points
-    at the CoP its half angle is tan(psi) = (1 + d^2/rho^2) mu.
+    ``lever`` [m] is the contact relative to the CoP. If the contact's normal points at
+    the CoP, the half angle psi of the cone has tan(psi) = (1 + d^2/rho^2) mu.
     """
     return pushing.motion_cone((lever, normal, mu, rho))
 
@@ -80,7 +80,8 @@ def push_outcome(
     mu: float,
     velocity: Point,
 ) -> PushOutcome:
-    """Motion of the object under a pusher at ``contact`` [m] with ``velocity`` [m/s].
+    """Motion of the object under a pusher that moves at ``velocity`` [m/s], in contact
+    at ``contact`` [m].
 
     Inside the motion cone the contact sticks. Outside, the force stays on the edge of
     the friction cone and the normal velocity is kept. The pusher separates from the

@@ -1,10 +1,10 @@
 """The ellipsoid under a load that the drag itself shifts: forces at a height above the
 support move the centre of pressure by h F / N (docs/mechanics.md, sections 1 and 1.2).
 
-The shift is along the force, so that the moment about the resting centre of pressure
-equals that about the moved one. In terms of wrenches the surface is therefore the
-ellipsoid; only the twist of a wrench changes. Both directions are closed forms, in
-plain floats.
+The shift is along the force, so that the moments about the original and the shifted
+centre of pressure are equal. For wrenches the surface therefore remains the ellipsoid;
+only the twist that belongs to a wrench changes. The conversions in both directions have
+closed forms, in plain floats.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from pushpressslide.mechanics.checks import check_force, check_rho
 
 @dataclass(frozen=True, slots=True)
 class DraggedSurface:
-    """Surface fx^2 + fy^2 + (tau/rho)^2 = max_force^2 about ``center``. The CoP is
-    displaced from ``center`` by lift F / max_force.
+    """Limit surface fx^2 + fy^2 + (tau/rho)^2 = max_force^2 about ``center``. The CoP
+    is displaced from ``center`` by lift F / max_force.
     """
 
     max_force: float  # [N] mu_s N > 0
@@ -41,18 +41,18 @@ class DraggedSurface:
         check_rho(self.rho)
 
     def twist_direction(self, wrench: Wrench) -> Twist:
-        """Direction of sliding under ``wrench``, scaled to the surface, as a twist of
+        """Direction of sliding under ``wrench`` scaled to the surface, as a twist of
         ``center``.
 
-        The twist of the moved centre of pressure is nu ~ (fx, fy, tau/rho^2) with |(v,
-        rho w)| = 1 m/s. Zero for a zero wrench.
+        The twist of the displaced centre of pressure is nu ~ (fx, fy, tau/rho^2) with
+        |(v, rho w)| = 1 m/s. Zero for a zero wrench.
         """
         fx, fy, tau, _ = wrench.moved_to(self.center)
         return Twist(*dragged_twist(fx, fy, tau, self._figures), self.center)
 
     def wrenches(self, twists: Array) -> Array:
-        """Wrenches (m, 3) about ``center`` for twists (m, 3) of ``center``, as by
-        ``wrench``.
+        """Wrenches (m, 3) about ``center`` that drive twists (m, 3) of ``center``, as
+        in ``wrench``.
         """
         figures = self._figures
         rows = [dragged_wrench(vx, vy, w, figures) for vx, vy, w in twists.tolist()]

@@ -1,9 +1,10 @@
-"""Limit surfaces, the relation between wrench and sliding: the ellipsoid and the exact
-one.
+"""Limit surfaces, which relate wrenches to sliding: the ellipsoid and the exact
+surface.
 
-Source: docs/mechanics.md, section 1. Quasi-static and rate independent: a wrench fixes
-the direction of motion, never the speed. ``EllipsoidLimitSurface`` is plain floats, for
-control loops; the exact surface is for reference.
+Source: docs/mechanics.md, section 1. Sliding is quasi-static and rate independent: a
+wrench determines the direction of motion, but not the speed. ``EllipsoidLimitSurface``
+uses plain floats and is meant for control loops; the exact surface serves as a
+reference.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ from pushpressslide.mechanics.pressure import PressureSamples
 
 @dataclass(frozen=True, slots=True)
 class EllipsoidLimitSurface:
-    """H(W) = (fx^2 + fy^2 + (tau/rho)^2) / max_force^2, with the moment about the
-    centre of pressure.
+    """Ellipsoid H(W) = (fx^2 + fy^2 + (tau/rho)^2) / max_force^2, with the moment about
+    the centre of pressure.
     """
 
     max_force: float  # [N] mu_s N > 0
@@ -42,14 +43,16 @@ class EllipsoidLimitSurface:
         check_rho(self.rho)
 
     def level(self, wrench: Wrench) -> float:
-        """Level H(W) about any reference point: 1 on the surface, below 1 at rest."""
+        """Level H(W) of a wrench about any reference point: 1 on the surface, below 1
+        at rest.
+        """
         fx, fy, tau, _ = wrench.moved_to(self.center)
         return ellipsoid_level(fx, fy, tau, self.max_force, self.rho)
 
     def twist_direction(self, wrench: Wrench) -> Twist:
         """Direction of sliding under ``wrench``, as a twist of the centre of pressure.
 
-        nu ~ (fx, fy, tau/rho^2), normalised so that vx^2 + vy^2 + (rho w)^2 = 1
+        It is nu ~ (fx, fy, tau/rho^2), normalised so that vx^2 + vy^2 + (rho w)^2 = 1
         m^2/s^2. Zero for a zero wrench.
         """
         fx, fy, tau, _ = wrench.moved_to(self.center)
@@ -59,7 +62,7 @@ class EllipsoidLimitSurface:
         """Wrench on the surface, about its centre, that drives ``twist`` (any body
         point).
 
-        W = mu_s N (vx, vy, rho^2 w) / sqrt(vx^2 + vy^2 + rho^2 w^2); zero for a zero
+        W = mu_s N (vx, vy, rho^2 w) / sqrt(vx^2 + vy^2 + rho^2 w^2). Zero for a zero
         twist.
         """
         vx, vy, w, _ = twist.moved_to(self.center)
@@ -70,9 +73,9 @@ class EllipsoidLimitSurface:
 def exact_wrenches(samples: PressureSamples, mu: float, twists: Array) -> Array:
     """Wrenches (m, 3) [N, N m] that drive ``twists`` (m, 3), both at the CoP.
 
-    W = mu sum N_i (v_i, r_i x v_i) / |v_i|, r_i from the CoP; the friction of the
-    support is -W. A sample exactly at the centre of rotation gives no force. ``mu`` is
-    the friction of the pair object/support.
+    W = mu sum N_i (v_i, r_i x v_i) / |v_i|, with r_i relative to the CoP. The friction
+    of the support is -W. A sample exactly at the centre of rotation contributes no
+    force. ``mu`` is the friction of the pair object/support.
     """
     twists = np.asarray(twists, dtype=np.float64)
     if twists.ndim != 2 or twists.shape[1] != 3:
@@ -89,7 +92,9 @@ def exact_wrenches(samples: PressureSamples, mu: float, twists: Array) -> Array:
 
 
 def exact_wrench(samples: PressureSamples, mu: float, twist: Twist) -> Wrench:
-    """Wrench, about the CoP, that slides the object with ``twist`` (any body point)."""
+    """Wrench about the CoP that slides the object with ``twist``, which may be given at
+    any body point.
+    """
     cop = samples.cop
     t = twist.moved_to(cop)
     fx, fy, tau = exact_wrenches(samples, mu, np.array([[t.vx, t.vy, t.w]]))[0]
@@ -100,10 +105,10 @@ def exact_twist_direction(samples: PressureSamples, wrench: Wrench) -> Twist:
     """Direction of sliding under ``wrench``, as a twist of the CoP with |(v, rho w)| =
     1.
 
-    The twist with the smallest friction power among those with unit power of the wrench
-    (maximum dissipation), which is the normal of the exact surface. Rho is the mean
-    distance of the load from the CoP. If the surface has an edge or a vertex there
-    (pins), it is one of its normals. Raises ValueError for a zero wrench or a pressure
+    The twist has the smallest friction power among all twists at which the wrench has
+    unit power (maximum dissipation); it is the normal of the exact surface. At an edge
+    or a vertex of the surface (pins), it is one of the normals. Rho is the mean
+    distance of the load from the CoP. Raises ValueError for a zero wrench or a pressure
     without extent.
     """
     return _slide(samples, wrench)[0]
@@ -112,7 +117,8 @@ def exact_twist_direction(samples: PressureSamples, wrench: Wrench) -> Twist:
 def exact_level(samples: PressureSamples, mu: float, wrench: Wrench) -> float:
     """Factor by which ``wrench`` exceeds the exact surface: 1 on it, below 1 at rest.
 
-    Of degree one in the wrench, unlike the ellipsoid's H of degree two.
+    It is of degree one in the wrench, unlike the H of the ellipsoid, which is of degree
+    two.
     """
     return _slide(samples, wrench)[1] / mu
 
@@ -120,7 +126,7 @@ def exact_level(samples: PressureSamples, mu: float, wrench: Wrench) -> float:
 def exact_slide(
     samples: PressureSamples, mu: float, wrench: Wrench
 ) -> tuple[Twist, float]:
-    """``exact_twist_direction`` and ``exact_level`` at once, for the cost of one."""
+    """``exact_twist_direction`` and ``exact_level``, at the cost of one of them."""
     twist, factor = _slide(samples, wrench)
     return twist, factor / mu
 
@@ -143,7 +149,7 @@ def _slide(samples: PressureSamples, wrench: Wrench) -> tuple[Twist, float]:
 
 
 def slide_samples(samples: PressureSamples) -> tuple[Extent, Array]:
-    """Figures and samples (4, m) of ``kernels.exact_surface.exact_slide``."""
+    """Parameters and samples (4, m) for ``kernels.exact_surface.exact_slide``."""
     x, y = (samples.points - np.array(samples.cop)).T
     square = samples.radii**2
     share = samples.loads / samples.total_load
@@ -156,7 +162,7 @@ def slide_samples(samples: PressureSamples) -> tuple[Extent, Array]:
 
 
 def load_spread(samples: PressureSamples) -> tuple[float, float, float]:
-    """Mean xx, xy and yy [m^2] of the load about its centre."""
+    """Mean squares xx, xy and yy [m^2] of the load's distribution about its centre."""
     x, y = (samples.points - np.array(samples.cop)).T
     share = samples.loads / samples.total_load
     return float(share @ (x * x)), float(share @ (x * y)), float(share @ (y * y))

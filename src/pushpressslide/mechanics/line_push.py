@@ -3,9 +3,9 @@ away from it.
 
 Source: studies/docs/stable-push.md; Lynch and Mason, "Stable pushing", 1996. As long as
 the object moves with the finger, its twist is known, and so is the wrench on the exact
-limit surface. The finger can exert this wrench if it is in the cone spanned by the
-friction cones at both of its ends. All forces of the finger act on one line, so the
-condition is that the resultant is inside the friction cone and acts between the ends.
+limit surface. The finger can exert this wrench if the wrench is in the cone spanned by
+the friction cones at both ends of the finger. All forces of the finger act on one line,
+so the resultant must be inside the friction cone and act between the ends.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ RESOLUTION = 8  # of the base
 
 
 class LinePush(NamedTuple):
-    """Load on a finger if the object moves as if fixed to it."""
+    """Load on a finger under the assumption that the object moves as if fixed to it."""
 
     wrench: Wrench  # on the object, about the centre of pressure
     # |f_t| over mu f_n; inf where the finger would have to pull
@@ -39,18 +39,18 @@ class LinePush(NamedTuple):
 
     @property
     def sticks(self) -> bool:
-        """Whether the finger can bear the load: the object neither slips nor turns off
-        it.
+        """Whether the finger can exert the load, so that the object neither slips nor
+        turns away from it.
         """
         return self.friction_utilisation <= 1.0 and abs(self.center) <= 1.0
 
 
 @dataclass(frozen=True, slots=True)
 class FlatFinger:
-    """A straight finger that lies on a face of the object, all in B.
+    """A straight finger that lies on a face of the object, in B.
 
-    From ``start`` to ``end`` the object is on the left, as along its outline. Raises
-    ValueError for ends that coincide and friction < 0.
+    Seen from ``start`` to ``end`` the object is on the left, as along its outline.
+    Raises ValueError for ends that coincide and friction < 0.
     """
 
     start: Point  # [m]
@@ -104,11 +104,11 @@ def push_sticks(
     twist: Twist,
     height: float = 0.0,
 ) -> LinePush:
-    """Load on ``finger`` for which ``body`` moves with it, and its margins.
+    """Load on ``finger`` if ``body`` moves with it, and the margins of this load.
 
-    ``twist`` is that of finger and object, in B, any size. ``height`` [m] is the
-    finger's above the support: the push moves the centre of pressure by h F / N. Raises
-    ValueError for a zero twist, and if the object tips.
+    ``twist`` is that of finger and object, in B, of any magnitude. ``height`` [m] is
+    the height of the finger above the support: the push shifts the centre of pressure
+    by h F / N. Raises ValueError for a zero twist, and if the object tips.
     """
 
     def pressure(cop: Point) -> PressureSamples:
@@ -127,8 +127,8 @@ def line_push(
 ) -> LinePush:
     """``push_sticks`` for any pressure.
 
-    ``pressure_at(p)`` is the distribution whose centre of pressure is p [m] in B. For a
-    body that is not pushed, p is (0, 0).
+    ``pressure_at(p)`` returns the distribution whose centre of pressure is at p [m] in
+    B. For a body that is not pushed, p is (0, 0).
     """
     check_friction(support_friction, "support_friction")
     if not any(twist[:3]):
@@ -143,8 +143,10 @@ def _needed(
     twist: Twist,
     height: float,
 ) -> Wrench:
-    """Wrench that drives ``twist`` under the pressure that results from the wrench
-    itself, which shifts the centre of pressure.
+    """Wrench that drives ``twist``.
+
+    The wrench itself shifts the centre of pressure, and is consistent with the shifted
+    pressure.
 
     Raises ValueError if the object tips.
     """

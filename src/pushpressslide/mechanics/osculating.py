@@ -1,10 +1,10 @@
-"""The ellipsoid that touches the exact limit surface at one twist: same wrench there,
-same normal.
+"""The ellipsoid that touches the exact limit surface at one twist, with the same wrench
+and the same normal.
 
-No single ellipsoid fits everywhere (docs/mechanics.md, section 1.1); along a path of
-one constant twist the surface is needed at that twist and near it. With the wrench (F,
-tau) of the twist (v, w), both at one point, its power P = F.v + tau w and the limit f =
-mu N, normality leaves one ellipsoid of force axis f:
+No single ellipsoid fits everywhere (docs/mechanics.md, section 1.1). Along a path with
+a constant twist, the surface is only needed near this twist. Let (F, tau) be the wrench
+of the twist (v, w), both at one point, P = F.v + tau w its power and f = mu N the
+limit. Normality then leaves a single ellipsoid with the force axis f:
 
     k = f^2 / P,   v + w J c = F / k,   rho^2 = (f^2 - |F|^2) / (k w)^2
 """
@@ -35,9 +35,9 @@ def pressures(scene: Scene) -> Callable[[Point], PressureSamples]:
     """Function from a CoP [m] in B to the believed pressure of unit load under a
     scene's body.
 
-    With a believed rho all of the load is at that distance from the CoP: the exact
-    surface is then the ellipsoid. The function raises ValueError for a CoP outside the
-    base: the object tips.
+    If rho is believed, all of the load is placed at this distance from the CoP, which
+    makes the exact surface an ellipsoid. The function raises ValueError for a CoP
+    outside the base, where the object tips.
     """
     body = scene.body
     rho = scene.rho
@@ -89,13 +89,13 @@ def dragged_ellipsoid(
     twist: Twist,
     shift: Callable[[Wrench], Point],
 ) -> tuple[DraggedSurface, Point]:
-    """Ellipsoid of ``touching_ellipsoid`` with the centre of pressure as shifted by the
-    drag, and that centre [m].
+    """Ellipsoid of ``touching_ellipsoid`` for the centre of pressure shifted by the
+    drag, and the shifted centre [m].
 
-    ``pressure_at(p)`` gives the distribution, of any total load, whose CoP is p.
-    ``load`` [N] is the true total, ``cop`` [m] the CoP without drag. ``shift(wrench)``
-    [m] is its displacement by the forces of a wrench. Raises ValueError if the centre
-    of pressure leaves the base: the object tips.
+    ``pressure_at(p)`` gives the distribution, for any total load, with its CoP at p.
+    ``load`` [N] is the true total load, ``cop`` [m] the CoP without drag, and
+    ``shift(wrench)`` [m] the displacement of the CoP by the forces of a wrench. Raises
+    ValueError if the CoP leaves the base, so that the object tips.
     """
     # By the secant method in complex numbers: the twist's turn makes of an offset of
     # the centre of pressure a shift that is turned and scaled, which is what a complex

@@ -1,9 +1,10 @@
 """One tip pressed on top of an object and dragged along: the object's motion and its
 virtual axle.
 
-The axle is given exactly, without the contact's height, and by the paper's formula.
-Source: docs/mechanics.md, sections 1.2, 2, 4 and 4.1. Force angles are from the heading
-axis, which leads from the CoM through the centre of pressure (CoP) to the contact.
+The axle is computed exactly, without the height of the contact, and by the paper's
+formula. Source: docs/mechanics.md, sections 1.2, 2, 4 and 4.1. Force angles are from
+the heading axis, which leads from the CoM through the centre of pressure (CoP) to the
+contact.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ class Press:
 
     @property
     def weight(self) -> float:
-        """Weight N_o [N]."""
+        """Weight N_o [N] of the object."""
         return self.body.mass * GRAVITY
 
     @property
@@ -65,7 +66,7 @@ class Press:
 
     @property
     def axis(self) -> Point:
-        """Unit vector of the heading axis in B."""
+        """Unit vector of the heading axis, in B."""
         d = math.hypot(*self.contact)
         return (self.contact[0] / d, self.contact[1] / d)
 
@@ -76,14 +77,16 @@ class Press:
 
     @property
     def shift(self) -> float:
-        """Displacement h mu_s [m] of the CoP along the force when a force at the top
+        """Displacement h mu_s [m] of the CoP along the force, if a force at the top
         drags the object straight.
         """
         return self.body.shape.top_height * self.friction
 
     @property
     def half_diagonal(self) -> float:
-        """The paper's length r0 [m]: half a rectangle's diagonal, a disc's radius."""
+        """The paper's length r0 [m]: half the diagonal of a rectangle, or the radius of
+        a disc.
+        """
         return self.body.shape.circumradius
 
     def along(self, angle: float) -> Point:
@@ -95,8 +98,8 @@ class Press:
         return face_pressure(self.body.shape, self.body.center_of_mass, cop)
 
     def tipping_margin(self, angle: float) -> float:
-        """Tipping margin [half widths] under drag at ``angle`` [rad]. If it is below 0,
-        the object tips.
+        """Tipping margin [half widths] under drag at ``angle`` [rad]. Negative if the
+        object tips.
         """
         u = self.along(angle)
         return room_inside(
@@ -177,7 +180,7 @@ class Press:
         return ahead, effective_wheelbase
 
     def pivot(self, left: bool) -> Point:
-        """Point of B [m] that stands still while a force across the heading axis turns
+        """Point [m] in B that stands still while a force across the heading axis turns
         the object.
 
         With ``left`` the force points to the left of the axis, otherwise to the right.
@@ -198,7 +201,9 @@ class Press:
         return math.hypot(*self.cop) - self.paper_distance(c)
 
     def paper_printed(self, c: float = PAPER_C) -> float:
-        """The paper's distance from the CoM [m], a sum that assumes the order axle,
-        centre of pressure, CoM.
+        """The paper's distance [m] of the axle from the CoM.
+
+        It is a sum, which assumes that the centre of pressure lies between the axle and
+        the CoM.
         """
         return math.hypot(*self.cop) + self.paper_distance(c)

@@ -27,8 +27,8 @@ def friction_use(
     """Friction utilisation of a press in straight sliding. If it is below 1, the press
     sticks.
 
-    It is (mu_s (N_o + N_a) + pushed) / (mu_a N_a), with ``pushed`` [N] the drag of a
-    body that the object pushes.
+    It is (mu_s (N_o + N_a) + pushed) / (mu_a N_a), where ``pushed`` [N] is the drag of
+    a body that the object pushes.
     """
     if load <= 0.0 or mu_contact <= 0.0:
         return math.inf
@@ -65,8 +65,8 @@ def press_loads(
 ) -> list[float]:
     """Loads [N] to try, up to ``max_force`` [N], the safest first.
 
-    If ``wanted`` [N] is given, it is the only one. ``pushed`` [N] is the drag of a body
-    that the object pushes. ``uses`` are the friction utilisations to try, the best
+    If ``wanted`` [N] is given, it is the only load. ``pushed`` [N] is the drag of a
+    body that the object pushes. ``uses`` are the friction utilisations to try, the best
     first. Raises RefusedError if no press is feasible.
     """
     if wanted is not None:
@@ -89,8 +89,8 @@ def press_loads(
 
 
 def no_drag(mu_contact: float, mu_support: float) -> Refusal:
-    """Refusal of every press: the object grips the support more than the tip, so that
-    no load drags it.
+    """Refusal of every press, because the object sticks to the support more than to the
+    tip and no load drags it.
     """
     text = (
         "contact friction {figure:g} must exceed the support's, {allowed:g}: no press "
@@ -125,10 +125,10 @@ def pressed_cop(contact: Point, load: float, weight: float) -> Point:
 
 
 def least_lever(scene: Scene, load: float) -> float:
-    """Smallest lever [m], from the centre of pressure, of a press of ``load`` [N] whose
-    drag turns the object against the friction under the tip.
+    """Smallest lever d [m] of a press of ``load`` [N] about the centre of pressure with
+    which the drag turns the object against the friction under the tip.
 
-    mu_s N d = mu_a N_a a, with the arm a of the tip's patch.
+    mu_s N d = mu_a N_a a, with the lever arm a of the tip's patch.
     """
     holding = scene.contact_friction * load * margins.PATCH * scene.tip_radius
     return holding / scene.max_friction(load)
@@ -156,17 +156,17 @@ def lever_refusal(scene: Scene, press: Contact) -> Refusal | None:
 
 
 def resting_cop(scene: Scene, presses: Sequence[Contact]) -> Point:
-    """Centre of pressure [m] in B under presses without drag."""
+    """Centre of pressure [m] in B under presses, without drag."""
     loads = [contact.load for contact in presses]
     points = [contact.point for contact in presses]
     return center_of_pressure(scene.weight_on, (0.0, 0.0), loads, points)
 
 
 def press_utilisation(scene: Scene, load: float, pushed: float = 0.0) -> float:
-    """Friction utilisation of a press of ``load`` [N] that slides the object straight,
-    as believed.
+    """Believed friction utilisation of a press of ``load`` [N] that slides the object
+    straight.
 
-    ``pushed`` [N] as in ``friction_use``.
+    ``pushed`` [N] is as in ``friction_use``.
     """
     mu_s = scene.support.friction
     return friction_use(load, scene.weight_on, mu_s, scene.contact_friction, pushed)

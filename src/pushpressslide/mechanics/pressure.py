@@ -1,8 +1,8 @@
 """Pressure between object and support: total load, centre of pressure (CoP),
 distributions as samples.
 
-Source: docs/mechanics.md, section 1.2. All points are in one planar frame, the body
-frame B unless said otherwise.
+Source: docs/mechanics.md, section 1.2. All points are in one planar frame: the body
+frame B, unless stated otherwise.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ class PressureSamples:
 
     @property
     def cop(self) -> Point:
-        """Centre of pressure [m]."""
+        """Centre of pressure [m], in the frame of the points."""
         x, y = self.loads @ self.points / self.loads.sum()
         return (float(x), float(y))
 
@@ -89,7 +89,7 @@ class PressureSamples:
 
 
 def total_load(own_load: float, normals: Sequence[float]) -> float:
-    """Total load N = N_o + sum N_i [N]: the object's own load on the support and the
+    """Total load N = N_o + sum N_i [N]: the object's own load on the support plus the
     presses from above.
     """
     return own_load + sum(normals)
@@ -106,11 +106,11 @@ def center_of_pressure(
     """Centre of pressure p_cop = (N_o p_o + sum N_i p_i + sum h_i F_i) / N [m]
     (docs/mechanics.md, 1.2).
 
-    ``own_load`` [N] acts at ``own_point`` [m] (the centre of mass; 0 on a wall).
-    Contacts press with ``normals`` [N] at ``points`` [m]. Horizontal ``forces`` [N] act
-    on the object at ``heights`` [m] above the support: those of side pushes and
-    presses, and on a wall also the weight, at the height of the centre of mass. Raises
-    ValueError for unequal lengths or a load <= 0.
+    ``own_load`` [N] is the weight, which acts at ``own_point`` [m], the centre of mass;
+    on a wall it is 0. Contacts press with ``normals`` [N] at ``points`` [m]. ``forces``
+    [N] along the support act on the object at ``heights`` [m] above the support: those
+    of pushes and presses, and on a wall also the weight, at the height of the centre of
+    mass. Raises ValueError for unequal lengths or a load <= 0.
     """
     if len(normals) != len(points) or len(forces) != len(heights):
         raise ValueError(
@@ -147,13 +147,14 @@ def polygon_pressure(
     cop: Point | None = None,
     resolution: int = 12,
 ) -> PressureSamples:
-    """Unilateral linear (Winkler) pressure on a simple ``polygon`` with the given CoP.
+    """Unilateral linear (Winkler) pressure on a simple ``polygon`` with a given CoP and
+    total ``load`` [N].
 
-    Corners counter-clockwise [m]. The pressure is max(0, a + b . r): uniform for
-    ``cop`` None or at the centroid, linear over the whole face for a CoP near the
-    centroid. For a CoP farther out, the opposite side lifts (docs/mechanics.md, 1.2).
-    Total ``load`` [N]. About 24 ``resolution``^2 samples, exact for moments up to the
-    third. Raises ValueError for a CoP outside the polygon's hull.
+    Corners [m] are counter-clockwise. The pressure is max(0, a + b . r). It is uniform
+    if ``cop`` is None or the centroid, and linear over the whole face for a CoP near
+    the centroid. For a CoP farther out, the opposite side lifts (docs/mechanics.md,
+    1.2). There are about 24 ``resolution``^2 samples, which are exact for moments up to
+    the third. Raises ValueError for a CoP outside the polygon's hull.
     """
     outline = tuple((float(x), float(y)) for x, y in polygon)
     if cop is None:
@@ -169,10 +170,10 @@ def rectangle_pressure(
     cop: Point = (0.0, 0.0),
     resolution: int = 12,
 ) -> PressureSamples:
-    """Winkler pressure of a ``length`` x ``width`` rectangle [m] about the origin.
+    """Winkler pressure of a rectangle of ``length`` x ``width`` [m] about the origin.
 
-    Its CoP is ``cop`` [m]. For a CoP (x_c, 0) the far side lifts when |x_c| > length/6
-    (docs/mechanics.md, 1.2).
+    The CoP is at ``cop`` [m]. For a CoP (x_c, 0) the far side lifts when |x_c| >
+    length/6 (docs/mechanics.md, 1.2).
     """
     a = 0.5 * length
     b = 0.5 * width
@@ -182,12 +183,12 @@ def rectangle_pressure(
 def disc_pressure(
     radius: float, load: float = 1.0, cop: Point = (0.0, 0.0), resolution: int = 12
 ) -> PressureSamples:
-    """Winkler pressure of a disc of ``radius`` [m] centred at the origin with CoP
+    """Winkler pressure of a disc of ``radius`` [m] about the origin, with its CoP at
     ``cop`` [m].
 
-    The whole face is in contact for |cop| <= radius/4; beyond, the disc is integrated
-    as a 64-sided polygon of equal second moment. Raises ValueError for a CoP outside
-    the disc.
+    The whole face is in contact for |cop| <= radius/4. For a CoP farther out, the disc
+    is integrated as a 64-sided polygon with the same second moment. Raises ValueError
+    for a CoP outside the disc.
     """
     if not radius > 0.0:
         raise ValueError(f"radius {radius} m; must be > 0")
@@ -199,7 +200,7 @@ def pin_pressure(
 ) -> PressureSamples:
     """Loads on three pins at ``points`` [m] whose centre of pressure is ``cop`` [m].
 
-    Raises ValueError unless there are three, they are not collinear, and the CoP is
+    Raises ValueError unless there are three pins that are not collinear, with the CoP
     inside their triangle.
     """
     if len(points) != 3:
@@ -227,11 +228,11 @@ def support_pressure(
     """Pressure under a shape, as samples in the body frame B (origin: the projected
     CoM).
 
-    ``center_of_mass`` [m] is given in the shape's frame G
-    (``ObjectModel.center_of_mass``), ``cop`` [m] in B: (0, 0) for the object at rest,
-    moved by presses and by pushes at a height. The distribution is unilateral linear
-    with total ``load`` [N]. It is uniform if the CoP is the centroid of the base.
-    Raises ValueError for a CoP outside the base's hull.
+    ``center_of_mass`` [m] is in the shape's frame G (``ObjectModel.center_of_mass``).
+    ``cop`` [m] is in B: (0, 0) for an object at rest, and shifted by presses and by
+    pushes at a height. The distribution is unilateral and linear, with the total
+    ``load`` [N]. It is uniform if the CoP is the centroid of the base. Raises
+    ValueError for a CoP outside the base's hull.
     """
     cop_G = (cop[0] + center_of_mass[0], cop[1] + center_of_mass[1])
     samples_G = _cells(*shape.pressure(cop_G, resolution), load)

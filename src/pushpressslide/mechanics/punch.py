@@ -1,11 +1,11 @@
 """Pressure under a rigid flat face on an elastic support, highest at the rim.
 
-The contact problem of a rigid punch on an elastic half-space (Boussinesq; Johnson,
-"Contact Mechanics", 1985, section 3.4 and 5.9). Each point load sinks the support in
-proportion to 1/distance. The load is distributed so that the support under the whole
-face stays a plane. The elastic constants do not matter. A face harder than its support
-has nearly this pressure, and measured pushes of such a face agree with it
-(docs/uncertainty.md).
+This is the contact problem of a rigid punch on an elastic half-space (Boussinesq;
+Johnson, "Contact Mechanics", 1985, sections 3.4 and 5.9). Each point load makes the
+support sink in proportion to 1/distance. The load is distributed so that the support
+under the whole face remains plane; the elastic constants do not matter. A face harder
+than its support has nearly this pressure, and measured pushes of such a face agree with
+it (docs/uncertainty.md).
 """
 
 from __future__ import annotations
@@ -28,9 +28,10 @@ def punch_pressure(
 ) -> PressureSamples:
     """Pressure of a rigid, frictionless face on an elastic half-space.
 
-    Simple ``polygon``, counter-clockwise [m]; total ``load`` [N]; ``cop`` [m], default
-    the centroid. About 24 ``resolution``^2 samples; rho is then about 1 % low. Raises
-    ValueError for a CoP so far out that an edge would lift.
+    ``polygon`` is simple and counter-clockwise [m]; ``load`` [N] is the total; ``cop``
+    [m] is the centroid by default. There are about 24 ``resolution``^2 samples, whose
+    rho is about 1 % too low. Raises ValueError for a CoP so far out that an edge would
+    lift.
     """
     outline = tuple((float(x), float(y)) for x, y in polygon)
     points, areas = quadrature.base_rule(outline, resolution)

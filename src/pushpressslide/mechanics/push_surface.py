@@ -1,4 +1,4 @@
-"""The limit surface, near one twist, of an object pushed from its sides at one height."""
+"""The limit surface near one twist, for an object pushed from its sides at one height."""
 
 from __future__ import annotations
 
@@ -15,10 +15,9 @@ KEPT = 4096  # surfaces; a search comes back to the same twists with other conta
 
 @lru_cache(maxsize=KEPT)
 def push_surface(scene: Scene, height: float, twist: Twist) -> DraggedSurface:
-    """Ellipsoid that touches the exact surface at ``twist`` (any body point), as
-    believed.
+    """Ellipsoid that touches the believed exact surface at ``twist`` (any body point).
 
-    Its centre of pressure moves with the force of pushes at ``height`` [m]
+    Its centre of pressure shifts with the force of pushes at ``height`` [m]
     (docs/mechanics.md, section 1.2). Raises ValueError for a zero twist, and if the
     object tips.
     """

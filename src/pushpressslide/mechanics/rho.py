@@ -1,8 +1,8 @@
-"""The length rho of the ellipsoid (its semi-axes are mu N and mu N rho), from a
-pressure distribution.
+"""The length rho of the ellipsoid with the semi-axes mu N and mu N rho, from a pressure
+distribution.
 
-Source: docs/mechanics.md, section 1.1. No single value fits: rho depends on the
-direction and on the curvature of the turn.
+Source: docs/mechanics.md, section 1.1. No single value fits every motion: rho depends
+on the direction and on the curvature of the turn.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from pushpressslide.mechanics.pressure import PressureSamples
 
 
 def rho_pole(samples: PressureSamples) -> float:
-    """The ratio tau_max / (mu N) [m]: the mean distance of the load from the CoP, exact
-    for pure rotation.
+    """Ratio tau_max / (mu N) [m], which is the mean distance of the load from the CoP.
+    Exact for pure rotation.
     """
     r = samples.points - np.array(samples.cop)
     distance = np.sqrt((r**2).sum(1) + samples.radii**2)
@@ -26,11 +26,11 @@ def rho_pole(samples: PressureSamples) -> float:
 
 
 def rho_straight(samples: PressureSamples, direction: Point = (1.0, 0.0)) -> float:
-    """The rho_u [m] near straight motion along ``direction``: the root of the
-    pressure's variance along it.
+    """Rho [m] for nearly straight motion along ``direction``: the root of the
+    pressure's variance in this direction.
 
-    Exact to first order in the turn, for any pressure. Raises ValueError for a zero
-    direction.
+    It is exact to first order in the turn, for any pressure. Raises ValueError for a
+    zero direction.
     """
     size = math.hypot(direction[0], direction[1])
     if size == 0.0:
@@ -42,9 +42,9 @@ def rho_straight(samples: PressureSamples, direction: Point = (1.0, 0.0)) -> flo
 def rho_fit(samples: PressureSamples) -> float:
     """Rho [m] of the ellipsoid nearest to the exact surface: least squares of H - 1.
 
-    The force axis is fixed at mu N. Over 256 twists spread evenly on the sphere (vx,
-    vy, rho_pole w). The default for control: 0.95 to 0.97 of ``rho_pole`` for uniform
-    patches. Raises ValueError for a pressure without extent.
+    The force axis is fixed at mu N. The fit is over 256 twists spread evenly on the
+    sphere (vx, vy, rho_pole w). It is the default for control, and 0.95 to 0.97 of
+    ``rho_pole`` for uniform patches. Raises ValueError for a pressure without extent.
     """
     pole = rho_pole(samples)
     if pole == 0.0:

@@ -23,8 +23,8 @@ def pair_friction(a: float, b: float) -> float:
 
 
 def partner_friction(pair: float, own: float = OBJECT_FRICTION) -> float:
-    """Surface friction b that gives the pair mu = 2 a b / (a + b) against a surface of
-    friction a = ``own``.
+    """Surface friction b that results in the friction ``pair`` = 2 a b / (a + b)
+    against a surface with a = ``own``.
 
     Raises ValueError if no surface can (pair >= 2 own).
     """
@@ -35,7 +35,7 @@ def partner_friction(pair: float, own: float = OBJECT_FRICTION) -> float:
 
 @dataclass(frozen=True)
 class SurfaceFrictions:
-    """Surface frictions, from which Drake computes those of the pairs."""
+    """Surface frictions, from which Drake computes those of pairs."""
 
     object: float
     support: float
@@ -43,7 +43,7 @@ class SurfaceFrictions:
 
     @classmethod
     def of_task(cls, task: Task) -> SurfaceFrictions:
-        """Surface frictions that reproduce a task's pairs."""
+        """Surface frictions that reproduce the pair frictions of a task."""
         own = object_friction(task)
         support = partner_friction(task.support.friction, own)
         return cls(own, support, partner_friction(task.contact_friction, own))
@@ -51,8 +51,8 @@ class SurfaceFrictions:
     def obstacle(self, pair: float) -> float:
         """Surface friction of an obstacle with friction ``pair`` against the support.
 
-        If no value is high enough, because the pairs of tip, object, support and
-        obstacle exclude each other, the result is a very rough surface.
+        If no value is high enough, because the pair frictions of tip, object, support
+        and obstacle are incompatible, the result is a very rough surface.
         """
         if pair < ROUGHEST * self.support:
             return partner_friction(pair, self.support)
@@ -60,12 +60,13 @@ class SurfaceFrictions:
 
 
 def object_friction(task: Task) -> float:
-    """Friction of the object's own surface, from which those of its partners follow.
+    """Friction of the object's own surface, from which the frictions of its partners
+    follow.
 
     It is OBJECT_FRICTION, unless a movable obstacle needs more friction on the support
-    than the support's surface could then give. In that case it lies between the
-    smallest value that allows the tips' pair with the object and the largest one that
-    leaves the support rough enough.
+    than the support's surface could then provide. In that case it lies between the
+    smallest value that allows the tip/object friction and the largest value that leaves
+    the support rough enough.
     """
     pairs = [o.friction for o in task.obstacles if o.movable]
     support = task.support.friction

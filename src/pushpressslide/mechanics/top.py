@@ -1,4 +1,4 @@
-"""The top of an object as a place to press, in B.
+"""The top of an object, on which a tip can press, in B.
 
 The top of an upright shape has the outline of its base.
 """
@@ -28,8 +28,9 @@ def room_inside(body: ObjectModel, point: Point) -> float:
     """Depth [half widths] of a centre of pressure at ``point`` [m] inside the base's
     convex hull.
 
-    It is the smallest over the hull's edges, each with half the hull's width across
-    that edge as its unit. If the depth is below 0, the object tips.
+    For each edge of the hull, the distance inside the edge is divided by half the
+    hull's width across it; the smallest quotient is the depth. If it is negative, the
+    object tips.
     """
     return float(rooms_inside(body, np.array([point]))[0])
 
@@ -40,7 +41,7 @@ def rooms_inside(body: ObjectModel, points: Array) -> Array:
 
 
 def top_places(body: ObjectModel, margin: float) -> list[Point]:
-    """Places to press [m], ``margin`` [m] inside the outline.
+    """Places to press [m], at least ``margin`` [m] inside the outline.
 
     They lie at fixed fractions of all chords through the CoM in a fixed set of
     directions. The first chord of a convex top starts at the CoM.

@@ -1,8 +1,9 @@
 """The virtual axle of one contact: on the ellipsoid, exactly, and with the height of
 the contact.
 
-Source: docs/mechanics.md, sections 2, 3 and 4. The heading axis is the line of contact
-and CoP. The axle is the point on it, beyond the CoP, that has no velocity across it.
+Source: docs/mechanics.md, sections 2, 3 and 4. The heading axis is the line through
+contact and CoP. The axle is the point on this line, beyond the CoP, that has no
+velocity across the line.
 """
 
 from __future__ import annotations
@@ -32,10 +33,11 @@ EDGE = 1e-4  # distance to tipping up to which the force is followed, as a share
 
 
 def axle_distance(rho: float, lever: float) -> float:
-    """Distance rho^2 / d [m] of the axle from the CoP, away from the contact: the same
-    for every force on the ellipsoid.
+    """Distance rho^2 / d [m] of the axle from the CoP, away from the contact. On the
+    ellipsoid it is the same for every force.
 
-    ``lever`` d [m] is the distance from CoP to contact. Raises ValueError unless > 0.
+    ``lever`` d [m] is the distance from CoP to contact. Raises ValueError unless it is
+    > 0.
     """
     if not lever > 0.0:
         raise ValueError(
@@ -52,11 +54,11 @@ def exact_axle_distance(
 
     ``lever`` [m] is the contact relative to the CoP; ``force_angle`` [rad] is the angle
     of the contact force from the heading axis. A force and its opposite give the same
-    axle, so either direction of the force will do. The distance is v_t/w: the CoP's
-    velocity across the axis (t to the left of CoP to contact) over the angular
-    velocity. For a straight push it tends to the variance along the axis over d; it
-    grows or shrinks with the angle. Support friction does not enter. Raises ValueError
-    for a zero lever.
+    axle, so either sign of the force may be used. The distance is v_t/w, where v_t is
+    the CoP's velocity to the left of the line from CoP to contact and w the angular
+    velocity. Towards a straight push it tends to the load's variance along the axis
+    divided by d; it grows or shrinks with the angle. It does not depend on the support
+    friction. Raises ValueError for a zero lever.
     """
     axle_distance(1.0, math.hypot(lever[0], lever[1]))
     extent, over_rho = slide_samples(samples)
@@ -86,16 +88,16 @@ def sliding(
 ) -> Slide:
     """Sliding of the object under a force along the unit vector ``direction``.
 
-    The force acts at ``contact`` [m] in B, ``height`` [m] above the support, and moves
-    the CoP from ``cop`` by h F / N. ``face_at(p)`` gives the pressure whose CoP is p;
-    ``mu`` is the friction of the pair object/support. The force is found by a bracketed
-    secant method: it grows from zero until it equals the force that slides the object.
-    Raises ValueError if the CoP leaves the base first: the object tips.
+    The force acts at ``contact`` [m] in B, ``height`` [m] above the support, and shifts
+    the CoP from ``cop`` by h F / N. ``face_at(p)`` gives the pressure with its CoP at
+    p; ``mu`` is the friction of the pair object/support. A bracketed secant method
+    finds the force at which the object just slides. Raises ValueError if the CoP leaves
+    the base at a smaller force, so that the object tips.
     """
 
     def slide(ratio: float, guess: Twist | None = None) -> Slide:
-        """Slide under a force that is ``ratio`` times the load, with the pressure as
-        this force moves it.
+        """Slide under a force of ``ratio`` times the load, with the pressure shifted by
+        this force.
         """
         shift = height * ratio
         moved = (cop[0] + shift * direction[0], cop[1] + shift * direction[1])
@@ -111,7 +113,7 @@ def sliding(
 
 
 def _balanced(slide: Callable[[float, Twist | None], Slide], max_force: float) -> Slide:
-    """Slide with zero surplus, for a ratio of force to load in [0, ``max_force``].
+    """Slide with zero surplus, with a ratio of force to load in [0, ``max_force``].
 
     Raises the ValueError of ``slide`` if the surplus is positive for every valid
     pressure.
@@ -136,7 +138,9 @@ def _balanced(slide: Callable[[float, Twist | None], Slide], max_force: float) -
 
 @dataclass(slots=True)
 class _Interval:
-    """A bracket: a function is positive at its low end and negative at its high end."""
+    """A bracket of a zero. The function is positive at the low end and negative at the
+    high end.
+    """
 
     low: float
     high: float
@@ -156,7 +160,7 @@ class _Interval:
 
     def next(self, place: float, value: float) -> float:
         """Next point to evaluate: the zero of the line through the last two values. At
-        the first step, the zero of a line with slope -1 through the only value.
+        the first step it is the zero of a line with slope -1 through the only value.
         """
         if value > 0.0:
             self.low = place
@@ -199,10 +203,11 @@ def axle_with_height(
 ) -> Point:
     """Virtual axle [m] in B when the force of ``sliding`` acts at ``height`` [m].
 
-    The force angle [rad] is from the axis CoP to contact, so near pi the contact is
-    pushed back towards the CoP. For straight motion x_va = (x_cop +- h mu) -
-    rho_x^2(x_cop +- h mu) / d with d unshifted (docs/mechanics.md, section 4). Raises
-    ValueError when the shifted CoP leaves the base: the object tips.
+    The force angle [rad] is measured from the line from CoP to contact, so that an
+    angle near pi pushes the contact back towards the CoP. For straight motion x_va =
+    (x_cop +- h mu) - rho_x^2(x_cop +- h mu) / d, with the unshifted d
+    (docs/mechanics.md, section 4). Raises ValueError if the shifted CoP leaves the
+    base, so that the object tips.
     """
     lever = (contact[0] - cop[0], contact[1] - cop[1])
     d = math.hypot(lever[0], lever[1])

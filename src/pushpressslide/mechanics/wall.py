@@ -1,7 +1,7 @@
-"""An object on a wall (docs/mechanics.md, section 7): its weight acts in the plane, and
-does not press it against the wall.
+"""An object on a wall (docs/mechanics.md, section 7): its weight acts in the plane of
+the wall, and does not press the object against it.
 
-On a table all of these quantities are zero.
+On a table all quantities of this module are zero.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ def weights(scene: Scene, path: TwistPath) -> list[Point]:
 
 
 def lever(scene: Scene, load: float) -> float:
-    """Displacement of the centre of pressure per in-plane weight [m/N], against the
+    """Displacement [m/N] of the centre of pressure per in-plane weight, against the
     direction of the weight.
 
-    For tips that carry the weight at the object's top, and a weight that acts at the
-    height of the CoM, it is (h - h_com) / N.
+    It is (h - h_com) / N, since the tips carry the weight at the object's top h while
+    the weight acts at the height h_com of the CoM.
     """
     if not any(scene.weight_along):
         return 0.0
@@ -55,7 +55,7 @@ def lean_press(scene: Scene) -> float:
 def lean(scene: Scene, goal: Pose2, press: float) -> Point:
     """Best offset [m] in B of two contacts of ``press`` [N] each.
 
-    At the goal the weight moves the centre of pressure back by the same distance.
+    At the goal the weight shifts the centre of pressure back by the same distance.
     """
     x, y = goal.unrotate(scene.weight_along)
     k = lever(scene, scene.weight_on + 2.0 * press)

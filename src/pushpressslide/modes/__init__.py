@@ -1,7 +1,6 @@
 """The library of contact modes: one file per contact topology.
 
-A mode is added by adding its file here. ``base`` and the folder ``shared`` are not
-modes.
+To add a mode, add its file here. ``base`` and the folder ``shared`` are not modes.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ if TYPE_CHECKING:  # so that type checkers, too, find them as attributes
 
 
 def discovered() -> dict[str, Mode[Any]]:
-    """Modes of all files on this package's path, by name."""
+    """Modes in all files on this package's path, by name."""
     modes: dict[str, Mode[Any]] = {}
     for info in pkgutil.iter_modules(__path__):
         if info.ispkg or info.name == "base":

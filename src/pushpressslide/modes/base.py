@@ -1,7 +1,7 @@
 """The interface of a contact mode, the search for its choices, and the replan.
 
-A mode defines the placements of its contacts, the drive of each, and its closed-form
-laws. Search and replan are the same for all modes.
+A mode defines the placements of its contacts, the drive of each placement, and its
+closed-form laws. Search and replan are the same for all modes.
 """
 
 from __future__ import annotations
@@ -65,8 +65,8 @@ D = TypeVar("D", bound=Drive)
 
 
 class Tracker(Protocol):
-    """A tracking law bound to a segment. Its only state is the progress, which is
-    passed in and out.
+    """A tracking law bound to a segment. Its only state is the progress, which the
+    caller keeps.
     """
 
     def step(
@@ -80,7 +80,7 @@ class Tracker(Protocol):
         """Guidance at pose ``X_WB``, for a path followed at ``speed`` [m/s].
 
         ``steering_scale`` in (0, 1] is the fraction of the mode's steering that may be
-        used. It is below 1 while the contacts are near slipping.
+        used. The fraction is below 1 while the contacts are near slipping.
         """
         ...
 
@@ -116,8 +116,8 @@ class Measured:
         longest: float = math.inf,
         estimates: ParameterEstimates = NOTHING,
     ) -> Self:
-        """Measured state of tips of ``planned`` contacts that touch the object at the
-        points ``contact_points`` [m] in B.
+        """Measured state of an object whose ``planned`` contacts touch it at
+        ``contact_points`` [m] in B.
         """
         contacts = tuple(
             replace(contact, point=point)
@@ -143,7 +143,7 @@ class Mode(ABC, Generic[D]):
     tracking_point: ClassVar[str]
     evaluation_cost: ClassVar[int] = 1
     """Cost of evaluating a motion with any contacts, relative to a push from behind. A
-    search bounds the sum.
+    search limits the sum of these costs.
     """
     cop_steering: ClassVar[bool]
     # whether it can hold an object with a weight along the support
@@ -160,17 +160,17 @@ class Mode(ABC, Generic[D]):
         enough: int = ENOUGH,
         feasibility: Feasibility | None = None,
     ) -> list[Choice]:
-        """Every placement of the contacts that was considered, best first, each with
-        its feasibility.
+        """All placements of the contacts that were considered, the best first, each
+        with its feasibility.
 
         Choices are evaluated until ``enough`` are feasible. ``feasibility`` checks the
-        paths, by default the arms' reach alone.
+        paths; by default it checks only the arms' reach.
         """
         return search(self.candidates(query), enough, feasibility or Feasibility(query))
 
     def connect(self, query: MotionQuery, contacts: Sequence[Contact]) -> Choice:
         """Choice of the quickest motion for ``query`` with the given ``contacts``, or a
-        refused one.
+        refused choice.
 
         The arms' reach and obstacles are not checked.
         """
@@ -190,16 +190,16 @@ class Mode(ABC, Generic[D]):
         return ()
 
     def least_time(self, query: MotionQuery) -> float:
-        """Lower bound [s], quickly computed, of the time of any choice of the mode with
-        the start contacts kept.
+        """Lower bound [s] of the time of any choice of the mode that keeps the start
+        contacts. Quick to compute.
         """
         ends = (query.start, query.goal)
         center = query.X_GB.position
         return straight_time(*ends, center, query.body.radius, query.motion)
 
     def candidates(self, query: MotionQuery) -> Sequence[Candidate | Choice]:
-        """One candidate for each placement of the contacts, or a choice with the
-        refusal of all of them.
+        """One candidate for each placement of the contacts, or one choice that refuses
+        all placements.
 
         Empty if the mode overrides ``choices``.
         """
@@ -208,7 +208,7 @@ class Mode(ABC, Generic[D]):
     def drive_of(self, segment: Segment) -> D:
         """Drive of one of the mode's own segments.
 
-        Raises TypeError for a segment of another mode.
+        Raises TypeError for a segment of any other mode.
         """
         drive = segment.drive
         if not isinstance(drive, self.drives):
@@ -245,13 +245,13 @@ class Mode(ABC, Generic[D]):
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> Continuation | None:
         """Continuation of a segment to its goal from the ``measured`` object pose and
-        contacts. None if its path is too long.
+        contacts. None if the path would be too long.
         """
 
     def replan(
         self, query: MotionQuery, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
-        """The ``segments`` with the first one replaced by its continuation from the
+        """The ``segments``, with the first one replaced by its continuation from the
         ``measured`` state. Empty if there is no continuation, or if it is longer than
         allowed.
         """
@@ -286,7 +286,7 @@ class Mode(ABC, Generic[D]):
         self, query: MotionQuery, segment: Segment, center: Point = (0.0, 0.0)
     ) -> CenterIdentifier | None:
         """Online identifier of the centre of mass, in a segment planned with the centre
-        at ``center`` [m] in B. None if it would not improve the motion.
+        at ``center`` [m] in B. None if identification would not improve the motion.
         """
         return None
 
@@ -294,10 +294,11 @@ class Mode(ABC, Generic[D]):
 def straight_time(
     start: Pose2, goal: Pose2, center: Point, radius: float, motion: Motion
 ) -> float:
-    """Minimum time [s] in which a contact can move straight between two poses X_WG of
-    an object with its ``center`` of mass [m] in G.
+    """Minimum time [s] of a contact's straight motion between two poses X_WG of an
+    object.
 
-    ``radius`` [m] is the largest distance of a contact from the centre.
+    ``center`` [m] is the centre of mass in G. ``radius`` [m] is the largest distance of
+    a contact from the centre.
     """
     first = start.apply(center)
     end = goal.apply(center)
@@ -309,7 +310,8 @@ def straight_time(
 def search(
     candidates: Iterable[Candidate | Choice], enough: int, feasibility: Feasibility
 ) -> list[Choice]:
-    """Choices of ``candidates``, the feasible ones first, the quickest first.
+    """Choices of ``candidates``: the feasible ones first, and the quickest first among
+    them.
 
     Evaluation stops after ``enough`` feasible choices. Candidates are expanded in the
     order of their minimum times. A choice is evaluated once no remaining candidate can
@@ -355,8 +357,7 @@ def search(
 
 
 def _may_hold(candidate: Candidate | Choice, held_contacts: Sequence[Contact]) -> bool:
-    """Whether a candidate may have a choice with the contacts ``held_contacts``, made
-    by any arms.
+    """Whether a candidate may have a choice with ``held_contacts``, made by any arms.
 
     True for a choice without contacts, which represents all placements.
     """
@@ -368,7 +369,7 @@ def _may_hold(candidate: Candidate | Choice, held_contacts: Sequence[Contact]) -
 
 def in_arms(choice: Choice, assigned: Iterable[Sequence[int]]) -> list[Choice]:
     """One copy of the choice for each assignment of its contacts in ``assigned``.
-    Without assignments, the choice itself with a refusal.
+    Without any assignment, the result is the choice itself with a refusal.
     """
     return [_with_arms(choice, arms) for arms in assigned] or [choice.refused(CROSSING)]
 
@@ -389,11 +390,11 @@ def ranking_key(choice: Choice) -> tuple[bool, float]:
 @dataclass
 class Feasibility:
     """Evaluates choices one by one: whether the arms can follow the path, and whether
-    it is clear.
+    the path is clear.
 
-    After many choices out of reach, only the reach tables are used for the rest. After
-    many blocked choices the evaluation stops. In a search over sequences, every choice
-    is evaluated by the tables alone.
+    After many choices out of reach, the remaining ones are checked only by the reach
+    tables. After many blocked choices the evaluation stops. In a search over sequences
+    of motions, all choices are checked only by the tables.
     """
 
     query: MotionQuery
@@ -427,7 +428,7 @@ class Feasibility:
 
     def reach_ends(self, contact: Contact) -> bool:
         """Whether the arm of a contact reaches it at start and goal with the same tool
-        orientation, by the reach tables.
+        orientation, according to the reach tables.
         """
         place = replace(contact, load=0.0)
         if place not in self._at_ends:
@@ -443,7 +444,7 @@ def arms_refusal(
     """Refusal of a choice whose path takes too long, leaves the workspace or is out of
     a tip's reach, or None.
 
-    With ``quick``, reach is looked up in the tables alone.
+    With ``quick``, reach is only looked up in the tables.
     """
     limit = limits.time
     if not choice.segments:

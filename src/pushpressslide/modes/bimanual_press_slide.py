@@ -1,10 +1,10 @@
 """Mode bimanual_press_slide: two arms press and slide the object in any direction
 (docs/mechanics.md, 7 and 9).
 
-The friction discs under two tips give every planar wrench, so that the object is
-holonomic: it is led along one constant twist from start to goal. The distribution of
-the load sets the centre of pressure. On a wall the presses alone hold the object
-against it, and carry its weight.
+The friction discs under two tips can provide every planar wrench. The object is
+therefore holonomic, and is led along one constant twist from start to goal. The
+distribution of the load sets the centre of pressure. On a wall the presses alone hold
+the object against it, and carry its weight.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
         return [self._candidate(query, pair) for pair in placed]
 
     def _candidate(self, query: MotionQuery, pair: PlacedPair) -> Candidate:
-        """Candidate of one pair of contacts."""
+        """Candidate for one pair of contacts."""
         refusal = pair.refusal
         if refusal is None and pair.crossing:
             refusal = BOTH_CROSSING
@@ -127,7 +127,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
         point: Point,
         drag: HeldDrag,
     ) -> Choice:
-        """Choice of contacts with loads, and its path."""
+        """``placed`` with its segment along ``path``, loads and margins."""
         scene = query.scene
         contacts = placed.contacts
         utilisation = drag.friction_utilisation
@@ -163,8 +163,8 @@ class BimanualPressSlide(Mode[HeldDrive]):
     def _drag(
         self, scene: Scene, contacts: Sequence[Contact], path: TwistPath, point: Point
     ) -> HeldDrag:
-        """Drag of the object led at ``point`` along its path. Raises ValueError if it
-        tips.
+        """Drag of the object led at ``point`` along its path. Raises ValueError if the
+        object tips.
         """
         mu = scene.contact_friction
         allocator = partial(self.allocator, contacts, mu, None)
@@ -212,7 +212,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
 
 
 def _time(motion: Motion, path: TwistPath) -> float:
-    """Time of the whole run [s]."""
+    """Time [s] of the whole run."""
     return round(path_time(motion, path.length, pressed=True), 3)
 
 

@@ -1,9 +1,9 @@
 """Mode orthogonal_push: two arms push two faces that are not parallel
 (docs/mechanics.md, section 6).
 
-Together they drive every twist of a cone: ahead between the two normals, turned to
-either side by friction and by contacts off the centre of mass, never backward. The
-places of the contacts decide which cone it is.
+Together they drive every twist of a cone. The object moves forward between the two
+normals, never backward; friction and contacts off the centre of mass turn it to either
+side. The places of the contacts determine the cone.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ class OrthogonalPush(TwistPushes):
     def candidates(self, query: MotionQuery) -> list[Candidate | Choice]:
         """Best placements on each pair of faces, the quickest first.
 
-        Among equally quick ones, a placement that needs less force comes first if its
+        Among equally quick placements, one that needs less force comes first if its
         forces are well inside their cones.
         """
         height = contact_height(query.scene, query.motion)
@@ -145,7 +145,7 @@ class OrthogonalPush(TwistPushes):
         cones: list[TwistCone],
     ) -> list[Choice]:
         """Best choices of contacts with the given ``cones``. If none has a path, the
-        refused choice that comes nearest to one.
+        refused choice that comes nearest to having one.
         """
         direct = cone_goal.direct
         inside = {cone: round(cone.cone_margin(*direct), 6) for cone in cones}
@@ -174,7 +174,10 @@ class OrthogonalPush(TwistPushes):
     def _driven(
         self, query: MotionQuery, names: str, path: TwistPath, cone: TwistCone
     ) -> Choice:
-        """Choice of a path in a cone, its contacts not yet assigned to arms."""
+        """Choice that drives the object along a ``path`` of twists in a ``cone``.
+
+        Its contacts are not yet assigned to arms.
+        """
         places = describe_points(contact.point for contact in cone.contacts)
         placed = Choice(self.name, f"{names} at {places}", cone.contacts)
         friction = query.scene.contact_friction
@@ -195,9 +198,9 @@ class OrthogonalPush(TwistPushes):
     ) -> Allocator:
         """``allocate(fx, fy, tau)`` about ``cop`` [m], by default the CoM.
 
-        Forces keep a reserve of friction if they can. ``rho`` [m] weighs torque errors
-        (default: half the distance of the contacts). ``projection`` decides how a
-        wrench outside the cone is reduced.
+        Forces keep a reserve of friction if possible. ``rho`` [m] weights moment errors
+        (default: half the distance between the contacts). ``projection`` selects how a
+        wrench outside the cone is projected.
         """
         points = [(c.point[0] - cop[0], c.point[1] - cop[1]) for c in contacts]
         normals = [c.normal for c in contacts]
@@ -207,7 +210,7 @@ class OrthogonalPush(TwistPushes):
 
 
 def _in_arms(scene: Scene, choice: Choice, evaluated: bool) -> list[Choice]:
-    """One choice for each assignment of its contacts to arms."""
+    """One choice for each assignment of the choice's contacts to arms."""
     if not (choice.feasible and evaluated):
         return [choice]
     return in_free_arms(scene, choice)

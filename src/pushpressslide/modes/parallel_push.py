@@ -1,10 +1,10 @@
 """Mode parallel_push: two arms push one face side by side (docs/mechanics.md, section
 5).
 
-By their normal forces alone they drive the object as a forward car of bounded
-curvature, its axle at the centre of pressure. With equal forces they drive it as a
-rear-steer car. With both combined, as the exact allocator can, they drive every twist
-of a cone: the object may go sideways if a car would have to turn a loop.
+By their normal forces alone they drive the object as a forward car with bounded
+curvature and its axle at the centre of pressure. With equal forces they drive it as a
+rear-steer car. The exact allocator combines both, and drives every twist of a cone: the
+object may move sideways where a car would have to drive a loop.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ class ParallelPush(TwistPushes):
 
         @cache
         def cars(face: Face, synchronised: bool) -> dict[Contacts, PushedCar]:
-            """Car of each pair of contacts on a face."""
+            """Car for each pair of contacts on a face."""
             contacts = [pair for other, pair in placed if other == face]
             halves = [(face, 0.5 * math.dist(a.point, b.point)) for a, b in contacts]
             made = pushed_cars(scene, motion, halves, synchronised)
@@ -171,8 +171,9 @@ class ParallelPush(TwistPushes):
         return [choice.refused(Refusal("no_path", literal("; ".join(reason))))]
 
     def _as_car(self, query: MotionQuery, choice: Choice, car: PushedCar) -> Choice:
-        """Choice of a push as a car. Raises ValueError if the car has no path to the
-        goal.
+        """``choice`` with a segment on which the contacts drive the object as a car.
+
+        Raises ValueError if the car has no path to the goal.
         """
         curvature = query.motion.curvature_margin * car.tightest
         path = car_path(query, car, curvature)
@@ -195,7 +196,7 @@ class ParallelPush(TwistPushes):
         return driven.refused(refusal)
 
     def _by_twists(self, query: MotionQuery, choice: Choice) -> Choice:
-        """Choice of a path by twists of the contacts' cone."""
+        """``choice`` with a path made of twists in the cone of its contacts."""
         cone_goal = ConeGoal.between(query.body_ends, query.body.radius)
         height = choice.contacts[0].height
         surface = push_surface(query.scene, height, Twist(*cone_goal.direct))
@@ -239,7 +240,7 @@ class ParallelPush(TwistPushes):
         cop: Point = ORIGIN,
     ) -> Allocator:
         """``allocate(fx, fy, tau)`` about ``cop`` [m], by default the CoM. ``rho`` [m]
-        weighs torque errors (default: half the distance of the contacts).
+        weights moment errors (default: half the distance between the contacts).
         """
         points = [(c.point[0] - cop[0], c.point[1] - cop[1]) for c in contacts]
         if rho is None:
@@ -250,7 +251,7 @@ class ParallelPush(TwistPushes):
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
         """Segment for the remaining displacement. Empty if the displacement is outside
-        the cone, or for a car, which cannot back up.
+        the cone, and for a car, which cannot back up.
         """
         if isinstance(segment.drive, CarDrive):
             return ()
@@ -259,8 +260,8 @@ class ParallelPush(TwistPushes):
     def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> Continuation | None:
-        """Continuation with the measured contacts. The reduced model of the object
-        stays as planned.
+        """Continuation with the measured contacts. The object's reduced model remains
+        as planned.
         """
         drive = segment.drive
         if not isinstance(drive, CarDrive):
@@ -274,12 +275,15 @@ class ParallelPush(TwistPushes):
 
 
 def _vehicles(motion: Motion) -> tuple[Vehicle, ...]:
-    """Vehicle types of the object, in the order to try them."""
+    """Vehicles as which the object may be driven, in the order to try them."""
     return EITHER if motion.vehicle is None else (motion.vehicle,)
 
 
 def _least_time(query: MotionQuery, face: Face) -> float:
-    """Lower bound [s] of the time of a push on a face: nearly straight to the goal."""
+    """Lower bound [s] of the time of a push on a face.
+
+    The push is assumed to lead almost straight to the goal.
+    """
     by_twists, as_car = least_lengths(query.body_ends, query.body.radius, face)
     lengths = {"mixed": by_twists, "differential": as_car, "synchronised": as_car}
     least = min(lengths[kind] for kind in _vehicles(query.motion))

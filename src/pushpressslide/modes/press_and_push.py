@@ -2,10 +2,9 @@
 a side face, and the object turns about the pinned point (docs/mechanics.md, sections
 1.2 and 7).
 
-An arm that does not press transmits no friction, and under two presses the object turns
-best between them. To turn it about a point near its edge, the second arm pushes from
-the side, where it has the longest lever. The press holds the difference between drag
-and push.
+Under two presses an object turns best about a point between them. To turn it about a
+point near its edge, the second arm pushes from the side, where it has the longest
+lever. The press provides the difference between drag and push.
 """
 
 from __future__ import annotations
@@ -51,7 +50,7 @@ from pushpressslide.tracking.holonomic import HolonomicTracker
 
 @dataclass(frozen=True, slots=True)
 class _Turn:
-    """The turn about the pin that the task needs."""
+    """The turn about the pinned point that the task requires."""
 
     pin: Point  # [m] in B
     path: TwistPath  # of the pin
@@ -98,8 +97,10 @@ class PressAndPush(Mode[PinnedDrive]):
     def _pushed(
         self, query: MotionQuery, turn: _Turn, lever: Lever, evaluated: bool
     ) -> list[Choice]:
-        """Evaluate one place to push, without a check of the arms' reach: one choice
-        for each assignment of the two contacts to the arms.
+        """One choice for each assignment of the two contacts to the arms, for one place
+        to push.
+
+        The arms' reach is not checked.
         """
         scene = query.scene
         top = query.body.shape.top_height
@@ -132,8 +133,8 @@ class PressAndPush(Mode[PinnedDrive]):
     def _driven(
         self, query: MotionQuery, choice: Choice, turn: _Turn, lever: Lever
     ) -> Choice:
-        """``choice`` with its press load: the one given in the task, or the smallest
-        safe one if none is given.
+        """``choice`` with its press load: that of the task, or by default the smallest
+        safe load.
 
         Raises ValueError if the object tips.
         """
@@ -175,7 +176,7 @@ class PressAndPush(Mode[PinnedDrive]):
     def _drag(
         self, scene: Scene, contacts: Sequence[Contact], twist: Twist
     ) -> PinnedDrag:
-        """Drag of the object with ``twist``. Raises ValueError if it tips."""
+        """Drag of the object at ``twist``. Raises ValueError if the object tips."""
         mu = scene.contact_friction
         allocator = partial(self.allocator, contacts, mu, None)
         return pinned_drag(scene, contacts, twist, allocator)
@@ -195,8 +196,8 @@ class PressAndPush(Mode[PinnedDrive]):
         rho: float | None = None,
         cop: Point = ORIGIN,
     ) -> Allocator:
-        """``allocate(fx, fy, tau)`` about ``cop`` [m], press first. ``rho`` is not
-        used.
+        """``allocate(fx, fy, tau)`` about ``cop`` [m], with the press as the first
+        contact. ``rho`` is not used.
         """
         press, push = contacts
         return press_and_push_allocator(
@@ -207,7 +208,7 @@ class PressAndPush(Mode[PinnedDrive]):
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> Continuation | None:
         """Continuation by one twist about the measured pin. None if the pushing arm
-        would have to pull for it.
+        would have to pull.
         """
         planned = self.drive_of(segment)
         radius = planned.radius

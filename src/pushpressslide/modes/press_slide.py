@@ -1,11 +1,11 @@
 """Mode press_slide: one arm presses on top and slides the object, driven as a unicycle
 about its virtual axle (docs/mechanics.md, sections 2 and 4).
 
-The line through centre of pressure and contact is the heading axis. Pulled, the contact
-leads; pushed, it follows; in a spin, the force is across. The friction disc under the
-tip has no preferred direction, so that each of these suits any contact that the press
-holds. If no path of one vehicle leads to the goal, a manoeuvre of turns by forces at
-several angles does.
+The line through centre of pressure and contact is the heading axis. If the object is
+pulled, the contact leads; if it is pushed, the contact follows; in a spin, the force is
+across the axis. The friction disc under the tip has no preferred direction, so all
+three are possible with any contact that the press holds. If no path of a single vehicle
+leads to the goal, a manoeuvre is tried: turns by forces at several angles.
 """
 
 from __future__ import annotations
@@ -112,9 +112,9 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         enough: int = ENOUGH,
         feasibility: Feasibility | None = None,
     ) -> list[Choice]:
-        """Choices, feasible and quick ones first.
+        """Choices, with feasible and quick ones first.
 
-        Alternatives are evaluated in order until one has a feasible choice.
+        Alternatives are evaluated in order until one of them has a feasible choice.
         """
         try:
             placements = press_placements(query)
@@ -151,10 +151,10 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     def _alternatives(
         self, feasibility: Feasibility, placements: PressPlacements, enough: int
     ) -> Iterator[tuple[str, list[Choice]]]:
-        """Yield the alternatives in order: manoeuvres and paths of one well-steered
-        vehicle, then paths of any vehicle.
+        """Yield the alternatives in order: manoeuvres and paths of a vehicle that
+        steers well, then paths of any vehicle.
 
-        Manoeuvres come first unless the contacts are given.
+        Manoeuvres come first unless the task prescribes the contacts.
         """
 
         query = feasibility.query
@@ -166,7 +166,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
             )
 
         def vehicles(min_angle: float) -> list[Choice]:
-            """Choices of a vehicle that can be steered by ``min_angle`` [rad] or more."""
+            """Choices of vehicles that can be steered by ``min_angle`` [rad] or more."""
             return search(_steered(query, straight, min_angle), enough, feasibility)
 
         free = query.motion.vehicle is None and query.tool is None
@@ -196,8 +196,8 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         rho: float | None = None,
         cop: Point = ORIGIN,
     ) -> Allocator:
-        """``allocate(fx, fy, tau)`` about ``cop`` [m]. ``rho`` [m] weighs torque errors
-        (default: half the lever).
+        """``allocate(fx, fy, tau)`` about ``cop`` [m]. ``rho`` [m] weights moment
+        errors (default: half the lever).
         """
         (contact,) = contacts
         if rho is None:
@@ -230,8 +230,8 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     ) -> CenterIdentifier | None:
         """Online identifier of the CoM across the line to the contact.
 
-        None for a spin, for a press at the CoM, and if rho is given, since its error
-        may exceed the identifier's tolerance.
+        None for a spin and for a press at the CoM. Also None if rho is given, since its
+        error may exceed the identifier's tolerance.
         """
         drive = self.drive_of(segment)
         (contact,) = segment.contacts
@@ -288,9 +288,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     def replan(
         self, query: MotionQuery, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
-        """Continuation of ``segments``: of the first one, or of all turns of a
-        manoeuvre.
-        """
+        """Continuation of the first of ``segments``, or of all turns of a manoeuvre."""
         center = measured.estimates.center
         if center != ORIGIN:
             there = _seen_from(query, segments, measured)
@@ -325,7 +323,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
     def _spun(
         self, query: MotionQuery, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
-        """Manoeuvre in place of a spin, if the pivot is not measured where it was
+        """Manoeuvre in place of a spin whose pivot is not measured where it was
         planned. Empty if the spin still leads to the goal.
         """
         first, *others = segments
@@ -375,16 +373,16 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
 def _of_first_leg(
     segments: Sequence[Segment],
 ) -> tuple[tuple[Segment, ...], tuple[Segment, ...]]:
-    """Segments of the leg that the first segment belongs to, and the segments of the
-    later legs.
-    """
+    """Segments of the first segment's leg, and segments of the later legs."""
     leg = segments[0].leg
     mine = tuple(segment for segment in segments if segment.leg == leg)
     return mine, tuple(segments[len(mine) :])
 
 
 def _name_believed_rho(rho: float | None, choices: Sequence[Choice]) -> list[Choice]:
-    """The refused choices. Their refusals also name the belief's rho if one is given."""
+    """The refused choices, with a refusal that also names the believed rho, if there is
+    one.
+    """
     if rho is None:
         return list(choices)
     return [
@@ -401,12 +399,12 @@ def _steered(
 ) -> list[Candidate | Choice]:
     """Choices planned with the axle of their turns, in order.
 
-    A choice that can be steered like a unicycle by less than ``min_angle`` [rad] is
-    refused.
+    A choice is refused if it can be steered like a unicycle only by less than
+    ``min_angle`` [rad].
     """
 
     def make(choice: Choice, evaluated: bool) -> list[Choice]:
-        """The choice with its steering, made by either arm."""
+        """The choice with its steering, for each arm that may touch the object."""
         steered = with_turns(query, choice, min_angle) if evaluated else choice
         return either_arm(query.scene, query.body_ends, steered)
 
@@ -422,8 +420,8 @@ def dragged(query: MotionQuery, contact: Contact, drag: float | None) -> MotionQ
     """Query with the support friction implied by the measured ``drag`` [N], if that
     contradicts the belief.
 
-    The drag acts at another height than the contact and moves the pressure: friction
-    moves the axle of a turn.
+    The drag acts at another height than the contact and shifts the pressure. Friction
+    therefore also shifts the axle of a turn.
     """
     if drag is None:
         return query
@@ -436,7 +434,9 @@ def dragged(query: MotionQuery, contact: Contact, drag: float | None) -> MotionQ
 
 
 class _MeasuredLeg(NamedTuple):
-    """A query, segments and the measured state, with B at the identified CoM."""
+    """A query, its segments and the measured state, with B's origin at the identified
+    CoM.
+    """
 
     query: MotionQuery
     segments: tuple[Segment, ...]
@@ -446,7 +446,7 @@ class _MeasuredLeg(NamedTuple):
 def _seen_from(
     query: MotionQuery, segments: Sequence[Segment], measured: Measured
 ) -> _MeasuredLeg:
-    """Query, segments and measured state with B moved to the identified CoM."""
+    """Query, segments and measured state with B's origin moved to the identified CoM."""
     x, y = measured.estimates.center
     back = (-x, -y)
     scene = query.scene
@@ -472,8 +472,8 @@ def _seen_from(
 
 
 def _shifted(segments: Sequence[Segment], offset: Point) -> tuple[Segment, ...]:
-    """The ``segments`` in a body frame whose origin is at -``offset`` [m] of the
-    original one. Their paths and goals stay in place.
+    """The ``segments`` in a body frame with its origin at -``offset`` [m] in the
+    original frame. Their paths and goals stay in place.
     """
     out = []
     for segment in segments:
@@ -496,8 +496,8 @@ def _pivot(drive: SpinDrive, identified: Identified | None) -> Pose2:
 def _steered_by(
     drive: SteeredDrive, car: Unicycle, identified: Identified | None
 ) -> SteeredDrive:
-    """``drive`` with its car replaced: by ``car``, or by one with the ``identified``
-    axle if there is one.
+    """``drive`` with its car replaced: by a car with the ``identified`` axle, or by
+    ``car`` if no axle is identified.
     """
     max_friction = drive.max_friction
     if identified is not None:
@@ -515,7 +515,7 @@ allocator = MODE.allocator
 def _those_held(
     contacts: tuple[Contact, ...], held_contacts: Sequence[Contact] | None
 ) -> tuple[Contact, ...]:
-    """The contacts among ``contacts`` that are ``held_contacts``. All of them if
+    """The members of ``contacts`` that are among ``held_contacts``. All of them if
     ``held_contacts`` is None.
     """
     if held_contacts is None:
@@ -525,13 +525,15 @@ def _those_held(
 
 
 def _reached(feasibility: Feasibility, contact: Contact) -> bool:
-    """Whether some arm reaches a contact at start and goal, by the reach tables."""
+    """Whether any arm reaches a contact at start and goal, according to the reach
+    tables.
+    """
     each = (replace(contact, arm=arm) for arm in feasibility.query.scene.arms)
     return any(map(feasibility.reach_ends, each))
 
 
 def _in_span(feasibility: Feasibility, contact: Contact) -> bool:
-    """Whether some arm is long enough for a contact at start and goal."""
+    """Whether any arm is long enough for a contact at start and goal."""
     query = feasibility.query
     each = (replace(contact, arm=arm) for arm in query.scene.arms)
     return any(span_refusal(query.scene, one, query.body_ends) is None for one in each)

@@ -1,5 +1,5 @@
-"""Mode rear_push: one arm pushes a side face, a rear-steer car tracked at its virtual
-front axle (docs/mechanics.md, section 3).
+"""Mode rear_push: one arm pushes a side face, and the object moves as a rear-steer car
+tracked at its virtual front axle (docs/mechanics.md, section 3).
 """
 
 from __future__ import annotations
@@ -73,8 +73,8 @@ class RearPush(Mode[RearSteerDrive]):
         ]
 
     def least_time(self, query: MotionQuery) -> float:
-        """Time [s] at full speed along the shortest path that the car of any face can
-        drive.
+        """Time [s] at full speed along the shortest path that a car can drive, over all
+        faces.
 
         Infinite if no face has a car.
         """
@@ -125,7 +125,7 @@ class RearPush(Mode[RearSteerDrive]):
     def _driven(
         self, query: MotionQuery, choice: Choice, drives: Mapping[float, RearSteerDrive]
     ) -> Choice:
-        """Choice with the path of a car. Refused if it winds too much."""
+        """Choice with the path of a car. Refused if the path turns too much."""
         best, looped = route(query, drives)
         car = best.drive.car
         low, high = car.curvature_limits
@@ -168,7 +168,7 @@ class RearPush(Mode[RearSteerDrive]):
 
     def identifier(self, query: MotionQuery, segment: Segment) -> AxleIdentifier | None:
         """Online identifier of the virtual axle. None unless rho was given, since the
-        shape's own rho is good enough.
+        rho computed from the shape is accurate enough.
         """
         if query.scene.rho is None:
             return None
@@ -191,7 +191,7 @@ class RearPush(Mode[RearSteerDrive]):
     ) -> CenterIdentifier:
         """Online identifier of the CoM across the heading axis.
 
-        An offset along the axis changes the effective wheelbase alone.
+        An offset along the axis would only change the effective wheelbase.
         """
         drive = self.drive_of(segment)
         (contact,) = segment.contacts
@@ -213,7 +213,7 @@ class RearPush(Mode[RearSteerDrive]):
         cop: Point = ORIGIN,
     ) -> Allocator:
         """``allocate(fx, fy, tau)`` about ``cop`` [m], the identified CoM. ``rho`` [m]
-        weighs torque errors (default: half the lever).
+        weights moment errors (default: half the lever).
         """
         (contact,) = contacts
         point = (contact.point[0] - cop[0], contact.point[1] - cop[1])
@@ -232,7 +232,7 @@ class RearPush(Mode[RearSteerDrive]):
     ) -> Continuation | None:
         """Continuation with the measured contact and the identified CoM.
 
-        The car keeps its own rho, unless one was given. Its heading axis goes from the
+        The car keeps its rho unless rho was given. Its heading axis leads from the
         measured contact through the identified CoM.
         """
         planned = self.drive_of(segment)
@@ -263,8 +263,9 @@ class RearPush(Mode[RearSteerDrive]):
 
 
 def _drives(scene: Scene, fitted: FittedFace) -> dict[float, RearSteerDrive]:
-    """Drives of a face's cars. The keys tell how much harder than planned the paths of
-    each car turn.
+    """Drives of a face's cars.
+
+    Each key is the factor by which the paths of a car turn harder than planned.
     """
     most = scene.max_friction()
     return {

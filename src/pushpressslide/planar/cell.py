@@ -13,7 +13,7 @@ from pushpressslide.planar.servo_tip import ServoTip
 
 def planar_cell(plan: Plan, start: WorldState | None = None) -> Cell:
     """Cell with the object of ``plan`` at its true start, and the tips before their
-    contacts or at the positions of the run's start state.
+    contacts or at the positions in the start state of the run.
     """
     physics = PlanarPhysics(plan, start)
     tips = [_tip(physics, i, robot) for i, robot in enumerate(plan.task.robots)]
@@ -31,12 +31,12 @@ class PlanarTip(TipAlone):
     """One tip of the planar world."""
 
     def __init__(self, physics: PlanarPhysics, index: int) -> None:
-        """Take the ``index``th tip."""
+        """Attach to the tip number ``index`` of the planar world."""
         self._physics = physics
         self._index = index
 
     def read(self) -> ArmState:
-        """Position, velocity, and the force of the previous tick."""
+        """Position and velocity of the tip, and the force of the previous tick."""
         return ArmState(self._physics.time, self._physics.now.tips[self._index])
 
     def send(self, command: ArmCommand) -> Applied:

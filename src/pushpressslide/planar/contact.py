@@ -1,7 +1,7 @@
 """Contacts of massless, compliant tips with an object, and their response to its twist.
 
-Plain floats; frame B, positions relative to the centre of pressure. The laws are those
-of ``kernels.compliant_tip``.
+Numbers are plain floats, in frame B, with positions relative to the centre of pressure.
+The laws are those of ``kernels.compliant_tip``.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ STATUSES: tuple[ContactStatus, ...] = (
 
 
 class Response(NamedTuple):
-    """A contact's force on the object [N], and the decrease of the force's components
-    per velocity of the tip's centre [N s/m].
+    """A contact's force [N] on the object, and the decrease [N s/m] of its components
+    per velocity of the tip's centre.
     """
 
     force: Point
@@ -45,7 +45,7 @@ FREE = Response((0.0, 0.0), (0.0, 0.0, 0.0, 0.0), "free")
 
 
 class TipLaw(NamedTuple):
-    """f = f_0 - B v of one tip in the plane."""
+    """Law f = f_0 - B v of a tip in the plane."""
 
     axis: Point  # unit; the other axis is to its left
     force: Point  # [N] f_0 along the two axes
@@ -84,8 +84,10 @@ def side_contact(
     friction: float,
     dt: float,
 ) -> SideContact:
-    """Contact of a tip with its centre at ``tip`` [m], ``gap`` [m] before a side, in a
-    tick of ``dt`` [s]. The side's inward normal is the law's axis.
+    """Contact of a tip with its centre at ``tip`` [m], a distance ``gap`` [m] before a
+    side, in a tick of ``dt`` [s].
+
+    The axis of the law is the side's inward normal.
     """
     point, center, _, _, approach = compliant_tip.side_contact(
         tip, tip_radius, gap, law, friction, dt
@@ -94,10 +96,10 @@ def side_contact(
 
 
 class WedgedContact(NamedTuple):
-    """A tip between its own side and another wall of a notch.
+    """A tip in a notch, between its own side and another wall.
 
-    If contact with one of the two walls alone keeps the tip out of both, the tip
-    touches that wall. Otherwise it sticks between them.
+    The tip touches only one of the two if this contact also keeps it out of the other.
+    Otherwise it sticks between them.
     """
 
     own: SideContact
@@ -105,7 +107,7 @@ class WedgedContact(NamedTuple):
 
     @property
     def point(self) -> Point:
-        """Point [m] at which the forces act: the tip's centre."""
+        """Point [m] of action of the forces: the tip's centre."""
         return self.own.center
 
     @property
@@ -140,7 +142,7 @@ class TopContact(NamedTuple):
 
     def response(self, twist: tuple[float, float, float]) -> Response:
         """Force under an object's ``twist`` at the CoP: the force that holds the tip,
-        or the limit against its slip.
+        or the limiting friction if the tip slips.
         """
         return _named(self.touch(*twist))
 
@@ -153,7 +155,7 @@ class Pull(NamedTuple):
 
     @property
     def center(self) -> Point:
-        """Point [m] at which it acts."""
+        """Point [m] at which the force acts."""
         return self.point
 
     def touch(self, vx: float, vy: float, w: float) -> Touch:

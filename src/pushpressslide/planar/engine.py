@@ -13,10 +13,9 @@ from pushpressslide.planar.cell import planar_cell
 def run(plan: Plan, options: RunOptions | None = None) -> Record:
     """Run ``plan`` from the task's true start and return its record.
 
-    A run that continues from a state takes over its tips.
-
-    The record is deterministic for a seed. Movable obstacles are not modelled: the
-    object passes through them.
+    If the run continues from a state, it takes over the tips of that state. The record
+    is deterministic for a given seed. Movable obstacles are not modelled: the object
+    passes through them.
     """
     start = None if options is None else options.begin
     return run_loop(planar_cell(plan, start), plan, options)

@@ -1,8 +1,8 @@
-"""Position of a tip relative to the face it is to touch: the gap between them, and the
-face's normal there.
+"""Position of a tip relative to the face that it is meant to touch: the gap between
+them, and the normal of the face.
 
-Positions in the body frame B, heights above the support. A tip to the side of the face,
-or behind it, has an infinite gap: it touches nothing.
+Positions are in the body frame B, heights above the support. A tip beyond the ends of
+the face, or behind it, has an infinite gap and touches nothing.
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ class Face(Protocol):
     """A face that a tip may touch."""
 
     def gap(self, tip: Point, height: float) -> tuple[float, Point]:
-        """Gap [m] of a tip whose centre is at ``tip`` and ``height`` [m], and the unit
+        """Gap [m] of a tip with its centre at ``tip`` and ``height`` [m], and the unit
         inward normal.
         """
         ...
 
     def wall(self, tip: Point, height: float) -> tuple[float, Point]:
-        """Gap and normal of the nearest wall next to the face. The gap is infinite if
-        there is no wall.
+        """Gap [m] to the nearest wall next to the face, and the normal of this wall.
+        The gap is infinite without a wall.
         """
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class SideFace:
-    """A side of the object, up to its top, and the other walls of a notch."""
+    """A side of the object, up to the top, with the other walls of a notch."""
 
     side: Side
     walls: tuple[Side, ...]
@@ -48,12 +48,12 @@ class SideFace:
     tip_radius: float  # [m]
 
     def gap(self, tip: Point, height: float) -> tuple[float, Point]:
-        """Gap and normal."""
+        """Gap [m] and unit inward normal."""
         return self._gap(self.side, tip, height)
 
     def wall(self, tip: Point, height: float) -> tuple[float, Point]:
-        """Gap and normal of the nearest wall that a tip may meet, apart from the face
-        itself. The gap is infinite if no wall is near.
+        """Gap [m] to the nearest wall that a tip may meet besides the face, and the
+        normal of this wall. The gap is infinite without a wall nearby.
         """
         if not self.walls:
             return NO_WALL
@@ -75,13 +75,13 @@ class Top:
     tip_radius: float  # [m]
 
     def gap(self, tip: Point, height: float) -> tuple[float, Point]:
-        """Gap and normal, which has no component in the plane."""
+        """Gap [m], and a normal without components in the plane."""
         gap = height - self.tip_radius - self.shape.top_height
         above = gap > -PASSED and self.shape.holds(tip, 0.0, self.origin)
         return gap if above else math.inf, (0.0, 0.0)
 
     def wall(self, tip: Point, height: float) -> tuple[float, Point]:
-        """No wall."""
+        """No wall: an infinite gap."""
         return NO_WALL
 
 

@@ -22,8 +22,8 @@ TIPPING_TIME = 0.1  # [s] for which the load may leave the base before the run e
 
 
 class PlanarPhysics:
-    """An object and tips without arms, as clock, tracker, placements and source of the
-    true state.
+    """An object and tips without arms. It serves as clock, tracker, placements and
+    source of the true state.
     """
 
     simulated = True
@@ -75,7 +75,9 @@ class PlanarPhysics:
         )
 
     def failure(self) -> str | None:
-        """Failure that the object tips over or falls, or None."""
+        """Reason why the run cannot go on: the object tips over or falls. None
+        otherwise.
+        """
         if self._tipping <= TIPPING_TIME:
             return None
         pressed = any(-tip.force[2] for tip in self.now.tips)

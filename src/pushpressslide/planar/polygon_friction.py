@@ -19,20 +19,22 @@ class PolygonFriction:
     """Friction under a polygonal base: the wrench that slides the object, about the
     centre of pressure.
 
-    At speeds below ``CREEP`` the wrench decreases to zero with the speed
+    Below the speed ``CREEP`` the wrench decreases to zero with the speed
     (docs/mechanics.md, section 1.3).
     """
 
     def __init__(self, face: FacePressure) -> None:
-        """Prepare the edges. The friction's limit mu N [N] is an argument of each call."""
+        """Prepare the edges. The limiting friction mu_s N [N] is an argument of each
+        call.
+        """
         self.rho = face.rho  # [m] root mean square distance
         self._friction = friction_under(face)
 
     def wrench(self, twist: Vector, limit: float) -> Vector:
-        """Wrench (fx, fy [N], tau [N m]) that slides the object with ``twist`` (m/s,
-        rad/s), both at the CoP.
+        """Wrench (fx, fy [N], tau [N m]) that slides the object with ``twist`` [m/s,
+        rad/s], both at the CoP.
 
-        ``limit`` [N] is mu N.
+        ``limit`` [N] is mu_s N.
         """
         fx, fy, tau, *_ = self._friction(*twist, False)
         return (limit * fx, limit * fy, limit * tau)
@@ -56,10 +58,11 @@ def friction_under(
     face: FacePressure,
 ) -> Callable[[float, float, float, bool], Friction]:
     """Function that evaluates ``polygon_friction`` of a twist under a face, with or
-    without its slope.
+    without the slope.
 
     It is compiled only if numba is already loaded, because loading numba takes longer
-    than a run would gain. Both versions give the same numbers to the last bit.
+    than a run would gain. The compiled and the Python version give identical results,
+    to the last bit.
     """
     plane = face.plane()
     edges = face.edges()

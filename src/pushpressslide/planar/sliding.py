@@ -1,8 +1,8 @@
 """Motion of an object on its support under compliant tips: the twist at which all
 forces balance.
 
-One tick of quasi-statics (docs/mechanics.md, sections 1 to 3) by ``kernels.sliding``,
-on the exact limit surface. Frame B, about the centre of pressure.
+``kernels.sliding`` computes a quasi-static tick (docs/mechanics.md, sections 1 to 3) on
+the exact limit surface. Everything is in frame B, about the centre of pressure.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from pushpressslide.planar.support_friction import Vector
 def slide(
     friction: Friction, limit: float, contacts: Sequence[Contact], guess: Vector
 ) -> Vector:
-    """Twist (m/s, rad/s) of the CoP at which support and ``contacts`` balance, to 1e-9
-    of mu N.
+    """Twist [m/s, rad/s] of the CoP at which the forces of the support and of
+    ``contacts`` balance, to 1e-9 of mu_s N.
 
-    ``limit`` [N] is mu N, ``guess`` the twist of the previous tick. At rest the object
-    creeps, by less than a few times ``CREEP``.
+    ``limit`` [N] is mu_s N, ``guess`` the twist of the previous tick. At rest the
+    object creeps, by less than a few times ``CREEP``.
     """
     support = (friction, limit, friction.rho)
     return sliding.slide(guess, contacts, support, (_resistance, touched))
@@ -33,7 +33,9 @@ def slide(
 def _resistance(
     vx: float, vy: float, w: float, friction: Friction, limit: float, sloped: bool
 ) -> Taken:
-    """Wrench that slides the object, and its slope, which is 0 if it is not requested."""
+    """Wrench that slides the object, and its slope. The slope is 0 if it is not
+    requested.
+    """
     if not sloped:
         wrench = friction.wrench((vx, vy, w), limit)
         return (*wrench, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

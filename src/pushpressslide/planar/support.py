@@ -1,4 +1,4 @@
-"""Support under one object, with the current load."""
+"""Support under one object, for its current load."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ TIPPING = 0.95
 class Support:
     """Support under one object.
 
-    The CoP follows from the load, but never leaves the base. The pressure (Winkler) is
-    computed for the nearest CoP on a fine grid, once for each such CoP, and shifted to
-    the true CoP.
+    The CoP follows from the load, but never leaves the base. The (Winkler) pressure is
+    computed for the nearest CoP on a fine grid, once per grid point, and shifted to the
+    true CoP.
     """
 
     def __init__(self, shape: Shape, center_of_mass: Point) -> None:
-        """``center_of_mass`` [m] in the shape's frame G.
+        """Prepare the support. ``center_of_mass`` [m] is in the shape's frame G.
 
         CoPs are given in B, the frame at the CoM.
         """
@@ -44,7 +44,7 @@ class Support:
 
         @lru_cache(maxsize=KEPT)
         def friction(i: int, j: int) -> Friction:
-            """Friction for a CoP on the grid."""
+            """Friction for the CoP at a grid point."""
             cop = (i * step, j * step)
             if shape.corners:
                 face = face_pressure(shape, center_of_mass, cop)
@@ -57,14 +57,14 @@ class Support:
         self._friction = friction
 
     def outwards(self, cop: Point) -> float:
-        """Position of ``cop`` [m] between the middle of the base, 0, and its outline,
-        1.
+        """Relative position of ``cop`` [m]: 0 at the middle of the base, 1 on its
+        outline.
         """
         return self._gauge(cop[0] - self._middle[0], cop[1] - self._middle[1])
 
     def under(self, cop: Point) -> tuple[Point, Friction, bool]:
-        """CoP [m] in B, limited to the base, the friction about it, and whether the
-        object tips.
+        """CoP [m] in B, limited to the base; the friction about this CoP; and whether
+        the object tips.
         """
         out = self.outwards(cop)
         tipping = out > TIPPING

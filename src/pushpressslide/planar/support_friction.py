@@ -21,12 +21,12 @@ class SupportFriction:
     (v_k, r_k x v_k) / |v_k|.
 
     ``samples`` gives the shares s_k of the load and their positions r_k from the CoP;
-    |v_k| is softened by ``CREEP`` (docs/mechanics.md, section 1). One sample of
-    torsional radius rho is the ellipsoid.
+    |v_k| is softened by ``CREEP`` (docs/mechanics.md, section 1). A single sample with
+    a torsional radius rho gives the ellipsoid.
     """
 
     def __init__(self, samples: PressureSamples) -> None:
-        """Prepare the samples. The friction's limit mu N [N] is an argument of each
+        """Prepare the samples. The limiting friction mu_s N [N] is an argument of each
         call.
         """
         x, y = (samples.points - np.array(samples.cop)).T
@@ -41,10 +41,10 @@ class SupportFriction:
         self.rho = math.sqrt(float(self._shares @ self._basis[:, 3]))
 
     def wrench(self, twist: Vector, limit: float) -> Vector:
-        """Wrench (fx, fy [N], tau [N m]) that slides the object with ``twist`` (m/s,
-        rad/s), both at the CoP.
+        """Wrench (fx, fy [N], tau [N m]) that slides the object with ``twist`` [m/s,
+        rad/s], both at the CoP.
 
-        ``limit`` [N] is mu N.
+        ``limit`` [N] is mu_s N.
         """
         return self._wrench(twist, limit)[0]
 

@@ -1,5 +1,5 @@
-"""One object on its support and the tips at it: quasi-static, tick by tick, under tip
-commands.
+"""One object on its support, and the tips that touch it: quasi-static, tick by tick,
+under tip commands.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class WorldState(NamedTuple):
 
 
 class _Wall(NamedTuple):
-    """A side that a tip may meet next to its own face."""
+    """A side that a tip may meet besides its own face."""
 
     gap: float  # [m]
     law: TipLaw
@@ -78,7 +78,7 @@ class _Reach(NamedTuple):
     def touching(
         self, cop: Point, friction: float, dt: float
     ) -> SideContact | WedgedContact | TopContact | None:
-        """Possible contact of the tip at its face in a tick. None if the tip does not
+        """Possible contact of the tip with its face in a tick. None if the tip does not
         come near the face.
         """
         x = self.place[0] - cop[0]
@@ -101,12 +101,12 @@ class _Reach(NamedTuple):
 class World:
     """True state of a task's object on its support, and of the tips.
 
-    The object has no inertia and the tips have no mass: at its velocity, a tip exerts
-    the force demanded by its command. The cap of the tip's servo is ignored, since it
-    serves to limit the effect of an arm's inertia. A tip touches at a point, and its
-    friction acts in the plane. The object passes through obstacles, except for a fixed
-    one on a wall, which carries the object standing on it. An object level with an
-    opening rests in it.
+    The object has no inertia and the tips have no mass: a tip exerts the force that its
+    command demands at the tip's velocity. The cap of the tip's servo is ignored, since
+    it only limits the effect of an arm's inertia. A tip touches at a point, and its
+    friction acts in the plane. The object passes through obstacles, except that a fixed
+    obstacle on a wall carries an object standing on it. An object level with an opening
+    rests in it.
     """
 
     def __init__(self, task: Task, contacts: Sequence[Contact], dt: float) -> None:
@@ -159,8 +159,8 @@ class World:
     ) -> WorldState:
         """State after one tick.
 
-        A tip without a command stays in place; one without a contact is at its
-        commanded position, and touches nothing.
+        A tip without a command stays in place. A tip without a contact is at its
+        commanded position and touches nothing.
         """
         X_WB = state.X_WB
         axis = (math.cos(X_WB.yaw), math.sin(X_WB.yaw))
@@ -214,7 +214,7 @@ class World:
         response: Response,
         motion: Motion,
     ) -> TipState:
-        """A tip after one tick, given the object's motion in it."""
+        """A tip after one tick, for a given motion of the object."""
         x, y, z = state.tips[reach.contact.arm].position
         before = (axis, (x, y), reach.place, reach.law)
         free = response.status == "free"
@@ -233,7 +233,7 @@ class World:
         face: Face,
         command: TipCommand,
     ) -> _Reach:
-        """The part of a tip's motion in a tick that is independent of the object's
+        """The part of a tip's motion in a tick that does not depend on the object's
         motion. ``axis`` is the direction of B's x axis.
         """
         X_WB = state.X_WB
@@ -271,7 +271,7 @@ class World:
         self, state: WorldState, axis: Point, reaches: Sequence[_Reach]
     ) -> tuple[Point, float]:
         """CoP [m] in B and load [N] on the support, from the presses of this tick and
-        the horizontal forces of the previous one.
+        the horizontal forces of the previous tick.
         """
         own = self.own_load
         top = self.task.object.shape.top_height
@@ -303,11 +303,10 @@ class World:
         return bool(edge_depths(shape, [X_WG], place, self._region)[0] < 0.0)
 
     def _carried(self, X_WB: Pose2, twist: Twist, falling: bool) -> tuple[Vector, bool]:
-        """Twist of an object on a wall that would otherwise move with ``twist``, and
-        whether the object is still falling.
+        """Twist of an object on a wall, and whether the object is still falling.
 
-        The object either comes to rest on a fixed obstacle or in the opening, or keeps
-        its twist.
+        The object comes to rest on a fixed obstacle or in the opening, or else moves
+        with ``twist``.
         """
         X_WG = X_WB.compose(self.task.object.X_GB.inverse())
         shape = self.task.object.shape
@@ -333,8 +332,8 @@ def _law(axis: Point, force: Point, damping: Point) -> TipLaw:
 
 
 def _damping(damping: float, stiffness: float, dt: float) -> float:
-    """Decrease of a tip's force per velocity over a tick. The tip's spring is evaluated
-    at the end of the tick.
+    """Damping [N s/m] of a tip over a tick, including its spring. The spring is
+    evaluated at the end of the tick.
     """
     total = damping + stiffness * dt
     return total if total > TIP_DRAG else TIP_DRAG

@@ -1,4 +1,4 @@
-"""Motion of the obstacles that the object pushes along its path."""
+"""Motion of obstacles that the object pushes along its path."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ def carried_ways(
     """Poses (n each), by name, of the ``yielding`` obstacles that an object meets along
     n ``poses`` X_WG.
 
-    An obstacle that is met moves with the object, as if it stuck to it, until the
-    object leaves it behind. In truth it may slide off earlier.
+    Such an obstacle is assumed to stick to the object until the object moves away from
+    it. In reality it may slide off earlier.
     """
     out = {}
     for obstacle in yielding:

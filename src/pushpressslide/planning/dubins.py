@@ -1,10 +1,10 @@
 """Shortest forward paths between two poses for a car whose left and right curvature
 limits may differ.
 
-Dubins (1957) for equal limits; for unequal ones the shortest path is one of the same
-six words (Bakolas and Tsiotras, "Optimal synthesis of the asymmetric sinistral/dextral
-Markov-Dubins problem", J. Optim. Theory Appl. 150, 2011): LSL, RSR, LSR, RSL, RLR, LRL.
-Closed form, plain floats.
+Dubins (1957) solved the problem for equal limits. For unequal limits the shortest path
+is one of the same six words (Bakolas and Tsiotras, "Optimal synthesis of the asymmetric
+sinistral/dextral Markov-Dubins problem", J. Optim. Theory Appl. 150, 2011): LSL, RSR,
+LSR, RSL, RLR, LRL. The solution is in closed form, in plain floats.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from pushpressslide.kernels.dubins import (
 
 Word = Literal["LSL", "RSR", "LSR", "RSL", "RLR", "LRL"]
 WORDS: tuple[Word, ...] = ("LSL", "RSR", "LSR", "RSL", "RLR", "LRL")
-"""The words, in the order of the kernel's numbers."""
+"""The six words, in the order of the kernel's numbers."""
 
 
 def _circles(
@@ -67,11 +67,11 @@ def shortest_path(
     """Shortest path from ``start`` to ``goal`` whose curvature [1/m] is between
     -kappa_right and kappa_left.
 
-    At most three arcs of signed curvature, none of zero length. No arc at all if the
-    poses agree to round-off. The yaw at the end is the goal's up to whole turns. Of
-    equally short words the first of LSL, RSR, LSR, RSL, RLR, LRL is taken. Raises
-    ValueError unless both limits are finite and > 0 (an interval of curvatures without
-    zero inside has no Dubins path) and the poses are finite.
+    The path has at most three arcs of signed curvature, none of zero length, and no arc
+    at all if the poses agree to within round-off. The final yaw equals that of the goal
+    up to full turns. Of equally short words, the first of LSL, RSR, LSR, RSL, RLR, LRL
+    is taken. Raises ValueError unless the poses are finite, and both limits are finite
+    and > 0 (without a straight line there is no Dubins path).
     """
     best = shortest_solution(_circles(start, goal, kappa_left, kappa_right))
     return _path(start, best, kappa_left, kappa_right)
@@ -80,10 +80,11 @@ def shortest_path(
 def candidates(
     start: Pose2, goal: Pose2, kappa_left: float, kappa_right: float
 ) -> list[tuple[Word, ArcPath]]:
-    """Every path of the six words that joins the poses, with its word, shortest first.
+    """All paths of the six words that join the poses, with their words, the shortest
+    first.
 
-    Words of three arcs come twice, once for each position of the middle circle. Arcs of
-    zero length are left out. Raises ValueError as ``shortest_path`` does.
+    Words of three arcs occur twice, once for each position of the middle circle. Arcs
+    of zero length are omitted. Raises ValueError as ``shortest_path`` does.
     """
     every = dubins_solutions(_circles(start, goal, kappa_left, kappa_right))
     solutions = sorted(

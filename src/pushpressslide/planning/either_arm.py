@@ -1,4 +1,4 @@
-"""Choices of one contact, one for each arm that may make it."""
+"""Choices of one contact, one for each arm that may touch the object."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ def either_arm(scene: Scene, ends: Ends, choice: Choice) -> list[Choice]:
     """Copies of a choice of one contact, one for each arm that may touch the object,
     the arm nearer to the contact first.
 
-    Path and time depend on the object alone, so that all copies share them. If there
-    are two arms, the label names the arm. A choice that is refused because of the
-    object is returned unchanged.
+    Path and time depend only on the object, so all copies share them. With two arms,
+    the label names the arm. A choice that is refused because of the object is returned
+    unchanged.
     """
     if len(scene.robots) == 1 or choice.refusal is not None:
         return [choice]
@@ -26,8 +26,10 @@ def either_arm(scene: Scene, ends: Ends, choice: Choice) -> list[Choice]:
 
 
 def nearest_arms(scene: Scene, ends: Ends, point: Point) -> list[int]:
-    """Arms that may touch the object, sorted by the distance of a ``point`` [m] in B
-    from their bases, summed over both ``ends`` X_WB.
+    """Arms that may touch the object, sorted by the distance of their bases from a
+    ``point`` [m] in B.
+
+    The distances at both ``ends`` X_WB are added.
     """
     places = [X_WB.apply(point) for X_WB in ends]
 

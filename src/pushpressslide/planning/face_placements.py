@@ -1,5 +1,5 @@
-"""Placements of two arms that push an object's faces: side by side on one, or one on
-each of two.
+"""Placements of two arms that push an object's faces: side by side on one face, or one
+on each of two faces.
 """
 
 from __future__ import annotations
@@ -83,7 +83,8 @@ def angle_between(first: Face, second: Face) -> float:
 
 
 def spread(contacts: Sequence[Contact]) -> float:
-    """Sum of the contacts' distances from the CoM [m], rounded to be equal for a
-    mirrored object.
+    """Sum [m] of the contacts' distances from the CoM.
+
+    It is rounded so that mirrored objects give equal sums.
     """
     return round(sum(math.hypot(*contact.point) for contact in contacts), 6)

@@ -1,9 +1,9 @@
 """Shortest collision-free path of a footprint among polygons, with rotation, on a grid
 over position and yaw.
 
-A footprint at one yaw touches a polygon if its frame's origin lies in the polygon's
-Minkowski sum with the mirrored footprint. The path found is not a path of a reduced
-model: it shows where such paths may lead.
+At a given yaw a footprint touches a polygon if the origin of its frame lies in the
+Minkowski sum of the polygon and the mirrored footprint. The result is not a path of a
+reduced model, but it shows where such paths may lead.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ class FreeSpace:
     """Free poses of a footprint: at least ``clearance`` [m] away from all polygons,
     with its frame within ``bounds`` [m].
 
-    The bounds are x_min, x_max, y_min, y_max. The footprint's ``center`` [m] in G stays
-    in a region of W.
+    The bounds are x_min, x_max, y_min, y_max. The point ``center`` [m] of the
+    footprint, in G, stays in a region of W.
     """
 
     shape: Shape
@@ -90,12 +90,14 @@ class FreeSpace:
         return np.asarray(on & (distances >= self.clearance))
 
     def paths_to(self, goal: Pose2) -> PathsTo:
-        """Paths to a pose X_WG, which may be nearer to a polygon than the clearance."""
+        """Paths to a pose X_WG. This pose may be nearer to a polygon than the
+        clearance.
+        """
         return PathsTo(self, goal)
 
 
 class PathsTo:
-    """The shortest free paths to one pose of a footprint, from any start."""
+    """Shortest free paths of a footprint to one pose, from any start."""
 
     def __init__(self, space: FreeSpace, goal: Pose2) -> None:
         """Search a grid from ``goal``, X_WG, unless every straight path is free."""
@@ -104,8 +106,8 @@ class PathsTo:
         self._grid = None if space.convex else _Grid(space, goal)
 
     def lengths(self, poses: Sequence[Pose2]) -> Array:
-        """Lengths (n,) [m] of the paths from poses X_WG, with turns and a penalty for
-        narrow passages. Infinite if there is no path.
+        """Lengths (n,) [m] of the paths from poses X_WG, including turns and a penalty
+        for narrow passages. Infinite if there is no path.
         """
         if self._grid is None:
             return lengths_from(self.space.shape, self.goal, poses)
@@ -124,7 +126,7 @@ class PathsTo:
 
 
 def displacement(shape: Shape, X: Pose2, Y: Pose2) -> float:
-    """Displacement [m] of a footprint from one pose to another, turns included."""
+    """Displacement [m] of a footprint from one pose to another, including its rotation."""
     turn = abs(math.remainder(Y.yaw - X.yaw, 2.0 * math.pi))
     return math.dist(X.position, Y.position) + shape.circumradius * turn
 
@@ -144,8 +146,8 @@ def same_pose(X: Pose2, Y: Pose2) -> bool:
 
 
 def between(a: Pose2, b: Pose2, share: float) -> Pose2:
-    """Pose at a fraction of the straight path from ``a`` to ``b``, turning the shorter
-    way.
+    """Pose at the fraction ``share`` of the straight path from ``a`` to ``b``. It turns
+    the shorter way.
     """
     turn = math.remainder(b.yaw - a.yaw, 2.0 * math.pi)
     x = a.x + share * (b.x - a.x)
@@ -195,7 +197,9 @@ class _Grid:
         return self._first(start)[1]
 
     def via_poses(self, start: Pose2) -> list[Pose2] | None:
-        """Poses of the free cells on the path from near ``start`` to near the goal."""
+        """Poses of the free cells on the path from near ``start`` to near the goal.
+        None without a path.
+        """
         cell, length = self._first(start)
         if not math.isfinite(length):
             return None
@@ -260,7 +264,9 @@ class _Grid:
 def _pair(
     shape: tuple[int, ...], dx: int, dy: int
 ) -> tuple[tuple[slice, ...], tuple[slice, ...]]:
-    """Cells that have a neighbour at offset (dx, dy), and these neighbours."""
+    """Slices of the cells that have a neighbour at offset (dx, dy), and of these
+    neighbours.
+    """
     _, nx, ny = shape
     low = max(-dy, 0)
     high = ny - max(dy, 0)
@@ -272,8 +278,8 @@ def _pair(
 def _clear(
     space: FreeSpace, xs: Array, ys: Array, clearance: float
 ) -> NDArray[np.bool_]:
-    """Mask of the positions in the region and ``clearance`` [m] off all polygons at
-    each yaw, (YAWS, len(xs), len(ys)).
+    """Mask (YAWS, len(xs), len(ys)) of the positions in the region, at each yaw, that
+    are at least ``clearance`` [m] away from all polygons.
     """
     import shapely
 
@@ -307,7 +313,7 @@ def _sum(one: NDArray[np.complex128], other: NDArray[np.complex128]) -> BaseGeom
 
 
 def convex_parts(polygon: Polygon) -> list[NDArray[np.complex128]]:
-    """Convex polygons that make up a simple one, as corners x + iy [m]."""
+    """Convex polygons that make up a simple polygon, as corners x + iy [m]."""
     import shapely
 
     parts: list[BaseGeometry] = [polygon]

@@ -1,5 +1,5 @@
-"""An object held by two contacts and led along one constant twist, as in all modes that
-press.
+"""An object held by two contacts and moved along one constant twist, as in all modes
+with two arms that press.
 """
 
 from __future__ import annotations
@@ -13,8 +13,10 @@ from pushpressslide.core.twist_path import TwistPath
 def resume_path(
     ends: tuple[Pose2, Pose2], radius: float, longest: float
 ) -> TwistPath | None:
-    """Path of V by one twist between its ``ends``, with lengths measured by ``radius``
-    [m]. None if it is longer than ``longest`` [m], or has no length.
+    """Path of V along one twist between its ``ends``. None if it is longer than
+    ``longest`` [m], or has no length.
+
+    A turn by one radian counts as ``radius`` [m].
     """
     path = TwistPath.between(ends, radius)
     if not 0.0 < path.length <= longest:
@@ -23,8 +25,8 @@ def resume_path(
 
 
 def tipping_refusal(cause: str, margin: float) -> Refusal | None:
-    """Refusal of a tipping ``margin`` [half widths] that is too small, or None.
-    ``cause`` says what tips the object.
+    """Refusal of too small a tipping ``margin`` [half widths], or None. ``cause`` says
+    what tips the object.
     """
     allowed = margins.TIPPING_MARGIN
     if margin >= allowed:

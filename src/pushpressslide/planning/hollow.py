@@ -1,4 +1,4 @@
-"""Presses on the floor of a hollow body: the tip's rod must be long enough."""
+"""Presses on the floor of a hollow body, which need a long enough rod."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from pushpressslide.core.scene import Scene
 
 
 def hollow_refusal(scene: Scene) -> Refusal | None:
-    """Refusal of presses on a floor that the shortest rod does not reach with its hand
-    above the body, or None.
+    """Refusal of presses on the floor of a hollow, or None.
+
+    They are refused if the shortest rod does not reach the floor with the hand above
+    the body.
     """
     shape = scene.body.shape
     deep = shape.height - shape.top_height

@@ -1,8 +1,8 @@
 """Paths of at most three constant twists, each within a cone that moves with the body.
 
-Sums of twists of a convex cone stay in the cone while the body does not turn. A second
-and a third twist help because the body turns the cone: first towards the goal, last
-back to the goal's yaw.
+As long as the body does not turn, sums of twists stay in a convex cone. A second and a
+third twist help because the cone turns with the body: the first twist turns it towards
+the goal, and the last one turns the body back to the goal's yaw.
 """
 
 from __future__ import annotations
@@ -54,11 +54,11 @@ Margin = Callable[[TwistRate], float]
 
 
 class Cone(Protocol):
-    """The twists of the body that can be driven."""
+    """The twists with which the body can be driven."""
 
     def cone_margin(self, vx: float, vy: float, w: float) -> float:
-        """Angle [rad] of a twist from the cone's edge, whatever the twist's size.
-        Negative outside.
+        """Angle [rad] of a twist from the edge of the cone, regardless of the twist's
+        size. Negative outside.
         """
         ...
 
@@ -67,13 +67,13 @@ class Cone(Protocol):
         ...
 
     def rays(self, margin: float) -> list[TwistRate]:
-        """Sample of twists all round the cone, each ``margin`` [rad] inside."""
+        """Sample of twists around the edge of the cone, each ``margin`` [rad] inside."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class ConeGoal:
-    """The problem of driving a body from start to goal by twists of a cone."""
+    """The problem of driving a body from start to goal by twists in a cone."""
 
     start: Pose2  # X_WB
     goal: Pose2  # X_WB
@@ -94,8 +94,8 @@ class ConeGoal:
     def path(self, cone: Cone, exact: Margin | None = None) -> TwistPath | None:
         """Path by twists well inside ``cone``, or None.
 
-        ``exact`` gives the margin [rad] of a twist by the limit surface at that twist.
-        The margin of ``cone`` uses the limit surface at the direct twist.
+        ``exact`` returns the margin [rad] of a twist, computed with the limit surface
+        at that twist. ``cone`` itself uses the limit surface at the direct twist.
         """
         for inside in PLANNED:
             paths = paths_in_cone(
@@ -115,8 +115,8 @@ def _inside(path: TwistPath, exact: Margin) -> bool:
 def resume_path(
     start: Pose2, goal: Pose2, cone: Cone, radius: float, longest: float
 ) -> TwistPath | None:
-    """Shortest path that keeps the planning margin to the cone, or at least the smaller
-    replanning margin.
+    """Shortest path that keeps the planning margin inside the cone, or if there is
+    none, the smaller margin of replans.
 
     None if there is no path with either margin.
     """
@@ -135,12 +135,12 @@ def paths_in_cone(
     radius: float,
     longest: float,
 ) -> Iterator[TwistPath]:
-    """Yield paths from ``start`` to ``goal``, the shortest first, whose twists are all
-    ``inside`` the ``cone``.
+    """Yield paths from ``start`` to ``goal`` whose twists are all ``inside`` the
+    ``cone``, the shortest first.
 
-    A path is a screw, or a screw with a segment along a ray of the cone before it,
-    after it, or both. Lengths are measured with ``radius`` [m], and none exceeds
-    ``longest`` [m]. Deterministic.
+    A path is a screw motion, with a segment along a ray of the cone before it, after
+    it, both, or neither. A turn by one radian counts as ``radius`` [m], and no path is
+    longer than ``longest`` [m]. The order is deterministic.
     """
     direct = screw(start, goal)
     whole = math.hypot(direct[0], direct[1], radius * direct[2])
@@ -175,9 +175,10 @@ def _edge_pieces(
     cone: Cone, margin: float, whole: float, scale: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Twists (k, 3) of segments along the rays of ``cone`` that are ``margin`` [rad]
-    inside, and their lengths (k,) [m]. The first is the empty segment.
+    inside, and their lengths (k,) [m]. The first segment is empty.
 
-    Lengths are fractions of ``whole`` [m], by the norm of a twist times ``scale`` (3,).
+    Lengths are fractions of ``whole`` [m], measured by the norm of a twist times
+    ``scale`` (3,).
     """
     rays = np.array(cone.rays(margin)).reshape(-1, 3)
     rays /= np.linalg.norm(rays * scale, axis=1, keepdims=True)

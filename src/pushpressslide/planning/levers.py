@@ -26,10 +26,10 @@ class Lever:
 def levers(
     scene: Scene, pivot: Point, side: float, height: float, face: int | None = None
 ) -> list[Lever]:
-    """Places to push at a ``height`` [m] that turn the object to ``side`` (1 left, -1
-    right) about ``pivot`` [m] in B, the longest lever first.
+    """Pushes at ``height`` [m] that turn the object to ``side`` (1 left, -1 right)
+    about ``pivot`` [m] in B, the longest lever first.
 
-    With ``face``, only places on the face with that index.
+    With ``face``, only pushes on the face with that index.
     """
     body = scene.body
     inset = scene.inset

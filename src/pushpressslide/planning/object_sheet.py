@@ -1,4 +1,4 @@
-"""Parts of an object that the tips of a scene can use: its base, its side, its top."""
+"""The parts of an object that the tips of a scene can use: base, side and top."""
 
 from __future__ import annotations
 
@@ -29,7 +29,9 @@ if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry as Area
 
 WHOLE = 0.95
-"""Share of the outline seen from above that counts as the whole outline."""
+"""Share of the outline seen from above that a part must cover to count as the whole
+outline.
+"""
 HOLE = 0.05
 """Share of a base's area above which a hole makes the base a ring."""
 
@@ -97,12 +99,12 @@ def _base_kind(shape: Shape) -> tuple[str, int]:
 
 
 def base_region(shape: Shape) -> Area:
-    """Region of G [m^2] that touches the support."""
+    """Region of G in which the object touches the support."""
     return shape.base if isinstance(shape, MeshBody) else shape.placed(Pose2())
 
 
 def top_region(shape: Shape) -> Area | None:
-    """Region of G [m^2] of the level patch on top, or None."""
+    """Region of G of the level patch on top, or None."""
     if not isinstance(shape, MeshBody):
         return shape.placed(Pose2())
     return None if shape.top is None else shape.top.area

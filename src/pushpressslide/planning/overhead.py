@@ -1,5 +1,7 @@
-"""Estimated time of approach, touch and release. It is the same for all modes, so that
-a comparison of modes depends on their motions alone.
+"""Estimated time of approach, touch and release.
+
+It is the same for all modes, so that a comparison of modes depends only on their
+motions.
 """
 
 from __future__ import annotations

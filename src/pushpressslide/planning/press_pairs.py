@@ -27,7 +27,7 @@ Pair = tuple[Point, Point]
 
 @dataclass(frozen=True, slots=True)
 class PlacedPair:
-    """Two contacts assigned to arms, without loads, and the path of the body."""
+    """Two contacts assigned to arms, still without loads, and the path of the body."""
 
     contacts: tuple[Contact, ...]
     path: TwistPath
@@ -47,8 +47,8 @@ def placed_pairs(query: MotionQuery) -> list[PlacedPair]:
 
 
 def _placed(query: MotionQuery, points: Pair, farthest: float) -> PlacedPair:
-    """One pair assigned to arms. ``farthest`` [m] is the largest distance of a place
-    from the CoM.
+    """A pair of contacts assigned to arms. ``farthest`` [m] is the largest distance of
+    any place from the CoM.
     """
     body = query.body
     radius = max(farthest, *(math.hypot(*point) for point in points))
@@ -78,9 +78,10 @@ def _arm_length(scene: Scene, ends: Ends, contacts: Sequence[Contact]) -> float:
 
 
 def _pairs(query: MotionQuery) -> list[Pair]:
-    """Pairs of places to press, in B [m]: opposite each other about the CoM, or given.
+    """Pairs of places to press, in B [m]: opposite each other about the CoM, or as
+    prescribed.
 
-    On a concave top, a missing opposite place is replaced by the place nearest to it.
+    If a concave top has no place opposite, the nearest place to that point is used.
     """
     scene = query.scene
     body = query.body

@@ -35,15 +35,15 @@ def pushed_cars(
     places: Sequence[tuple[Face, float]],
     synchronised: bool,
 ) -> list[PushedCar]:
-    """Reduced models, as believed, of two contacts on each face, at a given distance
-    [m] to either side of the CoM's line.
+    """Believed reduced models of two contacts on each face, at a given distance [m] to
+    either side of the line through the CoM.
 
     Pushes by normal forces alone make the object a differential car. With
     ``synchronised``, equal forces make it a rear-steer car (docs/mechanics.md, section
-    5). Axle and rho are those of the exact surface, under the load that the push itself
-    shifts, at the fraction ``motion.curvature_margin`` of the force's range. The
-    tightest curves are no tighter than the object's. Raises ValueError if the object
-    tips.
+    5). Axle and rho are those of the exact surface at the fraction
+    ``motion.curvature_margin`` of the force's range; the load is shifted by the push
+    itself. The model's tightest curves are no tighter than those of the object. Raises
+    ValueError if the object tips.
     """
     if scene.rho is not None:
         shift = contact_height(scene, motion) * scene.support.friction
@@ -72,8 +72,8 @@ def _fits(
     places: Sequence[tuple[Face, float]],
     synchronised: bool,
 ) -> list[_Fit]:
-    """Rho and shift of the exact surface, at the fraction ``curvature_margin`` of the
-    force's range.
+    """Rho and shift of the centre of pressure on the exact surface, at the fraction
+    ``curvature_margin`` of the force's range.
     """
     use = motion.curvature_margin
     mu_a = scene.contact_friction
@@ -115,7 +115,7 @@ def _wheelbase(face: Face, rho: float, synchronised: bool) -> float:
 def _car(
     face: Face, half_width: float, mu_a: float, fit: _Fit, synchronised: bool
 ) -> PushedCar:
-    """Reduced model of contacts on one face."""
+    """Reduced model of two contacts on one face."""
     rho = fit.rho
     heading = math.atan2(face.normal[1], face.normal[0])
     wheelbase = _wheelbase(face, rho, synchronised)
@@ -134,7 +134,8 @@ def least_lengths(ends: Ends, radius: float, face: Face) -> tuple[float, float]:
     """Lower bounds of the length [m] of a path between the ``ends`` X_WB of an object
     of ``radius`` [m] pushed on a face.
 
-    One is for twists of the object, one for a car's axle somewhere ahead of the CoM.
+    The first is for twists of the object, the second for the path of a car's axle
+    anywhere ahead of the CoM.
     """
     start, goal = ends
     direct = TwistPath.between(ends, radius).length
@@ -150,8 +151,8 @@ def least_lengths(ends: Ends, radius: float, face: Face) -> tuple[float, float]:
 
 
 def car_path(query: MotionQuery, car: PushedCar, curvature: float) -> ArcPath:
-    """Gentle path of a car's axle between the ends of ``query``, with curvatures up to
-    ``curvature`` [1/m]. Raises RefusedError if it needs a loop.
+    """Path of a car's axle between the ends of ``query``, with gentle turns up to
+    ``curvature`` [1/m]. Raises RefusedError if every path has a loop.
     """
     start, goal = (X_WB.compose(car.X_BV) for X_WB in query.body_ends)
     longest = longest_way(query.body.radius, math.dist(start.position, goal.position))
@@ -177,12 +178,11 @@ def gentle_path(
     run_ins: Sequence[float],
     turning: float | None = None,
 ) -> ArcPath:
-    """First path that is no longer than ``longest`` [m]: the earlier ``run_ins`` [m]
-    are tried first, and for each the gentler turns first, none above the curvature
-    ``tightest`` [1/m].
+    """First path tried that is no longer than ``longest`` [m], or else the shortest one
+    tried.
 
-    If none is short enough, the shortest path tried. ``turning`` [rad] as in
-    ``with_run_in``.
+    The ``run_ins`` [m] are tried in order, each with gentler turns first and no
+    curvature above ``tightest`` [1/m]. ``turning`` [rad] is as in ``with_run_in``.
     """
     tried = []
     for run_in in run_ins:

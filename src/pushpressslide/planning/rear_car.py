@@ -24,7 +24,7 @@ TURNING_LIMIT = math.radians(360.0)  # sum of all arcs: one loop, no spiral
 
 
 class Comfort(NamedTuple):
-    """One step on the scale from comfortable to hard paths."""
+    """One step on the scale from gentle to hard paths."""
 
     run_in: float  # share of the planned value
     harder: float  # factor on the planned share of the friction-limited curvature
@@ -46,7 +46,7 @@ HARDER = sorted({comfort.harder for comfort in COMFORT})
 
 
 class Route(NamedTuple):
-    """One path of the virtual front axle."""
+    """A path of the virtual front axle, with its run-in and hardness."""
 
     drive: RearSteerDrive  # of the car that is fitted to it
     path: ArcPath
@@ -56,8 +56,8 @@ class Route(NamedTuple):
 
 
 def contact_refusal(query: MotionQuery, face: Face, height: float) -> Refusal | None:
-    """Refusal of one push on a face at ``height`` [m] by its place, tipping or force,
-    or None.
+    """Refusal of one push on a face at ``height`` [m] because of its place, tipping or
+    its force, or None.
     """
     if face.depth <= 0.0:
         text = (
@@ -84,12 +84,12 @@ def shortest_length(ends: Ends, drive: RearSteerDrive) -> float:
 def route(
     query: MotionQuery, drives: Mapping[float, RearSteerDrive]
 ) -> tuple[Route, bool]:
-    """Most comfortable path without a loop, or a path with one if every path has a
-    loop; and whether it has a loop.
+    """Gentlest path without a loop, and False; or if every path has a loop, one of
+    these, and True.
 
     Of the paths with a loop, the one with the longest run-in is taken unless it is much
-    longer than the shortest. ``drives`` holds the drives of the cars fitted to the
-    paths. Its keys tell how much harder than planned the paths turn.
+    longer than the shortest path. ``drives`` holds the drives of the cars fitted to the
+    paths. Each key is the factor by which the paths turn harder than planned.
     """
     routes = []
     radius = query.body.radius
@@ -119,8 +119,8 @@ def _routed(
     comfort: Comfort,
     gentle: bool,
 ) -> Route:
-    """Shortest path of one comfort. A ``gentle`` path has no turn so tight that it
-    slows the whole path.
+    """Shortest path of one step of ``COMFORT``. A ``gentle`` path has no turn so tight
+    that it slows down the whole path.
     """
     motion = query.motion
     drive = drives[comfort.harder]
@@ -177,7 +177,7 @@ def resume_route(
 
 
 def cone_margin(car: RearSteerCar, path: ArcPath) -> float:
-    """Smallest margin [rad] of the path's forces inside the friction cone."""
+    """Smallest margin [rad] of the forces along the path inside the friction cone."""
     low, high = car.steering_limits
     steering = [car.steering(curvature) for curvature, _ in path.sections] or [0.0]
     return min(min(high - angle, angle - low) for angle in steering)

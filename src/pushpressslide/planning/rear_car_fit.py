@@ -34,7 +34,7 @@ LEAST_EDGE = 1e-3
 
 
 class FittedCar(NamedTuple):
-    """Reduced model of a push, and the distance of its CoP ahead of the CoM."""
+    """Reduced model of a push, and the distance of the model's CoP ahead of the CoM."""
 
     car: RearSteerCar
     shift: float  # [m]
@@ -62,8 +62,8 @@ def fitted_faces(scene: Scene, motion: Motion) -> tuple[FittedFace, ...]:
 
 
 def fitted_face(scene: Scene, motion: Motion, face: Face, twists: Array) -> FittedFace:
-    """Face with the cars of paths of each hardness. It has no car if the object tips,
-    or cannot be pushed straight.
+    """Face with its cars, one for each hardness of a path. There are no cars if the
+    object tips, or cannot be pushed straight.
     """
     cars = {}
     for harder in HARDER:
@@ -81,8 +81,8 @@ def fitted_face(scene: Scene, motion: Motion, face: Face, twists: Array) -> Fitt
 
 
 def looked_at(scene: Scene, motion: Motion, face: Face) -> Array:
-    """Force angles (2, 8) [rad] to the left and right of the heading axis at which a
-    push on ``face`` is sampled, up to the cone's edges.
+    """Sampled force angles (2, 8) [rad] of a push on ``face``, to the left and right of
+    the heading axis, up to the cone's edges.
     """
     half = math.atan(scene.contact_friction)
     aside = math.atan2(face.offset, face.depth)  # of the normal from the heading axis
@@ -102,8 +102,8 @@ def push_twists(scene: Scene, motion: Motion, pushed: Sequence[Face]) -> Array:
     """Twists (n, 2, 8, 3) of the CoM under pushes on n faces at the sampled angles, to
     the left and to the right.
 
-    Where a push to either side tips the object, the twists to both sides are NaN, at
-    that angle and at all larger ones.
+    If a push to either side tips the object at an angle, the twists to both sides are
+    NaN at this and all larger angles.
     """
     count = sum(ANGLES)
     feet = np.repeat([face.foot for face in pushed], 2 * count, axis=0)
@@ -141,14 +141,14 @@ def fitted_car(
     """Reduced model of a push on ``face`` along a path whose hardest turn is ``share``
     of the tightest.
 
-    On the exact limit surface, under the load that the push itself shifts, both the
-    axle's place and the effective wheelbase change with the force angle. The car has
-    those of the angles at which the path turns, between one side and the other. At
-    these angles its curvature is ``share`` of the tightest among ``twists`` (from
-    ``push_twists``), and the car is steered to no tighter curves. A car with a longer
-    wheelbase than the object's is stable, one with a shorter one is not. A thin bar
-    that is pushed across its length turns nearly as tightly at 8 degrees as at the
-    cone's edge, and a thinner one less tightly beyond.
+    On the exact limit surface, the axle's position and the effective wheelbase change
+    with the force angle, since the push itself shifts the load. The car has the values
+    at the angles of the path's turns, averaged over both sides. At these angles its
+    curvature is ``share`` of the tightest among ``twists`` (from ``push_twists``), and
+    the car is not steered to tighter curves. A model with a longer wheelbase than the
+    object gives stable tracking; a shorter one does not. A thin bar pushed across its
+    length turns nearly as tightly at 8 degrees as at the cone's edge, and an even
+    thinner bar turns less tightly beyond this angle.
 
     Raises RefusedError if the object tips at the planned share of the edge.
     """

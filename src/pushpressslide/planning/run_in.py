@@ -21,8 +21,8 @@ def with_run_in(
     """Shortest path that ends with a straight line of ``run_in`` [m] and whose
     curvature [1/m] is between -right and left.
 
-    Paths that turn by ``turning`` [rad] in all, to within half a turn, have priority:
-    an arm whose plan goes round in one sense cannot follow a path in the other.
+    Paths with a total turn of ``turning`` [rad], to within half a turn, have priority:
+    an arm whose plan turns one way cannot follow a path that turns the other way.
     """
     start, goal = ends
     staging = advance(goal, 0.0, -run_in)
@@ -40,15 +40,15 @@ def with_run_in(
 
 
 def longest_way(radius: float, direct: float) -> float:
-    """Length limit [m] of a path without a loop, for an object of ``radius`` [m] that
+    """Largest length [m] of a path without a loop, for an object of ``radius`` [m] that
     is ``direct`` [m] from its goal.
     """
     return margins.LOOP_RATIO * direct + margins.LOOP_SLACK * radius
 
 
 def loop_free_length(start: Pose2, goal: Pose2, curvature: float) -> float:
-    """Length [m] above which a path of at most this ``curvature`` [1/m] is taken to
-    contain a loop.
+    """Length [m] above which a path with curvatures up to ``curvature`` [1/m] is taken
+    to contain a loop.
     """
     return 1.15 * math.hypot(goal.x - start.x, goal.y - start.y) + 1.0 / curvature
 
@@ -63,9 +63,10 @@ def gentlest(
     """Run-in [m], curvature [1/m] and path of the gentlest turns and the longest run-in
     that fit.
 
-    ``curvatures`` [1/m], the gentlest first; ``run_ins`` [m], the longest first.
-    ``longest`` [m] limits the length (default: ``loop_free_length`` of the curvature).
-    The shortest path if nothing fits. ``turning`` [rad] as in ``with_run_in``.
+    ``curvatures`` [1/m] are sorted with the gentlest first, ``run_ins`` [m] with the
+    longest first. ``longest`` [m] limits the length (default: ``loop_free_length`` of
+    the curvature). If nothing fits, the shortest path is returned. ``turning`` [rad] is
+    as in ``with_run_in``.
     """
     tightest = curvatures[-1]
     lower = run_ins[-1]
@@ -87,5 +88,5 @@ def gentlest(
 def _max_length(
     ends: tuple[Pose2, Pose2], curvature: float, longest: float | None
 ) -> float:
-    """Length limit [m] of a path of a curvature [1/m]."""
+    """Largest length [m] of a path of a curvature [1/m]."""
     return loop_free_length(*ends, curvature) if longest is None else longest

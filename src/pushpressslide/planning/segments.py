@@ -1,4 +1,4 @@
-"""Segments of a plan from a drive and a path, and their times."""
+"""Segments of a plan, made from a drive and a path, and the estimated time of a run."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def segment(
     speed: float | None = None,
     cone_margin: float | None = None,
 ) -> Segment:
-    """Segment to the goal of ``query``, at its speed [m/s]."""
+    """Segment to the goal of ``query``, at the speed [m/s] of its motion."""
     motion = query.motion
     profile = SpeedProfile(path.length, speed or motion.speed, motion.acceleration)
     return Segment(mode, tuple(contacts), drive, path, profile, query.goal, cone_margin)
@@ -38,7 +38,7 @@ def describe_points(points: Iterable[Point]) -> str:
 def run_time(
     motion: Motion, segments: Sequence[Segment], pressed: bool = False
 ) -> float:
-    """Estimated time [s] of a run, approach and release included."""
+    """Estimated time [s] of a run, including approach and release."""
     moving = sum(segment.profile.duration for segment in segments)
     return moving + overhead(motion, pressed)
 
@@ -46,6 +46,6 @@ def run_time(
 def remaining_ends(
     body: ObjectModel, segment: Segment, X_WB: Pose2, X_BV: Pose2
 ) -> tuple[Pose2, Pose2]:
-    """Poses of V at the object's pose and at a segment's goal."""
+    """Poses of V at the object's present pose ``X_WB`` and at a segment's goal."""
     goal = segment.goal.compose(body.X_GB).compose(X_BV)
     return X_WB.compose(X_BV), goal

@@ -25,7 +25,7 @@ def contact_height(scene: Scene, motion: Motion) -> float:
     touch.
 
     It is as low as possible with the wrists above the object, since a push at height h
-    moves the CoP by h mu_s.
+    shifts the CoP by h mu_s.
     """
     return _height(scene, motion, _upright(scene))
 
@@ -33,8 +33,8 @@ def contact_height(scene: Scene, motion: Motion) -> float:
 def lone_contact_height(scene: Scene, motion: Motion) -> float:
     """Height [m] of the single contact of a push.
 
-    If the object would tip with the wrist above it, the contact is lower, and the tool
-    leans back with its wrist behind.
+    If a push with the wrist above the object would tip it, the contact is lower and the
+    tool leans back, with its wrist behind the object.
     """
     body = scene.body
     slack = body.shape.base_depth(body.center_of_mass)
@@ -71,8 +71,8 @@ def least_distance(scene: Scene) -> float:
 
 
 def side_contact(arm: int, face: Face, left: float, height: float) -> Contact:
-    """Contact on a face, ``left`` [m] of the CoM's line along the normal and at
-    ``height`` [m].
+    """Contact on a face at ``height`` [m], a distance ``left`` [m] to the left of the
+    line through the CoM along the normal.
     """
     return Contact(arm, "side", on_face(face, left), face.normal, height)
 
@@ -104,7 +104,7 @@ def untouchable(scene: Scene, height: float) -> Refusal:
 
 
 def before_contacts(scene: Scene, motion: Motion, contacts: Sequence[Contact]) -> float:
-    """Distance [m] before their contacts at which tips start the touch: that of the
+    """Distance [m] from their contacts at which tips start the touch: that of the
     motion, or less in a narrow notch.
     """
     wanted = motion.approach_distance
@@ -117,7 +117,8 @@ def room_before(
 ) -> float:
     """Distance [m] by which a tip can retreat from its contact.
 
-    It is ``wanted``, or less in a notch, with a ``clearance`` to its other wall.
+    It is ``wanted`` [m], or less in a notch, with a ``clearance`` [m] to the notch's
+    other wall.
     """
     if contact.kind == "top":
         return wanted
@@ -131,11 +132,12 @@ def room_before(
 def drag_refusal(
     query: MotionQuery, pushed: Sequence[Face], contacts: int, height: float
 ) -> Refusal | None:
-    """Refusal of pushing faces with some ``contacts`` at ``height`` [m], or None.
+    """Refusal of pushing faces with a number of ``contacts`` at ``height`` [m], or
+    None.
 
-    Checked are the object's height, tipping, and whether the force is too small to be
-    felt, or too large for one contact. Two contacts share the force; ``push_refusal``
-    checks this.
+    It checks the object's height, tipping, and whether the force is too small to be
+    felt or too large for a single contact. For two contacts, which share the force,
+    ``push_refusal`` checks its size.
     """
     scene = query.scene
     top = scene.body.shape.height
@@ -172,8 +174,10 @@ def drag_refusal(
 
 
 def push_refusal(push: float, limits: Limits, max_friction: float) -> Refusal | None:
-    """Refusal, or None, of one of two contacts that pushes with up to ``push`` [N] an
-    object with a friction of ``max_friction`` [N].
+    """Refusal of the force of two contacts, one of which pushes with up to ``push``
+    [N], or None.
+
+    The support friction of the object is ``max_friction`` [N].
     """
     limit = limits.planned_force
     squeeze = margins.SQUEEZE * max_friction
@@ -195,8 +199,8 @@ def assignments(
     """Assignments of two contacts to two arms that do not cross, those with the nearest
     arms first.
 
-    ``bases`` are those of the arms [m], ``points`` are in B [m], ``poses`` X_WB along
-    the motion. Item i of an assignment is the arm of contact i.
+    ``bases`` [m] are those of the arms, ``points`` [m] are in B, and ``poses`` X_WB are
+    those along the motion. Element i of an assignment is the arm of contact i.
     """
     out = []
     for arms in ((0, 1), (1, 0)):

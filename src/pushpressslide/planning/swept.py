@@ -10,7 +10,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.scene import ObjectModel
 
 SWEEP_STEP = 0.5
-"""Length of path between checks of the gap, in clearances."""
+"""Length of path between two checks of the gap, as a share of the clearance."""
 
 
 def swept(

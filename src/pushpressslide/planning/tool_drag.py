@@ -14,7 +14,7 @@ def tool_load(query: MotionQuery, heading: float) -> tuple[float, float]:
     """Drag [N] added by bodies that the object pushes, and the angle [rad] between
     ``heading`` [rad] in B and the normal of a tool's pushing face.
 
-    Every body that the object may push counts, as if all were pushed at once.
+    All bodies that the object may push are counted, as if they were pushed at once.
     """
     drags = [body.friction * body.mass * GRAVITY for body in query.yielding]
     shape = query.body.shape

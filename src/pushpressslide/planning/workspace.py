@@ -15,7 +15,7 @@ STEP = 0.03  # [m] of path between the checked poses
 
 
 def poses_along(segment: Segment) -> list[Pose2]:
-    """Poses X_WB along a segment, at most STEP apart."""
+    """Poses X_WB along a segment, at most ``STEP`` apart."""
     path = segment.path
     X_VB = segment.X_BV.inverse()
     steps = max(3, math.ceil(path.length / STEP))

@@ -1,7 +1,7 @@
 """Results of a run: figures, files, plots and pages.
 
-All are derived from task, plan and record alone. ``pps.report(folder)`` is both this
-package and the function that writes a page.
+All of these are derived only from task, plan and record. ``pps.report(folder)`` is both
+this package and the function that writes a page.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from types import ModuleType
 
 
 class _Report(ModuleType):
-    """This package as a callable. Once imported it hides the function of the same name
-    in the parent package, and acts as that function.
+    """This package as a callable. Once imported, it hides the function of the same name
+    in the parent package and takes its place.
     """
 
     def __call__(
         self, dirs: str | Path | Sequence[str | Path], out: str | Path | None = None
     ) -> Path:
-        """Write the page of finished runs, as ``report.page.write_report``."""
+        """Write the page of finished runs, as ``report.page.write_report`` does."""
         from pushpressslide.report.page import write_report
 
         return write_report(dirs, out)

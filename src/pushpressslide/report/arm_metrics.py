@@ -14,7 +14,7 @@ from pushpressslide.robots.facts import RobotFacts
 
 
 def facts_if_readable(robot: Robot) -> RobotFacts | None:
-    """Facts of a task's robot. None if its description cannot be read."""
+    """Facts about a task's robot. None if the robot's description cannot be read."""
     try:
         return robot_facts(robot)
     except (PushPressSlideError, OSError):
@@ -22,7 +22,7 @@ def facts_if_readable(robot: Robot) -> RobotFacts | None:
 
 
 def torque_figures(robots: Sequence[Robot], record: Record) -> dict[str, float | None]:
-    """Share of ticks at which a demanded torque exceeded its limit or its rate limit,
+    """Share of ticks in which a demanded torque exceeded its limit or its rate limit,
     and the largest demand as a share of each limit.
     """
     out: dict[str, float | None] = {}

@@ -10,9 +10,9 @@ from pushpressslide.core.record import Record
 
 
 def record_at_rest(plan: Plan, engine: str) -> Record:
-    """Record of one sample, the object's pose at rest, made without an engine.
+    """Record of a single sample, the object's pose at rest, made without an engine.
 
-    ``engine`` is the name of the requested one.
+    ``engine`` is the name of the requested engine.
     """
     X = plan.task.true_start
     pose = np.array([(X.x, X.y, X.yaw)])

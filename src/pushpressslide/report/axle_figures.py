@@ -1,4 +1,4 @@
-"""Figure of the virtual axle over a run's time, and the drawing of axles."""
+"""Figure of the virtual axle over the time of a run, and functions that draw axles."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ PAPER_LABEL = "paper's formula"
 def axle_over_time(plan: Plan, record: Record) -> Figure | None:
     """Virtual axle and the tracking errors over the time of a run.
 
-    None if the run was not one top press, or nothing moved. See ``AxleSeries``.
+    None if the run was not a single press, or nothing moved. See ``AxleSeries``.
     """
     contacts = plan.contacts
     pressed = len(contacts) == 1 and contacts[0].kind == "top"
@@ -60,7 +60,7 @@ def _axle_panel(ax: Axes, axles: AxleSeries, time: Array) -> None:
 
 
 def _paper_panel(ax: Axes, axles: AxleSeries) -> None:
-    """Draw the paper's axle in a panel of its own, as it lies far from the others."""
+    """Draw the paper's axle in a separate panel, since it is far from the others."""
     ax.plot(axles.time, 1e3 * axles.paper, color=PAPER, label=PAPER_LABEL)
     ax.set_ylabel("[mm]")
     middle = 0.0

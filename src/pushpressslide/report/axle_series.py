@@ -27,10 +27,11 @@ SAMPLES = 60  # of the predicted curves
 
 @dataclass(frozen=True, slots=True)
 class AxleSeries:
-    """Virtual axles [m] on the line from the CoM to the contact, positive towards it.
+    """Virtual axles [m] on the line from the CoM to the contact, positive towards the
+    contact.
 
-    NaN without an axle. The object's axle is measured at every tick; it is predicted at
-    some of them.
+    Values are NaN without an axle. The object's axle is measured at every tick, but
+    predicted only at some ticks.
     """
 
     measured: Array  # (N,) where the object turns fast enough, at a steady rate
@@ -42,8 +43,8 @@ class AxleSeries:
 
 @dataclass(frozen=True, slots=True)
 class PressedMotion:
-    """Motion and contact force of an object under one top press, each (N,), averaged
-    over ``WINDOW``.
+    """Motion and contact force of an object under one top press, averaged over
+    ``WINDOW``. All arrays are (N,).
     """
 
     turn_rate: Array  # [rad/s]
@@ -108,7 +109,7 @@ def _pressed_motion(plan: Plan, record: Record, width: int) -> PressedMotion:
 
 
 def _turns_steadily(turn_rate: Array, width: int) -> series.Mask:
-    """Mask (N,) of the ticks at which the turn rate is high enough and hardly changes
+    """Mask (N,) of the ticks in which the turn rate is high enough and changes little
     over two windows.
     """
     padded = np.pad(turn_rate, width, mode="edge")
@@ -120,6 +121,8 @@ def _turns_steadily(turn_rate: Array, width: int) -> series.Mask:
 
 
 def _smooth(values: Array, width: int) -> Array:
-    """Moving average over ``width`` ticks; the ends are continued by their values."""
+    """Moving average over ``width`` ticks, with the first and last values repeated
+    beyond the ends.
+    """
     padded = np.pad(values, (width // 2, width - 1 - width // 2), mode="edge")
     return np.convolve(padded, np.full(width, 1.0 / width), mode="valid")

@@ -27,9 +27,9 @@ outside the cone.
 
 
 def contact_figures(placements: Sequence[tuple[Plan, Record]]) -> dict[str, Any]:
-    """Figures of the contacts, over all placements and for each.
+    """Figures of the contacts, over all placements and for each placement.
 
-    Shares are of the ticks in contact.
+    Shares are relative to the ticks in contact.
     """
     parts = [
         _placement_figures(placement, part)
@@ -116,8 +116,10 @@ def _largest_mean(forces: Array, time: Array) -> float | None:
 def _outside_commanded(
     plan: Plan, record: Record, touching: Mask
 ) -> tuple[int, int, float]:
-    """Number of ticks in contact at which feed-forward plus servo lie outside the
-    friction cone, number of ticks in contact, and the largest excess [N].
+    """Number of ticks in contact with a commanded force outside the friction cone,
+    number of all ticks in contact, and the largest excess [N].
+
+    The commanded force is feed-forward plus servo.
     """
     if "demanded_force" not in record.arrays:
         return 0, 0, 0.0
@@ -156,8 +158,8 @@ def pivots(placements: Sequence[tuple[Plan, Record]]) -> list[dict[str, Any]]:
     """Measured centre of rotation in B [m] of each placement that pins a point, with
     three points of the plan for comparison.
 
-    These are the pinned point, the centre of pressure, and the virtual axle about which
-    the object would turn if the press did not hold it.
+    These points are the pinned point, the centre of pressure, and the virtual axle
+    about which the object would turn if the press did not hold it.
     """
     out = []
     for placement, record in placements:

@@ -1,4 +1,4 @@
-"""Reason for the mode of a run, as a sentence and a small table of its rivals."""
+"""Why a run took its mode: a sentence, and a small table of the mode's rivals."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ HEAD = ("Mode", "", "Expected time")
 
 
 def contest_part(plan: Plan, choices: Sequence[Choice]) -> str:
-    """Part of a page that explains the choice of each mode of a plan. Empty if its
-    motions were found by a search.
+    """Part of a page that explains the choice of each mode in a plan. Empty if the
+    plan's motions were found by a search.
     """
     return "".join(_one(contest) for contest in contests(plan, choices))
 

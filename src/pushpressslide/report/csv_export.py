@@ -1,4 +1,4 @@
-"""The record of a run as a CSV file, a row for each tick."""
+"""The record of a run as a CSV file with one row per tick."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from pushpressslide.core.whole_file import write_whole
 def write_csv(record: Record, path: Path) -> Path:
     """Write the columns of ``core.record_columns`` to ``path``, and return it.
 
-    Numbers are written in full, so that reading gives the same bits. NaN is an empty
-    cell.
+    Numbers are written in full, so that reading them gives the same bits. NaN becomes
+    an empty cell.
     """
     columns = named_columns(record.arrays)
     texts = [_texts(column) for column in columns.values()]

@@ -1,6 +1,6 @@
-"""A run on disk: task.yaml, plan.json, record.npz and, last of all, result.json.
+"""A run on disk: task.yaml, plan.json, record.npz and, written last, result.json.
 
-Each file is complete or absent.
+Each file is either complete or absent.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ RECORD = "record.npz"
 RESULT = "result.json"
 OLDER_STAGES = "stages"  # a folder of older runs of several stages
 META = "meta_json"
-"""Name of the array of record.npz that holds, as JSON text, all of a Record that is not
-a time series.
+"""Name of the array in record.npz that contains the rest of a Record, other than the
+time series, as JSON text.
 """
 
 
@@ -71,18 +71,20 @@ class Run:
 
     @property
     def plan(self) -> Plan:
-        """The executed plan with its replans; the plans of several stages one after the
-        other.
+        """The executed plan with its replans. The plans of several stages follow one
+        another.
         """
         return self.record.plan
 
     @property
     def choices(self) -> tuple[Choice, ...]:
-        """All choices considered, refused ones included. Empty if not stored."""
+        """All choices considered, including refused ones. Empty if they were not
+        stored.
+        """
         return tuple(choice for stage in self.stages for choice in stage.choices)
 
     def __repr__(self) -> str:
-        """One line."""
+        """Summary in one line."""
         return f"Run({str(self.folder)!r}: {self.record!r})"
 
 
@@ -93,11 +95,11 @@ def save_run(
     record: Record,
     result: Mapping[str, Any],
 ) -> None:
-    """Write a run to folder ``out``; with an empty result, the part of the run
-    available so far.
+    """Write a run to the folder ``out``. With an empty result, it is the part of the
+    run available so far.
 
-    result.json comes last: a folder that has one is complete. An older result.json is
-    taken away first, so that a folder never mixes two runs.
+    result.json is written last, so a folder that has one is complete. An older
+    result.json is removed first, so that a folder never mixes two runs.
     """
     from pushpressslide.taskfile.load import dump_task
 
@@ -111,9 +113,9 @@ def save_run(
 
 
 def load_run(folder: str | Path) -> Run:
-    """Run in ``folder``, also one written by the previous version.
+    """Run in ``folder``, which may have been written by the previous version.
 
-    Raises PushPressSlideError if it is missing, unfinished or damaged.
+    Raises PushPressSlideError if the run is missing, unfinished or damaged.
     """
     from pushpressslide.taskfile.load import load_written_task
 
@@ -146,7 +148,7 @@ def load_run(folder: str | Path) -> Run:
 def _plans(
     stored: Mapping[str, Any], task: Task, path: Path
 ) -> list[tuple[Mapping[str, Any], StagePlan]]:
-    """Data of each stage in plan.json, with its plan."""
+    """Data of each stage in plan.json, with the stage's plan."""
     from pushpressslide.taskfile.load import written_task
 
     if stored["schema"] == SCHEMA - 1:  # a single stage, written without a list
@@ -170,7 +172,7 @@ def _plans(
 
 
 def _later(stored: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Superseding plans, each stored under "again" in the one before it."""
+    """Superseding plans, each stored under "again" in the previous plan."""
     out: list[Mapping[str, Any]] = []
     while stored["again"] is not None:
         stored = stored["again"]
@@ -189,7 +191,7 @@ def _record(plan: Plan, path: Path) -> Record:
 def _stages(
     plans: Sequence[tuple[Mapping[str, Any], StagePlan]], joined: Record
 ) -> tuple[StagePlan, ...]:
-    """All stages; those that were started have their records."""
+    """All stages. Those that were started have their records."""
     out: list[StagePlan] = []
     for number, (item, part) in enumerate(plans):
         if "began" in item:
@@ -216,8 +218,8 @@ def _run(
 def _older_run(
     folder: Path, task: Task, stored: Mapping[str, Any], result: dict[str, Any]
 ) -> Run:
-    """A run of the previous version, whose stages lie as runs of their own in stages/1,
-    stages/2 and so on.
+    """A run of the previous version, whose stages are stored as separate runs in
+    stages/1, stages/2 and so on.
     """
     runs = []
     for number, item in enumerate(stored["stages"], start=1):
@@ -242,7 +244,7 @@ def read_json(path: Path) -> Any:
 def read_with(path: Path, reader: Callable[[Path], T]) -> T:
     """Result of applying ``reader`` to a file.
 
-    Raises PushPressSlideError, with the file's name, if it is damaged.
+    Raises PushPressSlideError, with the file's name, if the file is damaged.
     """
     try:
         return reader(path)

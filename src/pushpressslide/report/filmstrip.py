@@ -1,4 +1,4 @@
-"""Motions of a plan one by one, as a strip of pictures."""
+"""The motions of a plan, one by one, as a strip of pictures."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def filmstrip(plan: Plan) -> Figure:
 def _what(
     plan: Plan, motion: tuple[Segment, ...], before: tuple[Segment, ...] | None
 ) -> str:
-    """Caption of a motion: mode and arms, and in a second line time, and whether the
+    """Caption of a motion: mode and arms, and on a second line the time and whether the
     arms keep their contacts.
     """
     first = motion[0]

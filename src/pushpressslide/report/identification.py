@@ -70,7 +70,7 @@ def write_identification(
 ) -> Path:
     """Write ``out``/report.html and ``out``/plots/<set>.png and return the page's path.
 
-    ``how`` describes the split of the pushes, ``notes`` the omitted data.
+    ``how`` describes how the pushes were split, ``notes`` the omitted data.
     """
     body = [
         "<h1>Support identified from pushes</h1>",
@@ -91,8 +91,8 @@ def write_identification(
 
 
 def predicted_rho(identification: Identification) -> tuple[float, float | None]:
-    """Two values of rho [m] predicted from the layout, one for the load and one for a
-    rigid face.
+    """Two values of rho [m] predicted from the layout of the support: one for the load,
+    one for a rigid face.
 
     The load is carried by the pins, or is even on the base. With pins there is no rigid
     face, and the second value is None.
@@ -116,9 +116,9 @@ HEAD = (
 
 
 def cells(identification: Identification) -> list[str]:
-    """Row of a set under ``HEAD``.
+    """Table row of a set, in the columns of ``HEAD``.
 
-    rho in mm, mean held-out errors in degrees; empty if missing.
+    Rho is in [mm], mean held-out errors are in [deg]. Missing values are empty.
     """
     row = [
         identification.push_set.name,
@@ -137,7 +137,7 @@ SUPPORTS = 5  # number of a support's figures in ``HEAD``, before the errors
 
 
 def _tables(identifications: Sequence[Identification]) -> str:
-    """A table of supports and one of errors, each as wide as a page at most."""
+    """A table of supports and a table of errors, neither wider than a page."""
     units = ["", "", "", *[" [mm]"] * 3, *[" [°]"] * len(MODELS)]
     head = [name + unit for name, unit in zip(HEAD, units, strict=True)]
     rows = [cells(identification) for identification in identifications]
@@ -194,7 +194,9 @@ def _recorded_lines(recorded: RecordedSet) -> list[str]:
 
 
 def _load_line(result: IdentifiedSet) -> list[str]:
-    """Sentence for a shape whose own load predicts the pushes better than rho does."""
+    """Sentence for a shape whose expected load predicts the pushes better than rho
+    does.
+    """
     if result.needs_rho:
         return []
     plain = math.degrees(result.expected_error)
@@ -314,7 +316,8 @@ def _radius(identification: Identification, angle: Array) -> Array:
     """Norm [N] of (|F|, tau / rho) on the fitted surface as a function of the angle
     atan2(tau / rho, |F|).
 
-    One column for each of 24 directions of the force; all for the loads at rest.
+    There is one column for each of 24 directions of the force. All values are for the
+    loads at rest.
     """
     turn = np.linspace(0.0, 2.0 * math.pi, 24, endpoint=False)
     steep, around = np.meshgrid(angle, turn, indexing="ij")
@@ -356,7 +359,9 @@ def _support(axes: Axes, identification: Identification) -> None:
 
 
 def _loads(axes: Axes, identification: Identification) -> None:
-    """Draw the fitted load at rest: shares of the pins, or the pressure on the base."""
+    """Draw the fitted load at rest: the shares of the pins, or the pressure on the
+    base.
+    """
     pressure = identification.pressure
     points = 1e3 * pressure.points
     if identification.push_set.pins:

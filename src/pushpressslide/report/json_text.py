@@ -11,7 +11,7 @@ import numpy as np
 
 
 def to_json(value: Any) -> str:
-    """Strict JSON text (no NaN) of ``value``, indented, with a final newline."""
+    """Strict JSON text (without NaN) of ``value``, indented, with a final newline."""
     return (
         json.dumps(plain(value), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
     )

@@ -1,9 +1,9 @@
 """The record of a run as an MCAP file of ROS 2 messages.
 
-Poses are PoseStamped, forces WrenchStamped, joints JointState, frames TFMessage; task,
-plan and result are metadata. On a table all quantities are in the world. On other
-supports, planar poses and forces are in the frame ``support``, and 3-D quantities in
-the world.
+Poses are PoseStamped, forces WrenchStamped, joints JointState and frames TFMessage;
+task, plan and result are metadata. On a table all quantities are in the world frame. On
+other supports, planar poses and forces are in the frame ``support``, and 3-D quantities
+in the world frame.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ SUPPORT = "support"
 
 @dataclass(frozen=True)
 class Message:
-    """A message of a tick."""
+    """A message of one tick."""
 
     topic: str
     kind: str  # ROS type
@@ -136,12 +136,12 @@ class Messages:
 
     @cached_property
     def _bodies(self) -> list[str]:
-        """Arrays of each movable body."""
+        """Names of each movable body's arrays."""
         return [name for name in self.run.record.arrays if name.startswith("body_")]
 
     @cached_property
     def _joints(self) -> list[list[str]]:
-        """Names of the joints of each arm that the record knows."""
+        """Joint names of each arm in the record."""
         names = joint_names(self.run.task.robots)
         arrays = self.run.record.arrays
         return [each for i, each in enumerate(names) if f"joint_position_{i}" in arrays]
@@ -156,7 +156,7 @@ class Messages:
         return self._type("geometry_msgs/msg/Vector3")(*map(float, values))
 
     def _quaternion(self, rotation: Any) -> Any:
-        """Quaternion of w, x, y, z."""
+        """Quaternion message from w, x, y, z."""
         w, x, y, z = map(float, rotation)
         return self._type("geometry_msgs/msg/Quaternion")(x, y, z, w)
 
@@ -211,7 +211,7 @@ class Messages:
 
 
 def _planar(pose: Array) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Position and quaternion w, x, y, z of a pose x, y [m], yaw [rad]."""
+    """Position and quaternion w, x, y, z of a planar pose x, y [m], yaw [rad]."""
     x, y, yaw = map(float, pose)
     return (x, y, 0.0), (math.cos(0.5 * yaw), 0.0, 0.0, math.sin(0.5 * yaw))
 

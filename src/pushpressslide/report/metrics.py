@@ -1,4 +1,4 @@
-"""Figures of one run: result.json, field by field.
+"""Figures of one run: the fields of result.json.
 
 docs/results.md explains each field.
 """
@@ -48,9 +48,9 @@ def result(
 ) -> dict[str, Any]:
     """Contents of result.json.
 
-    SI units and radians; null if a figure does not apply, never NaN. Computed from
-    ``task``, ``plan`` and ``record`` alone; ``versions`` defaults to those of this
-    process.
+    Figures are in SI units and radians, and null if they do not apply, never NaN. They
+    are computed only from ``task``, ``plan`` and ``record``. ``versions`` defaults to
+    those of this process.
     """
     out: dict[str, Any] = {
         "schema": SCHEMA,
@@ -87,7 +87,9 @@ def result(
 
 
 def installed_versions() -> dict[str, str | None]:
-    """Package versions that affect a result. None for a package not installed."""
+    """Versions of the packages that affect a result. None for a package that is not
+    installed.
+    """
     out: dict[str, str | None] = {"python": platform.python_version()}
     for name in ("pushpressslide", "drake", "numpy"):
         try:
@@ -117,9 +119,10 @@ def _realtime_factor(record: Record) -> float | None:
 
 
 def _tick_times(record: Record) -> dict[str, dict[str, float] | None] | None:
-    """Median, 99th and 99.9th percentile [us] of each part of a tick over phase "move".
+    """Median, 99th and 99.9th percentile [us] of the time of each part of a tick, over
+    the phase "move".
 
-    None for a part that this engine lacks, or that never ran.
+    None for a part that the engine lacks, or that never ran.
     """
     if series.ticks(record) == 0:
         return None
@@ -137,8 +140,8 @@ def _tick_times(record: Record) -> dict[str, dict[str, float] | None] | None:
 
 
 def _late_ticks(record: Record) -> int | None:
-    """Number of ticks of the run whose decision took longer than the control period,
-    replans included. None if that was not recorded.
+    """Number of ticks whose decision took longer than the control period, including
+    replans. None if it was not recorded.
     """
     times = record.arrays.get("tick_total")
     if times is None:

@@ -34,7 +34,7 @@ MOTION_FIELDS = (
 def motion_figures(
     placements: Sequence[tuple[Plan, Record]], record: Record
 ) -> dict[str, Any]:
-    """Figures ``MOTION_FIELDS`` of a run of at least one tick.
+    """Figures ``MOTION_FIELDS`` of a run with at least one tick.
 
     ``placements`` are the plan and the record of each started placement.
     """
@@ -81,7 +81,7 @@ def _largest(values: Array) -> float | None:
 
 
 def _contact_duration(record: Record) -> float:
-    """Time [s] from the first tick of the move to the last."""
+    """Time [s] from the first tick of the move to the last one."""
     time = record.arrays["time"][series.contact_phase(record)]
     if not len(time):
         return 0.0

@@ -1,4 +1,4 @@
-"""Picture of an object: its base, its side at the height of a tip, its top."""
+"""Picture of an object: its base, its side at the height of a tip, and its top."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry as Area
 
 POINTS = 33
-"""Along a side that is drawn."""
+"""Number of points along a side that is drawn."""
 MM = 1e3
 
 
@@ -38,7 +38,9 @@ def planned_object(plan: Plan) -> Figure | None:
 
 
 def object_figure(scene: Scene, sheet: ObjectSheet) -> Figure:
-    """Base and side from above, top from above, and the body from its front."""
+    """Figure with base and side from above, the top from above, and the body from its
+    front.
+    """
     figure = Figure(figsize=(12.0, 4.4), layout="constrained")
     below, above, front = figure.subplots(1, 3)
     _base_and_side(below, scene, sheet)
@@ -80,7 +82,7 @@ def _top(axes: Axes, scene: Scene, sheet: ObjectSheet) -> None:
 
 
 def _front(axes: Axes, scene: Scene, sheet: ObjectSheet) -> None:
-    """The body seen along y, with a tip beside it at its height."""
+    """Draw the body seen along y, with a tip beside it at the height of contact."""
     shape = scene.body.shape
     for low, high, x_min, x_max in _slabs(shape):
         axes.fill(
@@ -100,7 +102,7 @@ def _front(axes: Axes, scene: Scene, sheet: ObjectSheet) -> None:
 
 
 def _slabs(shape: Any) -> Iterable[tuple[float, float, float, float]]:
-    """Lower and upper height, smallest and largest x [m] of a body's parts."""
+    """Lower and upper height, and smallest and largest x, of a body's parts [m]."""
     if not isinstance(shape, MeshBody):
         x_min, x_max, _, _ = shape.bounds(Pose2())
         yield 0.0, shape.height, x_min, x_max
@@ -115,7 +117,7 @@ def _slabs(shape: Any) -> Iterable[tuple[float, float, float, float]]:
 
 
 def _fill(axes: Axes, area: Area | None, color: str, label: str) -> None:
-    """An area, with its holes left white."""
+    """Draw an area, with its holes left white."""
     if area is None:
         return
     for i, polygon in enumerate(polygons(area)):

@@ -1,4 +1,4 @@
-"""End of a run: its success, the reason in words, the errors at the goal."""
+"""The end of a run: success, the reason in words, and the errors at the goal."""
 
 from __future__ import annotations
 
@@ -28,9 +28,7 @@ OUTCOME_FIELDS = (
 
 @dataclass(frozen=True, slots=True)
 class GoalError:
-    """Final pose, relative to the goal, of the body that the goal is for. NaN if
-    unknown.
-    """
+    """Final pose, relative to the goal, of the body that has the goal. NaN if unknown."""
 
     ahead: float = math.nan  # [m] along the goal's x axis
     left: float = math.nan  # [m] along the goal's y axis
@@ -46,7 +44,7 @@ def outcome_figures(
     task: Task, record: Record, figures: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Success, reason, errors at the goal and tolerance, as in result.json. ``figures``
-    are its other figures.
+    are the other figures of result.json.
     """
     error = goal_error(task, record)
     fault = _fault(task, record, figures)
@@ -70,8 +68,10 @@ def tolerance_figures(tolerance: Tolerance) -> dict[str, float]:
 
 
 def _fault(task: Task, record: Record, figures: Mapping[str, Any]) -> Ending | None:
-    """First condition of success that a run fails, or None: pose at the goal, force
-    limit, clearance, bodies that must not move.
+    """First condition of success that a run violates, or None.
+
+    The conditions are the pose at the goal, the force limit, clearances, and bodies
+    that must not move.
     """
     if not is_within(task, record):
         return Ending("goal_missed")
@@ -100,7 +100,7 @@ def _clearance_fault(figures: Mapping[str, Any]) -> Ending | None:
 
 
 def _moved_fault(task: Task, figures: Mapping[str, Any]) -> Ending | None:
-    """Fault that a body was moved although the task does not ask for it, or None."""
+    """Fault of a run that moved a body against the task, or None."""
     allowed = task.tolerance.bodies
     aimed = {"object", task.tool.body if task.tool is not None else "object"}
     aimed |= {obstacle.name for obstacle in task.obstacles if obstacle.may_move}
@@ -115,7 +115,7 @@ def _moved_fault(task: Task, figures: Mapping[str, Any]) -> Ending | None:
 
 
 def goal_error(task: Task, record: Record) -> GoalError:
-    """Final pose, relative to the goal, of the body that the goal is for."""
+    """Final pose, relative to the goal, of the body that has the goal."""
     poses: Array | None = record.arrays.get("object_pose")
     goal = task.goal
     if task.tool is not None:
@@ -132,7 +132,7 @@ def goal_error(task: Task, record: Record) -> GoalError:
 
 
 def is_within(task: Task, record: Record) -> bool:
-    """Whether the body ends within the tolerance. False if unknown."""
+    """Whether the body ends within the tolerance. False if its pose is unknown."""
     error = goal_error(task, record)
     distance = max(error.position, seat_error(task, record))
     return distance <= task.tolerance.position and error.yaw <= task.tolerance.yaw
@@ -154,7 +154,7 @@ def _reason(
 
 
 def _final_place(task: Task, record: Record, error: GoalError) -> str:
-    """Text on the final position of the body that the goal is for."""
+    """Text on the final position of the body that has the goal."""
     if task.tool is not None and f"body_{task.tool.body}" not in record.arrays:
         return (
             f"engine {record.engine} does not move {task.tool.body!r}: where it ends "

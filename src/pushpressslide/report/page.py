@@ -73,10 +73,10 @@ def write_report(
 ) -> Path:
     """Write the page of the run or runs in ``dirs`` and return its path.
 
-    Also writes each run's plots/*.png. ``out`` is the HTML file: by default report.html
-    in the run's folder, or for several runs in the folder that holds them all. Several
-    runs are compared first. Raises PushPressSlideError if a folder holds no finished
-    run.
+    It also writes each run's plots/*.png. ``out`` is the HTML file: by default
+    report.html in the run's folder, or for several runs in their common parent folder.
+    The page for several runs starts with a comparison. Raises PushPressSlideError if a
+    folder holds no finished run.
     """
     folders = [dirs] if isinstance(dirs, str | Path) else dirs
     if not folders:
@@ -105,7 +105,7 @@ def write_report(
 
 
 def document(title: str, body: str) -> str:
-    """A whole HTML page with embedded style around ``body``."""
+    """A complete HTML page around ``body``, with the style embedded."""
     css = (
         resources.files("pushpressslide.report").joinpath("page.css").read_text("utf-8")
     )
@@ -130,7 +130,9 @@ def image(data: bytes, alt: str, caption: str = "", kind: str = "png") -> str:
 
 
 def _labels(runs: Sequence[Run]) -> list[str]:
-    """Distinct short names: those of the tasks, or of the folders, or with numbers."""
+    """Distinct short names of runs, made from the names of tasks or folders, or from
+    numbers.
+    """
     names = [run.task.name for run in runs]
     if len(set(names)) < len(runs):
         names = [run.folder.resolve().name for run in runs]
@@ -153,7 +155,7 @@ def _comparison(runs: Sequence[Run], names: Sequence[str]) -> str:
 
 
 def _run_section(run: Run, page: Path, name: str) -> str:
-    """Section of one run; writes its plots/*.png."""
+    """Section of one run. Also writes the run's plots/*.png."""
     text = run.task.description
     single = not run.task.goals
     stages = [_stage_parts(run, number) for number in range(len(run.begun))]
@@ -190,8 +192,9 @@ def _run_section(run: Run, page: Path, name: str) -> str:
 
 
 def _stage_parts(run: Run, number: int) -> tuple[str, str, str, str]:
-    """Picture of a stage's plan, the reason for it, its figures and its plots. Writes
-    the plots.
+    """Picture of a stage's plan, the reason for the mode, the figures and the plots.
+
+    Also writes the plots.
     """
     stage = run.begun[number]
     plan = image(
@@ -218,13 +221,13 @@ def _stage_parts(run: Run, number: int) -> tuple[str, str, str, str]:
 
 
 def _segments_part(plan: Plan) -> str:
-    """Segments of a plan. Empty for a plan of one."""
+    """Segments of a plan. Empty for a plan with a single segment."""
     segments = segments_table(plan)
     return f"<h3>Segments</h3>{segments}" if segments else ""
 
 
 def _object_part(plan: Plan) -> str:
-    """Picture of an object from a mesh. Empty for any other."""
+    """Picture of an object from a mesh. Empty for any other object."""
     figure = planned_object(plan)
     if figure is None:
         return ""
@@ -233,8 +236,8 @@ def _object_part(plan: Plan) -> str:
 
 
 def _figures_part(plan: Plan, result: Mapping[str, Any]) -> str:
-    """Tables of figures and of contacts. The contacts go into the shorter column if
-    they fit there.
+    """Tables of figures and of contacts. The contacts are placed in the shorter column
+    if they fit.
     """
     first, second = figures_tables(result)
     contacts = f"<h3>Contacts</h3>{contacts_table(plan, result)}"
@@ -245,7 +248,7 @@ def _figures_part(plan: Plan, result: Mapping[str, Any]) -> str:
 
 
 def columns(*parts: str) -> str:
-    """Parts side by side if the page is wide enough."""
+    """Parts placed side by side if the page is wide enough."""
     cells = "".join(f"<div>{part}</div>" for part in parts if part)
     return f'<div class="columns">{cells}</div>'
 
@@ -261,7 +264,7 @@ def pictures(folder: Path) -> str:
 
 
 def command_line(result: Mapping[str, Any]) -> str:
-    """Command that made a run, or repeats it, and the versions."""
+    """Command that made a run, or that repeats it, with the versions."""
     command = result.get("command")
     words = "Made by"
     if not command:
@@ -312,8 +315,8 @@ def verdict(result: Mapping[str, Any]) -> str:
 
 
 def _warning(record: Record) -> str:
-    """Warning with the time from which the record holds values that are not numbers.
-    Empty if there are none.
+    """Warning that states from what time on the record contains NaN or infinity. Empty
+    if it contains neither.
     """
     count = series.finite_ticks(record)
     if count == series.ticks(record):
@@ -337,7 +340,9 @@ def links(folder: Path, page: Path) -> str:
 
 
 def _caption(key: str) -> str:
-    """Caption of a figure. That of one placement ends with its number."""
+    """Caption of a figure. For a figure of one placement it ends with the placement's
+    number.
+    """
     name, _, placement = key.partition("-")
     caption = CAPTIONS[name]
     if not placement:
@@ -350,7 +355,7 @@ def _link(target: Path, page: Path) -> str:
 
 
 def _mode_part(stage: StagePlan) -> str:
-    """Reason for the mode, its rivals, and all choices. Empty if none are stored."""
+    """Reason for the mode, its rivals, and all choices. Empty if no choices are stored."""
     reason = contest_part(stage.plan, stage.choices)
     choices = _choice_part(stage, folded=bool(reason))
     if not reason and not choices:
@@ -359,8 +364,10 @@ def _mode_part(stage: StagePlan) -> str:
 
 
 def _choice_part(stage: StagePlan, folded: bool) -> str:
-    """Table of all choices considered, with their reasons; ``folded`` or long ones open
-    on a click. Empty if the run has none stored.
+    """Table of all choices considered, with their reasons. Empty if no choices are
+    stored.
+
+    A ``folded`` or long table opens on a click.
     """
     if not stage.choices:
         return ""
@@ -395,8 +402,8 @@ def _choice_part(stage: StagePlan, folded: bool) -> str:
 
 
 def search_part(search: Mapping[str, Any] | None) -> str:
-    """Motions tried by a search over several motions, with the reason for dropping
-    each. Empty if there was no search.
+    """Motions tried by a search over several motions, and why each was dropped. Empty
+    without a search.
     """
     if search is None:
         return ""

@@ -1,4 +1,4 @@
-"""Figures of a run, and of several runs side by side, as HTML tables."""
+"""HTML tables of the figures of one run, or of several runs side by side."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ NO_BREAK = "\N{NO-BREAK SPACE}"  # between a number and its unit
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A figure of result.json as a row of a table."""
+    """A figure of result.json, as a row of a table."""
 
     label: str
     key: str  # in result.json; dots go down
@@ -48,7 +48,7 @@ LATE = (
     "result. On a robot these commands would come late."
 )
 Groups = tuple[tuple[str, tuple[Row, ...]], ...]
-"""Rows under a heading each."""
+"""Groups of rows, each with its heading."""
 
 GROUPS: Groups = (
     (
@@ -163,7 +163,7 @@ GROUPS: Groups = (
 )
 
 SPLIT = 4
-"""Groups of the first of two tables beside each other."""
+"""Number of groups in the first of two adjacent tables."""
 
 CONTACT_ROWS: tuple[Row, ...] = (
     Row("Planned load", "load", 1.0, "N", 1),
@@ -188,7 +188,9 @@ ASKED = {
     "tick_us.total.p99": PERIOD,
     "tick_us.total.p999": PERIOD,
 }
-"""Reference of a figure: a tolerance, the plan's prediction, or the control period."""
+"""Key of each figure's reference: a tolerance, the plan's prediction, or the control
+period.
+"""
 
 
 def lookup(result: Mapping[str, Any], key: str) -> Any:
@@ -207,8 +209,8 @@ def table(
 ) -> str:
     """An HTML table that scrolls sideways if it is too wide.
 
-    ``rows`` hold finished cells, ``attributes`` those of each row's tag. The last
-    ``numbers`` columns are right-aligned.
+    ``rows`` contain finished cells, ``attributes`` the attributes of each row's tag.
+    The last ``numbers`` columns are right-aligned.
     """
     words = len(head) - numbers
     cells = [f'<th scope="col">{escape(text)}</th>' for text in head[:words]]
@@ -222,27 +224,27 @@ def table(
 
 
 def mode_words(mode: str) -> str:
-    """A mode's name that may be broken at its underscores, for narrow columns."""
+    """A mode's name with line breaks allowed at its underscores, for narrow columns."""
     return escape(mode).replace("_", "_<wbr>")
 
 
 def number_cells(texts: Iterable[str]) -> list[str]:
-    """Table cells that are right-aligned."""
+    """Right-aligned table cells."""
     return [f'<td class="n">{escape(text)}</td>' for text in texts]
 
 
 def group_row(text: str, columns: int) -> list[str]:
-    """The one cell, over ``columns`` columns, of a row that heads a group."""
+    """The only cell, over ``columns`` columns, of a row that heads a group."""
     return [f'<th colspan="{columns}" scope="rowgroup">{escape(text)}</th>']
 
 
 def figures_table(result: Mapping[str, Any]) -> str:
-    """Figures of one run: measured, with the requested or planned values."""
+    """Figures of one run: measured values next to the requested or planned values."""
     return _figures(result, GROUPS)
 
 
 def figures_tables(result: Mapping[str, Any]) -> tuple[str, str]:
-    """Figures of one run as two tables, for two columns."""
+    """Figures of one run in two tables, for two columns of a page."""
     return _figures(result, GROUPS[:SPLIT]), _figures(result, GROUPS[SPLIT:])
 
 
@@ -284,7 +286,9 @@ def _grouped_rows(
     cells: Callable[[Row], list[str]],
     groups: Groups = GROUPS,
 ) -> tuple[list[list[str]], list[str]]:
-    """Rows and their attributes for every figure that one of ``results`` has."""
+    """Rows, with their attributes, for every figure that at least one of ``results``
+    has.
+    """
     rows: list[list[str]] = []
     marks: list[str] = []
     for group, entries in groups:
@@ -354,7 +358,7 @@ def contacts_table(plan: Plan, result: Mapping[str, Any]) -> str:
 
 
 def _contact_names(plan: Plan, parts: Sequence[Plan]) -> list[str]:
-    """Name the contacts of ``parts`` by placement, arm and robot."""
+    """Names of the contacts of ``parts``, by placement, arm and robot."""
     robots = plan.task.robots
     placements = plan.by_placement
     names = []
@@ -370,7 +374,7 @@ def _contact_names(plan: Plan, parts: Sequence[Plan]) -> list[str]:
 
 
 def segments_table(plan: Plan) -> str:
-    """Segments of a plan one by one. Empty for a plan of one segment."""
+    """Table of a plan's segments. Empty for a plan of one segment."""
     if len(plan.segments) < 2:
         return ""
     rows = []

@@ -30,8 +30,8 @@ SCHEMA = 8
 def stages_to_dict(task: Task, stages: Sequence[StagePlan]) -> dict[str, Any]:
     """Stages of a task as plain data, as in plan.json.
 
-    Each has its plan and all choices considered; a started one also its start time and
-    start state.
+    Each stage has its plan and all choices considered. A started stage also has its
+    start time and start state.
     """
     return {
         "schema": SCHEMA,
@@ -41,10 +41,10 @@ def stages_to_dict(task: Task, stages: Sequence[StagePlan]) -> dict[str, Any]:
 
 
 def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
-    """A plan without its task as plain data.
+    """A plan, without its task, as plain data.
 
-    It has the segments, the details of how they were found that the task file does not
-    state, the replans after a recovery, and the ``choices`` considered.
+    It contains the segments, those details of the planning that are not in the task
+    file, the replans after a recovery, and the ``choices`` considered.
     """
     restart = plan.restart
     out: dict[str, Any] = {
@@ -62,13 +62,13 @@ def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
 def plan_from_dict(data: Mapping[str, Any], task: Task) -> Plan:
     """Plan from the data of ``plan_to_dict``.
 
-    Raises KeyError, TypeError or ValueError on other data.
+    Raises KeyError, TypeError or ValueError for any other data.
     """
     return _plan_from(data, Plan(task))
 
 
 def _plan_from(data: Mapping[str, Any], before: Plan) -> Plan:
-    """Plan from the data of ``plan_to_dict`` that continues the task of another plan."""
+    """Plan from the data of ``plan_to_dict``, as a continuation of the plan ``before``."""
     if not data["segments"] and not before.at_goal:
         raise ValueError("a plan without segments")
     task = before.task
@@ -108,7 +108,7 @@ def _restart_from_dict(data: Mapping[str, Any]) -> Restart:
 
 
 def stage_from_dict(data: Mapping[str, Any], task: Task) -> StagePlan:
-    """A stage from the data of ``stages_to_dict``. ``task`` is its own task."""
+    """A stage from the data of ``stages_to_dict``. ``task`` is the task of the stage."""
     return StagePlan(
         purpose_from_dict(data), plan_from_dict(data, task), choices_from_dict(data)
     )
@@ -120,7 +120,7 @@ def purpose_from_dict(data: Mapping[str, Any]) -> Stage:
 
 
 def choices_from_dict(data: Mapping[str, Any]) -> tuple[Choice, ...]:
-    """Choices stored with a plan. Empty if none were."""
+    """Choices stored with a plan. Empty if none are stored."""
     return tuple(_choice_from_dict(item) for item in data.get("choices", ()))
 
 
@@ -168,7 +168,7 @@ def write_plan_pictures(stages: Sequence[StagePlan], out: Path) -> list[Path]:
 
 
 def _stage_to_dict(task: Task, stage_plan: StagePlan) -> dict[str, Any]:
-    """A stage as plain data. In a task with goals it has its own task."""
+    """A stage as plain data. In a task with goals it includes the stage's own task."""
     from pushpressslide.taskfile.dump import task_data
 
     out: dict[str, Any] = asdict(stage_plan.stage)
@@ -245,7 +245,7 @@ def _contacts_from(data: Sequence[Mapping[str, Any]]) -> tuple[Contact, ...]:
 
 
 def _drive_from_dict(mode: str, data: Mapping[str, Any]) -> Drive:
-    """A mode's drive, of the class named in the data."""
+    """Drive of a mode, of the class named in the data."""
     kinds = {kind.__name__: kind for kind in MODES[mode].drives}
     drive: Drive = _of_type(kinds[data["drive"]], data)
     return drive
@@ -282,8 +282,8 @@ def _pose_to_list(pose: Pose2) -> list[float]:
 
 
 def _path_to_dict(path: MotionPath) -> dict[str, Any]:
-    """Arcs as (curvature, length), constant twists as (vx, vy, w, length) with their
-    radius.
+    """A path as plain data: arcs as (curvature, length), or constant twists as (vx, vy,
+    w, length) with their radius.
     """
     if isinstance(path, ArcPath):
         return {

@@ -1,4 +1,4 @@
-"""Plan and run drawn in the plane of the support.
+"""Drawings of plan and run in the plane of the support.
 
 A table is seen from above, a wall from the front.
 """
@@ -39,13 +39,13 @@ EDGE = "#6B7280"  # colour of obstacles, bases and openings
 
 
 def outline(shape: Shape, pose: Pose2) -> list[Point]:
-    """The object's footprint at ``pose`` X_WG, as corners in the world [m]."""
+    """Corners [m] in the world of the object's footprint at ``pose`` X_WG."""
     return [pose.apply(point) for point in shape.outline()]
 
 
 def plan_figure(plan: Plan) -> Figure:
-    """Plan: paths of the tracking point, footprints, contacts and obstacles, without
-    replans.
+    """Figure of a plan: paths of the tracking point, footprints, contacts and
+    obstacles, without replans.
     """
     plan = replace(plan, later=())
     made, axes = style.figure(height=5.6)
@@ -86,7 +86,7 @@ def plan_figure(plan: Plan) -> Figure:
 
 
 def _plan_title(plan: Plan) -> str:
-    """Modes, length of the paths, and time."""
+    """Title of a plan's figure: modes, length of the paths, and time."""
     segments = plan.segments
     length = sum(segment.path.distance for segment in segments)
     seconds = sum(segment.profile.duration for segment in segments)
@@ -98,7 +98,7 @@ def _plan_title(plan: Plan) -> str:
 
 
 def planned_paths(ax: Axes, paths: Sequence[MotionPath]) -> None:
-    """Draw paths of the tracking point, one after the other."""
+    """Draw the paths of the tracking point, one after the other."""
     for i, path in enumerate(paths):
         poses = [path.pose(s) for s in np.linspace(0.0, path.length, 200)]
         label = None if i else "path of the tracking point"
@@ -109,7 +109,7 @@ def planned_paths(ax: Axes, paths: Sequence[MotionPath]) -> None:
 
 
 def path_figure(plan: Plan, record: Record) -> Figure:
-    """Run: paths, footprints, goal and measured contact forces."""
+    """Figure of a run: paths, footprints, goal and measured contact forces."""
     made, axes = style.figure(height=5.6)
     ax = axes[0]
     task = plan.task
@@ -151,9 +151,9 @@ def _pose_at(record: Record, tick: int) -> Pose2:
 
 
 def _other_bodies(ax: Axes, scene: Scene, record: Record) -> list[Point]:
-    """Draw every other body that moved at its final pose. Return the corners [m].
+    """Draw all other bodies that moved, at their final poses. Return their corners [m].
 
-    On a wall or a slope no other body may move: it would fall.
+    On a wall or a slope no other body moves, since it would fall.
     """
     label = "moved body, end"
     corners: list[Point] = []
@@ -184,7 +184,9 @@ def other_goals(ax: Axes, task: Task) -> list[Point]:
 
 
 def _tracked_paths(ax: Axes, record: Record, tracked: Array, ticks: Indices) -> None:
-    """Draw the tracking point (N, 2) at the given ticks, and its reference paths."""
+    """Draw the tracking points ``tracked`` (N, 2) [m] at the given ticks, and their
+    reference paths.
+    """
     labels: tuple[str | None, str | None] = ("tracking point", "reference path")
     look: dict[str, Any] = {"color": style.BLUE, "lw": 2.4, "ms": 5}
     for i, reference in enumerate(series.segment_paths(record)):
@@ -197,7 +199,7 @@ def _tracked_paths(ax: Axes, record: Record, tracked: Array, ticks: Indices) -> 
 
 
 def _force_key(ax: Axes, plan: Plan, largest: float) -> None:
-    """Add the largest force [N] to the legend; a press shows its shear alone."""
+    """Add the largest force [N] to the legend. For a press only the shear is shown."""
     if not largest > 0.0:
         return
     kinds = {c.kind for placement in plan.by_placement for c in placement.contacts}
@@ -331,7 +333,7 @@ def _rectangle(length: float, width: float) -> list[Point]:
 
 
 def surroundings(ax: Axes, scene: Scene) -> None:
-    """Draw the opening and the edge of the support, the obstacles and the robots' bases."""
+    """Draw the support's opening and edge, the obstacles and the robots' bases."""
     region = scene.support.region
     if region is not None:
         _polygon(
@@ -414,6 +416,6 @@ def frame(ax: Axes, scene: Scene, corners: Sequence[Point]) -> None:
 
 
 def _square(center: Point, half: float) -> list[Point]:
-    """Corners [m] of a square of half side ``half`` about ``center``."""
+    """Corners [m] of a square with half side ``half`` about ``center``."""
     x, y = center
     return [(x + dx, y + dy) for dx, dy in _rectangle(2.0 * half, 2.0 * half)]

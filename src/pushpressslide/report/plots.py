@@ -1,6 +1,6 @@
 """Figures of a run over time: errors, forces, joint torques, speeds.
 
-Also one figure of the errors of several runs.
+One further figure compares the errors of several runs.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def figures(plan: Plan, record: Record) -> dict[str, Figure]:
 def errors_figure(plan: Plan, record: Record) -> Figure:
     """Position and yaw error over time, with the goal's tolerance.
 
-    The errors are against the reference at the same time.
+    The errors are relative to the reference at the same time.
     """
     made, (top, bottom) = style.figure(2, 4.6)
     time, position, yaw = series.timed_errors(record)
@@ -79,8 +79,9 @@ def errors_figure(plan: Plan, record: Record) -> Figure:
 
 
 def tracking_figure(plan: Plan, record: Record) -> Figure | None:
-    """Errors of the tracking law: along and left of the path, and heading. Errors that
-    are always zero are left out; None if all are.
+    """Errors of the tracking law: along the path, to the left of it, and in heading.
+
+    Errors that are always zero are omitted. None if all are.
     """
     move = series.in_phase(record, "move")
     time = record.arrays["time"]
@@ -130,8 +131,9 @@ class ContactForces:
 def forces_figure(plan: Plan, record: Record) -> Figure | None:
     """Commanded and measured contact forces with the true friction cone.
 
-    Two panels for each contact, normal and tangential. A press is compared with its
-    planned load, its shear with the friction disc. None for a plan without contacts.
+    Each contact has two panels, for the normal and the tangential force. A press is
+    compared with its planned load, and its shear with the friction disc. None for a
+    plan without contacts.
     """
     contacts = plan.contacts
     if not contacts:
@@ -267,13 +269,13 @@ def speeds_figure(plan: Plan, record: Record) -> Figure:
 
 
 def _cruise(segment: Segment) -> float:
-    """Planned speed [m/s] of the tracking point; 0 for a path without length."""
+    """Planned speed [m/s] of the tracking point. 0 for a path without length."""
     path = segment.path
     return segment.profile.cruise * path.distance / (path.length or 1.0)
 
 
 def comparison_plot(runs: Sequence[tuple[str, Record]], *, title: str = "") -> Figure:
-    """Errors of several runs over the time since their motion began."""
+    """Figure of the errors of several runs, over the time since their motion began."""
     made, (top, bottom) = style.figure(2, 4.8)
     looks = ((c, dash) for dash in ("-", "--", ":", "-.") for c in style.CYCLE)
     for (label, record), (color, dash) in zip(runs, looks, strict=False):
@@ -303,9 +305,9 @@ def _band(ax: Axes, time: Array, low: Array, high: Array, label: str) -> None:
 
 
 def _by_segment(plan: Plan, record: Record, value: Callable[[Segment], float]) -> Array:
-    """Value of its segment (N,) at every tick of the move.
+    """Value (N,) of the followed segment at every tick of the move.
 
-    NaN in a second attempt, which is not in the plan.
+    NaN in a second attempt, whose segments are not in the plan.
     """
     number = record.arrays["stretch"]
     out = np.full(series.ticks(record), np.nan)

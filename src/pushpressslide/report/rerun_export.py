@@ -18,7 +18,7 @@ TIMELINE = "time"
 
 
 def write_rerun(run: Run, path: Path) -> Path:
-    """Write a recording of the series of a run, and of its outline, to ``path``.
+    """Write a recording of a run's time series and of the object's outline to ``path``.
 
     Raises MissingPackageError if rerun-sdk is not installed.
     """

@@ -22,7 +22,7 @@ def robot_figure(kin: ArmKinematics, space: Workspace) -> Figure:
 
 
 def _posture(axes: Axes, kin: ArmKinematics) -> None:
-    """The arm's joints in the ready posture, seen along y."""
+    """Draw the arm's joints in the ready posture, seen along y."""
     poses = kin.link_poses(kin.facts.home)
     chain = [kin.facts.base, *(j.child for j in kin.facts.joints), TIP]
     points = np.array([poses[link][1] for link in chain])
@@ -36,7 +36,7 @@ def _posture(axes: Axes, kin: ArmKinematics) -> None:
 
 
 def _workspace(axes: Axes, kin: ArmKinematics, space: Workspace) -> None:
-    """Places over the table, by the largest press."""
+    """Draw the positions over the table, coloured by the largest press."""
     x, y, z = space.points.T
     ok = space.reached
     axes.plot(x[~ok], y[~ok], ".", color=style.GREY, ms=3.0, label="out of reach")

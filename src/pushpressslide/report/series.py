@@ -21,7 +21,7 @@ from pushpressslide.mechanics.faces import side_of
 Mask = NDArray[np.bool_]
 
 CONTACT_FORCE = 0.1
-"""Measured normal force [N] below which a tip counts as not in contact."""
+"""Measured normal force [N] below which a tip counts as out of contact."""
 
 STATE = ("object_pose", "object_twist", "tip_position", "time")
 """Arrays that are finite at every tick unless the engine has failed."""
@@ -36,7 +36,7 @@ def wrap_angles(angles: Array) -> Array:
 
 
 def compose(poses: Array, X_BC: Pose2 | Array) -> Array:
-    """X_AC (N, 3) from poses X_AB (N, 3) and X_BC, one or (N, 3).
+    """Poses X_AC (N, 3) from poses X_AB (N, 3) and X_BC, which is one pose or (N, 3).
 
     The yaw is not wrapped.
     """
@@ -49,8 +49,8 @@ def compose(poses: Array, X_BC: Pose2 | Array) -> Array:
 
 
 def planar_poses(positions: Array) -> Array:
-    """Planar poses x, y [m], yaw [rad] (N, 3) of quaternions (w, x, y, z) and positions
-    (N, 7).
+    """Planar poses (N, 3), x, y [m] and yaw [rad], from quaternions (w, x, y, z) and
+    positions (N, 7).
     """
     w, x, y, z = (positions[:, i] for i in range(4))
     yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
@@ -63,7 +63,7 @@ def ticks(record: Record) -> int:
 
 
 def finite_ticks(record: Record) -> int:
-    """Number of ticks before the first whose state holds NaN or infinity."""
+    """Number of ticks before the first one whose state contains NaN or infinity."""
     count = ticks(record)
     for name in STATE:
         values = record.arrays.get(name)
@@ -75,7 +75,7 @@ def finite_ticks(record: Record) -> int:
 
 
 def finite_part(record: Record) -> Record:
-    """Part of the record before the first tick whose state holds NaN or infinity."""
+    """Part of the record before the first tick whose state contains NaN or infinity."""
     count = finite_ticks(record)
     if count == ticks(record):
         return record
@@ -87,7 +87,7 @@ def finite_part(record: Record) -> Record:
 
 
 def in_phase(record: Record, *names: str) -> Mask:
-    """Mask (N,) of the ticks in one of the named phases."""
+    """Mask (N,) of the ticks in any of the named phases."""
     wanted = [i for i, phase in enumerate(PHASES) if phase in names]
     return np.isin(record.arrays["phase"], wanted)
 
@@ -95,7 +95,7 @@ def in_phase(record: Record, *names: str) -> Mask:
 def contact_phase(record: Record) -> Mask:
     """Mask (N,) of the ticks from the first to the last of a placement's phase "move".
 
-    Regained contacts are included.
+    The ticks in which a lost contact is touched again are included.
     """
     mask = np.zeros(ticks(record), dtype=bool)
     move = in_phase(record, "move")
@@ -126,7 +126,7 @@ def by_placement(plan: Plan, record: Record) -> list[tuple[Plan, Record]]:
 
 
 def tracked_poses(body: ObjectModel, record: Record) -> Array:
-    """Poses X_WV (N, 3): the tracking point of each tick's segment, and its heading."""
+    """Poses X_WV (N, 3) of the tracking point and heading of each tick's segment."""
     return compose(
         compose(record.arrays["object_pose"], body.X_GB),
         record.arrays["vehicle_frame"],
@@ -141,7 +141,7 @@ def segment_paths(record: Record) -> list[Array]:
 
 
 def path_errors(body: ObjectModel, record: Record) -> Array:
-    """Distance [m] (N,) of the tracking point to the path of its segment."""
+    """Distances (N,) [m] of the tracking point from the path of its segment."""
     tracked = tracked_poses(body, record)[:, :2]
     out = np.empty(ticks(record))
     for i, path in enumerate(segment_paths(record)):
@@ -153,9 +153,9 @@ def path_errors(body: ObjectModel, record: Record) -> Array:
 def timed_errors(record: Record) -> tuple[Array, Array, Array]:
     """Time [s], position error [m] and signed yaw error [rad], all (N,).
 
-    The errors are deviations from the pose that the first plan has at the same time.
-    The plan's clock starts at the first touch of each placement. Errors are NaN before
-    the motion and after it.
+    The errors are deviations from the pose in the first plan at the same time. The
+    plan's clock starts at the first touch of each placement. Errors are NaN before the
+    motion and after it.
     """
     offset = record.arrays["object_pose"] - record.arrays["reference_pose"]
     moving = contact_phase(record)
@@ -169,9 +169,9 @@ def timed_errors(record: Record) -> tuple[Array, Array, Array]:
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """Series over the ticks (M,) of phase "move".
+    """Series over the M ticks of phase "move".
 
-    Errors are against the first plan, over all ticks (K,) from the first touch of each
+    Errors are relative to the first plan, over all K ticks from the first touch of each
     placement to the end of its motion.
     """
 
@@ -211,9 +211,11 @@ def contact_forces(
 ) -> tuple[Array, Array]:
     """Normal (N, C) and tangential (N, C, 2) components [N] of forces ON the object.
 
-    For C contacts, each of its own arm. Side contact: along the face's inward normal;
-    to the left of it, and up. Top contact: down; x and y in B. ``name`` is the record's
-    array, world axes.
+    There are C contacts, each of a different arm. The normal component of a side
+    contact is along the face's inward normal, and the tangential components point to
+    the left and up. The normal component of a top contact points down, and the
+    tangential components are along x and y of B. ``name`` is the record's array, in
+    world axes.
     """
     forces = record.arrays[name]
     yaw = record.arrays["object_pose"][:, 2]
@@ -239,9 +241,10 @@ def contact_forces(
 def surface_coordinates(body: ObjectModel, record: Record, contact: Contact) -> Array:
     """Position (N, 2) [m] at which the tip of ``contact`` touches the object's surface.
 
-    Side contact: along the face (round a cylinder: the arc) and up; top contact: x and
-    y in B. A sphere touches a flat face at the foot of its centre, whatever the force,
-    so that the tip's centre decides.
+    For a side contact, the coordinates are along the face (along the arc of a cylinder)
+    and up; for a top contact, x and y in B. A sphere touches a flat face at the foot of
+    the perpendicular from its centre, whatever the force, so the coordinates follow
+    from the tip's centre.
     """
     tip = record.arrays["tip_position"][:, contact.arm]
     pose = record.arrays["object_pose"]
@@ -262,9 +265,9 @@ def travel(points: Array, play: float = 0.0) -> Array:
     """Cumulative distance (N,) travelled by ``points`` (N, k), without jitter within
     ``play`` [same unit].
 
-    The distance is that of a follower dragged on a string of length ``play``: a motion
-    within that length does not move it. So a long motion loses ``play``, and each
-    reversal loses twice as much.
+    The distance is that of a follower dragged on a string of length ``play``, which
+    small motions do not move. A long motion therefore loses ``play``, and each reversal
+    loses twice as much.
     """
     distance = np.zeros(len(points))
     if len(points) == 0:
@@ -285,11 +288,11 @@ def travel(points: Array, play: float = 0.0) -> Array:
 
 
 def slip(plan: Plan, record: Record, index: int) -> Array:
-    """Cumulative slip [m] (N,) of contact ``index`` along the surface.
+    """Cumulative slip (N,) [m] of contact ``index`` along the surface.
 
-    Slip counts in phase "move" while the tip touches. A shift of the tip while contact
-    is lost does not count. Jitter below ``SLIP_PLAY`` is not summed (see ``travel``).
-    Rolling of the tip counts as slip.
+    Slip counts in phase "move" while the tip touches the object. A shift of the tip
+    while contact is lost does not count. Jitter below ``SLIP_PLAY`` is not summed (see
+    ``travel``). Rolling of the tip counts as slip.
     """
     normals, _ = contact_forces(plan, record)
     touching = in_phase(record, "move") & (normals[:, index] >= CONTACT_FORCE)
@@ -308,7 +311,7 @@ def slip(plan: Plan, record: Record, index: int) -> Array:
 
 
 def distance_to_polyline(points: Array, line: Array) -> Array:
-    """Distance [m] (N,) of ``points`` (N, 2) to a polyline (K, 2), K >= 2."""
+    """Distances (N,) [m] of ``points`` (N, 2) to a polyline (K, 2), K >= 2."""
     start = line[:-1]
     span = np.diff(line, axis=0)
     squared = np.maximum(np.einsum("kd,kd->k", span, span), 1e-24)

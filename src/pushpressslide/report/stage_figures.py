@@ -1,4 +1,4 @@
-"""The result.json of a run with stages: each stage's figures, the final pose of every
+"""The result.json of a run with stages: figures of each stage, the final pose of every
 body, and figures of all stages together.
 """
 
@@ -66,9 +66,9 @@ def staged_result(
     """Contents of result.json for a run of a task with goals, in ``stages``.
 
     ``runs`` are the started stages and ``results`` their results. ``shortfall`` is the
-    reason why one was not started. A figure of several stages is the sum, the worst or
-    the mean over the time in contact. Figures that make sense only for a single motion
-    are given with its stage alone.
+    reason why a stage was not started. A figure of several stages is their sum, their
+    worst value, or their mean over the time in contact. Figures that make sense only
+    for a single motion are given only with its stage.
     """
     out: dict[str, Any] = dict.fromkeys(results[0])
     for name in ("schema", "engine", "seed", "time_step", "versions"):
@@ -140,7 +140,7 @@ def _combined(results: Sequence[Figures]) -> dict[str, Any]:
 
 
 def _mean(results: Sequence[Figures], name: str, power: float) -> float | None:
-    """Mean of a figure's ``power`` over the time in contact."""
+    """Mean of a figure's ``power``, weighted by the time in contact."""
     pairs = [
         (result[name], result["motion_duration"])
         for result in results
@@ -154,8 +154,8 @@ def _mean(results: Sequence[Figures], name: str, power: float) -> float | None:
 
 
 def _bodies(task: Task, runs: Sequence[StageRun]) -> dict[str, Any]:
-    """Final pose and displacement of every body. For bodies with a goal also the goal
-    and the errors at it.
+    """Final pose and displacement of every body. Bodies with a goal also have the goal
+    and the errors.
     """
     goals = {goal.body: goal.pose for goal in task.goals}
     first = start_state(task).with_body_at(OBJECT, task.true_start)
@@ -180,7 +180,7 @@ def _errors(X: Pose2, goal: Pose2) -> tuple[float, float]:
 
 
 def _worst(task: Task, bodies: Mapping[str, Figures]) -> tuple[float, float]:
-    """Largest position and yaw errors of the bodies that have a goal."""
+    """Largest position error [m] and yaw error [rad] of the bodies that have a goal."""
     aimed = [bodies[body] for body in dict.fromkeys(g.body for g in task.goals)]
     position = max(item["position_error"] for item in aimed)
     return position, max(item["yaw_error"] for item in aimed)

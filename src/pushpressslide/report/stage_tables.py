@@ -1,4 +1,4 @@
-"""Tables of the stages of a run and of their bodies, for its report."""
+"""Tables of a run's stages and bodies, for the report."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A run as the list of its stages, one by default: their plans, their results, and
+"""A run as a list of stages, by default a single one: their plans, their results, and
 their records joined into one.
 """
 
@@ -44,7 +44,7 @@ class StageRun(StagePlan):
 
     @classmethod
     def alone(cls, record: Record, choices: Sequence[Choice] = ()) -> StageRun:
-        """The only stage of a run with one goal."""
+        """The only stage of a run with a single goal."""
         task = record.plan.task
         stage = Stage(OBJECT, task.goal)
         state = start_state(task).with_body_at(OBJECT, task.true_start)
@@ -52,8 +52,8 @@ class StageRun(StagePlan):
 
     @property
     def reached(self) -> bool:
-        """Whether the body ended at the stage's goal. A body that is put aside need
-        only have been released.
+        """Whether the body ended at the stage's goal. A body that is put aside only has
+        to be released.
         """
         if self.record.reason != "goal_reached":
             return False
@@ -69,8 +69,8 @@ class StageRun(StagePlan):
 
 
 def body_positions(run: StageRun) -> dict[str, Array]:
-    """Quaternion and position (N, 7) in Drake's world of every body, by its name in the
-    task. Empty for a plant without them.
+    """Quaternion and position (N, 7) of every body in Drake's world, by its name in the
+    task. Empty for a plant without such data.
     """
     arrays = run.record.arrays
     if "object_pose_3d" not in arrays:
@@ -97,7 +97,7 @@ def body_poses(run: StageRun) -> dict[str, Array]:
 
 
 def final_poses(run: StageRun) -> dict[str, Pose2]:
-    """Pose X_WG of every body at the last sample, without whole turns."""
+    """Pose X_WG of every body at the last sample, without full turns."""
     return {
         body: Pose2(*map(float, poses[-1])).wrapped
         for body, poses in body_poses(run).items()
@@ -105,12 +105,12 @@ def final_poses(run: StageRun) -> dict[str, Pose2]:
 
 
 def joined_record(runs: Sequence[StageRun], ending: Ending, seed: int) -> Record:
-    """Records of the stages as one, time running on.
+    """Records of the stages joined into one, with continuous time.
 
-    Data of the object are those of the stage's body. ``pose_<body>`` (N, 3) and, with
-    Drake, ``body_<body>`` (N, 7) are those of each body by its name in the task.
-    ``ending`` is the reason for the end of the whole run. ``cut_record`` extracts a
-    stage.
+    In each stage, data of the object are those of the body that it moves.
+    ``pose_<body>`` (N, 3) and, with Drake, ``body_<body>`` (N, 7) are those of each
+    body by its name in the task. ``ending`` is the reason for the end of the whole run.
+    ``cut_record`` extracts a stage.
     """
     first = _Counts()
     parts = []
@@ -144,8 +144,9 @@ def joined_record(runs: Sequence[StageRun], ending: Ending, seed: int) -> Record
 def cut_record(
     joined: Record, number: int, began: float, stage_plan: StagePlan
 ) -> Record:
-    """Record of one stage, which ``began`` [s] after the first, extracted from that of
-    the whole run.
+    """Record of one stage, extracted from that of the whole run.
+
+    The stage ``began`` [s] after the first one.
     """
     stages = joined.meta["stages"]
     rest = stages[number]
@@ -194,7 +195,7 @@ class _Counts:
 
 
 def _rest(record: Record, first: _Counts) -> dict[str, Any]:
-    """Data of a stage that a joined record keeps in addition to its arrays."""
+    """Data of a stage, other than arrays, that a joined record keeps."""
     return {
         "reason": record.reason,
         "reason_text": record.reason_text,
@@ -234,13 +235,13 @@ def _own_name(body: str, driven_body: str) -> str:
 
 
 def joined_plan(stages: Sequence[StagePlan]) -> Plan:
-    """Plan of the first stage, continued by those of the others."""
+    """Plan of the first stage, continued by the plans of the others."""
     plans = [stage.plan for stage in stages]
     return reduce(Plan.followed, plans)
 
 
 def _timed(runs: Sequence[StageRun], name: str) -> list[dict[str, Any]]:
-    """What each stage noted under ``name``, with its time in the run and its stage."""
+    """Entries of all stages under ``name``, with their time in the run and their stage."""
     return [
         {**noted, "time": run.began + noted["time"], "stage": number}
         for number, run in enumerate(runs)
@@ -249,8 +250,9 @@ def _timed(runs: Sequence[StageRun], name: str) -> list[dict[str, Any]]:
 
 
 def replayed_record(runs: Sequence[StageRun], record: Record) -> Record:
-    """Record of a run for the replay of the first stage's scene: the object is the
-    first stage's body throughout, whatever is tracked.
+    """Record of a run for a replay in the scene of the first stage.
+
+    The object is the first stage's body throughout, whichever body is tracked.
     """
     if "stage" not in record.arrays:
         return record

@@ -65,7 +65,7 @@ def figure(
     width: float = WIDTH,
     share_x: bool = True,
 ) -> tuple[Figure, list[Axes]]:
-    """A figure of ``rows`` by ``across`` panels and its axes, row by row. No global
+    """A figure with ``rows`` by ``across`` panels, and its axes row by row. No global
     state is changed.
 
     ``height`` and ``width`` [inch] are those of the whole figure.
@@ -80,7 +80,7 @@ def figure(
 
 
 def png(made: Figure) -> bytes:
-    """A figure as PNG, reproducible to the byte."""
+    """A figure as PNG data, reproducible to the byte."""
     import matplotlib as mpl
 
     buffer = BytesIO()
@@ -115,13 +115,13 @@ def legend(axes: Axes, **options: Any) -> None:
 
 
 def thin(time: Array, values: Array) -> tuple[Array, Array]:
-    """Every n-th sample of a curve, at most about ``MOST_POINTS``."""
+    """A curve reduced to every n-th sample, at most about ``MOST_POINTS``."""
     step = max(1, len(time) // MOST_POINTS)
     return time[::step], values[::step]
 
 
 def time_axis(axes: Sequence[Axes], record: Record, text: str) -> None:
-    """Give stacked panels phases, legends, a time axis and a title."""
+    """Add phases, legends, a time axis and a title to stacked panels."""
     for i, ax in enumerate(axes):
         _shade_phases(ax, record, label=i == 0)
         legend(ax)
@@ -130,10 +130,9 @@ def time_axis(axes: Sequence[Axes], record: Record, text: str) -> None:
 
 
 def _shade_phases(axes: Axes, record: Record, *, label: bool) -> None:
-    """Tint the time of each phase and mark the start of each further segment of the
-    plan.
+    """Tint the time of each phase, and mark the start of each further segment.
 
-    ``label`` also names the phases along the top.
+    With ``label`` the phases are named along the top.
     """
     time = record.arrays["time"]
     phase = record.arrays["phase"]

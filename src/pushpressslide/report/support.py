@@ -1,4 +1,4 @@
-"""Object relative to its support: tilt, gap, fall into an opening, depth in it."""
+"""The object relative to its support: tilt, gap, fall into an opening, and depth in it."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ ENTERED = 0.003
 
 
 def support_figures(task: Task, record: Record) -> dict[str, float | None]:
-    """Tilt, gap, fall and depth of the object. None if they do not apply.
+    """Tilt, gap, fall and depth of the object. None for figures that do not apply.
 
-    They are the largest tilt [deg], and the largest gap [m] before the object enters
-    the opening. From then on, they are the distance [m] and the speed [m/s] by which
-    its middle falls. The last is its final depth [m] in the opening.
+    They are the largest tilt [deg]; the largest gap [m] before the object enters the
+    opening; the distance [m] and the speed [m/s] by which the object's middle falls
+    after that; and the final depth [m] in the opening.
     """
     out: dict[str, float | None] = dict.fromkeys(FIELDS)
     positions = record.arrays.get("object_pose_3d")
@@ -69,8 +69,8 @@ def seat_error(task: Task, record: Record) -> float:
 def _gap(scene: Scene, positions: Array) -> Array:
     """Distance (N,) [m] of the object's middle from its rest position on the support.
 
-    ``positions`` (N, 7) are quaternions and positions; away from the support is
-    positive.
+    ``positions`` (N, 7) are quaternions and positions. Distances away from the support
+    are positive.
     """
     frame = scene.support.frame
     out = np.array(frame.direction((0.0, 0.0, 1.0)))

@@ -1,3 +1,3 @@
-"""Robots as arrays: published facts, forward and inverse kinematics, reach and joint
+"""Robots as arrays: published facts, forward and inverse kinematics, reach, and joint
 paths.
 """

@@ -1,5 +1,5 @@
-"""Facts of a task's robot: the package's own, or those of a file, completed by the
-task's tip, ready posture and rotors.
+"""Facts about a task's robot, from the package or from a file, completed by the task's
+tip, ready posture and rotors.
 """
 
 from __future__ import annotations
@@ -30,26 +30,25 @@ from pushpressslide.robots.kinematics import ArmKinematics
 TIP_LINK = "pps_tip_foot"
 """Link that carries the rod of a ``tip``."""
 ROTOR = 0.003
-"""Rotor inertia of a joint whose file has none, per N m of its effort [kg m^2 / (N m)].
-"""
+"""Rotor inertia per effort [kg m^2 / (N m)] of a joint whose file has no rotor."""
 ROTOR_WITHOUT_LIMIT = 0.1
 """Rotor inertia [kg m^2] of a joint whose file states no effort."""
 ROTOR_OF_SLIDE = 5.0
-"""The same for a sliding joint [kg]."""
+"""Rotor inertia [kg] of a sliding joint whose file states no effort."""
 MOTOR_FIELDS = {
     "gear_ratio": "gear_ratio",
     "rotor_inertia": "rotor_inertia",
     "joint_friction": "damping",
 }
-"""Facts of a joint, by the task's field for each."""
+"""Facts about a joint, by their field in the task."""
 
 
 def robot_facts(robot: Robot) -> RobotFacts:
-    """Facts of a task's robot.
+    """Facts about a task's robot.
 
-    Raises PushPressSlideError for a model that is neither one of the package's nor a
-    readable file, and RobotFileError for a list of the task that does not fit the
-    file's joints.
+    Raises PushPressSlideError for a model that is neither in the package nor a readable
+    file, and RobotFileError for a list in the task that does not fit the joints of the
+    file.
     """
     if robot.model in MODELS:
         return load_facts(robot.model)
@@ -63,7 +62,7 @@ def at_origin(robot: Robot) -> Robot:
 
 
 def changed_at(robot: Robot) -> int:
-    """Time [ns] of the last change of a robot's file, 0 if there is none."""
+    """Time [ns] of the last change of a robot's file. 0 without a file."""
     if robot.model in MODELS:
         return 0
     try:
@@ -75,7 +74,7 @@ def changed_at(robot: Robot) -> int:
 def arm_kinematics(robot: Robot) -> ArmKinematics:
     """Kinematics of a task's robot.
 
-    Raises as ``robot_facts``.
+    Raises the errors of ``robot_facts``.
     """
     return _kinematics(robot, changed_at(robot))
 
@@ -89,8 +88,8 @@ def _kinematics(robot: Robot, changed: int) -> ArmKinematics:
 
 
 def rod_length(robot: Robot) -> float:
-    """Length [m] of the rod between flange and tip. A file with a tip frame contains its
-    rod.
+    """Length [m] of the rod between flange and tip. For a file with a tip frame, the
+    rod is part of the file.
     """
     own = robot.model in MODELS or robot.tip is not None
     return robot.tip_length if own else 0.0
@@ -119,7 +118,7 @@ def _completed(robot: Robot, changed: int) -> RobotFacts:
 def _fitting(
     values: tuple[float, ...], facts: RobotFacts, robot: Robot, name: str
 ) -> tuple[float, ...]:
-    """Values of a field. Raises RobotFileError unless there is one for each joint."""
+    """Values of a field. Raises RobotFileError unless there is one value per joint."""
     if len(values) != facts.size:
         joints = ", ".join(joint.name for joint in facts.moving)
         allowed = f"allowed: {facts.size} numbers, one for each of {joints}"
@@ -143,7 +142,7 @@ def _with_limits(facts: RobotFacts, robot: Robot) -> RobotFacts:
 
 
 def _limited(joint: JointFacts, limit: JointLimits, robot: Robot) -> JointFacts:
-    """A joint with a task's limits. Those of a slide are in m, not in degrees."""
+    """A joint with the task's limits. For a slide they are in metres, not in degrees."""
     unit = math.degrees(1.0) if joint.kind == "prismatic" else 1.0
     low, high = limit.position or (joint.lower / unit, joint.upper / unit)
     if low >= high:
@@ -158,8 +157,8 @@ def _limited(joint: JointFacts, limit: JointLimits, robot: Robot) -> JointFacts:
 
 
 def _with_motors(facts: RobotFacts, robot: Robot) -> RobotFacts:
-    """Facts with the task's rotors, gear ratios and friction in place of the file's, and
-    an assumed rotor for each joint without one.
+    """Facts with the task's rotors, gear ratios and friction in place of those in the
+    file. Joints without a rotor get an assumed one.
     """
     changes: list[dict[str, Any]] = [{} for _ in facts.moving]
     if robot.rotor_inertia is not None:
@@ -191,7 +190,7 @@ def _with_motors(facts: RobotFacts, robot: Robot) -> RobotFacts:
 
 
 def _assumed_rotor(joint: JointFacts) -> float:
-    """Rotor inertia [kg m^2; kg] of a joint whose file has none."""
+    """Rotor inertia [kg m^2; kg] assumed for a joint whose file has none."""
     if joint.kind == "prismatic":
         return ROTOR_OF_SLIDE
     if math.isinf(joint.effort):
@@ -200,7 +199,7 @@ def _assumed_rotor(joint: JointFacts) -> float:
 
 
 def _with_home(facts: RobotFacts, robot: Robot) -> RobotFacts:
-    """Facts with a ready posture: the task's, or one that is found."""
+    """Facts with a ready posture: that of the task, or one found by a search."""
     if robot.home is not None:
         home = _fitting(robot.home, facts, robot, "home_deg")
         for joint, angle in zip(facts.moving, home, strict=True):
@@ -217,36 +216,36 @@ def _with_home(facts: RobotFacts, robot: Robot) -> RobotFacts:
 
 
 DRAWS = 4000
-"""Number of random postures that measure an arm's reach."""
+"""Number of random postures used to measure an arm's reach."""
 DOWNWARD = 200
-"""Number of random postures that are kept, those with the tool closest to straight
+"""Number of random postures that are kept: those with the tool closest to straight
 down.
 """
 SEEDS = 24
-"""Number of these, the least twisted, from which a search starts."""
+"""Number of kept postures from which a search starts: the least twisted ones."""
 HEIGHTS = (0.15, 0.3, 0.45)
 DISTANCES = (0.35, 0.45)
-"""Distances of the tip at which a posture is sought over the workspace, as shares of
+"""Distances of the tip from the base at which the ready posture is sought, as shares of
 the reach.
 """
 GROUPS = 8
-"""Number of searches from different starts. Each takes the posture with the best
+"""Number of searches from different starts. Each takes the posture with the largest
 margin.
 """
 GOOD = 0.6
-"""Smallest conditioning, as a share of the best posture's. The least twisted of these
-postures is taken.
+"""Smallest conditioning of an acceptable posture, as a share of that of the best
+posture. The least twisted acceptable posture is taken.
 """
 ENOUGH_MARGIN = 0.5
 """Joint margin [rad] above which a larger one no longer counts."""
 
 
 def ready_posture(facts: RobotFacts, length: float) -> Array:
-    """Posture (n,) with the tool down over the workspace in front of the base: well
-    conditioned, far from the joint limits, and the least twisted of those.
+    """Ready posture (n,): the tool points down over the workspace in front of the base.
 
-    An arm that cannot point its tool down gets the random posture that comes nearest.
-    ``length`` [m] is that of the rod.
+    The posture is well conditioned, far from the joint limits, and the least twisted of
+    such postures. An arm that cannot point its tool down gets the random posture that
+    comes nearest to it. ``length`` [m] is that of the rod.
     """
     from pushpressslide.robots.inverse import solve_ik
 
@@ -287,8 +286,10 @@ def ready_posture(facts: RobotFacts, length: float) -> Array:
 
 
 def _sideways(kin: ArmKinematics, q: Array) -> Array:
-    """Mean distance [m] of the links from the vertical plane through base and tip, in
-    postures (m, n). It is small if a redundant arm is not twisted.
+    """Mean distances (m,) [m] of the links from the vertical plane through base and
+    tip, in postures (m, n).
+
+    They are small if a redundant arm is not twisted.
     """
     poses = kin.link_poses(q)
     x, y = poses[TIP][1][..., 0], poses[TIP][1][..., 1]

@@ -1,6 +1,4 @@
-"""Reach of an arm that follows its contact along a path, with the tool upright or
-tilted.
-"""
+"""Reach of an arm that follows a contact along a path, with its tool upright or tilted."""
 
 from __future__ import annotations
 
@@ -46,8 +44,9 @@ def contact_refusal(
     """Refusal of a contact that its arm cannot follow along the body poses X_WB with
     one tool attitude, or None.
 
-    ``alone`` marks a press that is the only contact, whose tip must not roll far. With
-    ``quick`` there is no search: what the reach tables do not contain is refused.
+    ``alone`` marks a press that is the only contact, and whose tip must not roll far.
+    With ``quick`` there is no search: everything that the reach tables do not contain
+    is refused.
     """
     weak = press_refusal(scene, contact)
     if weak is not None:
@@ -144,7 +143,7 @@ def _largest_press(robot: Robot, changed: int) -> float:
 def span_refusal(
     scene: Scene, contact: Contact, bodies: Sequence[Pose2]
 ) -> Refusal | None:
-    """Refusal of body poses X_WB at which a contact is farther from its arm's shoulder
+    """Refusal of body poses X_WB that place a contact farther from its arm's shoulder
     than the arm is long, or None.
 
     The tool may lean towards the base.
@@ -180,7 +179,7 @@ def contacts_reached(
     scene: Scene, arm: int, contacts: Sequence[Contact], bodies: Sequence[Pose2]
 ) -> NDArray[np.bool_]:
     """Mask (n, m) of the m contacts of one kind that an arm reaches at n body poses
-    X_WB, by the reach tables. All True if tables do not apply.
+    X_WB, according to the reach tables. All True if the tables do not apply.
     """
     shape = (len(bodies), len(contacts))
     robot = scene.robots[arm]
@@ -203,9 +202,9 @@ def tool_azimuths(
 ) -> tuple[float, ...]:
     """Azimuths [rad] to try for a tilted tool.
 
-    The tip of a push leans along the face's inward normal, or from there, within the
-    limits of the face, away from the arm's base. The tip of a press leans away from the
-    base, or towards it.
+    The tip of a push leans along the face's inward normal or, within the limits of the
+    face, farther away from the arm's base. The tip of a press leans away from the base,
+    or towards it.
     """
     x, y = X_WB.apply(contact.point)
     outward = math.atan2(y - base[1], x - base[0])

@@ -1,5 +1,6 @@
-"""Joint paths along a path of the tip. Each posture is found from the previous one, so
-that it never flips.
+"""Joint paths along a path of the tip.
+
+Each posture is found from the previous one, so that the arm never flips.
 """
 
 from __future__ import annotations
@@ -38,7 +39,8 @@ LOST_DISTANCE = 0.03  # [m]
 class Continuation:
     """A joint path of k samples.
 
-    On failure it has a status and the nearest postures found.
+    If the arm cannot follow the path, ``status`` says why, and the postures are the
+    nearest ones found.
     """
 
     q: Array  # (k, n) [rad; m of slides]
@@ -56,7 +58,7 @@ class Continuation:
 
     @property
     def lost(self) -> bool:
-        """Whether the tip is far off at some sample."""
+        """Whether the tip is far off its path at some sample."""
         return bool(_is_lost(self.position_residual, self.angle_residual).any())
 
     @property
@@ -80,10 +82,11 @@ def continuation(
     largest_step: float = 0.3,
 ) -> Continuation:
     """Joint path of one arm along positions (k, 3) [m] and tool yaws (k,) [rad], from
-    q_start (n,).
+    ``q_start`` (n,).
 
-    joint_margin: [rad] a sample nearer to a limit fails as "joint_limit"; largest_step:
-    [rad] a joint that moves more between two samples fails as "jump". Never raises.
+    A sample nearer to a joint limit than ``joint_margin`` [rad] fails as "joint_limit".
+    A joint that moves by more than ``largest_step`` [rad] between two samples fails as
+    "jump". No failure raises an exception.
     """
     return continuations(
         kin,
@@ -105,11 +108,10 @@ def continuations(
     joint_margin: float = 0.0,
     largest_step: float = 0.3,
 ) -> tuple[Continuation, ...]:
-    """Several joint paths (b) at once: several yaw offsets or elbows at the cost of
-    one.
+    """Joint paths for b yaw offsets or elbows at once, at the cost of one.
 
-    For tool yaws (b, k) and starts (b, n); positions (k, 3) or (b, k, 3); one attitude
-    or b. Otherwise as ``continuation``.
+    Tool yaws are (b, k) and starts (b, n); positions are (k, 3) or (b, k, 3); there is
+    one attitude, or b. Everything else is as in ``continuation``.
     """
     yaws = np.asarray(tool_yaws, dtype=np.float64)
     b, k = yaws.shape
@@ -131,7 +133,7 @@ def continuations(
 
 
 def _rotations(attitude: ToolAttitude | Sequence[ToolAttitude], yaws: Array) -> Array:
-    """Tool rotations (b, k, 3, 3) at yaws (b, k), of one attitude or b."""
+    """Tool rotations (b, k, 3, 3) at yaws (b, k), for one attitude or b attitudes."""
     if isinstance(attitude, ToolAttitude):
         return attitude.rotation(yaws)
     return np.stack(
@@ -144,7 +146,8 @@ def _followed(
 ) -> tuple[Array, Array, Array]:
     """Joint paths (b, k, n) and their errors, (b, k) [m] and (b, k) [rad].
 
-    Targets: p (b, k, 3), yaws (b, k) and the same as rotations R (b, k, 3, 3).
+    The targets are positions p (b, k, 3) and yaws (b, k), which are also given as
+    rotations R (b, k, 3, 3).
     """
     b, k = yaws.shape
     travel = np.linalg.norm(np.diff(p, axis=1), axis=-1) + YAW_ARM * np.abs(
@@ -173,7 +176,7 @@ def _followed(
 
 
 def _is_lost(distance: Array, angle: Array) -> NDArray[np.bool_]:
-    """Whether the errors of samples, [m] and [rad], are too large for a near miss."""
+    """Whether errors [m] and [rad] of samples are too large for a near miss."""
     return (angle > LOST_ANGLE) | (distance > LOST_DISTANCE)
 
 
@@ -186,11 +189,10 @@ def _reach_sample(
     iterations: int,
     lost: NDArray[np.bool_],
 ) -> tuple[Array, Array]:
-    """Move postures ``q`` (b, n), in place, to targets p (b, 3) and R (b, 3, 3). Those
-    that are ``lost`` (b,) stay.
+    """Move postures ``q`` (b, n), in place, to targets p (b, 3) and R (b, 3, 3).
 
-    Returns their errors: (b,) [m] and (b,) [rad]. ``elbow`` (b, n) [rad] is the
-    null-space motion added to the first step.
+    Postures that are ``lost`` (b,) stay in place. Returns the errors: (b,) [m] and (b,)
+    [rad]. ``elbow`` (b, n) [rad] is the null-space motion added to the first step.
     """
     distance = np.empty(len(q))
     angle = np.empty(len(q))
@@ -222,7 +224,7 @@ def _reach_sample(
 def _verdict(
     off: NDArray[np.bool_], tight: NDArray[np.bool_], jumps: NDArray[np.bool_]
 ) -> tuple[ContinuationStatus, int | None]:
-    """Status of one path, and its first sample (of k) that is not ok."""
+    """Status of one path of k samples, and the index of the first failed sample."""
     failed = np.flatnonzero(off | tight | jumps)
     if len(failed) == 0:
         return "ok", None

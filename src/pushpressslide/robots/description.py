@@ -1,9 +1,9 @@
-"""Facts of any serial robot, read from its URDF, SDF or MJCF file: the chain from the
-root link to the tip frame, and the links that are fixed to it.
+"""Facts about any serial robot, read from its URDF, SDF or MJCF file: the chain from
+the root link to the tip frame, and the links fixed to this chain.
 
-Joints off the chain are held at zero. The common part of SDF is supported: one model,
-link poses in the model's frame, joints at their child link. Convert any other file to
-URDF.
+Joints off the chain are held at zero. SDF is supported in its common form: one model,
+link poses in the model's frame, and joints at their child links. Convert other SDF
+files to URDF.
 """
 
 from __future__ import annotations
@@ -44,27 +44,27 @@ from pushpressslide.robots.urdf_file import read_urdf
 from pushpressslide.robots.xml_root import xml_root
 
 READERS = {"robot": read_urdf, "sdf": read_sdf, "mujoco": read_mjcf}
-"""Readers by the root element of a file."""
+"""Readers of robot files, by the root element of a file."""
 MISSING_TIP_FRAME = (
     "a model given by path needs tip, the tip's place on a link, or tip_frame, the "
     "name of the frame at the tip's centre"
 )
 BESIDE_ARM = r"(?i)finger|gripper|jaw|knuckle|hand_|camera|leg|wheel"
-"""Names of links that are not the end of an arm."""
+"""Pattern of names of links that are not at the end of an arm."""
 GROUND = "pps_ground"
-"""Base of a robot whose first joints move its stand in the world."""
+"""Name of the base link of a robot whose first joints move its stand in the world."""
 MOST_NOTES = 4  # largest number of notes of one kind
 
 
 def read_description(
     model: str, tip_frame: str | None, packages: Sequence[str] = ()
 ) -> RobotFacts:
-    """Facts of the robot in a URDF, SDF or MJCF file, with ``tip_frame`` as its flange and
-    its tip. ``packages`` are folders with packages of meshes.
+    """Facts about the robot in a URDF, SDF or MJCF file, with ``tip_frame`` as its
+    flange and its tip. ``packages`` are folders with packages of meshes.
 
-    Raises PushPressSlideError, in one line, if the file is missing, or the tip frame is
-    not named or missing. Raises RobotFileError, with link or joint, for values that no
-    arm can have.
+    Raises PushPressSlideError, in one line, if the file is missing, or if the tip frame
+    is missing or not named. Raises RobotFileError, with link or joint, for values that
+    no arm can have.
     """
     path = Path(model)
     if not is_robot_file(path):
@@ -78,10 +78,10 @@ def read_description(
 
 
 def last_link(model: str) -> str:
-    """Link at the end of the longest chain of moving joints of a robot's file, after the
-    fixed links that follow it.
+    """Link at the end of the longest chain of moving joints in a robot's file. Fixed
+    links that follow the chain belong to it.
 
-    Raises as ``read_description``.
+    Raises the errors of ``read_description``.
     """
     path = Path(model)
     if not is_robot_file(path) or not path.is_file():
@@ -91,7 +91,7 @@ def last_link(model: str) -> str:
     by_child = {joint.child: joint for joint in whole.joints}
 
     def depth(link: str) -> tuple[int, int]:
-        """Numbers of turning joints, and of all joints, from the root to a link."""
+        """Number of revolute joints, and number of all joints, from the root to a link."""
         turning = count = 0
         while link in by_child:
             joint = by_child[link]
@@ -105,9 +105,7 @@ def last_link(model: str) -> str:
 
 
 def read_content(path: Path, packages: Sequence[str]) -> Description:
-    """Content of an existing file. Its links and joints form one tree, which is
-    checked.
-    """
+    """Content of an existing file. Its links and joints are checked to form one tree."""
     root = xml_root(path)
     if root.tag not in READERS:
         allowed = ", ".join(READERS)
@@ -158,13 +156,13 @@ def _facts(path: Path, tip_frame: str, packages: Sequence[str]) -> RobotFacts:
 
 
 def _frames(chain: Sequence[JointFacts]) -> Iterator[LinkFacts]:
-    """Yield a massless link if the tip is a frame on a link."""
+    """Yield a massless link if the tip is a frame on another link."""
     if chain[-1].name == f"{chain[-1].child}_mount":
         yield LinkFacts(chain[-1].child)
 
 
 def _named(what: str, names: Sequence[str]) -> list[str]:
-    """A note on some names, if there are any."""
+    """A note that lists some names, if there are any."""
     if not names:
         return []
     more = f" and {len(names) - MOST_NOTES} more" if len(names) > MOST_NOTES else ""
@@ -172,8 +170,9 @@ def _named(what: str, names: Sequence[str]) -> list[str]:
 
 
 def _without_world(whole: Description) -> Description:
-    """The file without a link ``world`` that only holds the base. One that carries a
-    moving joint is the base, by another name.
+    """The description without a link ``world`` that only holds the base.
+
+    If ``world`` carries a moving joint, it is itself the base, and is renamed.
     """
     on_world = [joint for joint in whole.joints if joint.parent == WORLD]
     if not on_world:
@@ -199,7 +198,7 @@ def _without_world(whole: Description) -> Description:
 
 
 def _check_driven(chain: Sequence[JointFacts], odd: Mapping[str, str]) -> None:
-    """Raise UnfitValue for a joint on the chain whose kind cannot be driven."""
+    """Raise UnfitValue for a joint on the chain that cannot be driven."""
     for joint in chain:
         if joint.name in odd:
             allowed = f"{', '.join(KINDS)} on the way to the tip"
@@ -210,8 +209,8 @@ def _check_driven(chain: Sequence[JointFacts], odd: Mapping[str, str]) -> None:
 def _branches(
     description: Description, chain: Sequence[JointFacts], base: str
 ) -> tuple[tuple[JointFacts, ...], list[str]]:
-    """Joints to the links off the chain, all turned into fixed ones, and the names of
-    those that the file does not fix.
+    """Joints to the links off the chain, all made fixed, and the names of the joints
+    that are not fixed in the file.
     """
     below: dict[str, list[JointFacts]] = {}
     for joint in description.joints:
@@ -256,7 +255,7 @@ def _turned(axis: np.ndarray, angle: float) -> np.ndarray:
 
 @contextmanager
 def _blaming(model: str) -> Iterator[None]:
-    """Turn errors inside the block into faults of a model's file."""
+    """Attribute errors inside the block to a model's file."""
     try:
         yield
     except UnfitValue as fault:

@@ -1,4 +1,4 @@
-"""Published facts of the robots: kinematics, inertias and limits, as frozen arrays."""
+"""Published facts about the robots: kinematics, inertias and limits, as frozen arrays."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def rotation_from_rpy(rpy: tuple[float, float, float]) -> Array:
 
 @dataclass(frozen=True)
 class LinkFacts:
-    """One rigid link. A link without mass only carries a frame."""
+    """A rigid link. A link without mass only carries a frame."""
 
     name: str
     mass: float = 0.0  # [kg]
@@ -74,8 +74,8 @@ class LinkFacts:
 
 @dataclass(frozen=True)
 class JointFacts:
-    """One joint: pose of its frame in the parent link's, axis in its own frame, and its
-    limits.
+    """A joint: the pose of its frame in the parent link's frame, its axis in its own
+    frame, and its limits.
     """
 
     name: str
@@ -175,21 +175,21 @@ class RobotFacts:
 
     @cached_property
     def effort_limit(self) -> Array:
-        """Torque limits (n,) [N m], force limits [N] of slides."""
+        """Torque limits (n,) [N m], or force limits [N] for slides."""
         return np.array([j.effort for j in self.moving])
 
     @cached_property
     def torque_rate_limit(self) -> Array:
         """Limits of the torque's rate (n,) [N m/s].
 
-        Infinite where the maker states none.
+        Infinite for joints without a published limit.
         """
         return np.array([j.torque_rate for j in self.moving])
 
     @cached_property
     def armature(self) -> Array:
         """Rotor inertias (n,) reflected to the joints, [kg m^2], or [kg] for slides:
-        the inertia on the motor's side times gear ratio^2.
+        the inertia on the motor side times the square of the gear ratio.
         """
         return np.array([j.rotor_inertia * j.gear_ratio**2 for j in self.moving])
 
@@ -225,15 +225,15 @@ def _joint(data: Mapping[str, Any]) -> JointFacts:
 
 
 def _capsule_visual(capsule: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Visual of a link of which only capsules are described."""
+    """Visual of a link that is described only by capsules."""
     return {**capsule, "shape": "capsule", "color": "grey"}
 
 
 @cache
 def load_facts(name: str) -> RobotFacts:
-    """Facts of a robot described by the package, one of ``MODELS``.
+    """Facts about a robot in the package, one of ``MODELS``.
 
-    Raises PushPressSlideError for another name.
+    Raises PushPressSlideError for any other name.
     """
     if name not in MODELS:
         raise PushPressSlideError(

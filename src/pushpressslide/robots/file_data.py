@@ -28,8 +28,8 @@ KINDS: dict[str, JointKind] = {
 MOVING = tuple(kind for kind in KINDS if kind != "fixed")
 INERTIA = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 LEAST_GYRATION = 5e-4
-"""Smallest radius of gyration [m] of a link. That of the last link of Franka's FR3 is
-9e-4.
+"""Smallest allowed radius of gyration [m] of a link. For comparison, that of the last
+link of Franka's FR3 is 9e-4 m.
 """
 TURNS = 2.0 * math.pi  # [rad] limit assumed for a continuous joint
 
@@ -61,20 +61,23 @@ class Description:
 
 
 def mimicked(holder: Element) -> str:
-    """Name of the joint that a joint mimics. Empty if there is none."""
+    """Name of the joint that an element mimics. Empty without one."""
     mimic = holder.find("mimic")
     return "" if mimic is None else mimic.get("joint") or "another joint"
 
 
 def kind_of(kind: str) -> JointKind:
-    """Kind of a joint's type. A type that cannot be driven counts as fixed."""
+    """Kind of a joint, from its type in the file. A type that cannot be driven counts
+    as fixed.
+    """
     return KINDS.get(kind, "fixed")
 
 
 def inertia_of(
     link: str, values: Mapping[str, str | None], missing: float
 ) -> tuple[float, ...]:
-    """Inertia (6,) [kg m^2] of a link, ``missing`` for a moment that the file lacks.
+    """Inertia (6,) [kg m^2] of a link. ``missing`` replaces moments that the file
+    lacks.
 
     Raises UnfitValue for a moment or product of inertia that no body can have.
     """
@@ -93,8 +96,8 @@ def limits_of(
 ) -> dict[str, float]:
     """Limits of a joint, with positions clipped to a few turns.
 
-    ``negative`` values mean no limit; so do a speed and an effort of 0, which are
-    common placeholders.
+    A speed or an effort of 0 is a common placeholder and means no limit. With
+    ``negative``, negative values also mean no limit.
     """
 
     def value(key: str, default: float) -> float:
@@ -125,7 +128,7 @@ def limits_of(
 
 
 def unit(axis: Triple, place: str) -> Triple:
-    """Direction of an axis. Raises UnfitValue for one without a direction."""
+    """Direction of an axis as a unit vector. Raises UnfitValue for a zero axis."""
     norm = math.hypot(*axis)
     if not 0.0 < norm < math.inf:
         raise UnfitValue(place, list(axis), "a direction, as 0 0 1")
@@ -141,8 +144,9 @@ def rpy_of(R: Array) -> Triple:
 
 
 def physical(link: LinkFacts) -> LinkFacts:
-    """The link with an inertia that a body can have, changed as little as needed:
-    principal moments above zero, none larger than the sum of the other two.
+    """The link with a physically possible inertia, changed as little as necessary.
+
+    Principal moments are positive, and none is larger than the sum of the other two.
     """
     if link.mass == 0.0:
         return link

@@ -18,14 +18,14 @@ MOST_NAMES = 3
 
 @dataclass(frozen=True)
 class Meshes:
-    """Meshes of one file, and the shapes that are left out."""
+    """Meshes of one file, and the shapes that were omitted."""
 
     paths: MeshPaths
     left_out: list[tuple[str, str]] = field(default_factory=list)  # reason, name
 
     def path(self, uri: str) -> Path | None:
-        """Path of a mesh file. None if it is not found or cannot be read; it is then
-        listed as left out.
+        """Path of a mesh file. None, with a note, if the file is not found or cannot be
+        read.
         """
         path = self.paths.find(uri)
         if path is not None and readable(path):
@@ -35,7 +35,7 @@ class Meshes:
         return None
 
     def notes(self) -> list[str]:
-        """A note on the shapes that are left out, for each reason."""
+        """One note per reason for which shapes were omitted."""
         by_reason: dict[str, list[str]] = {}
         for reason, name in self.left_out:
             by_reason.setdefault(reason, []).append(name)
@@ -56,7 +56,7 @@ class ShapeFormat:
     color: Callable[[Element], Triple | None]
 
     def shapes(self, link: Element, meshes: Meshes) -> Iterator[LinkShape]:
-        """Shapes of a link, without those that cannot be read."""
+        """Shapes of a link. Shapes that cannot be read are omitted."""
         name = link.attrib["name"]
         for holder in (*link.findall("collision"), *link.findall("visual")):
             geometry = holder.find("geometry")
@@ -104,14 +104,14 @@ class ShapeFormat:
 
 
 def length(text: str, place: str) -> float:
-    """Length [m] of a shape. Raises UnfitValue for one that no shape has."""
+    """Length [m] of a shape. Raises UnfitValue for an impossible length."""
     allowed = "a number [m] above 0"
     return number(text, place, allowed, lambda value: 0.0 < value < 1e3)
 
 
 @lru_cache(maxsize=128)
 def read_mesh(path: str) -> Any | None:
-    """Triangles of a file. None if it cannot be read."""
+    """Triangles in a mesh file. None if it cannot be read."""
     import trimesh
 
     try:

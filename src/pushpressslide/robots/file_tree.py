@@ -1,4 +1,4 @@
-"""Structure checks of a robot's file: a tree of bodies with mass, and driven joints up
+"""Structural checks of a robot's file: a tree of bodies with mass, and driven joints up
 to the tip.
 """
 
@@ -15,13 +15,13 @@ SHOWN = 300  # longest list of names, in characters
 
 
 def few(names: Iterable[str]) -> str:
-    """The names, truncated if there are many."""
+    """The names in one line, truncated if there are many."""
     return ", ".join(names)[:SHOWN]
 
 
 def check_tree(links: Sequence[str], joints: Sequence[JointFacts]) -> None:
     """Raise UnfitValue for a duplicate name, a joint to a missing link, a link that is
-    the child of two joints, and a loop.
+    the child of two joints, or a loop.
     """
     _check_names("link", links)
     _check_names("joint", [joint.name for joint in joints])
@@ -49,7 +49,7 @@ def _check_names(what: str, names: Sequence[str]) -> None:
 
 
 def _check_way_to_root(joint: JointFacts, by_child: Mapping[str, JointFacts]) -> None:
-    """Raise UnfitValue if the joints before one form a loop."""
+    """Raise UnfitValue if the joints above ``joint`` form a loop."""
     link = joint.parent
     passed = {joint.child}
     while link in by_child:
@@ -83,9 +83,9 @@ def check_masses(
     joints: Sequence[JointFacts],
     masses: Mapping[str, float],
 ) -> None:
-    """Raise UnfitValue for one of the ``moving`` joints that carries no mass.
+    """Raise UnfitValue if one of the ``moving`` joints carries no mass.
 
-    Uses all ``joints`` and the masses [kg] of the links.
+    ``joints`` are all joints, ``masses`` [kg] those of the links.
     """
     below: dict[str, list[str]] = {}
     for joint in joints:

@@ -1,4 +1,4 @@
-"""Values of a robot's file, each checked where it is read."""
+"""Values in a robot's file, each checked when it is read."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ HEAVIEST = 1e6  # [kg] of a link
 
 
 class UnfitValue(Exception):
-    """A value of a robot's file that cannot be used, with its place and the allowed
+    """A value in a robot's file that cannot be used, with its place and the allowed
     values.
     """
 
@@ -31,7 +31,7 @@ def triple(
     default: Triple = (0.0, 0.0, 0.0),
     limit: float = math.inf,
 ) -> Triple:
-    """Three finite numbers, none beyond ``limit``.
+    """Three finite numbers of at most ``limit`` in magnitude.
 
     Raises UnfitValue otherwise.
     """
@@ -46,7 +46,7 @@ def vector(
     default: tuple[float, ...] | None = None,
     limit: float = math.inf,
 ) -> tuple[float, ...]:
-    """``count`` finite numbers, none beyond ``limit``.
+    """``count`` finite numbers of at most ``limit`` in magnitude.
 
     Raises UnfitValue otherwise, and for a missing text without a default.
     """
@@ -73,7 +73,7 @@ def number(
     allowed: str,
     sound: Callable[[float], bool] = math.isfinite,
 ) -> float:
-    """One number for which ``sound`` holds. NaN never passes.
+    """A number for which ``sound`` holds. NaN never passes.
 
     Raises UnfitValue otherwise.
     """
@@ -84,13 +84,13 @@ def number(
 
 
 def mass(text: str, place: str) -> float:
-    """Mass [kg] of a link, 0 for one that only carries a frame."""
+    """Mass [kg] of a link. 0 for a link that only carries a frame."""
     allowed = f"a number [kg] in [0, {HEAVIEST:g}]"
     return number(text, place, allowed, lambda value: 0.0 <= value <= HEAVIEST)
 
 
 def moment(text: str, place: str) -> float:
-    """Moment of inertia [kg m^2], 0 for none."""
+    """Moment of inertia [kg m^2]. It may be 0."""
     allowed = "a finite number [kg m^2], 0 or more"
     sound: Callable[[float], bool] = lambda value: 0.0 <= value < math.inf  # noqa: E731
     return number(text, place, allowed, sound)
@@ -102,7 +102,7 @@ def product(text: str, place: str) -> float:
 
 
 def _float(text: str) -> float:
-    """The number, or NaN if the text is not one."""
+    """A text as a number. NaN if it is not one."""
     try:
         return float(text)
     except ValueError:

@@ -1,6 +1,6 @@
 """Inverse kinematics of many postures at once, by damped least squares.
 
-Null-space motion keeps the joints off their limits.
+Null-space motion keeps the joints away from their limits.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class IkSolution:
     converged: NDArray[np.bool_]  # (m,) target met and the wanted margin kept
 
     def or_else(self, other: IkSolution) -> IkSolution:
-        """The solution, with that of ``other`` for the targets that are not met."""
+        """The solution, completed by that of ``other`` for targets that are not met."""
         own = self.converged
         return IkSolution(
             np.where(own[:, None], self.q, other.q),
@@ -50,7 +50,7 @@ class IkSolution:
 
 @dataclass(frozen=True)
 class IkSearch:
-    """Limits on the work of a search for a posture."""
+    """Limits on the effort of a search for postures."""
 
     iterations: int = 60
     # take the first posture found for a target, whatever its margin
@@ -77,7 +77,7 @@ class _Targets:
         return _Targets(self.positions[rows], self.axes[rows], rotations)
 
     def error(self, kin: ArmKinematics, q: Array) -> tuple[Array, Array]:
-        """``task_error`` of postures (k, n)."""
+        """Errors and Jacobians of postures (k, n), as in ``task_error``."""
         return task_error(kin, q, self.positions, self.rotations, self.axes)
 
 
@@ -106,8 +106,8 @@ def orientation_error(R: Array, R_wanted: Array) -> Array:
 
 
 def _cross(a: Array, b: Array) -> Array:
-    """Cross product a x b (..., 3). np.cross takes several times as long for a few
-    vectors.
+    """Cross product a x b (..., 3). For a few vectors np.cross takes several times as
+    long.
     """
     ax, ay, az, bx, by, bz = (v[..., i] for v in (a, b) for i in range(3))
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
@@ -136,7 +136,7 @@ def axis_error(z: Array, z_wanted: Array) -> Array:
 def limit_gradient(kin: ArmKinematics, q: Array, relevant: float = 0.8) -> Array:
     """Gradient (..., n) of the smooth minimum joint margin.
 
-    It fades out at ``relevant`` [rad].
+    It fades to zero for margins above ``relevant`` [rad].
     """
     below = q - kin.facts.lower
     above = kin.facts.upper - q
@@ -155,8 +155,9 @@ def task_error(
 ) -> tuple[Array, Array]:
     """Error (..., 6) [rad; m] and Jacobian (..., 6, n) of a task.
 
-    The task is a tip at p with rotation R_wanted, or with the tool along an axis. If
-    the yaw is free, the turn about the axis, (3,) or (..., 3), is removed from both.
+    The task places the tip at p, with the rotation R_wanted or with the tool along an
+    axis. If the yaw is free, the rotation about ``axis``, (3,) or (..., 3), is removed
+    from both results.
     """
     R, p_now, J = kin.tip_and_jacobian(q)
     if R_wanted is None:
@@ -169,8 +170,8 @@ def task_error(
 
 
 def damped_step(J: Array, e: Array, secondary: Array) -> Array:
-    """Step dq (..., n): damped least squares for e (..., 6), plus ``secondary`` in J's
-    null space.
+    """Step dq (..., n) by damped least squares for e (..., 6), plus ``secondary`` in
+    the null space of J.
     """
     damping = 0.05 * (e * e).sum(axis=-1) + 1e-10
     A = J @ np.swapaxes(J, -1, -2) + damping[..., None, None] * np.eye(6)
@@ -186,7 +187,7 @@ def default_seeds(kin: ArmKinematics, p: Array) -> Array:
     """Starting postures (m, s, n) for targets p (m, 3).
 
     They are turned towards the targets, with elbow and wrist varied. For an arm with
-    ``home_first`` they are its ready posture, and others spread over the joint ranges.
+    ``home_first`` they are the ready posture and postures spread over the joint ranges.
     """
     facts = kin.facts
     m = len(p)
@@ -214,7 +215,9 @@ def default_seeds(kin: ArmKinematics, p: Array) -> Array:
 
 
 def _structured_seeds(kin: ArmKinematics) -> Array:
-    """Home posture (STRUCTURED_SEEDS, n), varied if there are 7 joints."""
+    """Variants of the home posture (STRUCTURED_SEEDS, n) for an arm with 7 joints,
+    otherwise copies of it.
+    """
     facts = kin.facts
     structured = np.tile(facts.home, (STRUCTURED_SEEDS, 1))
     if facts.size == 7 and facts.moving[0].kind == "revolute":
@@ -241,10 +244,10 @@ def solve_ik(
     """Posture with the largest joint margin for each target.
 
     ``target_p`` (3,) or (m, 3) [m] is the tip's centre in the world. ``attitude`` is
-    one for all targets, with ``tool_yaw`` [rad], a scalar or (m,), or None for any yaw;
-    or an array with one for each target: axes (m, 3) or rotations R_WT (m, 3, 3).
-    ``q_seed`` is (n,), (s, n) or (m, s, n), or None for ``default_seeds``.
-    ``joint_margin`` [rad] is kept from every limit.
+    one tool attitude for all targets, with a ``tool_yaw`` [rad] that is a scalar, (m,),
+    or None for any yaw. It may also be an array with one element per target: tool axes
+    (m, 3) or rotations R_WT (m, 3, 3). ``q_seed`` is (n,), (s, n) or (m, s, n), or None
+    for ``default_seeds``. Every joint keeps ``joint_margin`` [rad] from its limits.
     """
     p = np.atleast_2d(np.asarray(target_p, dtype=np.float64))
     m = len(p)
@@ -263,7 +266,7 @@ def solve_ik(
 
 
 def _seeds(q_seed: Array, m: int) -> Array:
-    """Given starts (n,), (s, n) or (m, s, n), broadcast to (m, s, n)."""
+    """Given starting postures (n,), (s, n) or (m, s, n), broadcast to (m, s, n)."""
     given = np.asarray(q_seed, dtype=np.float64)
     return np.broadcast_to(
         given if given.ndim > 1 else given[None],
@@ -277,7 +280,7 @@ def _targets(
     tool_yaw: Array | float | None,
     start_count: int,
 ) -> _Targets:
-    """Targets of ``solve_ik``, each repeated for its starts."""
+    """Targets of ``solve_ik``, each repeated once per starting posture."""
     m = len(p)
     R = None
     if isinstance(attitude, ToolAttitude):
@@ -350,9 +353,9 @@ def _best(
 ) -> NDArray[np.intp]:
     """Rows of the best ``count`` postures of each target.
 
-    If postures reach the target, the best are those farthest from the joint limits,
-    otherwise those nearest to the target. ``start_count`` consecutive rows belong to
-    one target.
+    If some postures reach the target, the best are those farthest from the joint
+    limits; otherwise the best are those nearest to the target. ``start_count``
+    consecutive rows belong to one target.
     """
     off = np.linalg.norm(e, axis=-1)
     score = np.where(off < NEARLY, kin.joint_margin(q), -off)

@@ -1,4 +1,4 @@
-"""Names of the joints of a task's arms, for files that hold all of them."""
+"""Joint names of a task's arms, for files that contain all arms."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from pushpressslide.robots.arm_files import robot_facts
 def joint_names(robots: Sequence[Robot]) -> list[list[str]]:
     """Names of the moving joints of each arm, from the base to the tip.
 
-    They are the names in the robot's file. With two arms they start with ``left_`` and
-    ``right_``.
+    They are the names in the robot's file, prefixed by ``left_`` or ``right_`` if there
+    are two arms.
     """
     out = []
     for name, robot in zip(ARM_NAMES, robots, strict=False):

@@ -1,9 +1,8 @@
-"""Forward kinematics of a serial robot with its tip: arrays in, arrays out, one posture
-or many at once.
+"""Forward kinematics of a serial robot with its tip, for one posture or many at once.
 
-Tip frame T: origin at the centre of the tip's sphere, z along the tool out of the
-flange. The tool yaw is defined in ``tool.py``; for an upright tool it is the angle of
-T's x axis in the world's horizontal plane.
+The origin of the tip frame T is the centre of the tip's sphere; its z axis points along
+the tool, out of the flange. The tool yaw is defined in ``tool.py``; for an upright tool
+it is the angle of T's x axis in the world's horizontal plane.
 """
 
 from __future__ import annotations
@@ -22,7 +21,8 @@ from pushpressslide.robots.facts import (
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 
 OFF_VERTICAL = 1e-4
-"""Deviation [rad; m] below which an axis counts as vertical: files round their angles.
+"""Deviation [rad; m] below which an axis counts as vertical. It allows for rounded
+angles in files.
 """
 
 
@@ -35,7 +35,7 @@ class ArmKinematics:
     """Poses of the links and the tip of one robot for its n joint positions q.
 
     Every method takes q of shape (n,) or (..., n) and returns arrays with the same
-    leading shape. World axes; angles in rad, lengths in m.
+    leading shape. Axes are those of the world; angles are in [rad], lengths in [m].
     """
 
     facts: RobotFacts
@@ -49,9 +49,10 @@ class ArmKinematics:
     def _chain(self) -> tuple[Array, Array, Array, Array]:
         """Constant data of each moving joint and of the tip.
 
-        The frame of each joint in the previous one, as its constant, sine, cosine and
-        slide parts (4, n, 1, 4, 4); the tip's frame in the last joint (4, 4); the axes
-        (n, 1, 1, 3); and which joints slide (n, 1).
+        They are the pose of each joint's frame in the previous one, split into
+        constant, sine, cosine and slide terms (4, n, 1, 4, 4); the tip's frame in the
+        last joint (4, 4); the axes (n, 1, 1, 3); and a mask of the sliding joints (n,
+        1).
         """
         T = np.eye(4)
         T[:3, :3], T[:3, 3] = rotation_from_rpy((0.0, 0.0, self.base_yaw)), self.base
@@ -86,11 +87,11 @@ class ArmKinematics:
     @cached_property
     def span(self) -> tuple[Array, float, float]:
         """Shoulder (3,) [m] in the world, distance [m] of the tip from the wrist along
-        the tool, and largest distance [m] of wrist and shoulder.
+        the tool, and largest distance [m] between wrist and shoulder.
 
-        The shoulder is a fixed point of the first axis, the wrist a point of the last
-        one. Joint limits are ignored. The distance is infinite for an arm with slides,
-        or a tool off its last axis.
+        The shoulder is a fixed point on the first axis, the wrist a point on the last
+        axis. Joint limits are ignored. The largest distance is infinite for an arm with
+        slides, or if the tool is off the last axis.
         """
         (constant, _, cosine, _), tip, axes, slides = self._chain
         T = (constant + cosine)[:, 0]
@@ -126,8 +127,8 @@ class ArmKinematics:
 
     @cached_property
     def turning(self) -> float:
-        """1 if the first joint turns the arm about the base's vertical, counter-clockwise
-        from above, -1 if clockwise, 0 if it does neither.
+        """Sense in which the first joint turns the arm about the base's vertical: 1 if
+        counter-clockwise from above, -1 if clockwise, 0 if it does not.
         """
         _, tip, J = self.tip_and_jacobian(self.facts.home)
         out = tip - self.base
@@ -138,8 +139,8 @@ class ArmKinematics:
         return 0.0
 
     def _frames(self, q: Array) -> Array:
-        """Moved frames (n + 1, m, 4, 4) of the n joints and the tip in the world, for q
-        (m, n).
+        """Frames (n + 1, m, 4, 4) of the n joints and the tip in the world, for q (m,
+        n).
         """
         (constant, sine, cosine, slide), tip, _, slides = self._chain
         turns = q.T[:, :, None, None]
@@ -212,9 +213,9 @@ class ArmKinematics:
         return attitude.yaw(self.tip_pose(q)[0])
 
     def joint_margin(self, q: Array) -> Array:
-        """Smallest distance (...) [rad; m of slides] of a joint from its limits.
+        """Smallest distances (...) [rad; m of slides] of the joints from their limits.
 
-        Negative outside.
+        Negative outside the limits.
         """
         q = np.asarray(q, dtype=np.float64)
         out: Array = np.minimum(q - self.facts.lower, self.facts.upper - q).min(axis=-1)

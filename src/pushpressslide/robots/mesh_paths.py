@@ -1,4 +1,4 @@
-"""Paths of the meshes that a robot's file names, inside its own package or next to it."""
+"""Paths of the meshes named in a robot's file, inside the file's package or next to it."""
 
 from __future__ import annotations
 
@@ -9,19 +9,21 @@ from importlib.util import find_spec
 from pathlib import Path
 
 PACKAGE_PATHS = "ROS_PACKAGE_PATH"
-"""Environment variable with folders of packages."""
+"""Environment variable with the folders that contain packages."""
 HEIGHT = 8
 """Number of folders above a file that are searched for its package."""
 
 
 class MeshPaths:
-    """Finds the meshes of one file. Nothing outside its package, the packages next to
-    it and the named ones is read.
+    """Finds the meshes of one file.
+
+    Nothing is read outside the file's package, the packages next to it, and the named
+    packages.
     """
 
     def __init__(self, file: Path, packages: Sequence[str] = ()) -> None:
-        """Look in the folders around ``file``. Each of ``packages`` is a package, or a
-        folder that holds packages.
+        """Prepare the search around ``file``. Each of ``packages`` is a package, or a
+        folder that contains packages.
         """
         self._folder = file.resolve().parent
         given = filter(None, os.environ.get(PACKAGE_PATHS, "").split(os.pathsep))
@@ -65,13 +67,15 @@ class MeshPaths:
                 yield place
 
     def _allowed(self, path: Path) -> bool:
-        """Whether a file is in the package, next to it, or in a named package."""
+        """Whether a file is in the robot's package, in a package next to it, or in a
+        named package.
+        """
         places = (self._root, *self._given)
         return any(path.is_relative_to(place.resolve()) for place in places)
 
 
 def package_name(folder: Path) -> str | None:
-    """Name in a folder's package.xml. None if there is none."""
+    """Name in a folder's package.xml, or None."""
     file = folder / "package.xml"
     if not file.is_file():
         return None
@@ -82,5 +86,5 @@ def package_name(folder: Path) -> str | None:
 
 
 def readable(path: Path) -> bool:
-    """Whether the installed libraries read a mesh of this format."""
+    """Whether the installed libraries can read a mesh of this format."""
     return path.suffix.lower() != ".dae" or find_spec("collada") is not None

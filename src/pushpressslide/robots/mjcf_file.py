@@ -1,4 +1,4 @@
-"""A robot's MJCF file as data, read as MuJoCo compiles it."""
+"""A robot's MJCF file as data, read in the same way as MuJoCo compiles it."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def _frames(body: Body) -> Iterator[Frame]:
 
 
 def _shapes(body: Body, model: Model, geoms: Sequence[Geom]) -> Iterator[LinkShape]:
-    """Yield the shapes of a body's geoms."""
+    """Yield the shapes of a body, one for each geom."""
     for geom in geoms:
         shape = geom.shape
         if shape is not None:
@@ -123,10 +123,10 @@ def _joints(
     odd: dict[str, str],
     notes: list[str],
 ) -> list[JointFacts]:
-    """Joints from a body's parent to the body. A fixed joint is added to the body's own
-    if it has none, or if its frame is not at the last one.
+    """Joints from a body's parent to the body.
 
-    Adds joints that cannot be driven to ``odd``.
+    A fixed joint is added if the body has no joint, or if its frame is not at its last
+    joint. Joints that cannot be driven are added to ``odd``.
     """
     parent = body.parent or WORLD
     out: list[JointFacts] = []
@@ -161,9 +161,10 @@ def _joints(
 
 
 def _is_free(part: Part, body: Body, notes: list[str]) -> bool:
-    """Whether a joint leaves its body free, as that of a base may, with a note.
+    """Whether a joint leaves its body free, as at a robot's base. A note is added if
+    so.
 
-    Raises UnfitValue for such a joint of another body.
+    Raises UnfitValue for such a joint at any other body.
     """
     kind = part.values.get("type", part.element.tag)
     if kind not in (FREE, "freejoint"):
@@ -175,7 +176,7 @@ def _is_free(part: Part, body: Body, notes: list[str]) -> bool:
 
 
 def _anchor(part: Part) -> Array:
-    """Place (3,) [m] of a joint in its body's frame."""
+    """Position (3,) [m] of a joint in its body's frame."""
     R, p = part.X
     place = f"{part.place}, pos"
     out: Array = p + R @ np.array(vector(part.values.get("pos"), 3, place, (0.0,) * 3))
@@ -185,7 +186,7 @@ def _anchor(part: Part) -> Array:
 def _driven(
     frame: JointFacts, part: Part, model: Model, efforts: Mapping[str, float]
 ) -> JointFacts:
-    """A hinge or slide at the place of a fixed joint."""
+    """A hinge or slide in place of a fixed joint."""
     values = part.values
     place = f"joint {frame.name!r}"
     turns = values.get("type", "hinge") == "hinge"
@@ -215,7 +216,7 @@ def _driven(
 
 
 def _number(values: Mapping[str, str], key: str, place: str) -> float:
-    """A number of a joint, 0 by default."""
+    """A number of a joint. 0 by default."""
     words = values.get(key, "0").split()
     return number(words[0] if words else "", f"{place}, {key}", "a finite number")
 
@@ -252,7 +253,7 @@ def _efforts(model: Model) -> dict[str, float]:
 
 
 def _coupled(model: Model) -> dict[str, str]:
-    """Joints that equality constraints let follow others, by name."""
+    """Joints that follow other joints by equality constraints, by name."""
     pairs = [
         (element.get("joint1", ""), element.get("joint2"))
         for element in model.root.findall("equality/joint")

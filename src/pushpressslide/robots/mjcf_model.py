@@ -26,7 +26,7 @@ Pose = tuple[Array, Array]  # (3, 3) and (3,) [m]
 
 @dataclass(frozen=True)
 class Part:
-    """A body, joint, geom, site or inertial element of a body."""
+    """An element of a body: body, joint, geom, site or inertial."""
 
     element: Element
     values: Mapping[str, str]  # with the defaults of its class
@@ -41,7 +41,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Body:
-    """A body with its parts, other bodies excluded."""
+    """A body with its parts, except other bodies."""
 
     name: str
     parent: str  # empty for the world
@@ -49,13 +49,13 @@ class Body:
     parts: tuple[Part, ...]
 
     def parts_of_kind(self, *tags: str) -> list[Part]:
-        """The parts with one of some tags."""
+        """The parts with one of the given tags."""
         return [part for part in self.parts if part.element.tag in tags]
 
 
 @dataclass(frozen=True)
 class Model:
-    """Elements of an MJCF file, with the settings of its compiler."""
+    """Elements of an MJCF file, and the settings of its compiler."""
 
     root: Element
     compiler: Mapping[str, str]
@@ -63,9 +63,10 @@ class Model:
 
     @classmethod
     def from_file(cls, root: Element, paths: MeshPaths) -> Model:
-        """Model of a file's ``root``; included files are next to it.
+        """Model of a file with the given ``root``. Included files are next to this
+        file.
 
-        Raises PushPressSlideError for what is not supported.
+        Raises PushPressSlideError for elements that are not supported.
         """
         _include(root, paths, [])
         compiler: dict[str, str] = {}
@@ -77,9 +78,9 @@ class Model:
         return cls(root, compiler, classes)
 
     def values(self, element: Element, childclass: str) -> dict[str, str]:
-        """Attributes of an element, with those of its class.
+        """Attributes of an element, completed by those of its class.
 
-        Raises UnfitValue for a class that is not there.
+        Raises UnfitValue for a missing class.
         """
         name = element.get("class") or childclass
         if name not in self.classes:
@@ -88,24 +89,24 @@ class Model:
         return {**self.classes[name].get(element.tag, {}), **element.attrib}
 
     def angle(self, value: float) -> float:
-        """An angle of the file in radians."""
+        """An angle of the file, converted to [rad]."""
         degrees = self.compiler.get("angle", "degree") == "degree"
         return float(np.radians(value)) if degrees else value
 
     def is_limited(self, values: Mapping[str, str], key: str = "") -> bool:
-        """Whether the range of a joint or an actuator counts."""
+        """Whether the range of a joint or an actuator applies."""
         limited = values.get(f"{key}limited", "auto")
         automatic = self.compiler.get("autolimits", "true") == "true"
         given = f"{key}range" in values
         return given and (limited == "true" or (limited == "auto" and automatic))
 
     def pose(self, values: Mapping[str, str], place: str) -> Pose:
-        """Pose that ``pos`` and one of the five forms of an orientation give."""
+        """Pose from ``pos`` and one of the five forms of an orientation."""
         p = vector(values.get("pos"), 3, f"{place}, pos", (0.0,) * 3, FARTHEST)
         return self.rotation(values, place), np.array(p)
 
     def rotation(self, values: Mapping[str, str], place: str) -> Array:
-        """Rotation (3, 3) of one of the five forms of an orientation."""
+        """Rotation (3, 3) from one of the five forms of an orientation."""
 
         def numbers(key: str, count: int) -> Array:
             return np.array(vector(values[key], count, f"{place}, {key}"))
@@ -146,7 +147,7 @@ class Model:
         return out
 
     def _add_body(self, bodies: list[Body], part: Part, parent: str) -> None:
-        """Add a body and all below it."""
+        """Add a body and all bodies below it."""
         name = part.values.get("name") or f"body_{len(bodies)}"
         inner = part.element.get("childclass") or part.childclass
         parts = tuple(self._parts(part.element, inner, (np.eye(3), np.zeros(3))))
@@ -157,7 +158,7 @@ class Model:
                 self._add_body(bodies, one, name)
 
     def _parts(self, holder: Element, childclass: str, X: Pose) -> Iterator[Part]:
-        """Yield the elements of a body or a frame at ``X`` in the body."""
+        """Yield the elements of a body, or of a frame at the pose ``X`` in the body."""
         for element in holder:
             if element.tag in UNREAD:
                 raise PushPressSlideError(
@@ -179,7 +180,7 @@ class Model:
 
 
 def rotation_to(direction: Array) -> Array:
-    """Smallest rotation (3, 3) of the z axis to a direction (3,)."""
+    """Smallest rotation (3, 3) that turns the z axis to a direction (3,)."""
     unit = direction / np.linalg.norm(direction)
     axis = np.cross([0.0, 0.0, 1.0], unit)
     size = float(np.linalg.norm(axis))
@@ -213,7 +214,7 @@ def _add_class(
     parent: Mapping[str, Mapping[str, str]],
     name: str,
 ) -> None:
-    """Add a class of defaults, and those inside it."""
+    """Add a class of defaults, and the classes inside it."""
     own = {tag: dict(values) for tag, values in parent.items()}
     for child in element:
         if child.tag != "default":

@@ -37,7 +37,7 @@ INFINITE = ("plane", "hfield", "sdf")
 
 @dataclass(frozen=True)
 class MeshAsset:
-    """A mesh that geoms use."""
+    """A mesh used by geoms."""
 
     path: Path
     scale: Triple
@@ -76,8 +76,8 @@ class Geom:
 
     @property
     def inertial(self) -> tuple[float, Array, Array]:
-        """Mass [kg], centre of mass (3,) [m] and inertia (3, 3) [kg m^2] about it, in
-        the body's frame.
+        """Mass [kg], centre of mass (3,) [m], and inertia (3, 3) [kg m^2] about the
+        centre of mass, in the body's frame.
         """
         volume, center, unit = self._solid()
         text = self.values.get("mass")
@@ -90,7 +90,7 @@ class Geom:
         return own, p + R @ center, own * R @ unit @ R.T
 
     def _solid(self) -> tuple[float, Array, Array]:
-        """Volume [m^3], centre (3,) [m], and inertia (3, 3) [m^2] of a unit mass."""
+        """Volume [m^3], centre (3,) [m], and inertia (3, 3) [m^2] per unit mass."""
         if self.asset is not None:
             return _mesh_solid(self.asset)
         squares = np.square(self.size)
@@ -109,8 +109,8 @@ class Geom:
 
 
 def _round_solid(r: float, half: float, capped: bool) -> tuple[float, Array]:
-    """Volume and principal inertias of a unit mass of a cylinder, with hemispheres if
-    it is ``capped``.
+    """Volume [m^3], and principal inertias [m^2] per unit mass, of a cylinder. It has
+    hemispherical ends if ``capped``.
     """
     body = 2.0 * np.pi * r * r * half
     caps = 4.0 / 3.0 * np.pi * r**3 if capped else 0.0
@@ -122,8 +122,8 @@ def _round_solid(r: float, half: float, capped: bool) -> tuple[float, Array]:
 
 
 def _mesh_solid(asset: MeshAsset) -> tuple[float, Array, Array]:
-    """Volume, centre and inertia of a unit mass of a mesh, or of its hull if it is
-    open.
+    """Volume [m^3], centre [m], and inertia [m^2] per unit mass, of a mesh, or of its
+    hull if the mesh is open.
     """
     mesh = read_mesh(str(asset.path))
     if mesh is None:
@@ -189,7 +189,7 @@ def geom_of(
 
 
 def link_of(body: Body, model: Model, geoms: Sequence[Geom]) -> LinkFacts:
-    """The body as a link: its mass and inertia as given, or from its geoms."""
+    """The body as a link. Mass and inertia are as given, or computed from the geoms."""
     given = body.parts_of_kind("inertial")
     source = model.compiler.get("inertiafromgeom", "auto")
     if given and source != "true":

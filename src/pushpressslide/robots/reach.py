@@ -1,4 +1,6 @@
-"""Reach of robots by kinematics alone, quick enough for the loading of a task."""
+"""Reach of robots from kinematics alone, quick enough to be checked when a task is
+loaded.
+"""
 
 from __future__ import annotations
 
@@ -22,12 +24,13 @@ from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 
 REACH_MARGIN = 0.02
-"""Distance [rad] of every joint from its limits at a point that counts as within reach.
+"""Smallest distance [rad] of every joint from its limits at a point that counts as
+within reach.
 """
 
 QUICK_SEEDS = [0, 1, 2, 3, 6]
-"""Indices in the structured starts of ``default_seeds``: the home posture turned, other
-wrists, other elbows.
+"""Indices of the structured starts of ``default_seeds`` used in a quick search: the
+home posture turned, other wrists, other elbows.
 """
 
 QUICK = IkSearch(iterations=30)
@@ -52,8 +55,8 @@ class Reach:
     q: Array  # (m, n) posture of that margin
 
     def replaced(self, rows: NDArray[np.intp], other: Reach) -> Reach:
-        """Copy in which the entries at ``rows`` are replaced, in order, by all entries
-        of ``other``.
+        """Copy in which the elements at ``rows`` are replaced, in order, by the
+        elements of ``other``.
         """
         ok = self.ok.copy()
         joint_margin = self.joint_margin.copy()
@@ -78,10 +81,10 @@ def reachable(
     """Reach of points (m, 3) [m] by the tip's centre at a given tool attitude, with
     ``joint_margin`` [rad].
 
-    tool_yaw: [rad], scalar or (m,); None leaves it free. Searched from the home posture
-    and its neighbours, so that the arm folded over backwards does not count. Of the
-    points that a quick search misses, the nearest are searched at length, unless
-    ``quick``.
+    ``tool_yaw`` [rad] is a scalar or (m,); None leaves it free. The search starts from
+    the home posture and its neighbours, so that postures folded over backwards do not
+    count. Unless ``quick``, the points that a quick search misses by the least are
+    searched again more thoroughly.
     """
     p = np.atleast_2d(np.asarray(points, dtype=np.float64))
     seeds = default_seeds(kin, p)[:, :STRUCTURED_SEEDS]
@@ -111,10 +114,10 @@ def first_look(
     targets: ToolAttitude | Array,
     joint_margin: float = REACH_MARGIN,
 ) -> Reach:
-    """Reach of points (m, 3) [m] by a short search, which finds most reachable points,
-    in any posture that keeps ``joint_margin`` [rad].
+    """Reach of points (m, 3) [m] by a short search, which finds most reachable points.
 
-    held: one attitude, or tool axes (m, 3), or rotations (m, 3, 3).
+    Any posture that keeps ``joint_margin`` [rad] counts. ``targets`` is one attitude,
+    tool axes (m, 3), or rotations (m, 3, 3).
     """
     starts = default_seeds(kin, p)[:, FIRST_SEEDS]
     return _reach(solve_ik(kin, p, targets, None, starts, joint_margin, FIRST))
@@ -138,9 +141,9 @@ def held_somehow_problem(
     None.
 
     Each of ``holds`` is an attitude with tool yaws (m,) [rad], or None for any yaw. The
-    hardest places are checked first: both ends, the nearest to the base's axis and the
-    farthest. If the first hold misses one of them, all others are tried there at once.
-    A long search follows only if a first look has found no hold.
+    hardest points are checked first: both ends, the point nearest to the base's axis
+    and the farthest point. If the first hold misses one of these, all other holds are
+    tried there at once. A long search follows only if a short search finds no hold.
     """
     kin = arm_kinematics(robot)
     p = np.array(points, dtype=np.float64).reshape(-1, 3)
@@ -173,13 +176,13 @@ class _PathReach:
     hardest: list[int]  # indices of the points that are searched first
 
     def short(self, targets: Array) -> Array:
-        """Shortfall [m] by ``short_by`` at the hardest places."""
+        """Shortfall [m], as in ``short_by``, at the hardest points."""
         return short_by(self.kin, self.p[self.hardest], targets[self.hardest])
 
     def first_search(self, targets: Array) -> tuple[list[int], Reach]:
-        """Checked places, and the reach found for them.
+        """Checked points, and the reach found for them.
 
-        All places, unless one of the hardest ones fails.
+        All points are checked, unless one of the hardest fails.
         """
         short = self.short(targets)
         postures = np.zeros((len(self.hardest), self.kin.facts.size))
@@ -210,9 +213,9 @@ class _PathReach:
 
 def _some_hold(along: _PathReach, holds: list[Array], worst: int) -> tuple[bool, Reach]:
     """Whether one of ``holds`` reaches all points, and the reach of the ``worst`` point
-    by each hold.
+    with each hold.
 
-    Holds that miss the worst point are not tried on the other points. If no hold
+    Holds that miss the worst point are not tried at the other points. If no hold
     succeeds, the search is repeated with more patience.
     """
     kin = along.kin
@@ -229,7 +232,9 @@ def _some_hold(along: _PathReach, holds: list[Array], worst: int) -> tuple[bool,
 
 
 def _tool_targets(hold: ToolAttitude, yaws: Array | None, count: int) -> Array:
-    """Tool axes (count, 3) for any yaw, or with ``yaws`` its rotations (count, 3, 3)."""
+    """Tool axes (count, 3) if any yaw is allowed, or rotations (count, 3, 3) for given
+    ``yaws``.
+    """
     if yaws is None:
         return np.broadcast_to(hold.axis, (count, 3))
     return hold.rotation(yaws)
@@ -247,8 +252,8 @@ def _worst(reach: Reach) -> int:
 
 
 def short_by(kin: ArmKinematics, p: Array, targets: Array) -> Array:
-    """Shortfall [m] of the stretched links for points (m, 3). Negative within their
-    span.
+    """Distances (m,) [m] of points (m, 3) beyond the span of the stretched links.
+    Negative within the span.
     """
     shoulder, wrist, span = kin.span
     out: Array = np.linalg.norm(p - wrist * _axes(targets) - shoulder, axis=-1) - span
@@ -258,8 +263,10 @@ def short_by(kin: ArmKinematics, p: Array, targets: Array) -> Array:
 def _all_along(
     kin: ArmKinematics, p: Array, targets: Array, known: Sequence[int], there: Reach
 ) -> Reach:
-    """Reach of all points ``p``, by a search that starts from the postures ``there``
-    already found at the points ``known``.
+    """Reach of all points ``p``.
+
+    The search starts from the postures ``there``, which were already found at the
+    points ``known``.
     """
     nearest = np.linalg.norm(p[:, None] - p[known], axis=-1).argmin(axis=1)
     starts = there.q[nearest][:, None]
@@ -270,11 +277,11 @@ def _all_along(
 def _retried(
     kin: ArmKinematics, p: Array, targets: Array, reach: Reach, *, each: bool = False
 ) -> Reach:
-    """Reach after another search for the failed points, now with the joints kept off
-    their limits.
+    """Reach after another search for the failed points, now with the joints kept away
+    from their limits.
 
-    Points farther from the shoulder than the stretched links are left out. With
-    ``each`` all points are searched; otherwise the search stops once one is hopeless.
+    Hopeless points, such as points beyond the span of the stretched links, are not
+    searched. If there is one, no other point is searched either, except with ``each``.
     """
     short = short_by(kin, p, targets)
     near = (short <= 0.0) & ((reach.miss < HOPELESS) | (short < -FOLDED))

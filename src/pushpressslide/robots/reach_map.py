@@ -1,8 +1,8 @@
 """Precomputed tables of an arm's reach for given tool attitudes.
 
-An arm that stands upright and turns about its own vertical axis reaches the same
-distances all round, if the tool leans the same way as seen from the base. A search
-along one line therefore covers the whole table.
+An upright arm that turns about its vertical axis reaches the same distances in all
+directions, if the tool leans the same way as seen from the base. A search along one
+radial line therefore covers the whole table.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class _Table:
     """Reach of a robot at the origin at one height, with its tool tilted by one angle,
     at DISTANCES.
 
-    One line for each direction of the lean, computed on demand.
+    There is one radial line for each direction of the lean, computed on demand.
     """
 
     def __init__(self, robot: Robot, height: float, tilt: float) -> None:
@@ -52,14 +52,14 @@ class _Table:
         self.turned = np.zeros((LEANS, len(DISTANCES)))
 
     def know(self, leans: NDArray[np.intp]) -> None:
-        """Compute the missing lines at some ``leans``."""
+        """Compute the missing lines for the given ``leans``."""
         for k in set(leans[~self._known[leans]].tolist()):
             self.ok[k], self.turned[k] = self._line(k)
             self._known[k] = True
 
     def _line(self, lean: int) -> tuple[NDArray[np.bool_], Array]:
         """Reach at all distances straight ahead, and the first joint's angle [rad] at
-        each.
+        each distance.
         """
         kin = arm_kinematics(self._robot)
         points = np.zeros((len(DISTANCES), 3))
@@ -90,11 +90,11 @@ def surely_reached(
     points: Sequence[tuple[float, float, float]],
     holds: Sequence[ToolAttitude],
 ) -> bool:
-    """Whether, by the tables, one of ``holds`` brings a robot's tip to all ``points``
-    [m] in the world, which are at one height.
+    """Whether, according to the tables, one of ``holds`` brings a robot's tip to all
+    ``points`` [m] in the world.
 
-    False if the tables do not cover them. The holds are about the world's axes, and do
-    not turn with the object.
+    The points are at one height. False if the tables do not cover them. The holds are
+    relative to the world's axes, and do not turn with the object.
     """
     if not has_tables(robot):
         return False
@@ -116,11 +116,11 @@ def surely_reached(
 
 
 def each_reached(robot: Robot, points: Array, azimuths: Array) -> NDArray[np.bool_]:
-    """Mask (m,) of the ``points`` (m, 3) [m] in the world, all at one height, that a
-    robot's tip reaches by the tables.
+    """Mask (m,) of the ``points`` (m, 3) [m] in the world that a robot's tip reaches
+    according to the tables.
 
-    The tool is upright, or leaned towards one of the point's ``azimuths`` (m, k) [rad].
-    False if the tables do not cover a point.
+    The points are at one height. The tool is upright, or leans towards one of the
+    point's ``azimuths`` (m, k) [rad]. False for points that the tables do not cover.
     """
     out = np.full(len(points), False)
     if not has_tables(robot) or len(points) == 0:
@@ -157,9 +157,10 @@ def _reached_with_tilt(
     first: Array,
     lean: Array,
 ) -> bool:
-    """Whether all places (m,) are reached, by the cells of a table next to each.
+    """Whether all places (m,) are reached, according to the neighbouring cells of a
+    table.
 
-    ``first`` [rad]: turn of the first joint from straight ahead to each place.
+    ``first`` [rad] is the turn of the first joint from straight ahead to each place.
     """
     row = distance / STEP - 1.0
     low = np.floor(row).astype(int)
@@ -185,7 +186,7 @@ def _reached_with_tilt(
 
 @lru_cache(maxsize=64)
 def _first_joint(robot: Robot) -> tuple[float, float]:
-    """Allowed interval [rad] of the robot's first joint."""
+    """Allowed range [rad] of the robot's first joint."""
     facts = arm_kinematics(robot).facts
     return facts.lower[0] + REACH_MARGIN, facts.upper[0] - REACH_MARGIN
 

@@ -1,4 +1,4 @@
-"""An object in a URDF, SDF or MJCF file, as one rigid body: all joints at zero."""
+"""An object in a URDF, SDF or MJCF file, as one rigid body with all joints at zero."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pushpressslide.robots.file_tree import check_tree
 from pushpressslide.robots.xml_root import xml_root
 
 FRICTIONS = ("mu", "mu1", "drake_mu_dynamic")
-"""Elements of URDF and SDF that give the friction of a surface."""
+"""Elements of URDF and SDF that specify the friction of a surface."""
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,8 @@ class RigidObject:
 def read_rigid_object(path: Path) -> RigidObject:
     """Object in a file.
 
-    Raises PushPressSlideError, in one line, for a file that cannot be read or has no
-    shape.
+    Raises PushPressSlideError, in one line, for a file that cannot be read or contains
+    no shape.
     """
     content = read_content(path, ())
     check_tree([link.name for link in content.links], content.joints)
@@ -76,7 +76,7 @@ def _pose(xyz: Sequence[float], rpy: tuple[float, float, float]) -> Array:
 
 
 def _frictions(path: Path) -> Iterator[float]:
-    """Frictions of surfaces that a file gives."""
+    """Frictions of surfaces specified in a file."""
     for element in xml_root(path).iter():
         text = element.get("friction") if element.tag == "geom" else None
         if element.tag in FRICTIONS:

@@ -1,5 +1,5 @@
-"""A robot's SDF file as data: one model, link poses in the model's frame, joints at
-their child link.
+"""A robot's SDF file as data: one model, link poses in the model's frame, and joints at
+their child links.
 """
 
 from __future__ import annotations
@@ -118,7 +118,7 @@ def _link(link: Element) -> LinkFacts:
 
 
 def _joint(joint: Element, poses: dict[str, tuple[Array, Array]]) -> JointFacts:
-    """Joint between two links with the given poses in the model."""
+    """Joint between two links, whose ``poses`` are in the model's frame."""
     name = joint.attrib["name"]
     kind = joint.attrib["type"]
     parent = (joint.findtext("parent") or "").strip()
@@ -153,7 +153,7 @@ def _joint(joint: Element, poses: dict[str, tuple[Array, Array]]) -> JointFacts:
 
 
 def _motor(axis: Element, joint: Element) -> dict[str, float]:
-    """Damping of a joint, and what Drake's tags say of its motor."""
+    """Damping of a joint, and its motor's properties from Drake's tags."""
     name = joint.attrib["name"]
     texts = {
         "damping": axis.findtext("dynamics/damping"),

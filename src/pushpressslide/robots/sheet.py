@@ -23,7 +23,7 @@ MARGIN = 0.05  # [rad] distance from the joint limits
 
 @dataclass(frozen=True)
 class Workspace:
-    """Positions of the tip over a table with the tool down, and the largest forces
+    """Tip positions over a table with the tool pointing down, and the largest forces
     there.
     """
 
@@ -35,8 +35,8 @@ class Workspace:
 
 
 def potential_energy(kin: ArmKinematics, q: Array) -> Array:
-    """Potential energy (...) [J] of the links in postures (..., n). The rod is taken to
-    be massless.
+    """Potential energy (...) [J] of the links in postures (..., n). The rod is assumed
+    to be massless.
     """
     poses = dict(kin.link_poses(q))
     for joint in kin.facts.branches:
@@ -68,7 +68,7 @@ def largest_force(kin: ArmKinematics, q: Array, direction: Array) -> Array:
     """Largest force (m,) [N] of the tip along a unit ``direction`` (3,) in the world,
     in postures (m, n).
 
-    The joints' torques have to hold the arm's own weight as well.
+    The joint torques must also hold the arm's own weight.
     """
     effort = kin.facts.effort_limit
     weight = gravity_torque(kin, q)
@@ -82,15 +82,15 @@ def largest_force(kin: ArmKinematics, q: Array, direction: Array) -> Array:
 
 def largest_press(kin: ArmKinematics) -> float:
     """Largest downward force [N] of an arm anywhere over the table, with the tool down.
-    Infinite without torque limits, or if no position is in reach.
+    Infinite without torque limits, or if no position is within reach.
     """
     found = workspace(kin)
     return float(found.press[found.reached].max(initial=0.0)) or math.inf
 
 
 def too_weak(kin: ArmKinematics) -> tuple[str, float, float] | None:
-    """Joint that cannot hold the arm's own weight in its ready posture, with the needed
-    torque and its limit [N m; N], or None.
+    """Joint that cannot hold the arm's own weight in its ready posture, with the
+    required torque and its limit [N m; N]. None if all joints can.
     """
     facts = kin.facts
     needed = np.abs(gravity_torque(kin, facts.home[None])[0])
@@ -102,8 +102,8 @@ def too_weak(kin: ArmKinematics) -> tuple[str, float, float] | None:
 
 
 def workspace(kin: ArmKinematics, height: float = HEIGHT) -> Workspace:
-    """Workspace at a ``height`` [m] of the tip above the base's foot, for a base at the
-    origin.
+    """Workspace with the tip at ``height`` [m] above the foot of the base, which is at
+    the origin.
     """
     reach = float(np.linalg.norm(kin.tip_pose(kin.facts.home)[1]))
     side = np.linspace(-2.0 * reach, 2.0 * reach, POINTS)

@@ -1,9 +1,9 @@
-"""Tool attitude: the tool's axis is constant in the support's frame, or turns about the
-support's normal with the object.
+"""Tool attitude: the tool's axis is constant in the support's frame, or turns with the
+object about the support's normal.
 
 The tip frame T has its origin at the centre of the tip's sphere and its z axis along
-the tool, out of the flange. Frame S is the support's: x and y along the surface, z out
-of it towards the robots (on a table the world's axes; left-handed on a wall, see
+the tool, out of the flange. S is the frame of the support: x and y along the surface, z
+out of it towards the robots (on a table the world's axes; left-handed on a wall, see
 core/support_frame.py). An upright tool points along -z_S. The TOOL YAW is the angle,
 from x_S to y_S, of the tool's x axis projected on the plane of x_S and y_S.
 """
@@ -27,13 +27,13 @@ TOOL_TILTS = tuple(math.radians(a) for a in (0.0, 12.0, 24.0, 36.0))
 
 @dataclass(frozen=True)
 class ToolAttitude:
-    """Direction of the tool's axis: tilted by ``tilt`` from upright, the tip leaning
-    towards ``azimuth``.
+    """Direction of the tool's axis: tilted by ``tilt`` from upright, with the tip
+    leaning towards ``azimuth``.
 
     In S the axis is (sin tilt cos azimuth, sin tilt sin azimuth, -cos tilt): the flange
     is displaced from the tip in the direction opposite to ``azimuth``. With ``turns``
-    this holds at tool yaw 0, and the whole tool turns about z_S with its yaw, as if
-    fixed to the object.
+    this is the axis at tool yaw 0, and the whole tool turns about z_S with the yaw, as
+    if fixed to the object.
 
     Raises PushPressSlideError for a tilt outside [0, pi/2).
     """
@@ -62,11 +62,11 @@ class ToolAttitude:
         return out
 
     def rolled(self, radius: float, turned: float) -> float:
-        """Distance that a tip of ``radius`` [m] rolls on an object that turns by the
-        angle ``turned`` [rad].
+        """Distance [m] that a tip of ``radius`` [m] rolls on an object that turns by
+        ``turned`` [rad].
 
-        A tilted tool that keeps its attitude rolls because the object turns about
-        another axis.
+        A tilted tool that keeps its attitude rolls, because the object turns about an
+        axis other than the tool's.
         """
         if self.turns:
             return 0.0
@@ -117,8 +117,8 @@ class ToolAttitude:
         return axes, np.array([1.0, round(float(np.linalg.det(axes))), 1.0])
 
     def rotation_at(self, tool_yaw: float) -> Array:
-        """Rotation R_WT (3, 3) for one tool yaw [rad]: as ``rotation``, in plain
-        floats, for a control loop.
+        """Rotation R_WT (3, 3) for one tool yaw [rad], as ``rotation`` but in plain
+        floats, for control loops.
         """
         s = math.sin(self.tilt)
         cz = -math.cos(self.tilt)
@@ -151,4 +151,4 @@ class ToolAttitude:
 
 
 UPRIGHT = ToolAttitude()
-"""The tool points straight down at a table."""
+"""Attitude of a tool that points straight down at a table."""

@@ -1,5 +1,5 @@
-"""URDF text of a robot's facts, generated in memory: kinematics, inertias, limits,
-rotors, smooth shapes.
+"""URDF text generated from a robot's facts: kinematics, inertias, limits, rotors,
+smooth shapes.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ def numbers(values: Iterable[float]) -> str:
 def pose_between(
     p: Sequence[float], q: Sequence[float]
 ) -> tuple[tuple[float, ...], tuple[float, ...], float]:
-    """Midpoint (3,) [m] of p and q, roll-pitch-yaw (3,) [rad] that point z from p
-    towards q, and their distance [m].
+    """Midpoint (3,) [m] of p and q, roll-pitch-yaw angles (3,) [rad] that point z from
+    p towards q, and the distance [m] of p and q.
     """
     d = [float(b) - float(a) for a, b in zip(p, q, strict=True)]
     length = math.sqrt(sum(v * v for v in d))
@@ -103,8 +103,8 @@ def _joint(joint: JointFacts) -> str:
 
 
 def _filters(facts: RobotFacts) -> list[str]:
-    """Collision filter groups of three neighbouring links, whose capsules overlap by
-    construction.
+    """Collision filter groups of three neighbouring links each, whose capsules overlap
+    by construction.
     """
     chain = [facts.base, *(joint.child for joint in facts.joints)]
     solid = [name for name in chain if any(c.link == name for c in facts.capsules)]
@@ -120,9 +120,9 @@ def _filters(facts: RobotFacts) -> list[str]:
 
 
 def urdf_text(facts: RobotFacts, collision: bool = False) -> str:
-    """URDF text of the robot, base to flange, without a tip.
+    """URDF text of the robot from base to flange, without a tip.
 
-    ``collision`` adds capsules for clearances.
+    With ``collision`` it includes capsules for clearances.
     """
     body = [_link(facts, link, collision) for link in facts.links] + [
         _joint(joint) for joint in (*facts.joints, *facts.branches)

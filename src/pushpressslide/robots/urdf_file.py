@@ -89,7 +89,7 @@ def _link(link: Element) -> LinkFacts:
 
 
 def _rotor(transmission: Element) -> tuple[str, dict[str, float]]:
-    """Joint of a transmission, and what Drake's tags say of its motor."""
+    """Joint of a transmission, and its motor's properties from Drake's tags."""
     joint = transmission.find("joint")
     name = "" if joint is None else joint.get("name") or ""
     out = {}
@@ -140,7 +140,7 @@ def attributes(element: Element | None) -> dict[str, str | None]:
 
 
 def _color(material: Element) -> Triple | None:
-    """Colour that a material element states, or None."""
+    """Colour of a material element, or None."""
     color = material.find("color")
     values = (color.get("rgba") or "").split()[:3] if color is not None else []
     try:
@@ -151,7 +151,7 @@ def _color(material: Element) -> Triple | None:
 
 
 def _shape_color(colors: Mapping[str, Triple | None], holder: Element) -> Triple | None:
-    """Colour of a shape: its own, or that of the material that it names."""
+    """Colour of a shape: its own, or that of the material it refers to."""
     material = holder.find("material")
     if material is None:
         return None

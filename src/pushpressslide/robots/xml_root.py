@@ -1,4 +1,4 @@
-"""Root element of a robot's file: plain XML, without entities from elsewhere."""
+"""Root element of a robot's file: plain XML, without external entities."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pushpressslide.core.errors import PushPressSlideError
 
 
 def xml_root(path: Path) -> Element:
-    """Root of a file. Prefixes become a part of the names.
+    """Root of a file. Prefixes become part of the names.
 
     Raises PushPressSlideError for a file that is not XML, and OSError for one that
     cannot be read.

@@ -15,9 +15,10 @@ class DifferentialCar:
     """The reduced model of two parallel pushes by normal forces (docs/mechanics.md,
     section 5, mode 2).
 
-    Vehicle frame V: origin at the centre of pressure, x along the pushes. The normals
-    cannot pull, so the curvature lies in [-left_offset/rho^2, right_offset/rho^2]: no
-    turning on the spot, no reverse. Raises ValueError for offsets <= 0.
+    The vehicle frame V has its origin at the centre of pressure and its x axis along
+    the pushes. The contacts cannot pull, so the curvature lies in [-left_offset/rho^2,
+    right_offset/rho^2]. The car cannot turn on the spot or reverse. Raises ValueError
+    for offsets <= 0.
     """
 
     cop: Point  # [m] in B
@@ -46,14 +47,14 @@ class DifferentialCar:
 
     @property
     def minimum_turning_radius(self) -> float:
-        """Smallest turning radius [m], to the better side."""
+        """Smallest turning radius [m], to the side with the tighter turns."""
         return self.rho * self.rho / max(self.left_offset, self.right_offset)
 
     def normals(self, curvature: float, max_force: float) -> tuple[float, float]:
         """Left and right normal force [N], on the limit surface.
 
-        Outside the limits one is < 0. F = mu_s N / sqrt(1 + (rho kappa)^2), tau = rho^2
-        kappa F; ``max_force`` [N] is mu_s N.
+        Outside the curvature limits one of them is negative. F = mu_s N / sqrt(1 + (rho
+        kappa)^2) and tau = rho^2 kappa F; ``max_force`` [N] is mu_s N.
         """
         force = max_force / math.hypot(1.0, self.rho * curvature)
         torque = self.rho * self.rho * curvature * force

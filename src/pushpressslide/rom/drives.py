@@ -1,7 +1,7 @@
 """The drives: the reduced-model data of a segment, one frozen class each.
 
-A drive holds the data needed by tracker, allocator, replanning and report
-(``core.drive.Drive``). Lengths in metres, angles in radians, forces in newtons; points
+A drive contains the data that tracker, allocator, replanning and report need
+(``core.drive.Drive``). Lengths are in [m], angles in [rad], forces in [N], and points
 in the body frame B.
 """
 
@@ -22,7 +22,7 @@ ORIGIN = (0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class VehicleDrive:
-    """Base of all vehicle drives: the friction and rho of the car."""
+    """Base class of all vehicle drives: the friction and rho of the car."""
 
     car: RearSteerCar | PushedCar | Unicycle
     max_friction: float  # [N]
@@ -55,7 +55,9 @@ class RearSteerDrive(VehicleDrive):
 
     @property
     def X_BV(self) -> Pose2:
-        """Frame at the virtual front axle, the height's shift included."""
+        """Frame at the virtual front axle, including the shift caused by the height of
+        the contact.
+        """
         X = self.car.X_BV
         dx = self.shift * math.cos(X.yaw)
         dy = self.shift * math.sin(X.yaw)
@@ -69,7 +71,7 @@ class RearSteerDrive(VehicleDrive):
 
 @dataclass(frozen=True, slots=True)
 class PressedDrive(VehicleDrive):
-    """Base of all drives of one press."""
+    """Base class of all drives of one press."""
 
     car: Unicycle
 
@@ -87,9 +89,9 @@ class PressedDrive(VehicleDrive):
 class UnicycleDrive(PressedDrive):
     """One press, steered along a path by the angle of its force.
 
-    Common relation of all steered drives: tan(force angle - angle) =
-    effective_wheelbase (curvature - turn). The force at an angle phi from the axis is
-    max_friction / sqrt(1 + stiffness sin^2 phi).
+    All steered drives have the relation tan(force angle - angle) = effective_wheelbase
+    (curvature - turn). The force at an angle phi from the axis is max_friction / sqrt(1
+    + stiffness sin^2 phi).
     """
 
     steepest: float  # [rad] force angle from the motion that it may be steered with
@@ -109,7 +111,7 @@ class UnicycleDrive(PressedDrive):
 
     @property
     def turn(self) -> float:
-        """Curvature [1/m] at zero steering, zero for a straight drive."""
+        """Curvature [1/m] without steering. Zero for a straight drive."""
         return 0.0
 
     @property
@@ -119,24 +121,24 @@ class UnicycleDrive(PressedDrive):
 
     @property
     def right(self) -> float:
-        """Largest steering of the force to the right [rad], < 0."""
+        """Largest steering [rad] of the force to the right, negative."""
         return -self.steepest
 
     @property
     def left(self) -> float:
-        """Largest steering of the force to the left [rad], > 0."""
+        """Largest steering [rad] of the force to the left, positive."""
         return self.steepest
 
     @property
     def stiffness(self) -> float:
-        """The ratio (d / rho)^2."""
+        """Square (d / rho)^2 of the ratio of the lever to rho."""
         return self.car.lever / self.car.effective_wheelbase
 
 
 @dataclass(frozen=True, slots=True)
 class TurnDrive(PressedDrive):
-    """One press, a turn by a force at one angle: a segment of a manoeuvre, or its
-    run-in.
+    """One press that turns the object by a force at one angle: a segment of a
+    manoeuvre, or its run-in.
     """
 
     X_BV: Pose2  # at the turn's axle, x along its motion
@@ -152,7 +154,7 @@ class TurnDrive(PressedDrive):
 
     @property
     def steepest(self) -> float:
-        """Largest steering of the force to either side [rad]."""
+        """Largest steering [rad] of the force to either side."""
         return min(-self.right, self.left)
 
     def shifted(self, offset: Point) -> Self:
@@ -175,7 +177,7 @@ class SpinDrive(PressedDrive):
 
 @dataclass(frozen=True, slots=True)
 class CarDrive(VehicleDrive):
-    """Two pushes on one face as a car."""
+    """Two pushes on one face that drive the object as a car."""
 
     car: PushedCar
     curvature: float  # [1/m] tightest that a path may use
@@ -187,19 +189,19 @@ class CarDrive(VehicleDrive):
 
 
 SteeredDrive = UnicycleDrive | TurnDrive
-"""A pressed object whose force turns it like a unicycle."""
+"""A press whose force is steered like a unicycle."""
 
 
 @dataclass(frozen=True, slots=True)
 class SurfaceDrive:
-    """Base of all drives by twists."""
+    """Base class of all drives by twists."""
 
     surface: DraggedSurface  # the limit surface near the planned twist
     radius: float  # [m] weight of turns in the path's length
 
     @property
     def max_friction(self) -> float:
-        """Max friction of the surface [N]."""
+        """Maximum friction [N] of the surface."""
         return self.surface.max_force
 
     @property
@@ -215,7 +217,9 @@ class SurfaceDrive:
 
 @dataclass(frozen=True, slots=True)
 class TwistDrive(SurfaceDrive):
-    """Two pushes that drive any twist of a cone; V is B."""
+    """Two pushes that drive any twist in a cone. The vehicle frame V is the body frame
+    B.
+    """
 
     normal_force: float = 0.0  # [N] largest force of a contact, if planned
 
@@ -227,7 +231,7 @@ class TwistDrive(SurfaceDrive):
 
 @dataclass(frozen=True, slots=True)
 class HeldDrive(SurfaceDrive):
-    """Two contacts that hold the object and lead it along one twist."""
+    """Two contacts that hold the object and move it along one twist."""
 
     point: Point  # [m] in B, that is tracked
     lever: float  # [m/N] height of the tips above the CoM over the load
@@ -235,7 +239,7 @@ class HeldDrive(SurfaceDrive):
 
     @property
     def X_BV(self) -> Pose2:
-        """Frame at the tracked point, axes along B's."""
+        """Frame at the tracking point, with axes along those of B."""
         return Pose2(*self.point)
 
 
@@ -251,7 +255,7 @@ class PinnedDrive(SurfaceDrive):
 
     @property
     def X_BV(self) -> Pose2:
-        """Frame at the pin, axes along B's."""
+        """Frame at the pin, with axes along those of B."""
         return Pose2(*self.pin)
 
     @property

@@ -1,4 +1,4 @@
-"""An object that two arms push on one face, as a car of bounded curvature."""
+"""An object that two arms push on one face, as a car with bounded curvature."""
 
 from __future__ import annotations
 

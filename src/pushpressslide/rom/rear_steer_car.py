@@ -19,12 +19,12 @@ class RearSteerCar:
     """The reduced model of one sticking side push (docs/mechanics.md, sections 2 and 3,
     "Offset contact").
 
-    Vehicle frame V: origin at the VFA, x along the heading axis e, from the contact
-    through the centre of pressure. The steering is the angle of the contact force from
-    e, positive to the left. On the ellipsoid the VFA has no side slip under any
-    steering: its velocity is along e, and its path has curvature -(D/rho^2)
-    tan(steering). Raises ValueError for a contact that cannot push towards the centre
-    of pressure.
+    The vehicle frame V has its origin at the VFA and its x axis along the heading axis
+    e, which leads from the contact through the centre of pressure. The steering is the
+    angle of the contact force from e, positive to the left. On the ellipsoid the VFA
+    has no side slip under any steering: its velocity is along e, and its path has the
+    curvature -(D/rho^2) tan(steering). Raises ValueError for a contact that cannot push
+    towards the centre of pressure.
     """
 
     contact: Point  # [m] in B
@@ -109,14 +109,14 @@ class RearSteerCar:
     def curvature_limits(self) -> tuple[float, float]:
         """Smallest and largest curvature [1/m] of the VFA's path.
 
-        They need not have zero between them.
+        Both may have the same sign.
         """
         low, high = self.steering_limits
         return self.curvature(high), self.curvature(low)
 
     @property
     def minimum_turning_radius(self) -> float:
-        """Smallest turning radius [m], to the better side.
+        """Smallest turning radius [m], to the side with the tighter turns.
 
         Infinite if the car can only go straight.
         """
@@ -130,7 +130,7 @@ class RearSteerCar:
     def steering(self, curvature: float) -> float:
         """Steering [rad] for ``curvature`` [1/m].
 
-        Not limited to the cone.
+        It is not limited to the friction cone.
         """
         return -math.atan(self.effective_wheelbase * curvature)
 
@@ -149,8 +149,8 @@ class RearSteerCar:
         """Velocity [m/s] in B of the contact point when the VFA moves with ``speed``
         [m/s].
 
-        It is v (e + (1 + D^2/rho^2) tan(steering) t). So the pusher moves at an angle
-        psi from the heading axis that is larger than the steering.
+        It is v (e + (1 + D^2/rho^2) tan(steering) t). The pusher therefore moves at an
+        angle psi from the heading axis that is larger than the steering.
         """
         e = self.axis
         k = (1.0 + (self.lever / self.rho) ** 2) * math.tan(steering)

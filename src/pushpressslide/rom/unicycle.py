@@ -15,11 +15,11 @@ class Unicycle:
     """The reduced model of one sticking top press (docs/mechanics.md, sections 2 and
     4).
 
-    Vehicle frame V: origin at the virtual axle, x along the heading axis: from the
-    centre of pressure to the contact, or the other way round when driven ``backward``.
-    On the ellipsoid the axle has no side slip under any contact force. Raises
-    ValueError for a contact at the centre of pressure, where the object only
-    translates.
+    The vehicle frame V has its origin at the virtual axle and its x axis along the
+    heading axis. This axis leads from the centre of pressure to the contact, or the
+    other way round if driven ``backward``. On the ellipsoid the axle has no side slip
+    under any contact force. Raises ValueError for a contact at the centre of pressure,
+    where the object only translates.
     """
 
     contact: Point  # [m] in B
@@ -40,7 +40,9 @@ class Unicycle:
 
     @property
     def lever(self) -> float:
-        """Signed distance d [m] of the contact ahead of the CoP, < 0 when backward."""
+        """Signed distance d [m] of the contact ahead of the CoP, negative when driven
+        backward.
+        """
         d = math.hypot(self.contact[0] - self.cop[0], self.contact[1] - self.cop[1])
         return -d if self.backward else d
 
@@ -55,13 +57,13 @@ class Unicycle:
 
     @property
     def effective_wheelbase(self) -> float:
-        """Effective wheelbase rho^2 / d [m]: signed tan(force angle) per curvature."""
+        """Signed effective wheelbase rho^2 / d [m]: tan(force angle) per curvature."""
         return self.rho * self.rho / self.lever
 
     @property
     def X_BV(self) -> Pose2:
-        """Pose of the vehicle frame in the body frame: origin cop + (shift - rho^2/d)
-        e.
+        """Pose of the vehicle frame in the body frame, with its origin at cop + (shift
+        - rho^2/d) e.
         """
         e = self.axis
         ahead = self.shift - self.effective_wheelbase
@@ -97,13 +99,13 @@ class Unicycle:
 
     @property
     def length(self) -> float:
-        """Distance from the axle to the contact [m], without the shift."""
+        """Distance [m] from the axle to the contact, without the shift."""
         return abs(self.lever + self.effective_wheelbase)
 
     def force(self, speed: float, turn_rate: float, max_force: float) -> Point:
         """Contact force [N] in B, on the limit surface, for a motion of V.
 
-        Zero for no motion. f ~ v e + (rho^2/d) w t with |f| = mu_s N / sqrt(1 + (d
+        Zero without motion. f ~ v e + (rho^2/d) w t with |f| = mu_s N / sqrt(1 + (d
         sin(phi)/rho)^2); ``max_force`` [N] is mu_s N.
         """
         e = self.axis

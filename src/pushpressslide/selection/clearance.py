@@ -1,5 +1,5 @@
-"""Checks of a planned path: clear of obstacles, openings and table edges, and straight
-with a tool.
+"""Checks of a planned path: whether it is clear of obstacles, openings and table edges,
+and straight with a tool.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ ROUND_OFF = 1e-6  # [m]
 def path_refusal(query: MotionQuery, segments: Sequence[Segment]) -> Refusal | None:
     """Refusal of the object's path, or None.
 
-    The path may come too near to an obstacle or to an arm's base, tip into an opening
-    or over an edge, or as a tool not push straight.
+    A path is refused if the object comes too near to an obstacle or to an arm's base,
+    tips into an opening or over an edge, or does not push straight as a tool.
     """
     scene = query.scene
     support = scene.support
@@ -60,7 +60,7 @@ def path_refusal(query: MotionQuery, segments: Sequence[Segment]) -> Refusal | N
 
 
 def base_discs(scene: Scene) -> list[Polygon]:
-    """Discs filled by the lowest links of the arms, up to the object's height."""
+    """Discs that the lowest links of the arms occupy, up to the object's height."""
     from shapely import Point
 
     radius = margins.ARM.base
@@ -72,11 +72,11 @@ def base_discs(scene: Scene) -> list[Polygon]:
 
 
 def base_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | None:
-    """Refusal of ``poses`` X_WG along a path that come too near to an arm's base, or
+    """Refusal of ``poses`` X_WG along a path that comes too near to an arm's base, or
     None.
 
-    A base whose disc already contains the start or the end of the motion is not
-    checked.
+    A base is not checked if its disc already contains the start or the end of the
+    motion.
     """
     discs = base_discs(query.scene)
     if not discs:
@@ -114,12 +114,12 @@ def _near_bases(scene: Scene, clearance: float, segments: Sequence[Segment]) -> 
 
 
 def obstacle_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | None:
-    """Refusal of ``poses`` X_WG along a path that come too near to an obstacle, or
+    """Refusal of ``poses`` X_WG along a path that comes too near to an obstacle, or
     None.
 
-    A movable obstacle counts at its initial pose, so that it is not pushed along. An
-    obstacle that the object is to push, as a tool or just along its path, may be
-    touched by the object, but has to keep clear of the other obstacles.
+    A movable obstacle counts at its initial pose, so that it is not pushed along.
+    Obstacles that the object is meant to push, as a tool or along its path, may touch
+    the object but must stay clear of the other obstacles.
     """
     tool = query.tool
     pushed = None
@@ -150,8 +150,7 @@ def tips_refusal(
     segments: Sequence[Segment],
     poses: Sequence[Pose2],
 ) -> Refusal | None:
-    """Refusal of ``poses`` X_WG at which a tip would touch an obstacle tall enough to
-    reach it, or None.
+    """Refusal of ``poses`` X_WG at which a tip would touch a tall obstacle, or None.
 
     The ``yielding`` obstacles are pushed along.
     """
@@ -181,8 +180,8 @@ def tips_refusal(
 
 
 def _carried_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | None:
-    """Refusal of a path on which a pushed obstacle runs into another one, or over the
-    edge of the table, or None.
+    """Refusal of a path on which a pushed obstacle runs into another obstacle or over
+    the edge of the table, or None.
     """
     from shapely import Polygon
 
@@ -227,8 +226,7 @@ def _too_near(
     """Refusal of a path on which ``what`` comes nearer to an obstacle than
     ``clearance`` [m], or None.
 
-    Near an end of the path at which the gap is smaller than that, the limit is the gap
-    at that end.
+    If the gap at an end of the path is already smaller, it is the limit near this end.
     """
     if not obstacles:
         return None
@@ -271,8 +269,8 @@ def allowed_gaps(
     """Smallest allowed gaps (n, k) [m] between a footprint at n ``poses`` X_WG and k
     polygons.
 
-    They are ``clearance`` [m]. If the gap at one of the path's ``ends`` is smaller, it
-    is the allowed gap there, which grows to the clearance within
+    The allowed gap is ``clearance`` [m]. If the gap at one of the path's ``ends`` is
+    smaller, the allowed gap starts with this value and grows to the clearance within
     ``margins.ARM.leaving`` [m].
     """
     at_ends = np.minimum(gaps(shape, ends, others), clearance)

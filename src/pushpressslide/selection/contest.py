@@ -1,5 +1,5 @@
-"""Reasons for the chosen mode: the chosen placement compared with the best one of every
-other mode.
+"""Reasons for the chosen mode: the chosen placement compared with the best placement of
+every other mode.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ class Contest:
 
     @property
     def sentence(self) -> str:
-        """One line that explains why the winner was taken. Times are selection's
-        estimates.
+        """One line that explains why the winner was taken. Times are the estimates of
+        the selection.
         """
         mode = self.winner.mode
         if not self.winner.feasible:
@@ -49,7 +49,7 @@ class Contest:
         )
 
     def lead(self, rival: Choice) -> float | None:
-        """Time [s] by which a rival is slower. None if a time is not known."""
+        """Time [s] by which a rival is slower. None if either time is unknown."""
         if self.winner.time is None or rival.time is None:
             return None
         return round(rival.time - self.winner.time, 3)
@@ -65,10 +65,10 @@ class Contest:
 
 
 def contests(plan: Plan, choices: Sequence[Choice]) -> list[Contest]:
-    """One contest for each choice that ``plan`` took of ``choices``, the ranked ones of
-    its task.
+    """One contest for each choice that ``plan`` took from ``choices``, the ranked
+    choices of its task.
 
-    Empty if its motions were found by a search.
+    Empty if the motions were found by a search.
     """
     found = []
     ranked = sorted(choices, key=lambda choice: choice.verdict == "refused")

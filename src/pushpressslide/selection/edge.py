@@ -33,12 +33,12 @@ def edge_refusal(
     """Refusal of planned segments on which the object would tip over the edge of
     ``support.region``, or None.
 
-    The supported part of the base carries the object while the centre of pressure is
-    inside its convex hull, with a margin. Three points are checked: the centre of mass,
-    which carries the load when the arms let go, the centre of pressure of the press,
-    and that of the drag. If the object starts with less than the margin, that is
-    allowed at the start; the allowed distance then grows to the full margin while the
-    object moves ``margins.ARM.leaving`` [m] away.
+    The object does not tip as long as the centre of pressure is inside the convex hull
+    of the supported part of the base, with a margin. Three points are checked: the
+    centre of mass, which carries the load when the arms let go, and the centres of
+    pressure under the press and under the drag. If the object starts with less than the
+    margin, its initial distance is allowed there; the required distance then grows to
+    the full margin over ``margins.ARM.leaving`` [m].
     """
     from shapely import Polygon
 
@@ -62,8 +62,9 @@ def _segment_refusal(
     first: Pose2,
     region: Polygon,
 ) -> Refusal | None:
-    """Refusal of one of the segments, which start at ``first``, that tips the object,
-    or None.
+    """Refusal of one of the segments if it tips the object, or None.
+
+    The segments start at the pose ``first``.
     """
     shape = scene.body.shape
     margin = margins.EDGE_MARGIN * shape.half_width
@@ -92,8 +93,8 @@ def _segment_refusal(
 def _loads(
     scene: Scene, segment: Segment, poses: Sequence[Pose2]
 ) -> tuple[Array, Array, Array]:
-    """Load points at poses X_WG, (n, 2) [m] each: without a press, pressed at rest, and
-    dragged.
+    """Load points (n, 2) [m] at n poses X_WG: without a press, with a press at rest,
+    and with drag.
 
     A drag mu_s N at a height h moves the load ahead by mu_s h. While the object turns,
     the net force is smaller.

@@ -1,9 +1,10 @@
-"""Search for the sequence of motions, each with its mode, contacts and end pose, that
-reaches the goal soonest.
+"""Search for the quickest sequence of motions to the goal, each with its mode, contacts
+and end pose.
 
-A* over poses of the object and the contacts that hold it there. A motion between two
-poses is evaluated only when no other motion can be quicker, and never twice. If a
-sequence has no joint path, the placement at fault is banned and the search continues.
+It is an A* search over poses of the object and the contacts that hold it there. A
+motion between two poses is evaluated only when no other motion can be quicker, and
+never twice. If a sequence has no joint path, the placement that causes this is banned
+and the search continues.
 """
 
 from __future__ import annotations
@@ -80,7 +81,7 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Reached:
-    """A node of a sequence, the steps that lead to it, and its time [s]."""
+    """A node of a sequence, with the steps that lead to it and the time [s] until then."""
 
     node: Node
     steps: tuple[Step, ...]
@@ -89,7 +90,7 @@ class Reached:
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """A motion that is not evaluated yet."""
+    """A motion that has not been evaluated yet."""
 
     before: Reached
     to: int  # index of a pose
@@ -126,13 +127,13 @@ class LegSearch:
     _least_times: dict[tuple[int, int, str], float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Read the object's size."""
+        """Compute the lengths that depend on the object's size."""
         self._radius = self.query.body.radius
 
     def know(self, choices: Sequence[Choice]) -> None:
         """Store the choices already evaluated for the motion from start to goal.
 
-        Modes that cannot move the object at all are left out of the search.
+        Modes that cannot move the object at all are excluded from the search.
         """
         by_mode: dict[str, list[Choice]] = {}
         for choice in choices:
@@ -203,8 +204,8 @@ class LegSearch:
         return ()
 
     def _lead_on(self, here: Reached) -> None:
-        """Add the poses that one push can reach from a node, if two more motions are
-        allowed.
+        """Add the poses that one push can reach from a node, if at least two more
+        motions are allowed.
         """
         pose = here.node.pose
         if self.successors is None or pose in self._led_on:
@@ -221,7 +222,7 @@ class LegSearch:
         self, here: Reached, targets: Iterable[int]
     ) -> list[tuple[float, Motion]]:
         """Motions from a node to some poses, each with a lower bound [s] of the time of
-        its sequences.
+        the sequences through it.
         """
         left = self.query.limits.legs - len(here.steps)
         if left == 0 or here.node.pose == GOAL:
@@ -280,7 +281,7 @@ class LegSearch:
         return (start.pose, motion.to, motion.mode, held_contacts)
 
     def _worth_asking(self, motion: Motion) -> bool:
-        """Whether a motion has choices, or may be evaluated."""
+        """Whether a motion is known to have choices, or may still be evaluated."""
         key = self._key(motion)
         if key in self._choices_by_motion:
             return bool(self._choices_by_motion[key])
@@ -303,7 +304,7 @@ class LegSearch:
         return self._choices_by_motion[key]
 
     def _note(self, mode: str, evaluated: Sequence[Choice]) -> None:
-        """Count a motion that ``mode`` cannot do, by its first refusal."""
+        """Count a motion that ``mode`` cannot do, under the code of its first refusal."""
         refusals = (choice.refusal for choice in evaluated)
         first = next((r for r in refusals if r is not None and r.code != SKIPPED), None)
         if first is None:
@@ -315,7 +316,9 @@ class LegSearch:
         self._refused[mode, first.code] = motions
 
     def _short(self, start: int, end: int) -> bool:
-        """Whether a motion is too short to pay off and does not end at the goal."""
+        """Whether a motion is too short to be worthwhile. A motion that ends at the
+        goal never is.
+        """
         if end == GOAL:
             return False
         shape = self.query.body.shape
@@ -329,7 +332,7 @@ class LegSearch:
 
     def _time_estimate(self, start: int, end: int, mode: str) -> float:
         """Estimated minimum time [s] of a motion between two poses with the contacts
-        kept. It is longer if the straight path is blocked.
+        kept. The time is longer if the straight path is blocked.
         """
         key = (start, end, mode)
         if key not in self._least_times:
@@ -356,7 +359,7 @@ class LegSearch:
 
 
 def _hopeless(evaluated: Sequence[Choice]) -> bool:
-    """Whether the mode of the ``evaluated`` choices can never move the object."""
+    """Whether the ``evaluated`` choices show that their mode can never move the object."""
     refusals = (choice.refusal for choice in evaluated)
     return any(r is not None and r.code in HOPELESS for r in refusals)
 

@@ -1,4 +1,4 @@
-"""Support of a pressed object on a wall along its path into an opening."""
+"""Support of an object that is pressed against a wall and led into an opening."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ def opening_refusal(
     """Refusal of ``poses`` X_WG along a path on which the object would tip into the
     opening, or None.
 
-    The part of the base outside the opening carries the load as long as the centre of
-    pressure of the drag, the weight included, lies within its convex hull
-    (docs/modes.md). The path starts with ``segment``.
+    The object does not tip as long as the centre of pressure under drag and weight lies
+    within the convex hull of the part of the base outside the opening (docs/modes.md).
+    The path starts with ``segment``.
     """
     opening = query.scene.support.opening
     shape = query.body.shape

@@ -1,4 +1,6 @@
-"""The best choice for every placement, among those with joint paths for the arms."""
+"""The best choice for every placement, among choices for which the arms have joint
+paths.
+"""
 
 from __future__ import annotations
 
@@ -26,19 +28,21 @@ class PlacementPlanner(Protocol):
 
     @property
     def paths(self) -> Sequence[tuple[Any, ...]]:
-        """Joint paths of each plan, empty if the plant has no arms."""
+        """Joint paths of each plan. Empty for a plant without arms."""
 
     def add(self, placement: Plan) -> None:
-        """Add the plan of one more placement.
+        """Append the plan of a placement.
 
-        Raises InfeasibleTaskError if an arm has no joint path for it.
+        Raises InfeasibleTaskError if an arm has no joint path for this placement.
         """
 
     def keep(self, count: int) -> None:
         """Forget all placements but the first ``count``."""
 
     def after(self) -> PlacementPlanner:
-        """Empty planner that starts from the state of the arms after all placements."""
+        """Planner without placements that starts from the arms' state after all
+        placements.
+        """
 
 
 @dataclass
@@ -49,7 +53,7 @@ class PlansAlone:
     paths: Sequence[Any] = ()
 
     def add(self, placement: Plan) -> None:
-        """Add the plan of one more placement."""
+        """Append the plan of a placement."""
         self.plans.append(placement)
 
     def keep(self, count: int) -> None:
@@ -57,9 +61,7 @@ class PlansAlone:
         del self.plans[count:]
 
     def after(self) -> PlansAlone:
-        """New planner without placements, since a plant without arms has no state to
-        carry over.
-        """
+        """New planner without placements. There is no state to carry over without arms."""
         return PlansAlone()
 
 
@@ -71,11 +73,11 @@ def prepared(
     first: int = 0,
 ) -> list[Choice]:
     """Add the best choice of every placement to ``planner``. Returns the evaluated
-    choices, with refusals of those that were skipped.
+    choices, with refusals of the skipped ones.
 
-    ``choices`` are those of a plan that is ``empty`` so far, from the leg ``first`` on.
-    With ``force``, infeasible choices are taken too if they have a path. Raises
-    InfeasibleTaskError if a placement has no choice that can be taken.
+    ``choices`` are for the plan ``empty``, which has no segments yet, from the leg
+    ``first`` on. With ``force``, infeasible choices are also taken if they have a path.
+    Raises InfeasibleTaskError if a placement has no usable choice.
     """
     groups = [list(group) for _, group in groupby(choices, lambda c: c.leg)]
     for group in groups:
@@ -105,10 +107,11 @@ def add_first(
     problems: Problems,
     tries: float = math.inf,
 ) -> bool:
-    """Add the first choice of a placement that has a joint path. True if one has.
+    """Add the first choice of a placement that has a joint path. Returns whether there
+    is one.
 
-    The refusals of the choices without a joint path are written into ``choices`` and
-    ``problems``; choices in ``problems`` are not tried again. At most ``tries``
+    Refusals of choices without a joint path are written into ``choices`` and
+    ``problems``. Choices in ``problems`` are not tried again. At most ``tries``
     problems are collected.
     """
     for i, choice in enumerate(choices):
@@ -134,7 +137,7 @@ def with_joint_paths(
     """Choices of a task without legs, the feasible ones first. Choices without joint
     paths are refused.
 
-    ``planner`` has to be empty, and is left empty.
+    ``planner`` must be empty, and is empty again afterwards.
     """
     out = []
     for choice in choices:

@@ -1,4 +1,4 @@
-"""The plan of the best choices, or the message that explains why there is none."""
+"""The plan made of the best choices, or the message that explains why there is none."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from pushpressslide.modes import MODES
 def selectable(
     empty: Plan, choices: Sequence[Choice], *, force: bool = False
 ) -> list[Choice]:
-    """Choices usable in a plan that is ``empty`` so far.
+    """Choices that can be used in the plan ``empty``, which has no segments yet.
 
-    With ``force`` a path is enough. Raises InfeasibleTaskError if there are none.
+    With ``force`` it is enough to have a path. Raises InfeasibleTaskError if there are
+    no such choices.
     """
     feasible = [c for c in choices if c.segments and (c.feasible or force)]
     if not feasible:
@@ -42,8 +43,8 @@ def infeasible(
 
 
 def refusal(queries: Sequence[MotionQuery], choices: Sequence[Choice]) -> str:
-    """One line that explains why no choice can do the task of some ``queries``, with
-    all reasons.
+    """One line that explains why no choice can do the task of ``queries``, with all
+    reasons.
     """
     part, refused = _refused(queries, choices)
     reasons = "; ".join(
@@ -55,8 +56,8 @@ def refusal(queries: Sequence[MotionQuery], choices: Sequence[Choice]) -> str:
 def _refused(
     queries: Sequence[MotionQuery], choices: Sequence[Choice]
 ) -> tuple[MotionQuery, list[Choice]]:
-    """The leg without a feasible choice, and the refusals of its choices. Choices short
-    of arms are excluded.
+    """Query of the leg without a feasible choice, and the leg's refused choices.
+    Choices that need more arms than there are do not count.
     """
     by_leg: dict[int, list[Choice]] = {}
     for choice in choices:
@@ -76,7 +77,7 @@ def gathered(choices: Sequence[Choice]) -> list[tuple[Choice, str]]:
     """Choices with their refusals, without repetition.
 
     Choices of a mode that are refused with the same code, or skipped for the same
-    reason, are merged into the first, which states the number of the others.
+    reason, are merged into the first of them, which states their number.
     """
     alike: dict[tuple[str, str], list[Choice]] = {}
     for i, choice in enumerate(choices):

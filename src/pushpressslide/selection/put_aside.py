@@ -33,7 +33,7 @@ PER_RING = 2  # places of each ring that are kept
 BASE_ROOM = 0.12  # [m] to a robot's base
 
 Goals = Mapping[str, tuple[Pose2, ...]]
-"""The goals that each body has left, X_WG in order, by its name."""
+"""Remaining goals of each body, X_WG in order, by the body's name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +62,9 @@ class Moment:
 
 
 def in_the_way(moment: Moment) -> list[str]:
-    """Bodies with goals that stand in another's goal, or within a tip's width of its
-    straight path, in the order of the task.
+    """Bodies with goals that block another body, in the order of the task.
+
+    They stand in the other body's goal, or within a tip's width of its straight path.
     """
     task = moment.task
     margin = 2.0 * max(robot.tip_radius for robot in task.robots)
@@ -87,8 +88,8 @@ def spots(moment: Moment, body: str) -> list[Pose2]:
     """Poses X_WG to which ``body`` may be put aside, the best first.
 
     They are on rings about the body, within the workspace and reach, and clear of all
-    other bodies and of their remaining goals. Poses that also keep clear of the others'
-    straight paths come first; among equal ones the nearer come first.
+    other bodies and of those bodies' remaining goals. Poses that are also clear of the
+    other bodies' straight paths come first; among equal poses, nearer ones come first.
     """
     here = moment.state.poses[body]
     stage = stage_task(moment.task, Stage(body, here), moment.state).query

@@ -18,7 +18,7 @@ Able = NDArray[np.bool_]
 
 
 class ReachScreen:
-    """Cache of the object contacts that the arms of a task reach, by object pose."""
+    """Cache of the contacts that the arms of a task reach, by pose of the object."""
 
     def __init__(self, query: MotionQuery) -> None:
         """Start with an empty cache."""
@@ -29,11 +29,12 @@ class ReachScreen:
     def can_reach(
         self, mode: str, poses: Sequence[Pose2], start: int, end: int
     ) -> bool:
-        """Whether ``mode`` may lead the object from pose ``start`` to pose ``end`` of
-        ``poses`` X_WG with the same contacts.
+        """Whether ``mode`` may move the object between two of ``poses`` X_WG with the
+        same contacts.
 
-        From call to call, ``poses`` may only be appended to. If the result is False,
-        the motion is certainly out of reach; if True, it may still be.
+        ``start`` and ``end`` are indices of ``poses``; between calls, ``poses`` may
+        only be extended. If the result is False, the motion is certainly out of reach.
+        If it is True, the motion may still be out of reach.
         """
         new = poses[len(self._spans) :]
         if new:
@@ -49,10 +50,11 @@ class ReachScreen:
 
 
 def touching(query: MotionQuery, mode: str, poses: Sequence[Pose2]) -> Able:
-    """Mask of the contacts of ``mode`` that each arm allowed to touch the object
-    reaches at n ``poses`` X_WG, (n, arms, contacts).
+    """Mask (n, arms, contacts) of the contacts of ``mode`` that each arm reaches at n
+    ``poses`` X_WG.
 
-    One column of True if the mode names no candidate contacts.
+    The arms are those that may touch the object. If the mode names no candidate
+    contacts, there is a single column of True.
     """
     scene = query.scene
     contacts = MODES[mode].candidate_contacts(query)
@@ -64,10 +66,10 @@ def touching(query: MotionQuery, mode: str, poses: Sequence[Pose2]) -> Able:
 
 
 def _in_span(scene: Scene, poses: Sequence[Pose2]) -> Able:
-    """Mask of the arms that are long enough to touch the object somewhere at each of n
-    poses, (n, arms).
+    """Mask (n, arms) of the arms that are long enough to touch the object anywhere, at
+    n poses.
 
-    Joint limits are ignored: an object out of span is out of reach.
+    Joint limits are ignored, so an object out of span is certainly out of reach.
     """
     import shapely
 

@@ -38,6 +38,6 @@ class SearchNotes:
 
     @property
     def notes(self) -> dict[str, Any]:
-        """The notes that a record keeps of the search, by the keys of result.json."""
+        """The notes on the search in a record, by the keys of result.json."""
         data = asdict(self)
         return {"judged" if key == "evaluated" else key: data[key] for key in data}

@@ -26,7 +26,8 @@ from pushpressslide.planning.either_arm import nearest_arms
 from pushpressslide.selection.clearance import path_refusal
 
 MANY = 3 * ENOUGH
-"""Choices per mode that are evaluated if the first ones have no joint paths."""
+"""Number of choices per mode that are evaluated if the first ones have no joint paths.
+"""
 
 Way = tuple[tuple[Contact, ...], tuple[MotionPath, ...]]
 FALLS = Refusal(
@@ -41,11 +42,11 @@ ENDS = Refusal("no_continuation", "its contacts allow no continuation")
 def select(task: Task, enough: int = 1) -> list[Choice]:
     """All choices for ``task``, the quickest feasible one first. Never empty.
 
-    Joint paths are not checked here, but in ``jobs.run.run``. A choice that is not
-    feasible has a refusal: with the deciding number if it cannot do the task, or as
-    skipped, with the reason, if ``enough`` choices of its mode are feasible or many are
-    blocked. With legs, choices are grouped by placement, in order; ``leg`` is their
-    first leg. Raises TaskError for a task of several goals.
+    Joint paths are not checked here but in ``jobs.run.run``. A choice that cannot do
+    the task has a refusal with the deciding number. Once ``enough`` choices of a mode
+    are feasible, or too many are blocked, its other choices are skipped, and their
+    refusals say why. With legs, choices are grouped by placement, in order; ``leg`` is
+    the first leg of a placement. Raises TaskError for a task with several goals.
     """
     if Plan(task).at_goal:
         return choices_at_goal(task)
@@ -64,7 +65,8 @@ def placements(
     """Choices for each placement of the arms, best first.
 
     ``queries`` are those of all legs. A leg for which the arms can keep their contacts
-    is one more segment of the leg before it. Legs before the ``first`` are done.
+    becomes a further segment of the previous placement. Legs before ``first`` are
+    already done.
     """
     parts = queries[first:]
     allowed = [set(part.modes or MODES) for part in parts]
@@ -92,9 +94,9 @@ def _select_leg(leg_query: MotionQuery, leg: int, enough: int) -> list[Choice]:
 def evaluate_motion(
     query: MotionQuery, mode: str, held_contacts: HeldContacts | None
 ) -> list[Choice]:
-    """Choices of a mode for one motion, best first. Few are evaluated.
+    """Choices of a mode for one motion, best first. Only a few are evaluated.
 
-    If contacts are ``held_contacts``, only these are considered.
+    With ``held_contacts``, only these contacts are considered.
     """
     part = replace(query, modes=(mode,), from_search=True)
     return _select(part, 2, None if held_contacts is None else held_contacts.contacts)
@@ -109,7 +111,7 @@ def of_leg(choice: Choice, leg: int) -> Choice:
 def _lengthened(choice: Choice, ahead: list[Choice]) -> Choice:
     """The ``choice`` extended by the best of ``ahead`` with the same contacts.
 
-    Infeasible if no choice continues with them.
+    The result is infeasible if no choice continues with these contacts.
     """
     if not choice.feasible:
         return choice
@@ -129,7 +131,7 @@ def _lengthened(choice: Choice, ahead: list[Choice]) -> Choice:
 
 
 def _ranked(choices: list[Choice]) -> list[Choice]:
-    """Ranked ``choices``; those of each mode keep their order.
+    """The ``choices``, ranked. Choices of the same mode keep their order.
 
     Of equally quick modes, the one whose contacts squeeze the object least comes first.
     """
@@ -182,7 +184,7 @@ def _by_tip(query: MotionQuery, mode: Mode[Any]) -> list[MotionQuery]:
     """One query for each kind of tip with which ``mode`` may touch the object, the kind
     of the nearer arm first.
 
-    Arms with equal tips share the results that depend on the object alone.
+    Arms with equal tips share all results that depend only on the object.
     """
     tips = {(robot.tip_radius, robot.tip_length) for robot in query.scene.tips}
     if mode.arms > 1 or len(tips) == 1:
@@ -194,8 +196,9 @@ def _by_tip(query: MotionQuery, mode: Mode[Any]) -> list[MotionQuery]:
 
 
 def _blocks(query: MotionQuery) -> Callable[[Choice], Refusal | None]:
-    """Check of the path of a choice for ``query``. The choices of both arms for one
-    contact share their path.
+    """Function that checks the path of a choice for ``query``.
+
+    Choices of both arms for the same contact share their path, which is checked once.
     """
     refusals: dict[Way, Refusal | None] = {}
 

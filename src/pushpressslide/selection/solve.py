@@ -1,5 +1,5 @@
-"""Solution of a task: one motion if one leads to the goal, otherwise a sequence from
-search, with the joint paths of each placement.
+"""Solution of a task: a single motion if one leads to the goal, otherwise a sequence
+found by search, with the joint paths of each placement.
 """
 
 from __future__ import annotations
@@ -65,9 +65,9 @@ def solve(
     """Solution of ``task``. The plans of its placements, with their joint paths, are
     left in ``planner``.
 
-    ``enough`` choices of each mode are evaluated at first. ``force`` takes infeasible
-    ones too. Movable obstacles are pushed only if no path avoids them. Raises
-    InfeasibleTaskError if nothing leads to the goal.
+    At first ``enough`` choices of each mode are evaluated. With ``force``, infeasible
+    choices are also used. Movable obstacles are pushed only if no path avoids them.
+    Raises InfeasibleTaskError if no motion or sequence leads to the goal.
     """
     return solved(planner, Plan(task), enough, force=force)
 
@@ -80,7 +80,8 @@ def rest(task: Task) -> Solution:
 def solved(
     planner: PlacementPlanner, empty: Plan, enough: int, *, force: bool = False
 ) -> Solution:
-    """Solution, as by ``solve``, of the task of a plan that is ``empty`` so far.
+    """Solution, as from ``solve``, for the task of the plan ``empty``, which has no
+    segments yet.
 
     A task that was already started is continued from the plan's ``restart``.
     """
@@ -103,7 +104,8 @@ def solved(
 
 def _pushing(planner: PlacementPlanner, pushing: Plan, enough: int) -> list[Choice]:
     """Plan one motion that may push movable obstacles, and add it to ``planner``.
-    Returns the evaluated choices, empty if there is no such motion.
+
+    Returns the evaluated choices, or nothing if there is no such motion.
     """
     choices = _selected(pushing, enough)
     problems: Problems = {}
@@ -120,8 +122,8 @@ def _selected(empty: Plan, enough: int) -> list[Choice]:
 def _solved(
     planner: PlacementPlanner, empty: Plan, enough: int, force: bool, clock: _Clock
 ) -> Solution:
-    """Solution of the task of a plan that is ``empty`` so far. ``clock`` records the
-    time of each stage.
+    """Solution for the task of the plan ``empty``, which has no segments yet. ``clock``
+    records the time of each stage.
     """
     choices = _selected(empty, enough)
     clock.lap("selection")
@@ -143,10 +145,11 @@ def _solved(
 
 
 def _beyond_limits(empty: Plan, choices: list[Choice], enough: int) -> list[Choice]:
-    """``choices``, with paths beyond the limits for placements that have none.
+    """``choices``, extended by choices that exceed the limits, for placements without a
+    path.
 
-    Such paths are planned without limits on force and workspace. Their refusals are
-    those under the true limits.
+    Their paths are planned without limits on force and workspace. Their refusals refer
+    to the true limits.
     """
     with_path = {choice.leg for choice in choices if choice.segments}
     lacking = {choice.leg for choice in choices} - with_path
@@ -166,13 +169,13 @@ def _beyond_limits(empty: Plan, choices: list[Choice], enough: int) -> list[Choi
 
 
 def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Plan:
-    """Plan for ``choice``, by default the best one, or the best sequence of motions if
-    no single choice does the task.
+    """Plan for ``choice``. By default it is the best choice, or the best sequence of
+    motions if no single choice does the task.
 
-    Joint paths are not checked here, but in ``jobs.run.run``. In a task with legs,
-    every other placement uses its best choice. ``force`` plans an infeasible choice
-    too, if it has a path. Raises InfeasibleTaskError with the reasons, one per choice,
-    if nothing can do the task.
+    Joint paths are not checked here but in ``jobs.run.run``. In a task with legs, all
+    other placements take their best choices. With ``force`` an infeasible choice is
+    planned too, if it has a path. Raises InfeasibleTaskError, with one reason per
+    choice, if no choice or sequence can do the task.
     """
     if Plan(task).at_goal:
         return Plan(task)
@@ -203,7 +206,7 @@ def _search_sequence(
     """Plan of the quickest sequence of motions that has joint paths, and a summary of
     the search.
 
-    Raises InfeasibleTaskError if none was found.
+    Raises InfeasibleTaskError if no sequence is found.
     """
     (query,) = empty.queries
     paths = free_space(query).paths_to(query.goal)
@@ -228,7 +231,7 @@ def _search_sequence(
 
 
 def _plan(empty: Plan, steps: Sequence[Step]) -> Plan:
-    """Plan of a sequence. Its legs are those of the plan's task."""
+    """Plan of a sequence. Each of its motions becomes a leg of the plan's task."""
     task = empty.task
     start = empty.restart
     segments: list[Segment] = []
@@ -245,11 +248,11 @@ def _plan(empty: Plan, steps: Sequence[Step]) -> Plan:
 
 
 def _prepare(planner: PlacementPlanner, plan: Plan) -> tuple[list[int] | None, str]:
-    """Plan the joint paths of a plan's placements. Those in common with the previous
-    plan are kept.
+    """Plan the joint paths of a plan's placements. Paths of placements in common with
+    the previous plan are kept.
 
-    Returns the legs of the first placement without a joint path, and its refusal. None
-    if all have one.
+    Returns the legs of the first placement without a joint path, and its refusal. The
+    legs are None if all placements have joint paths.
     """
     placements = plan.by_placement
     same = 0
@@ -268,7 +271,9 @@ def _prepare(planner: PlacementPlanner, plan: Plan) -> tuple[list[int] | None, s
 
 
 def joined(planner: PlacementPlanner, empty: Plan) -> Plan:
-    """One plan of all prepared placements, for a plan that is ``empty`` so far."""
+    """One plan made of all prepared placements, from the plan ``empty``, which has no
+    segments yet.
+    """
     segments = chain.from_iterable(part.segments for part in planner.plans)
     return replace(empty, segments=tuple(segments))
 
@@ -276,7 +281,7 @@ def joined(planner: PlacementPlanner, empty: Plan) -> Plan:
 def _infeasible(
     empty: Plan, choices: Sequence[Choice], search: LegSearch, shortfall: str
 ) -> InfeasibleTaskError:
-    """Error that explains why neither one motion nor a sequence solves the task."""
+    """Error that explains why neither a single motion nor a sequence solves the task."""
     refused = [choice for choice in choices if not choice.feasible]
     searched = (
         f"; nor does a sequence through up to {len(search.poses) - 2} poses "

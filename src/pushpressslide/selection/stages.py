@@ -1,11 +1,11 @@
-"""Stages of a task of several goals: which body moves when and where, so that all end
+"""Stages of a task with several goals: the order in which bodies move so that all end
 at their goals.
 
-The order is found by search. A body can go to its goal if the goal is free. If no body
-can go, one that blocks another is put aside first. Orders with fewer stages are tried
-first, then those with shorter paths. All stages are planned before anything moves, each
-from the end state of the previous one. Plans of common first stages are reused between
-orders.
+The order is found by search. A body can move to its goal if the goal is free. If no
+body can, a body that blocks another one is put aside first. Orders with fewer stages
+are tried first, then those with shorter paths. All stages are planned before anything
+moves, each from the end state of the previous one. Plans of common first stages are
+reused between orders.
 """
 
 from __future__ import annotations
@@ -61,10 +61,10 @@ def plan_stages(
     """Stages that bring all bodies of ``task`` to their goals, each planned from the
     end state of the previous one.
 
-    A task without ``goals`` is one stage. ``planner`` is an empty one of the arms at
-    their start; by default no joint paths are planned. ``enough`` and ``force`` are
-    those of ``solve``. Raises InfeasibleTaskError, with the body and the reason, if
-    nothing leads there.
+    A task without ``goals`` is one stage. ``planner`` is an empty planner with the arms
+    at their start; by default no joint paths are planned. ``enough`` and ``force`` are
+    as in ``solve``. Raises InfeasibleTaskError, with the body and the reason, if no
+    order of stages has a plan.
     """
     first = PlansAlone() if planner is None else planner
     if not task.goals:
@@ -102,9 +102,10 @@ def plan_stage(
     *,
     force: bool = False,
 ) -> PlannedStage:
-    """One stage planned from a state. ``planner`` has its arms.
+    """A stage planned from the state ``start``. ``planner`` plans the arms' joint
+    paths.
 
-    Raises InfeasibleTaskError if nothing leads to its goal.
+    Raises InfeasibleTaskError if there is no plan to the stage's goal.
     """
     solution = solve(planner, stage_task(task, stage, start), enough, force=force)
     return PlannedStage(stage, solution, planner)
@@ -125,7 +126,7 @@ def after(state: WorldState, stage: Stage) -> WorldState:
 
 def estimate(task: Task, order: Sequence[Stage]) -> tuple[int, float]:
     """Ranking key of an order: the number of stages, and the time [s] of straight paths
-    and of the arms' transfers between them.
+    with the arms' transfers between stages.
     """
     state = start_state(task)
     time = 0.0
@@ -144,8 +145,9 @@ def estimate(task: Task, order: Sequence[Stage]) -> tuple[int, float]:
 def _orders(
     moment: Moment, asides: int, done: tuple[Stage, ...] = ()
 ) -> Iterator[tuple[Stage, ...]]:
-    """Yield orders that bring all bodies to their goals. In each, ``asides`` bodies are
-    put aside in between, each at most once.
+    """Yield orders that bring all bodies to their goals.
+
+    In each order, ``asides`` bodies are put aside in between, each at most once.
     """
     moment = _visited(moment)
     if _all_there(moment):
@@ -171,7 +173,7 @@ def _orders(
 
 
 def _visited(moment: Moment) -> Moment:
-    """The moment without the goals already reached by bodies with several goals. The
+    """The moment without goals that bodies with several goals have already reached. The
     last goal of each body stays.
     """
     tolerance = moment.task.tolerance
@@ -203,7 +205,7 @@ def _is_free(moment: Moment, body: str) -> bool:
 
 
 def _shut_in(moment: Moment) -> str:
-    """One line that names the body that cannot go to its goal or aside."""
+    """One line that names a body that can neither go to its goal nor be put aside."""
     task = moment.task
     for body, goals in moment.goals.items():
         if goals and not _is_free(moment, body):
@@ -221,11 +223,11 @@ def _shut_in(moment: Moment) -> str:
 
 
 class _OrderSearch:
-    """Planner of orders of stages. Where several orders start with the same stages,
-    these are planned once.
+    """Planner of orders of stages. First stages that several orders share are planned
+    only once.
 
-    At first each stage has to be one motion. If no order succeeds, sequences of motions
-    are searched for.
+    At first each stage must be a single motion. If no order succeeds, sequences of
+    motions are also searched.
     """
 
     def __init__(
@@ -269,8 +271,8 @@ class _OrderSearch:
         planner: PlacementPlanner,
         thorough: bool,
     ) -> None:
-        """Plan the last of some stages, unless it was tried before or too many had no
-        plan.
+        """Plan the last stage of ``key``, unless it was tried before or too many stages
+        had no plan.
         """
         refused = self._refused[thorough]
         most = SEARCHES if thorough else REFUSALS

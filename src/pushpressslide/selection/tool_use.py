@@ -1,4 +1,4 @@
-"""A task whose goal is another body's: the object is a tool that pushes that body
+"""A task with the goal of another body: the object is a tool that pushes this body
 straight.
 """
 
@@ -32,9 +32,9 @@ class StraightPush:
     distance: float  # [m]
 
     def tool_goal(self, face: tuple[Point, Point]) -> Pose2:
-        """Pose X_WG of the tool at the end of the push, its face against the body.
+        """Pose X_WG of the tool at the end of the push, with its face against the body.
 
-        ``face`` [m] are the ends in G of the tool's face.
+        ``face`` [m] holds the ends of the tool's face in G.
         """
         pose = self.body.pose
         ahead = (math.cos(self.direction), math.sin(self.direction))
@@ -56,10 +56,11 @@ def tool_use(
 ) -> tuple[ToolUse | None, Pose2]:
     """Use of the object as a tool, and the goal X_WG of the object itself.
 
-    None and the task's own goal if the goal names no other body. Otherwise the tool
-    pushes the body from its initial pose straight to its goal, face against side, and
-    the tool's goal is behind the body's. Raises TaskError for a missing or fixed body,
-    a missing face, and a body's goal at a yaw that the push does not give.
+    If the goal names no other body, the result is None and the task's own goal.
+    Otherwise a face of the tool pushes a side of the body straight from its initial
+    pose to its goal, and the tool's goal is behind that of the body. Raises TaskError
+    for a missing or fixed body, for a missing face, and for a goal with a yaw that the
+    push cannot produce.
     """
     goal = d["goal"]
     name = goal["body"]
@@ -121,10 +122,10 @@ def _is_rectangle(shape: Shape) -> bool:
 def _straight_push(
     d: Mapping[str, Any], body: Obstacle, target: Pose2, source: str
 ) -> StraightPush:
-    """Push that leaves ``body`` within the tolerance of ``target`` X_WO.
+    """Push that brings ``body`` within tolerance of ``target`` X_WO.
 
-    The pushing face aligns the body with the direction of the push. The directions
-    given by the goal's yaw and by its position may differ; the push takes a compromise.
+    The pushing face aligns the body with the direction of the push. If the directions
+    required by the goal's yaw and by its position differ, the push is a compromise.
     Raises TaskError if the push has no length, the yaw is out of tolerance, or the body
     stands askew to the push.
     """
@@ -161,8 +162,9 @@ def _straight_push(
 
 
 def tool_refusal(query: MotionQuery, poses: Sequence[Pose2]) -> Refusal | None:
-    """Refusal of ``poses`` X_WG along a choice's path on which the tool does not push
-    its body straight to the goal, or None.
+    """Refusal of ``poses`` X_WG along a path, or None.
+
+    They are refused if the tool does not push its body straight to the goal.
     """
     tool = query.tool
     goal = query.goal

@@ -1,10 +1,9 @@
 """Waypoints of an object for sequences of motions, if no single motion leads to its
 goal.
 
-First come the poses that suit the modes' geometry: a push goes straight along a line
-through the centre of mass, so that the object is first turned towards its goal, or
-brought before its goal. Then come poses round obstacles, then an even sample of the
-rest.
+Poses that suit the geometry of the modes come first: a push is straight along a line
+through the centre of mass, so the object is first turned towards its goal, or brought
+before its goal. Poses around obstacles follow, then an even sample of all other poses.
 """
 
 from __future__ import annotations
@@ -92,8 +91,8 @@ def _within(region: Bounds, allowed: Bounds) -> Bounds:
 
 
 def waypoints(query: MotionQuery, free_paths: PathsTo) -> list[Pose2]:
-    """Free poses X_WG at which some arm reaches the object, the most useful first.
-    Empty if the object is shut in.
+    """Free poses X_WG at which an arm reaches the object, the most useful first. Empty
+    if the object is enclosed.
 
     ``free_paths`` lead to the goal of ``query``.
     """
@@ -117,7 +116,7 @@ def waypoints(query: MotionQuery, free_paths: PathsTo) -> list[Pose2]:
 
 def push_successors(query: MotionQuery, free_paths: PathsTo, X: Pose2) -> list[Pose2]:
     """Free poses X_WG that one push by each face can reach from ``X``, straight or on
-    an arc, and at which some arm reaches the object.
+    an arc, and at which an arm reaches the object.
     """
     goal = free_paths.goal
     radius = ARC * query.body.radius
@@ -143,15 +142,16 @@ def _on_arc(X: Pose2, heading: float, radius: float, turn: float) -> Pose2:
 
 
 def push_axes(query: MotionQuery) -> list[float]:
-    """Directions [rad] in G along which a push on one face goes straight."""
+    """Directions [rad] in G in which a push on one face moves the object straight."""
     height = lone_contact_height(query.scene, query.motion)
     pushed = pushable(query.scene, height)
     return [math.atan2(-face.foot[1], -face.foot[0]) for face in pushed]
 
 
 def _gates(path: Sequence[Pose2], axes: Sequence[float]) -> list[Pose2]:
-    """Via points of a path and the midpoints between them, with the object turned as
-    little as needed so that it can be pushed along the path.
+    """Via points of a path and the midpoints between them.
+
+    At each, the object is turned as little as needed to be pushed along the path.
     """
     middles = [between(*ends, 0.5) for ends in pairwise(path)]
     out = []
@@ -165,8 +165,10 @@ def _gates(path: Sequence[Pose2], axes: Sequence[float]) -> list[Pose2]:
 def _pushed_along(
     before: Pose2, after: Pose2, here: Pose2, axes: Sequence[float]
 ) -> list[Pose2]:
-    """Poses at the place of ``here`` with yaws from which a push leads from ``before``
-    towards ``after``; only the faces that need the smallest turns.
+    """Poses at the position of ``here``, with yaws at which a push leads from
+    ``before`` towards ``after``.
+
+    Only the faces that need the smallest turns are used.
     """
     ahead = math.atan2(after.y - before.y, after.x - before.x)
     turns = [math.remainder(ahead - axis - here.yaw, 2.0 * math.pi) for axis in axes]
@@ -175,14 +177,14 @@ def _pushed_along(
 
 
 def _turned(start: Pose2, goal: Pose2, axes: Sequence[float]) -> list[Pose2]:
-    """The start pose turned on the spot: to the goal's yaw, and towards the goal."""
+    """The start pose after a turn on the spot: to the goal's yaw, and towards the goal."""
     turned = Pose2(start.x, start.y, goal.yaw)
     return [turned, *_pushed_along(start, goal, start, axes)]
 
 
 def _before(start: Pose2, goal: Pose2, axes: Sequence[float]) -> list[Pose2]:
-    """Poses from which a straight push leads to the goal: some close to it, and one as
-    far from it along the push as the start.
+    """Poses from which a straight push leads to the goal: some close to the goal, and
+    one at the same distance from the goal as the start, along the push.
     """
     out = []
     bearing = math.atan2(goal.y - start.y, goal.x - start.x) - goal.yaw
@@ -196,8 +198,8 @@ def _before(start: Pose2, goal: Pose2, axes: Sequence[float]) -> list[Pose2]:
 
 
 def _nearest(axes: Sequence[float], bearing: float) -> list[float]:
-    """Axes [rad] nearest to a bearing [rad], sorted by their angle to it; at most as
-    many as a box has faces.
+    """Axes [rad] nearest to a bearing [rad], sorted by their angle to it. There are at
+    most as many as a box has faces.
     """
     off = [(abs(math.remainder(axis - bearing, 2.0 * math.pi)), axis) for axis in axes]
     return [axis for _, axis in sorted(off)[:SIDES]]
@@ -207,8 +209,8 @@ def _handed_over(query: MotionQuery, space: FreeSpace) -> list[Pose2]:
     """Poses at which one arm hands the object over to another, those with the shortest
     path first.
 
-    The first arm reaches the start, the second one the goal. Empty if one arm reaches
-    both, or if there is one arm.
+    The first arm reaches the start, the second the goal. Empty if a single arm reaches
+    both, or if there is only one arm.
     """
     ends = [query.start, query.goal]
     mode = next(
@@ -237,7 +239,9 @@ def _handed_over(query: MotionQuery, space: FreeSpace) -> list[Pose2]:
 
 
 def _poses_along(free_paths: PathsTo, poses: Sequence[Pose2]) -> list[Pose2]:
-    """Via poses of the paths from ``poses`` to the goal, taken from each path in turn."""
+    """Via poses of the paths from ``poses`` to the goal: the first of each path, then
+    the second of each path, and so on.
+    """
     found = [free_paths.via_poses(X) for X in poses]
     each = [path[1:-1] for path in found if path is not None]
     return [X for row in zip_longest(*each) for X in row if X is not None]
@@ -290,8 +294,8 @@ def _usable(
 
 
 def reached(scene: Scene, poses: Sequence[Pose2]) -> NDArray[np.bool_]:
-    """Whether some arm's tip reaches the top, at the centre of mass or above the middle
-    of a side, (n,).
+    """Mask (n,) of the poses at which an arm's tip reaches the top, at the centre of
+    mass or above the middle of a side.
     """
     out = np.full(len(poses), False)
     for robot in scene.robots:

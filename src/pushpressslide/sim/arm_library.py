@@ -44,7 +44,7 @@ class DrakeLibrary:
         margin: float,
         min_distance: float,
     ) -> Posture | None:
-        """A posture that trajectory optimisation finds near a guess, or None."""
+        """A posture found by trajectory optimisation near a guess, or None."""
         return refined_move(kinematics, clearance, path, guess, margin, min_distance)
 
 

@@ -1,4 +1,4 @@
-"""Kinematics and dynamics of one arm for its controller, in a plant of its own."""
+"""Kinematics and dynamics of one arm for its controller, in a separate plant."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class DrakeArmModel:
 
     @property
     def facts(self) -> RobotFacts:
-        """The manufacturer's limits of its joints."""
+        """The manufacturer's limits of the arm's joints."""
         return self.instance.facts
 
     def state(self, q: Array, v: Array) -> ArmDynamics:

@@ -1,5 +1,5 @@
-"""Drake's hydroelastic simulation as a cell: torque-driven arms, and the quantities
-that only a simulator knows.
+"""Drake's hydroelastic simulation as a cell: torque-driven arms, and quantities that
+only a simulator knows.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def drake_cell(
     arms and bodies as in ``start``.
 
     There is one set of joint paths for each placement. ``spare`` makes a station that
-    takes over if the solver of ``station`` does not converge; ``joint_stiffness`` [N
+    takes over if the solver of ``station`` does not converge. ``joint_stiffness`` [N
     m/rad] is as in ``control.execution.Execution``.
     """
     query = plan.query
@@ -76,7 +76,7 @@ def drake_cell(
 
 
 def _path_facts(paths: Sequence[tuple[ArmPath, ...]]) -> dict[str, Any]:
-    """Facts of the planned joint paths of all placements."""
+    """Facts about the planned joint paths of all placements."""
     every = [path for placement in paths for path, _ in placement]
     first = max(float(path.approach_time[-1]) for path, _ in paths[0])
     return {
@@ -98,7 +98,9 @@ class DrakePhysics:
         station: Station,
         spare: Callable[[], Station] | None = None,
     ) -> None:
-        """Take a station, and ``spare``, which makes another one as in ``drake_cell``."""
+        """Start the simulation of a station. ``spare`` makes another one, as in
+        ``drake_cell``.
+        """
         task = plan.task
         query = plan.query
         plant = station.plant
@@ -175,8 +177,8 @@ class DrakePhysics:
         self._look()
 
     def _complaint(self) -> str | None:
-        """Simulate to the end of the control period. Return the simulator's complaint,
-        or None.
+        """Simulate to the end of the control period. Return the simulator's failure, or
+        None.
         """
         try:
             self.station.simulator.AdvanceTo(self._ticks * self._period)
@@ -187,10 +189,10 @@ class DrakePhysics:
         return None
 
     def failure(self) -> str | None:
-        """Reason that the simulation cannot continue, or None.
+        """Reason why the simulation cannot continue, or None.
 
-        The object was far away or had fallen at the start of the last tick, or the
-        simulator complained.
+        At the start of the last tick the object was far away or had fallen, or the
+        simulator has reported a failure.
         """
         x, pose = self._before
         off = min(math.dist(pose.position, end.position) for end in self._ends)
@@ -211,7 +213,7 @@ class DrakePhysics:
         return Truth(pose, tips, twist, extras=partial(self._body_poses, x))
 
     def _body_poses(self, x: Sequence[float]) -> dict[str, Any]:
-        """Rows of the arrays that only this simulation records, from a state ``x``."""
+        """Rows of the arrays that only this simulation records, for the state ``x``."""
         return {name: x[start : start + 7] for name, start in self._body_rows.items()}
 
 
@@ -223,10 +225,10 @@ class _Instant(NamedTuple):
 
 
 class DrakeDrives:
-    """Encoders, force sensor and motors of one arm of a station."""
+    """Encoders, force sensor and motors of an arm in a station."""
 
     def __init__(self, physics: DrakePhysics, index: int) -> None:
-        """Take the ``index``th arm."""
+        """Attach to the drives of the arm number ``index``."""
         self._physics = physics
         self._index = index
         robot = physics.station.scene.robots[index]
@@ -238,11 +240,11 @@ class DrakeDrives:
         return self._physics.time
 
     def joints(self) -> Array:
-        """Positions and velocities (2 n,)."""
+        """Joint positions [rad] and velocities [rad/s], (2 n,)."""
         return self._physics.state[self._joints]
 
     def tip_force(self, arm: ArmDynamics) -> Vector3:
-        """Force [N] of the tip ON what it touches, world axes."""
+        """Force [N] of the tip ON the body it touches, in world axes."""
         return self._physics.station.contact_force(self._index, arm)
 
     def drive(self, torque: Array) -> None:
@@ -251,7 +253,9 @@ class DrakeDrives:
 
 
 def _joints_of(plant: MultibodyPlant, instance: ModelInstanceIndex) -> NDArray[np.intp]:
-    """Indices of an arm's joint positions, then velocities, in the plant's state."""
+    """Indices of an arm's joint positions, followed by its joint velocities, in the
+    plant's state.
+    """
     joints = [plant.get_joint(j) for j in plant.GetJointIndices(instance)]
     moving = [joint for joint in joints if joint.num_positions() == 1]
     positions = [joint.position_start() for joint in moving]
@@ -260,10 +264,10 @@ def _joints_of(plant: MultibodyPlant, instance: ModelInstanceIndex) -> NDArray[n
 
 
 def _raised_in_python(error: BaseException) -> bool:
-    """Whether ``error`` was raised by Python code below the handler, not by the
+    """Whether ``error`` was raised by Python code below the handler, and not by the
     simulator.
 
-    The simulator calls systems that are written in Python.
+    The simulator calls systems written in Python.
     """
     here = error.__traceback__
     return here is not None and here.tb_next is not None

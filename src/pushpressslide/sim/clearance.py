@@ -1,5 +1,5 @@
 """Smallest distance of an arm to support, object and obstacles: signed distances in a
-plant made for planning only.
+plant used only for planning.
 """
 
 from __future__ import annotations
@@ -55,8 +55,8 @@ SLAB_DEPTH = 1.0  # [m]
 
 
 class DrakeClearance:
-    """Distances between one arm made of capsules, the object, the support, the
-    obstacles, and resting arms.
+    """Distances between one arm, represented by capsules, and the object, the support,
+    the obstacles, and arms at rest.
     """
 
     def __init__(
@@ -122,7 +122,7 @@ class DrakeClearance:
 
     def _filter(self, graph: SceneGraph, base: Sequence[RigidBody]) -> None:
         """Exclude pairs that may touch: the base and the table, the object and the
-        table, and the links of the arm.
+        table, and the links of the arm with each other.
         """
         plant = self._plant
         indices = plant.GetBodyIndices(self._robot.model_instance)
@@ -138,12 +138,12 @@ class DrakeClearance:
         )
 
     def _allowed_at_contact(self, radius: float) -> dict[GeometryId, float]:
-        """Allowed distance [m] from the touched body for each shape of the rod that is
-        within the clearance of the contact.
+        """Allowed distances [m] from the touched body for the rod's shapes near the
+        contact.
 
-        The half of the tip's sphere, of a ``radius`` [m], that faces away from these
-        shapes makes the contact. The allowed distance of a shape is the fraction
-        ``ROD_ROOM`` of its smallest distance from that half.
+        The contact is on the half of the tip's sphere, of ``radius`` [m], that faces
+        away from the rod. The allowed distance of a shape is the fraction ``ROD_ROOM``
+        of its smallest distance from this half.
         """
         tip = self._robot.tip_body
         holding = set(_shapes(self._plant, self._plant.GetBodiesWeldedTo(tip)))
@@ -171,9 +171,9 @@ class DrakeClearance:
         """Gap with the smallest margin over postures (k, n) and object poses X_WG (k),
         searched up to 0.08 m.
 
-        ``touching``: the tip's sphere touches the object on purpose, so this pair is
-        excluded. ``bodies``: poses (k each) of movable obstacles by name, by default
-        those of the task.
+        With ``touching``, the tip's sphere touches the object on purpose, so this pair
+        is excluded. ``bodies`` are poses (k each) of movable obstacles by name, by
+        default those of the task.
         """
         transforms = [
             rigid_transform(pose, self._height, self._frame) for pose in object_poses
@@ -197,10 +197,11 @@ class DrakeClearance:
         bodies: Mapping[str, Sequence[RigidTransform]] | None = None,
     ) -> tuple[float, str]:
         """Smallest distance [m], at most 0.08, over postures (k, n) and spatial poses
-        of the object (k), and the names of its pair. Other arms are excluded.
+        of the object (k), and the names of the nearest pair.
 
-        ``touching`` shapes of the arm may touch the object. ``bodies``: poses (k each)
-        of movable obstacles by name, by default those of the task.
+        Other arms are excluded. The arm's ``touching`` shapes may touch the object.
+        ``bodies`` are poses (k each) of movable obstacles by name, by default those of
+        the task.
         """
         nearest = self._nearest(
             postures, object_poses, touching, bodies or {}, lambda gap: -gap.distance
@@ -235,8 +236,8 @@ class DrakeClearance:
     def _allowance(
         self, near: SignedDistancePair, touching: Collection[GeometryId]
     ) -> float:
-        """Smallest allowed distance [m] between two shapes, when the ``touching``
-        shapes may touch the object.
+        """Smallest allowed distance [m] between two shapes. The ``touching`` shapes may
+        touch the object.
         """
         between = {near.id_A, near.id_B}
         if not touching or between.isdisjoint(self._object_shapes):
@@ -244,7 +245,7 @@ class DrakeClearance:
         return min(self._allowed.get(shape, CLEARANCE) for shape in between)
 
     def _name(self, shape: GeometryId) -> str:
-        """Name of the body that a shape belongs to."""
+        """Name of the body to which a shape belongs."""
         if shape in self._object_shapes:
             return "object"
         name = str(self._inspector.GetName(shape)).split("::")[-1]
@@ -262,8 +263,10 @@ class DrakeClearance:
         self, q: Array, object_pose: Pose2, *, touching: bool
     ) -> tuple[float, Array]:
         """A smooth lower bound of the smallest distance [m] of the moving links, and
-        its gradient (n,). The distance of a pair that may be nearer than CLEARANCE is
-        increased by the difference.
+        its gradient (n,).
+
+        If a pair may be nearer than ``CLEARANCE``, its distance is increased by the
+        difference.
         """
         X_WO = rigid_transform(object_pose, self._height, self._frame)
         shapes = self.sphere if touching else set()
@@ -328,8 +331,8 @@ def _lack(gap: Gap) -> float:
 
 
 def _half_of_sphere() -> Iterator[Array]:
-    """Yield unit vectors (3,) in T over the half of a tip's sphere that faces away from
-    its rod: the half around z of T.
+    """Yield unit vectors (3,), in T, over the half of a tip's sphere that faces away
+    from the rod, around the z axis.
     """
     for turn in np.linspace(0.0, 2.0 * math.pi, TOUCHING, endpoint=False):
         for up in (0.0, 0.5, 1.0):
@@ -338,8 +341,8 @@ def _half_of_sphere() -> Iterator[Array]:
 
 
 def _add_surroundings(plant: MultibodyPlant, task: Task) -> None:
-    """Add the floor or table at world height zero, the support if it is another plane,
-    and the fixed obstacles.
+    """Add the floor or table at height zero of the world, the support if it is another
+    plane, and the fixed obstacles.
     """
     frame = task.support.frame
     below = SURFACE_LEVEL - 0.5 * SLAB_DEPTH

@@ -1,7 +1,7 @@
-"""Conversion between planar data and Drake's spatial data, all in this module.
+"""All conversions between planar data and Drake's spatial data.
 
-Drake's world is the world. Planar data refer to the support's frame
-(core/support_frame.py), which is the world on a table.
+Drake's world frame is the world frame of this package. Planar data refer to the
+support's frame (core/support_frame.py), which on a table is the world frame.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ def rigid_transform(
 ) -> RigidTransform:
     """Spatial pose, in the world, of a planar pose at height ``z`` [m].
 
-    Its x and y axes are those of the planar pose; its z axis points up on a table and
-    into a wall.
+    The x and y axes are those of the planar pose. The z axis points up on a table, and
+    into the wall on a wall.
     """
     c = math.cos(pose.yaw)
     s = math.sin(pose.yaw)
@@ -37,7 +37,7 @@ def rigid_transform(
 
 
 def planar_pose(X: RigidTransform, frame: SupportFrame = TABLE) -> Pose2:
-    """Planar pose of a spatial pose: x and y of its origin, and the yaw of its x axis."""
+    """Planar pose of a spatial pose: x and y of the origin, and yaw of the x axis."""
     px, py, pz = X.translation().tolist()
     ax, ay, az = X.rotation().col(0).tolist()
     return _planar((px, py, pz), (ax, ay, az), frame)
@@ -46,7 +46,7 @@ def planar_pose(X: RigidTransform, frame: SupportFrame = TABLE) -> Pose2:
 def planar_pose_from_positions(
     q: Sequence[float], frame: SupportFrame = TABLE
 ) -> Pose2:
-    """Planar pose of a floating body's seven positions: quaternion (w, x, y, z), then
+    """Planar pose from a floating body's seven positions: quaternion (w, x, y, z), then
     x, y, z [m].
     """
     w, x, y, z, px, py, pz = q
@@ -61,8 +61,8 @@ def _planar(position: Vector3, x_axis: Vector3, frame: SupportFrame) -> Pose2:
 
 
 def planar_twist(V: Sequence[float], frame: SupportFrame = TABLE) -> Vector3:
-    """Velocity along x and y [m/s] and the yaw rate [rad/s] of a body's spatial
-    velocity: angular, then linear.
+    """Velocity along x and y [m/s] and yaw rate [rad/s], from a body's spatial velocity
+    (angular, then linear).
     """
     wx, wy, wz, x, y, z = V
     vx, vy, _ = frame.components((x, y, z))
@@ -71,8 +71,8 @@ def planar_twist(V: Sequence[float], frame: SupportFrame = TABLE) -> Vector3:
 
 
 def transform_from_positions(q: NDArray[np.float64]) -> RigidTransform:
-    """Spatial pose of a floating body's seven positions: quaternion (w, x, y, z), then
-    x, y, z [m].
+    """Spatial pose from a floating body's seven positions: quaternion (w, x, y, z),
+    then x, y, z [m].
     """
     return RigidTransform(
         RotationMatrix(Quaternion(q[:4] / np.linalg.norm(q[:4]))), q[4:7]

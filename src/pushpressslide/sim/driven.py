@@ -29,12 +29,12 @@ def with_clearance(record: Record) -> Record:
 
 
 def clearance_driven(record: Record) -> tuple[float, str]:
-    """Smallest distance [m], at most 0.08, of any arm to object, obstacles, support,
-    table and other arms in a run, and the names of the pair. Negative if they
-    intersect.
+    """Smallest distance [m], at most 0.08, of any arm to its surroundings in a run, and
+    the names of the nearest pair.
 
-    The sphere of a tip with a contact is excluded against the object, which it touches
-    on purpose.
+    The surroundings are object, obstacles, support, table and other arms. The distance
+    is negative if two shapes intersect. The distance between the object and a tip in
+    contact does not count.
     """
     plan = record.plan
     times = record.arrays["time"]

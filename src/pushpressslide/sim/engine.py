@@ -29,12 +29,13 @@ def run(
 ) -> Record:
     """Run ``plan`` in the hydroelastic simulation and return its record.
 
-    The record is deterministic for a seed on one kind of machine. ``paths`` are the
-    joint paths of each placement, if planned before. Otherwise they are planned, and
-    InfeasibleTaskError is raised before anything moves if an arm has none. ``models``
-    names the robot models, ``time_step`` [s] is the physics step (default: the task's).
-    ``view`` shows the run in real time. ``knock``: another body pushes the object
-    aside; ``knocked`` in the record's meta holds the displacement.
+    For a given seed the record is deterministic on one kind of machine. ``paths`` are
+    the joint paths of each placement, if they are already planned. Otherwise they are
+    planned, and InfeasibleTaskError is raised before anything moves if an arm has none.
+    ``models`` names the robot models; ``time_step`` [s] is the physics step (by default
+    that of the task). ``view`` shows the run in real time. With ``knock`` another body
+    pushes the object aside, and ``knocked`` in the record's meta contains the
+    displacement.
     """
     if paths is None:
         paths = joint_paths_of(plan)

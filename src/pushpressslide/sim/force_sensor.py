@@ -11,7 +11,9 @@ from pushpressslide.sim.robot_models import RobotInstance
 
 
 class ForceSensor:
-    """Measures the force of a tip on what it touches from the reaction in its mount."""
+    """Measures a tip's force on the body it touches, from the reaction in the tip's
+    mount.
+    """
 
     def __init__(self, plant: MultibodyPlant, robot: RobotInstance) -> None:
         """Find mount and tip in the finalized ``plant``."""
@@ -27,8 +29,9 @@ class ForceSensor:
         """Force [N] of the tip ON the touched body, in world axes.
 
         It is the ``reaction`` in the mount, in T's axes, minus the force that carries
-        and accelerates the tip's own mass. That mass is taken to be at T's origin;
-        ``acceleration`` (3,) [m/s^2], ``R_WT`` (3, 3).
+        and accelerates the tip's own mass. The mass is assumed to be at T's origin,
+        whose ``acceleration`` (3,) [m/s^2] is given. ``R_WT`` (3, 3) is the rotation of
+        the tip frame.
         """
         own = self._mass * (self._gravity - acceleration)
         fx, fy, fz = (R_WT @ reaction.translational() + own).tolist()

@@ -57,8 +57,9 @@ class KnockerBody:
     def step(
         self, port: Any, context: Context, x: Sequence[float], pose: Pose2, t: float
     ) -> None:
-        """Write the force for the next control period; ``x`` is the plant's state,
-        ``pose`` the object's X_WG.
+        """Write the force for the next control period.
+
+        ``x`` is the plant's state, ``pose`` the object's X_WG.
         """
         place = np.array(x[self._start + 4 : self._start + 7])
         velocity = np.array(x[self._speed + 3 : self._speed + 6])

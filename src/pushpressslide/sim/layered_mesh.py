@@ -1,9 +1,9 @@
 """Volume mesh of an upright body on a concave footprint, for hydroelastic contact.
 
-Drake gives each vertex of a volume mesh a pressure in proportion to its distance from
-the surface, and interpolates. The mesh has a second, inner surface at one depth under
-the outer one, so that the pressure grows linearly from the surface inwards at every
-place of base, top and sides, right up to edges and corners.
+Drake assigns each vertex of a volume mesh a pressure proportional to its distance from
+the surface, and interpolates. The mesh has a second, inner surface at a constant depth
+below the outer one. The pressure therefore grows linearly inwards everywhere on base,
+top and sides, including edges and corners.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def layered_mesh(corners: tuple[Point, ...], height: float) -> LayeredMesh:
 def _inner(
     corners: tuple[Point, ...], deepest: float
 ) -> tuple[float, tuple[Point, ...]]:
-    """A depth [m] and the outline inset by that depth, corner by corner."""
+    """A depth [m], and the outline moved inwards by this depth, corner by corner."""
     depth = deepest
     for _ in range(TRIES):
         if _is_sound(corners, depth):
@@ -102,8 +102,8 @@ def _normal(a: Point, b: Point) -> Point:
 
 
 def _is_sound(corners: tuple[Point, ...], depth: float) -> bool:
-    """Whether the outline moved inwards by ``depth`` keeps all its edges and is nowhere
-    nearer than ``depth`` to the outer one.
+    """Whether the outline moved inwards by ``depth`` [m] keeps all its edges, and is
+    nowhere nearer than ``depth`` to the original outline.
     """
     from shapely import Polygon
 
@@ -142,14 +142,14 @@ _ORDERS = (
     (4, 3, 5, 1, 0, 2),
     (5, 4, 3, 2, 1, 0),
 )
-"""Order of a prism's vertices that puts the lowest one first, by the index of that
-vertex.
+"""Orders of a prism's vertices that put a given vertex first, by the index of this
+vertex. It is the vertex with the lowest number.
 """
 
 
 def _turned(vertices: tuple[Vector3, ...], cell: Tetrahedron) -> Tetrahedron:
-    """The tetrahedron, reordered so that its fourth vertex is on the side to which the
-    first three turn left.
+    """The tetrahedron, reordered so that the first three vertices run counter-clockwise
+    as seen from the fourth.
     """
     a, b, c, d = (vertices[i] for i in cell)
     u, v, w = ((p[0] - a[0], p[1] - a[1], p[2] - a[2]) for p in (b, c, d))

@@ -1,5 +1,7 @@
-"""Shapes of a robot's links, from its file, in a MultibodyPlant: meshes of any format,
-by their convex hulls for clearances, and unchanged for pictures.
+"""Shapes of a robot's links, from its file, in a MultibodyPlant.
+
+Meshes may have any format. Clearances use their convex hulls, pictures the meshes
+themselves.
 """
 
 from __future__ import annotations
@@ -41,11 +43,11 @@ def add_shapes(
     shapes: Iterable[LinkShape],
     collision: bool,
 ) -> None:
-    """Register the shapes of one robot's links: those that are drawn and, with
+    """Register the shapes of one robot's links: those for pictures and, with
     ``collision``, those for clearances.
 
-    A link without a shape that can be drawn is drawn with its shapes for clearances.
-    Meshes that cannot be read are left out.
+    A link without a shape for pictures is drawn with its shapes for clearances. Meshes
+    that cannot be read are omitted.
     """
     shapes = tuple(shapes)
     drawn = {s.link for s in shapes if not s.solid and _picture(s) is not None}

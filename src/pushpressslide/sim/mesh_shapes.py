@@ -31,7 +31,7 @@ MOST_DRAWN = 100_000
 
 @dataclass(frozen=True)
 class SolidPart:
-    """A part of a body that tips touch."""
+    """A part of a body that is touched by tips."""
 
     shape: DrakeShape
     thickness: float  # [m] thickness of its compliant layer
@@ -39,7 +39,9 @@ class SolidPart:
 
 @lru_cache(maxsize=8)
 def touched_parts(body: MeshBody) -> tuple[SolidPart, ...]:
-    """Pieces of a body for hydroelastic contact with tips, with z zero at half height."""
+    """Parts of a body for hydroelastic contact with tips. The origin of z is at half
+    height.
+    """
     return tuple(
         solid for part in body_parts(body, thick=True) for solid in _solids(part)
     )
@@ -72,7 +74,7 @@ def _convex(corners: Sequence[Vector3]) -> Convex:
 
 @lru_cache(maxsize=8)
 def drawn_mesh(body: MeshBody) -> DrakeShape:
-    """The surface in a body's file as it is drawn, with z zero at half height."""
+    """The surface in a body's file as it is drawn. The origin of z is at half height."""
     mesh = surface_of(body)
     if len(mesh.faces) > MOST_DRAWN:
         mesh = mesh.convex_hull

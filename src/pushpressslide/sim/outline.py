@@ -1,6 +1,7 @@
-"""Capsules of an arm, from its planning model in Drake.
+"""Capsules of an arm, from the arm's planning model in Drake.
 
-Drake's general distance query may not terminate for capsules deep inside each other.
+They are used because Drake's general distance query may not terminate for capsules deep
+inside each other.
 """
 
 from __future__ import annotations

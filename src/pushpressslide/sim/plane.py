@@ -1,16 +1,16 @@
 """A flat support as a rigid half-space, and the bases that stand on it.
 
 Friction acts at the centroids of contact polygons. A half-space cuts each tetrahedron
-of a compliant base in one polygon, nearly fixed to the body: the friction wrench does
-not depend on the body's position, and the number of polygons is minimal. Centroids are
-nearer to the middle than the areas they represent. A base is therefore enlarged, by
-about one part in a hundred, to restore the moment of friction.
+of a compliant base in one polygon, which is nearly fixed to the body. The friction
+wrench therefore does not depend on the body's position, and the number of polygons is
+minimal. Centroids are nearer to the middle than the areas they represent. A base is
+therefore enlarged by about 1 % to restore the moment of friction.
 
-The half-space is the rigid body, since contact polygons lie on the rigid surface. On a
-rigid base tilted by a hundredth of a degree the polygon normals would tilt too. In a
-step of 4 ms the base then slides along them by a twentieth of its indentation. A solver
-that takes the friction from the load at the start of the step would overestimate the
-friction by the same fraction.
+The half-space is the rigid body, since contact polygons lie on the rigid surface. If
+the base were rigid, the normals of the polygons would tilt with it. Tilted by a
+hundredth of a degree, the base would slide along them, in a step of 4 ms, by a
+twentieth of its indentation. A solver that takes the friction from the load at the
+start of the step would overestimate it by the same fraction.
 """
 
 from __future__ import annotations
@@ -79,8 +79,8 @@ class Plane:
         friction: float,
         cells: float = CELLS,
     ) -> None:
-        """Give a body of a ``shape`` its base, in ``cells`` if the base is narrow, and
-        the faces it lies on after falling over.
+        """Add a body's base, with ``cells`` across it if it is narrow, and the faces on
+        which the body lies after falling over.
         """
         properties = compliant_properties(friction, 1.0)
         self.bases[body.index()] = [
@@ -91,7 +91,7 @@ class Plane:
         ]
 
     def let_bases_stand(self, plant: MultibodyPlant, scene_graph: SceneGraph) -> None:
-        """Let the bases touch the support, and no other part of their bodies."""
+        """Let the bases touch the support. No other part of their bodies may touch it."""
         bases = set(chain.from_iterable(self.bases.values()))
         standing = GeometrySet(list(bases))
         others = GeometrySet()
@@ -131,7 +131,7 @@ logging.getLogger("drake").addFilter(
 def base_meshes(
     shape: Shape, cells: float = CELLS, up: float = 1.0
 ) -> list[VolumeMesh]:
-    """Convex parts of a ``shape`` in tetrahedra, with ``cells`` across a narrow base.
+    """Convex parts of a ``shape`` as tetrahedra, with ``cells`` across a narrow base.
     ``up`` is -1 if the shape's z axis points into the support, as on a wall.
     """
     ring = _base_ring(shape) if isinstance(shape, MeshBody) else _outline(shape)
@@ -148,10 +148,10 @@ def base_meshes(
 
 
 def _widened(parts: Sequence[Flat]) -> list[Flat]:
-    """Parts of a base, enlarged about its centroid so that the mean distance of its
-    triangles' centroids from there is that of the base.
+    """Parts of a base, enlarged about the base's centroid.
 
-    This restores the moment of friction in a turn on the spot.
+    The mean distance of the triangles' centroids from this point is then that of the
+    base's area, which restores the moment of friction in a turn on the spot.
     """
     corners = np.concatenate(
         [np.array(part.points)[np.array(part.triangles)] for part in parts]
@@ -168,7 +168,7 @@ def _widened(parts: Sequence[Flat]) -> list[Flat]:
 
 
 def _outline(shape: Shape) -> tuple[Point, ...]:
-    """Corners [m] of a base, counter-clockwise, as a polygon of the footprint's area."""
+    """Corners [m] of a base, counter-clockwise, as a polygon with the footprint's area."""
     from shapely import Polygon, affinity
 
     polygon = Polygon(without_details(shape.outline()))
@@ -178,8 +178,8 @@ def _outline(shape: Shape) -> tuple[Point, ...]:
 
 
 def _base_ring(shape: MeshBody) -> tuple[Point, ...]:
-    """Corners [m] of one ring about the patches of a base, each with few corners and
-    its own area.
+    """Corners [m] of one ring about the patches of a base. Each patch keeps its area
+    but has few corners.
     """
     import shapely
     from shapely import affinity
@@ -194,7 +194,7 @@ def _base_ring(shape: MeshBody) -> tuple[Point, ...]:
 
 
 def _turning(corners: tuple[Point, ...]) -> tuple[Point, ...]:
-    """Corners at which the border changes direction."""
+    """Corners [m] at which the border changes direction."""
     by = zip(corners, turns(corners), strict=True)
     return tuple(corner for corner, turn in by if turn > STRAIGHT)
 
@@ -202,7 +202,9 @@ def _turning(corners: tuple[Point, ...]) -> tuple[Point, ...]:
 def _cell_counts(
     bounds: tuple[float, float, float, float], breadth: float, cells: float
 ) -> tuple[int, int]:
-    """Numbers of cells along x and y: more along a long side, but longer ones."""
+    """Numbers of cells along x and y. A long side has more cells, which are also
+    longer.
+    """
     x_min, x_max, y_min, y_max = bounds
     nx, ny = (
         min(MOST_CELLS, round(cells * math.sqrt(width / breadth)))
@@ -213,7 +215,7 @@ def _cell_counts(
 
 @dataclass(frozen=True)
 class Flat:
-    """Triangles, counter-clockwise, that tile a convex polygon and meet at whole edges."""
+    """Triangles, counter-clockwise, that tile a convex polygon and share whole edges."""
 
     points: tuple[Point, ...]  # [m]
     triangles: tuple[Triangle, ...]
@@ -229,7 +231,7 @@ class Flat:
 
     @property
     def sides(self) -> list[list[int]]:
-        """The points along each side of the polygon, with its ends."""
+        """Indices of the points along each side of the polygon, including its ends."""
         edges = {(t[i], t[(i + 1) % 3]) for t in self.triangles for i in range(3)}
         after = {a: b for a, b in edges if (b, a) not in edges}
         out = []
@@ -244,8 +246,8 @@ class Flat:
 def base_triangles(
     corners: tuple[Point, ...], xs: Sequence[float], ys: Sequence[float]
 ) -> Flat:
-    """A convex polygon cut along the lines at ``xs`` and ``ys`` [m], and each cell into
-    triangles.
+    """A convex polygon cut along the lines at ``xs`` and ``ys`` [m], with each cell cut
+    into triangles.
     """
     import shapely
 
@@ -288,10 +290,10 @@ def _cut(
 
 def _prism(base: Flat, half: float, middle: float, up: float) -> VolumeMesh:
     """An upright prism of height 2 ``half`` [m] on ``base``. All its triangles are
-    joined to a vertex at the height ``middle`` [m], where the pressure is greatest.
+    joined to a vertex at the height ``middle`` [m], which has the highest pressure.
 
-    Few tetrahedra except those of the base meet the support. It cuts only slivers from
-    the others, which do not matter, since the sides lean inwards by ``LEAN``.
+    Apart from the tetrahedra of the base, few touch the support. Since the sides lean
+    inwards by ``LEAN``, the support cuts only negligible slivers from these.
     """
     sides = base.sides
     n = len(base.points)

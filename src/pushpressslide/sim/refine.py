@@ -1,11 +1,12 @@
 """Refinement of near misses by Drake's KinematicTrajectoryOptimization.
 
-Continuation over a grid of tool yaws and tilts (postures.py) looks one sample ahead. If
-it just fails, a spline over the whole path may still exist: yaw and tilt become
-unknowns, and the elbow is placed where the path needs it later. The optimiser needs a
-guess that is nearly a solution, and proves nothing when it fails. It is therefore given
-near misses only, and its result is evaluated like any other. Iterations are limited,
-not time, so that the result does not depend on the machine's load.
+Continuation over a grid of tool yaws and tilts (postures.py) looks only one sample
+ahead. If it just fails, a spline over the whole path may still exist: yaw and tilt
+become unknowns, and the elbow can be placed where the path needs it later. The
+optimiser needs a guess that is nearly a solution, and its failure proves nothing. It is
+therefore only given near misses, and its result is evaluated like any other. The
+iterations are limited instead of the time, so that the result does not depend on the
+machine's load.
 """
 
 from __future__ import annotations
@@ -62,8 +63,8 @@ def refined_move(
 ) -> Posture | None:
     """A posture near ``guess`` that follows ``path``, or None.
 
-    It keeps ``margin`` [rad] to the joint limits at every sample and ``clearance`` [m]
-    at the control points; the tip is right to 1e-6 m and rad at every sample.
+    It keeps ``margin`` [rad] from the joint limits at every sample, and ``clearance``
+    [m] at the control points. The tip's error is at most 1e-6 [m; rad] at every sample.
     """
     n = kin.facts.size
     k = len(path.yaws)
@@ -105,9 +106,9 @@ def _picked(path: TipPath) -> Array:
 def _guessed_spline(
     kin: ArmKinematics, guess: Posture, picked: Array, margin: float
 ) -> _Spline:
-    """A spline through joints, tool yaw offset and tilt of a guess.
+    """A spline through the joints, tool yaw offset and tilt of a guess.
 
-    Joints keep to their bounds and the largest step; offset and tilt are constant.
+    Joints stay within their bounds and the largest step. Offset and tilt are constant.
     """
     inset = margin + MARGIN_SLACK
     lower = np.append(kin.facts.lower + inset, [guess.offset - YAW_ROOM, 0.0])
@@ -190,7 +191,9 @@ class _Spline:
         )
 
     def solution(self, samples: int) -> Array:
-        """The optimiser's result at equal steps (samples, size), converged or not."""
+        """The optimiser's result (samples, size) at equal steps, whether converged or
+        not.
+        """
         options = SolverOptions()
         for name, value in (
             ("Major iterations limit", MAJOR_LIMIT),
@@ -213,7 +216,7 @@ def _constraint(
     """Drake's constraint for a function with its Jacobian."""
 
     def evaluated(x: Any) -> Any:
-        """Value for plain numbers; with derivatives for AutoDiff."""
+        """Value for plain numbers, with derivatives for AutoDiff."""
         if x.dtype == np.float64:
             return function(x)[0]
         value, jacobian = function(ExtractValue(x)[:, 0])

@@ -1,5 +1,5 @@
-"""Robots in a MultibodyPlant, each with a tip for contact: generated, Drake's own, or
-from a file.
+"""Robots in a MultibodyPlant, each with a tip for contact. The models are generated,
+Drake's own, or from a file.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from pushpressslide.robots.urdf import urdf_text
 from pushpressslide.sim.link_shapes import add_shapes
 
 DRAKE_MODELS_VARIABLE = "PUSHPRESSSLIDE_DRAKE_MODELS"
-"""Environment variable with the folder of a copy of Drake's models; if it is not set,
+"""Environment variable with the folder of a copy of Drake's models. If it is not set,
 Drake downloads them.
 """
 
@@ -61,7 +61,7 @@ PEDESTAL = (0.35, 0.37, 0.40, 1.0)
 class RobotInstance:
     """One robot in a plant.
 
-    Positions, velocities and actuators are in order from the base to the tip.
+    Positions, velocities and actuators are ordered from the base to the tip.
     """
 
     name: str  # of the model instance
@@ -76,8 +76,8 @@ class RobotInstance:
 
     @property
     def base_links(self) -> tuple[str, ...]:
-        """Names of the base link and of the first moving link, which are near the
-        support in every posture.
+        """Names of the base link and the first moving link, which are near the support
+        in every posture.
         """
         return (self.facts.base, self.facts.moving[0].child)
 
@@ -91,14 +91,14 @@ class RobotInstance:
 
 @dataclass(frozen=True)
 class _ModelField:
-    """The task field that names a robot's model, for errors."""
+    """The task field that names a robot's model, for error messages."""
 
     source: str
     index: int
     model: str
 
     def error(self, advice: str) -> TaskError:
-        """The error that this model cannot be used."""
+        """Error which says that the model cannot be used, with advice."""
         field = f"robots[{self.index}].model"
         return TaskError(self.source, field, path_value(self.model), advice)
 
@@ -116,10 +116,11 @@ def add_robot(
     """Add the task's robot number ``index`` to a plant that is not finalized, with its
     base welded in place.
 
-    tip_properties: contact properties of the tip's sphere; None: it does not touch.
-    collision: also registers capsules around the links (generated models), without
-    hydroelastic properties, for distance queries in a plant that is not simulated.
-    models: "generated" or "drake_models". source: the task file, for messages.
+    ``tip_properties`` are the contact properties of the tip's sphere; with None it
+    touches nothing. ``collision`` also registers capsules around the links of generated
+    models, without hydroelastic properties, for distance queries in a plant that is not
+    simulated. ``models`` is "generated" or "drake_models". ``source`` is the task file,
+    for messages.
 
     Raises TaskError if the model, its file or its tip frame cannot be used.
     """
@@ -159,7 +160,7 @@ def _weld_base(
 
 
 def _facts(robot: Robot, field: _ModelField) -> RobotFacts:
-    """Facts of a generated model, or those stated in its file."""
+    """Facts about a robot, from its generated model or from its file."""
     try:
         return robot_facts(robot)
     except RobotFileError:
@@ -214,7 +215,7 @@ def _add_drake_model(parser: Parser, field: _ModelField) -> ModelInstanceIndex:
 
 
 def _file_error(field: _ModelField, reason: str) -> RobotFileError:
-    """Error that a model's file cannot be used."""
+    """Error which says that a model's file cannot be used."""
     return RobotFileError(field.model, "", field.model, reason)
 
 
@@ -240,7 +241,7 @@ def _add_tip(
     length: float,
     inertia: SpatialInertia,
 ) -> RigidBody:
-    """Weld the tip's body to the flange, ``length`` [m] along the flange's z axis."""
+    """Weld the tip's body to the flange, at ``length`` [m] along the flange's z axis."""
     flange, X_FlangeF = _flange(plant, instance, facts)
     X_FT = X_FlangeF @ RigidTransform([0.0, 0.0, length])
     tip = plant.AddRigidBody(TIP, instance, inertia)
@@ -249,8 +250,9 @@ def _add_tip(
 
 
 def _tip_inertia(length: float, radius: float) -> SpatialInertia:
-    """Inertia of sphere and rod about the sphere's centre, in tip axes. The rod has two
-    thirds of the mass, the sphere one third.
+    """Inertia of sphere and rod about the sphere's centre, in the axes of the tip.
+
+    The rod has two thirds of the mass, the sphere one third.
     """
     rod = TIP_MASS * 2.0 / 3.0
     ball = TIP_MASS / 3.0
@@ -269,8 +271,8 @@ def _add_rod(
     radius: float,
     collision: bool,
 ) -> None:
-    """Draw the rod of a ``radius`` [m] and its collar; with ``collision`` the rod is a
-    capsule, too.
+    """Draw the rod with a ``radius`` [m], and its collar. With ``collision`` the rod is
+    also a capsule for clearances.
     """
     X_TRod = RigidTransform([0.0, 0.0, -0.5 * length])
     rod = Cylinder(radius, length)
@@ -290,7 +292,7 @@ def _add_sphere(
     radius: float,
     properties: ProximityProperties | None,
 ) -> GeometryId | None:
-    """Draw the tip's sphere, and let it touch if it has contact properties."""
+    """Draw the tip's sphere. It makes contact if it has contact ``properties``."""
     X = RigidTransform()
     sphere = Sphere(radius)
     plant.RegisterVisualGeometry(tip, X, sphere, "tip_visual", RUBBER)

@@ -78,7 +78,7 @@ OBSTACLE_COLOR = np.array([0.45, 0.50, 0.58, 1.0])
 
 @dataclass(frozen=True)
 class DrakeScene:
-    """A finalized plant, with the handles that a station needs."""
+    """A finalized plant with the handles that a station needs."""
 
     builder: DiagramBuilder
     plant: MultibodyPlant
@@ -91,15 +91,16 @@ class DrakeScene:
 
 
 def rest_height(body: model.ObjectModel) -> float:
-    """Height of the shape's centre above the support at the start [m]."""
+    """Initial height [m] of the shape's centre above the support."""
     return 0.5 * body.shape.height - SINK
 
 
 def solid_inertia(body: model.ObjectModel) -> SpatialInertia:
-    """Inertia of a solid of uniform density about its frame.
+    """Inertia of a solid of uniform density about the origin of its frame.
 
-    The frame is G in the plane and at half height. The solid is shifted to the body's
-    CoM, at half height unless it comes from a mesh.
+    The frame is that of G in the plane, at half height. The solid is shifted so that
+    its centre is the body's CoM, which is at half height unless the body comes from a
+    mesh.
     """
     shape = body.shape
     unit = UnitInertia(*solid_moments(shape))
@@ -109,8 +110,10 @@ def solid_inertia(body: model.ObjectModel) -> SpatialInertia:
 
 
 def grid_bounds(plan: Plan, tile: float) -> Bounds:
-    """Bounds of the planned positions of the object, with a margin for errors, and
-    another one for replans, in whole tiles of edge ``tile`` [m].
+    """Bounds of the planned positions of the object, in whole tiles with edges of
+    ``tile`` [m].
+
+    They include a margin for errors and a margin for replans.
     """
     x_min, x_max, y_min, y_max = reached_bounds(plan, GRID_ROOM)
     reach = plan.task.object.shape.farthest((0.0, 0.0)) + GRID_ROOM
@@ -127,14 +130,14 @@ def grid_bounds(plan: Plan, tile: float) -> Bounds:
 
 
 def tile_size(shape: model.Shape) -> float:
-    """Edge length of a support tile [m]."""
+    """Edge length [m] of a support tile."""
     return shape.breadth / TILES_PER_WIDTH
 
 
 def mesh_size(shape: model.Shape) -> float:
-    """Edge length of an object's mesh [m].
+    """Edge length [m] in an object's mesh.
 
-    A cylinder becomes a prism with 26 corners, with a base area 1 % smaller.
+    A cylinder becomes a prism with 26 corners, whose base area is smaller by 1 %.
     """
     if isinstance(shape, model.Cylinder):
         return 0.25 * shape.radius
@@ -149,8 +152,10 @@ def build_scene(
     knock: Knock | None = None,
     convex: bool = False,
 ) -> DrakeScene:
-    """Scene of a plan's task, with the body that disturbs its object. ``convex``
-    selects the solver that always converges.
+    """Scene of a plan's task.
+
+    With ``knock`` it includes a body that disturbs the object. ``convex`` selects the
+    solver that always converges.
 
     The plant is finalized; the builder is not built yet, so that systems can be added.
     """
@@ -286,8 +291,8 @@ def _add_obstacle(
     frame: SupportFrame,
     friction: float,
 ) -> RigidBody:
-    """Add an obstacle, rigid in the world or compliant as a body of its own. Return the
-    body it belongs to.
+    """Add an obstacle, either fixed to the world and rigid, or as a separate compliant
+    body. Return the body it belongs to.
     """
     shape = obstacle.shape
     X = rigid_transform(obstacle.pose, 0.5 * shape.height - SINK, frame)
@@ -314,8 +319,8 @@ def _add_obstacle(
 
 
 def _draw_support(plant: MultibodyPlant, support: model.Support) -> None:
-    """Draw the table or floor, and any other support plane from the floor up, around
-    its opening.
+    """Draw the table or floor. Any other support plane is drawn from the floor up,
+    around its opening.
     """
     table = RigidTransform([0.45, 0.0, -0.0101])
     top: DrakeShape = DrakeBox(1.7, 1.8, 0.02)
@@ -343,8 +348,9 @@ def _let_only_tips_touch(
 ) -> None:
     """Exclude the links of robots from contact.
 
-    The generated models have no shapes there, but a model from a file may. Joint paths
-    keep the links clear; shapes without hydroelastic properties would end the run.
+    The links of generated models have no contact shapes, but those of a model from a
+    file may. Joint paths keep the links clear, and shapes without hydroelastic
+    properties would end the run.
     """
     links = GeometrySet()
     everything = GeometrySet()

@@ -1,8 +1,8 @@
 """The station: a scene as one Diagram with the inputs and outputs of a robot's
 controller.
 
-Joint torques are its input ports ``joint_torque_<i>``, (n,) [N m]. The state of the
-plant and the force sensors of the tips are read directly.
+Its input ports ``joint_torque_<i>`` take joint torques (n,) [N m]. The plant's state
+and the tips' force sensors are read directly.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ from pushpressslide.sim.scenes import DrakeScene, build_scene, rest_height
 
 
 class LiveView(Protocol):
-    """A live view of a scene during simulation, without effect on it."""
+    """A live view of a scene during simulation, which has no effect on it."""
 
     def connect(self, builder: DiagramBuilder, scene: DrakeScene) -> None:
         """Show the bodies of ``scene``, whose builder is not built yet."""
 
     def pace(self, simulator: Simulator) -> None:
-        """Limit the simulation to real time."""
+        """Slow the simulation down to real time."""
 
 
 class Station:
@@ -51,8 +51,8 @@ class Station:
     ) -> None:
         """Build the scene of ``plan``'s task with the object at its TRUE start.
 
-        ``view`` shows the scene while it is simulated; ``knock`` disturbs it; ``convex``
-        as in ``solve_contacts``.
+        ``view`` shows the scene while it is simulated, ``knock`` disturbs the object,
+        and ``convex`` is as in ``solve_contacts``.
         """
         self.scene = build_scene(
             plan, models=models, time_step=time_step, knock=knock, convex=convex
@@ -109,8 +109,9 @@ class Station:
             knocker.step(port, self.context, x, pose, time)
 
     def put(self, bodies: Mapping[str, tuple[float, ...]]) -> None:
-        """Set the poses of bodies, "object" or movable obstacles by name: quaternion
-        (w, x, y, z) and position [m] (7,) each.
+        """Set the poses of bodies by name: "object", or movable obstacles.
+
+        Each pose (7,) is a quaternion (w, x, y, z) and a position [m].
         """
         every = {"object": self.scene.object, **self.scene.bodies}
         for name, positions in bodies.items():
@@ -134,8 +135,8 @@ class Station:
         return x
 
     def contact_force(self, i: int, arm: ArmDynamics) -> Vector3:
-        """Measured force [N] of the tip of arm ``i`` ON what it touches, world axes.
-        ``arm`` is the arm's current state.
+        """Measured force [N] of the tip of arm ``i`` ON the body it touches, in world
+        axes. ``arm`` is the arm's current state.
         """
         reactions = self._reactions.Eval(self.plant_context)
         vdot = self._accelerations.Eval(self.plant_context)

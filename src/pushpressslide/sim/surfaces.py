@@ -66,7 +66,7 @@ def compliant_properties(
     friction: float, resolution: float, modulus: float = HYDROELASTIC_MODULUS
 ) -> ProximityProperties:
     """Properties of a compliant hydroelastic surface with surface (not pair) friction
-    ``friction``, and a ``modulus`` [Pa].
+    ``friction`` and a ``modulus`` [Pa].
     """
     properties = ProximityProperties()
     AddCompliantHydroelasticProperties(resolution, modulus, properties)
@@ -92,8 +92,8 @@ def obj_mesh(
     *,
     visual: bool = False,
 ) -> InMemoryMesh:
-    """A surface of ``faces``, each given by indices of ``vertices`` [m],
-    counter-clockwise seen from outside. It has normals if it is to be ``visual``.
+    """A surface mesh of ``faces``, each given by indices of ``vertices`` [m],
+    counter-clockwise as seen from outside. A ``visual`` mesh has normals.
     """
     lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices]
     for k, face in enumerate(faces):
@@ -112,10 +112,10 @@ def support_grid(
     """The support's surface as a triangle mesh in the world, facing outwards.
 
     It covers ``bounds``, which are x_min, x_max, y_min, y_max [m] in the support's
-    frame, up to the edge of a region, and the sides and the back of an opening.
-    Friction acts at the centroids of the contact polygons, so that the edge ``tile``
-    [m] of a grid cell decides how well torsion is resolved: a third of the object's
-    width gives about 1 %.
+    frame, up to the edge of a region. It also covers the sides and the back of an
+    opening. Friction acts at the centroids of the contact polygons, so the edge
+    ``tile`` [m] of a grid cell determines the error of the friction moment: about 1 %
+    for a third of the object's width.
     """
     support = support or model.Support()
     frame = support.frame
@@ -153,8 +153,10 @@ class _TiledSurface:
         place: Callable[[float, float], Vector3],
         parity: int = 0,
     ) -> None:
-        """Add the tiles between the lines ``us`` and ``vs``. Seen from outside, v is to
-        the left of u. ``parity`` sets the direction of the first tile's diagonal.
+        """Add the tiles between the lines ``us`` and ``vs``.
+
+        Seen from outside, v is to the left of u. ``parity`` sets the direction of the
+        first tile's diagonal.
         """
         first = len(self.vertices)
         n = len(us)
@@ -172,7 +174,7 @@ class _TiledSurface:
                     self.faces += [(a, b, d), (b, c, d)]
 
     def add_flat(self, corners: tuple[Point, ...], tile: float) -> None:
-        """Add a polygon of the plane at height zero, part of a ``tile`` [m]."""
+        """Add a polygon in the plane at height zero, which is a part of a ``tile`` [m]."""
         first = len(self.vertices)
         self.vertices.extend((x, y, 0.0) for x, y in corners)
         for face in triangles(corners):
@@ -187,7 +189,7 @@ def _tile_region(
     tile: float,
     region: tuple[Point, ...],
 ) -> None:
-    """Add the tiles of a plane that lie in a region, clipped at its edge."""
+    """Add the tiles of a plane that lie in a region, clipped at the region's edge."""
     import shapely
 
     polygon = shapely.Polygon(region)
@@ -206,7 +208,7 @@ def _tile_region(
 
 
 def _plane_lines(bounds: Bounds, tile: float) -> tuple[list[float], list[float]]:
-    """Lines along x and along y between the whole tiles of a plane."""
+    """Grid lines of a plane along x and along y, a whole number of tiles apart."""
     x_min, x_max, y_min, y_max = bounds
     nx = max(1, math.ceil((x_max - x_min) / tile))
     ny = max(1, math.ceil((y_max - y_min) / tile))
@@ -248,7 +250,7 @@ def _tile_opening(
 
 
 def _lines(first: float, last: float, tile: float) -> list[float]:
-    """Positions from ``first`` to ``last``, at most ``tile`` apart."""
+    """Positions [m] from ``first`` to ``last``, at most ``tile`` apart."""
     count = max(1, math.ceil((last - first) / tile - 1e-9))
     return [first + (last - first) * i / count for i in range(count + 1)]
 
@@ -256,7 +258,7 @@ def _lines(first: float, last: float, tile: float) -> list[float]:
 def drawn_shape(shape: model.Shape) -> DrakeShape:
     """Drake's visual shape of an object.
 
-    Its frame is at G's origin in the plane, and at half height.
+    Its frame has the origin of G in the plane, at half height.
     """
     if isinstance(shape, model.Box):
         return Box(*shape.size)
@@ -271,7 +273,7 @@ def drawn_shape(shape: model.Shape) -> DrakeShape:
 
 
 def convex_shapes(shape: model.Shape) -> list[DrakeShape]:
-    """Drake's shapes whose union is an object, in the frame of ``drawn_shape``."""
+    """Drake shapes whose union is an object, in the frame of ``drawn_shape``."""
     if isinstance(shape, MeshBody):
         return list(convex_parts(shape))
     if shape.convex:
@@ -287,11 +289,11 @@ def softness(shape: model.Shape) -> float:
 
 
 def tip_modulus(shape: model.Shape, radius: float, force: float) -> float:
-    """Modulus [Pa] of an object touched by tips of a ``radius`` [m] with up to
-    ``force`` [N].
+    """Modulus [Pa] of an object touched by tips of ``radius`` [m] with up to ``force``
+    [N].
 
-    A sphere sinks by d into a layer of modulus E and thickness H under pi E radius d^2
-    / H: the usual modulus is too soft for small tips.
+    A force pi E radius d^2 / H presses a sphere by d into a layer of modulus E and
+    thickness H. The usual modulus is therefore too soft for small tips.
     """
     depth = DEEPEST * radius
     needed = force * softness(shape) / (math.pi * radius * depth * depth)
@@ -307,8 +309,9 @@ def touched_shapes(
     """Drake's contact shapes of an object, and their properties from
     ``compliant_properties``, in the frame of ``drawn_shape``.
 
-    A concave object has a volume mesh, a body from a mesh has several pieces. Each has
-    a modulus with which it yields as much as a convex object of the same thickness.
+    A concave object has a volume mesh, and a body from a mesh has several parts. The
+    modulus of each is such that it yields as much as a convex object of the same
+    thickness.
     """
     if isinstance(shape, MeshBody):
         own = softness(shape)
@@ -332,7 +335,7 @@ def touched_shapes(
 
 
 def without_details(corners: tuple[Point, ...]) -> tuple[Point, ...]:
-    """The outline without corners that stand out by less than ``DETAIL``."""
+    """The outline without corners that protrude by less than ``DETAIL``."""
     from shapely import Polygon
 
     simple = Polygon(corners).simplify(DETAIL)
@@ -353,8 +356,8 @@ def _prism_mesh(
     *,
     visual: bool = False,
 ) -> InMemoryMesh:
-    """Surface of a prism. ``caps`` are the polygons of its top, each given by indices
-    of ``corners``.
+    """Surface mesh of a prism. ``caps`` are the polygons of its top, each given by
+    indices of ``corners``.
     """
     n = len(corners)
     half = 0.5 * height

@@ -14,8 +14,10 @@ Tetrahedron = tuple[int, int, int, int]
 
 @dataclass(frozen=True, slots=True)
 class VolumeMesh:
-    """Vertices [m] and tetrahedra, with z zero at half height. The fourth vertex of
-    each is on the side to which the first three turn left.
+    """Vertices [m] and tetrahedra. The origin of z is at half height.
+
+    The first three vertices of a tetrahedron run counter-clockwise as seen from the
+    fourth.
     """
 
     vertices: tuple[Vector3, ...]
@@ -45,6 +47,6 @@ class VolumeMesh:
         return "\n".join(lines) + "\n"
 
     def drake(self) -> Mesh:
-        """The mesh as Drake's."""
+        """The mesh as a Drake mesh."""
         file = MemoryFile(self.vtk(), ".vtk", "object.vtk")
         return Mesh(InMemoryMesh(mesh_file=file), 1.0)

@@ -1,1 +1,3 @@
-"""Task files: YAML to a checked Task and back, the schema, and its documentation."""
+"""Task files: from YAML to a checked Task and back, the JSON Schema, and the
+documentation of fields.
+"""

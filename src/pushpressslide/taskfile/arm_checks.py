@@ -1,4 +1,6 @@
-"""Checks of a task's arms: readable, strong enough, and within reach of the object."""
+"""Checks of a task's arms: whether they are readable, strong enough, and within reach
+of the object.
+"""
 
 from __future__ import annotations
 
@@ -25,29 +27,31 @@ if TYPE_CHECKING:
     from pushpressslide.robots.kinematics import ArmKinematics
 
 BASE_RADIUS = 0.10
-"""Radius of a robot's base that no body may enter [m]."""
+"""Radius [m] of a robot's base, which no body may enter."""
 
 PLACES = 24
 """Number of points around an object that are checked for a tip's reach."""
 
 REACH_SLACK = 0.02
-"""Shortfall [m] attributed to the search. Beyond it a point is out of reach."""
+"""Shortfall [m] that is attributed to the search. A point with a larger shortfall is
+out of reach.
+"""
 
 FURTHER = (0.05, 0.1, 0.2)
-"""Distances [m] beyond the shortfall by which a base is moved in thought."""
+"""Distances [m] beyond the shortfall by which a base is moved to look for a remedy."""
 
 CLEAR = 2.0 * BASE_RADIUS
-"""Smallest distance [m] of such a base from the object."""
+"""Smallest distance [m] of a moved base from the object."""
 
 
 def check_reach(query: MotionQuery, body: ObjectModel) -> None:
     """Check that some robot brings its tip next to or onto the object at start and at
     goal.
 
-    The check uses kinematics alone. It tries all tool attitudes, with a tolerance for
-    points between those tried. A refused pose is therefore impossible for every choice
-    of contact. Raises TaskError for a robot that cannot be read, and for a start or
-    goal that no robot reaches, with the shortfall.
+    The check uses only kinematics. It tries all tool attitudes, with a tolerance for
+    points between the tried ones. A refused pose is therefore impossible for every
+    choice of contact. Raises TaskError for a robot that cannot be read, and for a start
+    or goal that no robot reaches, with the shortfall.
     """
     scene = query.scene
     source = query.source
@@ -84,8 +88,9 @@ def check_reach(query: MotionQuery, body: ObjectModel) -> None:
 def _reaching_base(
     query: MotionQuery, arm: int, X_WG: Pose2, short: float
 ) -> Point | None:
-    """Place [m] of an arm's base, moved towards the object at ``X_WG``, from which the
-    arm reaches start and goal. None if none of a few does.
+    """Position [m] of an arm's base from which the arm reaches start and goal, or None.
+
+    A few positions, moved towards the object at ``X_WG``, are tried.
     """
     import shapely
 
@@ -113,7 +118,7 @@ def _reaching_base(
 
 
 def _limit_faults(kin: ArmKinematics, field: str) -> Iterator[Fault]:
-    """Yield the field of the joints' limits if a file lacks some of them."""
+    """Yield a fault for the field of the joints' limits, if a file lacks some of them."""
     from pushpressslide.robots.sheet import limits_to_fill
 
     lines = limits_to_fill(kin.facts)
@@ -123,7 +128,9 @@ def _limit_faults(kin: ArmKinematics, field: str) -> Iterator[Fault]:
 
 
 def _weight_faults(kin: ArmKinematics, field: str) -> Iterator[Fault]:
-    """Yield the torque limit of a joint that cannot hold the arm's own weight."""
+    """Yield a fault for the torque limit of a joint that cannot hold the arm's own
+    weight.
+    """
     from pushpressslide.robots.sheet import too_weak
 
     weak = too_weak(kin)
@@ -155,7 +162,7 @@ def _kinematics(robot: Robot, i: int, source: str) -> ArmKinematics:
 
 def shortfall(kin: ArmKinematics, robot: Robot, scene: Scene, X_WG: Pose2) -> float:
     """Distance [m] by which a tip misses the nearest point at which it could touch the
-    object, 0 if it can reach one.
+    object. 0 if it reaches one.
     """
     import numpy as np
 

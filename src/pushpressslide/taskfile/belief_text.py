@@ -1,4 +1,4 @@
-"""Identified values, written into the text of a task file. Comments and layout are
+"""Identified values written into the text of a task file, with comments and layout
 kept.
 """
 
@@ -18,8 +18,8 @@ KEY = "belief"
 def with_belief(text: str, values: Mapping[str, float | None], source: str) -> str:
     """Text of a task file with ``values`` as fields of ``belief``, in the file's units.
 
-    An existing field gets the new value; the others are added. Raises TaskError if the
-    text is not a task, before or after the change.
+    Existing fields get the new values, and missing fields are added. Raises TaskError
+    if the text is not a valid task before or after the change.
     """
     data = parse_yaml(text, source)
     if not isinstance(data, dict):
@@ -47,7 +47,7 @@ def _rounded(data: object) -> object:
 
 
 def _with_field(text: str, name: str, value: str, source: str) -> str:
-    """Text with one field of ``belief`` set."""
+    """Text of the file with one field of ``belief`` set."""
     root = yaml.compose(text, Loader=yaml.SafeLoader)
     if not isinstance(root, yaml.MappingNode):
         raise TaskError(source, "", source, "allowed: a mapping with a task's fields")
@@ -75,7 +75,7 @@ def _value(mapping: yaml.MappingNode, key: str) -> yaml.Node | None:
 
 
 def _span(node: yaml.Node) -> tuple[int, int]:
-    """First and last index of a node in its text."""
+    """Start and end index of a node in its text."""
     return node.start_mark.index, node.end_mark.index
 
 
@@ -104,7 +104,9 @@ def _inserted(text: str, section: yaml.MappingNode, field: str) -> str:
 
 
 def _last_index(node: yaml.Node) -> int:
-    """Index of the last character of a value, without what follows a block."""
+    """Index after the last character of a value, without any blank lines or comments
+    behind a block.
+    """
     if isinstance(node, yaml.CollectionNode) and not node.flow_style and node.value:
         last = node.value[-1]
         return _last_index(last[1] if isinstance(last, tuple) else last)

@@ -31,10 +31,10 @@ from pushpressslide.taskfile.arm_checks import BASE_RADIUS, check_reach
 from pushpressslide.taskfile.place import Fault, nearest, refuse
 
 MAX_OVERLAP = 1e-8
-"""Area that two footprints may share and still count as touching [m^2]."""
+"""Area [m^2] that two footprints may share and still count as touching."""
 
 ROUNDING = 1e-6
-"""Tolerance [m] of a contact's distance from the edge: round-off."""
+"""Tolerance [m] of a contact's distance from the edge, for round-off."""
 
 
 def check(
@@ -42,8 +42,8 @@ def check(
 ) -> None:
     """Check the consistency of a motion's fields, cheap checks first.
 
-    ``body`` and ``true_start``, X_WG, are the true object. ``may_rest``: the goal may
-    be the start.
+    ``body`` and ``true_start``, X_WG, are the true object. With ``may_rest`` the goal
+    may be equal to the start.
 
     Raises:
         TaskError: the first field that does not fit the others.
@@ -95,8 +95,8 @@ def _motion_faults(scene: Scene, motion: Motion) -> Iterator[Fault]:
 
 
 def _contact_faults(scene: Scene, points: Sequence[Point]) -> Iterator[Fault]:
-    """Yield a contact on the object's top that no tip can make: off the top, in a notch
-    or too near to an edge.
+    """Yield a fault for a contact on the object's top that no tip can make: off the
+    top, in a notch, or too near to an edge.
     """
     inset = min(margins.inset(robot.tip_radius) for robot in scene.robots)
     for i, point in enumerate(points):
@@ -109,7 +109,7 @@ def _contact_faults(scene: Scene, points: Sequence[Point]) -> Iterator[Fault]:
 
 
 def _face_faults(scene: Scene, face: int) -> Iterator[Fault]:
-    """Yield a missing face, or one that no tip can touch."""
+    """Yield a fault for a missing face, or for a face that no tip can touch."""
     from pushpressslide.mechanics.faces import faces
 
     edges = scene.body.shape.edges
@@ -130,8 +130,8 @@ def _face_faults(scene: Scene, face: int) -> Iterator[Fault]:
 
 
 def wall_faults(scene: Scene, start: Pose2, goal: Pose2) -> Iterator[Fault]:
-    """Yield violations of a wall's rules: a body that would fall, and a start or goal
-    that does not suit its opening.
+    """Yield faults against the rules for walls: a body that would fall, or a start or
+    goal that does not suit the opening.
     """
     if not any(scene.weight_along):
         return
@@ -193,7 +193,7 @@ def _mode_faults(query: MotionQuery) -> Iterator[Fault]:
 
 
 def _arm_faults(motion: Motion, count: int) -> Iterator[Fault]:
-    """Yield a fault if a field names an arm beyond the ``count`` arms of a task."""
+    """Yield a fault for a field that names an arm beyond the ``count`` arms of a task."""
     arm = motion.arm
     names = ARM_NAMES[:count]
     if arm is not None and arm not in names:
@@ -203,7 +203,7 @@ def _arm_faults(motion: Motion, count: int) -> Iterator[Fault]:
 
 
 def _vehicle_faults(query: MotionQuery) -> Iterator[Fault]:
-    """Yield a vehicle that no mode of the task offers."""
+    """Yield a fault for a vehicle that no mode of the task offers."""
     from pushpressslide.modes import MODES
 
     vehicle = query.motion.vehicle
@@ -217,8 +217,8 @@ def _vehicle_faults(query: MotionQuery) -> Iterator[Fault]:
 
 
 def _goal_faults(query: MotionQuery) -> Iterator[Fault]:
-    """Yield a goal that the object has reached by belief, but not in truth, or before a
-    leg.
+    """Yield a fault for a goal that the object has already reached: by belief but not
+    in truth, or at the start of a leg.
     """
     if query.tool is not None or not query.tolerance.holds(query.start, query.goal):
         return
@@ -234,7 +234,7 @@ def _goal_faults(query: MotionQuery) -> Iterator[Fault]:
 
 
 def _workspace_faults(limits: Limits, start: Pose2, goal: Pose2) -> Iterator[Fault]:
-    """Yield a start or goal outside ``limits.workspace``."""
+    """Yield a fault for a start or goal outside ``limits.workspace``."""
     if limits.workspace is None:
         return
     x_min, x_max, y_min, y_max = limits.workspace
@@ -248,8 +248,8 @@ def _workspace_faults(limits: Limits, start: Pose2, goal: Pose2) -> Iterator[Fau
 def _edge_faults(
     query: MotionQuery, body: ObjectModel, true_start: Pose2
 ) -> Iterator[Fault]:
-    """Yield a fault for each pose at which a body tips over the edge of support.region.
-    At the goal a margin is required, too.
+    """Yield a fault for each pose at which a body tips over the edge of
+    ``support.region``. At the goal a margin is also required.
     """
     region = query.scene.support.region
     if region is None:
@@ -277,8 +277,8 @@ def _near_edge(
     min_margin: float,
     region: tuple[Point, ...],
 ) -> Iterator[Fault]:
-    """Yield a pose at which a body's ``center`` [m] in G is less than ``min_margin``
-    [m] inside the edge of a region.
+    """Yield a fault for a pose at which a body's ``center`` [m], in G, is less than
+    ``min_margin`` [m] inside a region.
     """
     import numpy as np
     from shapely import Polygon
@@ -295,7 +295,7 @@ def _near_edge(
 
 
 def _bases(scene: Scene) -> list[tuple[str, Vector3]]:
-    """Fields and positions of the bases that no body may enter."""
+    """Fields and positions of the bases, which no body may enter."""
     return [
         (f"robots[{i}].base", base)
         for i, (robot, base) in enumerate(zip(scene.robots, scene.bases, strict=True))
@@ -312,8 +312,8 @@ def _base_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _object_faults(query: MotionQuery, true_start: Pose2) -> Iterator[Fault]:
-    """Yield a start or goal at which the object is too near to a base, or overlaps an
-    obstacle.
+    """Yield a fault for a start or goal at which the object is too near to a base, or
+    overlaps an obstacle.
     """
     scene = query.scene
     tool = query.tool

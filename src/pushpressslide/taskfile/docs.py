@@ -1,6 +1,6 @@
 """The fields of docs/task-file.md and docs/task-fields.csv, made from the schema.
 
-Renew them by ``python -m pushpressslide.taskfile.docs docs/task-file.md``.
+Renew them with ``python -m pushpressslide.taskfile.docs docs/task-file.md``.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ TITLES = ("field", "allowed", "default", "meaning")
 
 
 def _rows(fields: Mapping[str, Field], path: str) -> Iterator[tuple[str, ...]]:
-    """Yield the row of every field: name, what is allowed, default and meaning."""
+    """Yield a row for every field: name, allowed values, default and meaning."""
     for key, field in fields.items():
         name = path + key
         inner = field.kind.fields or {}
@@ -49,7 +49,7 @@ def _default(default: Any) -> str:
 
 
 def every_field() -> str:
-    """Return the table of all fields, as comma-separated values."""
+    """Table of all fields as comma-separated values."""
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(TITLES)
@@ -58,7 +58,7 @@ def every_field() -> str:
 
 
 def _sections() -> Iterator[str]:
-    """Yield the rows of a table of the sections of a file."""
+    """Yield the rows of a table of the file's sections."""
     yield "| section | meaning | its fields |"
     yield "|---|---|---|"
     for name, field in (SCHEMA.fields or {}).items():
@@ -67,7 +67,7 @@ def _sections() -> Iterator[str]:
 
 
 def with_table(page: str) -> str:
-    """Return a page with its generated table of sections renewed.
+    """Page with its generated table of sections renewed.
 
     Raises ValueError for a page without the two marks.
     """

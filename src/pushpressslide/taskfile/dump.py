@@ -1,5 +1,5 @@
-"""Conversion of a Task to the text of a task file in the file's layout and units, with
-every default written out.
+"""Conversion of a Task to the text of a task file, in the file's layout and units and
+with every default.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def task_data(task: Task) -> dict[str, Any]:
 def dump_task(task: Task) -> str:
     """YAML text of a task with every default written out.
 
-    It loads again to an equal task.
+    Loading the text gives an equal task.
     """
     return yaml.safe_dump(
         task_data(task),

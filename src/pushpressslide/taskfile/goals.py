@@ -1,4 +1,4 @@
-"""Checks of several goals, of several bodies or of one body in sequence."""
+"""Checks of several goals: of different bodies, or of one body in sequence."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ from pushpressslide.taskfile.place import Fault, nearest, refuse
 def goals_faults(
     plain: Mapping[str, Any], obstacles: Sequence[Obstacle]
 ) -> Iterator[Fault]:
-    """Yield a file with both ``goal`` and ``goals`` or neither, goals next to legs, and
-    goals of bodies that cannot be moved.
+    """Yield faults for both or neither of ``goal`` and ``goals``, for goals in addition
+    to legs, and for goals of bodies that cannot be moved.
     """
     goals = plain["goals"]
     if goals is None:
@@ -57,8 +57,8 @@ def goals_faults(
 
 
 def check_goals(task: Task) -> None:
-    """Check that each goal is within reach and the workspace, and clear of the bases,
-    the fixed obstacles and the last goals of the other bodies.
+    """Check that each goal is within reach and in the workspace, and clear of the
+    bases, the fixed obstacles and the last goals of other bodies.
 
     Raises TaskError for the first goal that is not.
     """
@@ -86,7 +86,7 @@ def _pose_field(task: Task, body: str) -> str:
 
 
 def _shared_faults(task: Task) -> Iterator[Fault]:
-    """Yield two bodies whose last goals overlap."""
+    """Yield a fault for two bodies whose last goals overlap."""
     last = {goal.body: i for i, goal in enumerate(task.goals)}
     placed: list[int] = []
     for body, i in last.items():

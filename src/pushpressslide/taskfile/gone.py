@@ -16,7 +16,7 @@ GONE: Mapping[str, tuple[object, str]] = {
     "joint_stiffness": (10.0, f"{EXECUTION}(joint_stiffness=...)"),
     "fixed_target": (False, "pushpressslide_studies.paper.execution.FixedTarget"),
 }
-"""Removed fields of ``motion``, each with the value in every run, and the replacement
+"""Removed fields of ``motion``: the value that every run now uses, and the replacement
 for other values.
 """
 
@@ -25,7 +25,7 @@ def without_gone(data: Mapping[Any, Any], source: str, ran: bool) -> dict[Any, A
     """Plain data of a file without the removed fields.
 
     Raises TaskError for a value that runs no longer take from a task, unless the task
-    is that of a finished run, ``ran``.
+    belongs to a finished run (``ran``).
     """
     out = _without(data, "", source, ran)
     if isinstance(out.get("legs"), list):

@@ -10,8 +10,8 @@ from pushpressslide.taskfile.schema import SCHEMA
 def json_schema() -> dict[str, Any]:
     """JSON Schema (draft 2020-12) of the plain data of a task file.
 
-    It holds types, ranges, names and defaults. Conditions between fields, such as
-    bodies that do not overlap, are checked only when a task is loaded.
+    It contains types, ranges, names and defaults. Conditions between fields, for
+    example that bodies do not overlap, are checked only when a task is loaded.
     """
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",

@@ -1,12 +1,12 @@
 """Kinds of fields: the allowed values in words, a reader, and the JSON Schema.
 
-Reading is separate from decoding: every field is valid before fields are compared.
-``read`` returns plain data in the file's units with every default filled in. ``decode``
-converts it to the data of a task, and ``encode`` is the inverse.
+Reading is separate from decoding, so that every field is valid before fields are
+compared. ``read`` returns plain data in the file's units with every default filled in.
+``decode`` converts it to the data of a task, and ``encode`` is the inverse.
 
-``encode`` also accepts the loose values of a program: lists, tuples, arrays, paths, and
-mappings laid out like the file. A value that it cannot convert is returned unchanged,
-and ``read`` refuses it.
+``encode`` also accepts other values from a program: lists, tuples, arrays, paths, and
+mappings laid out like the file. A value that it cannot convert is returned unchanged
+and then refused by ``read``.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ def _same(value: Any) -> Any:
 
 
 def plain_value(value: Any) -> Any:
-    """Arrays and scalars of NumPy, sequences, mappings and paths as plain data. Any
-    other value is returned as it is.
+    """NumPy arrays and scalars, sequences, mappings and paths as plain data. Any other
+    value is returned unchanged.
     """
     if isinstance(value, PurePath):
         return str(value)
@@ -52,7 +52,7 @@ def attributes(data: Any) -> dict[str, Any]:
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """Allowed values of a field, with their conversions."""
+    """Allowed values of a field, and conversions of these values."""
 
     words: str  # allowed values in words
     many: str  # the same in the plural, for a list
@@ -76,27 +76,29 @@ class Field:
 
     @property
     def absent(self) -> Any:
-        """Value if the file leaves the field out, or REQUIRED if it must not."""
+        """Value of a field that the file omits. REQUIRED if it must not be omitted."""
         return self.kind.absent if self.default is REQUIRED else self.default
 
 
 _LOWER = {"[": ("minimum", operator.ge), "(": ("exclusiveMinimum", operator.gt)}
 _UPPER = {"]": ("maximum", operator.le), ")": ("exclusiveMaximum", operator.lt)}
-"""Key in JSON Schema and comparison, by the bracket at the upper end of a range."""
+"""JSON Schema key and comparison for the bracket at the upper end of a range."""
 _NUMBERS: Mapping[bool, tuple[type[float], str, str]] = {
     False: (float, "finite", "number"),
     True: (int, "whole", "integer"),
 }
-"""Type, word and JSON Schema type of a number, by whether it is whole."""
+"""Python type, word and JSON Schema type of a number. The key says whether it must be
+whole.
+"""
 
 
 def number(
     unit: str, within: str, words: tuple[str, ...] = (), whole: bool = False
 ) -> Kind:
-    """Kind of a finite number in a range, or of a word in place of it.
+    """Kind of a finite number in a range, or of a word in its place.
 
-    An end of ``within`` in a round bracket is open. An angle is in degrees in the file
-    (unit "deg", "deg/s") and in radians in the data.
+    An end of ``within`` with a round bracket is open. An angle is in degrees in the
+    file (unit "deg" or "deg/s") and in radians in the data.
     """
     low, high = (float(end) for end in within[1:-1].split(","))
     lower, is_above = _LOWER[within[0]]
@@ -164,7 +166,7 @@ NAME = text(
 
 
 def array(item: Kind, low: float, high: float) -> Kind:
-    """Kind of a list. It is a tuple in the data."""
+    """Kind of a list, which is a tuple in the data."""
     size = f"{low:g} to {high:g}"
     if low == high:
         size = f"{low:g}"
@@ -183,7 +185,7 @@ def array(item: Kind, low: float, high: float) -> Kind:
         )
 
     def encode(value: Any) -> Any:
-        """Plain list of a sequence, or of a single value in place of it."""
+        """Plain list made from a sequence, or from a single value."""
         if hasattr(value, "tolist"):
             value = value.tolist()
         single = isinstance(value, str | PurePath | Mapping)
@@ -278,7 +280,7 @@ class _SectionEncoder:
         return self.encode(known)
 
     def _encoded(self, key: Any, value: Any) -> tuple[Any, Any]:
-        """Key and plain value of a field, by its key or by its name in the data."""
+        """Key and plain value of a field, given by its key or by its name in the data."""
         if key in self.keys:
             key = self.keys[key]
             return key, self.fields[key].kind.encode(value)
@@ -297,9 +299,9 @@ def section(
 ) -> Kind:
     """Kind of a section with the given fields, by key.
 
-    ``make`` is called with the fields by name, and returns the data of type ``data``,
-    by default ``make`` itself. ``take`` is the inverse; fields that it omits are not
-    written. A sequence may stand for the data: its items are the fields of ``order``.
+    ``make`` is called with the fields by name and returns data of type ``data``, which
+    by default is ``make`` itself. ``take`` is the inverse; fields that it omits are not
+    written. A sequence may replace the data; its elements are the fields in ``order``.
     """
     listed = f"with the fields {', '.join(fields)}"
     names = {key: f.name or key.removesuffix("_deg") for key, f in fields.items()}
@@ -324,12 +326,12 @@ def section(
 
 
 def shorthand(kind: Kind, key: str) -> Kind:
-    """Kind of a section that may also be written as a single text, the value of one of
-    its fields.
+    """Kind of a section that may also be written as a single text: the value of the
+    field ``key``.
     """
 
     def read(value: Any, place: Place) -> Any:
-        """Read a section, or its one field."""
+        """Read a section, or the single text in its place."""
         if isinstance(value, str):
             value = {key: value}
         return kind.read(value, place)
@@ -343,7 +345,7 @@ def shorthand(kind: Kind, key: str) -> Kind:
 
 
 def nullable(kind: Kind) -> Kind:
-    """Kind of a value that may be null, and is null if the file leaves it out."""
+    """Kind of a value that may be null, and is null if the file omits it."""
 
     def unless_null(step: Callable[..., Any]) -> Callable[..., Any]:
         """Read null, or a value."""
@@ -364,8 +366,8 @@ def degrees(radians: Any) -> Any:
     """Angle [deg] that math.radians converts back to exactly ``radians``, with few
     digits if possible.
 
-    If no such angle is found, the result of math.degrees. A value that is no number is
-    returned as plain data.
+    If there is no such angle, the result is that of math.degrees. A value that is not a
+    number is returned as plain data.
     """
     radians = plain_value(radians)
     if isinstance(radians, bool) or not isinstance(radians, int | float):

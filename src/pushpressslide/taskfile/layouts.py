@@ -18,7 +18,7 @@ from pushpressslide.taskfile.kinds import (
 
 
 class Stand(NamedTuple):
-    """Position and heading of something in the world."""
+    """Position and heading of an element of the task in the world."""
 
     x: float  # [m]
     y: float

@@ -1,4 +1,4 @@
-"""The legs of a task: their differences from the task's motion, and their end poses."""
+"""The legs of a task: how they differ from the task's motion, and their end poses."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from pushpressslide.taskfile.place import Fault
 def inherited(data: Mapping[str, Any]) -> dict[str, Any]:
     """Plain data of the file with the task's ``motion`` in each leg.
 
-    Fields of the leg itself stay. Anything that is not a section is left to the reader.
+    Fields given in the leg itself are kept. Anything that is not a section is left to
+    the reader.
     """
     motion = data.get("motion") or {}
     legs = data.get("legs")
@@ -40,8 +41,8 @@ def legs_to(goal: Pose2, legs: tuple[Leg, ...] | None) -> tuple[Leg, ...]:
 
 
 def leg_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
-    """Yield modes or a tool that conflict with the legs, a leg without an end pose, an
-    end pose of the last leg, and a leg with another time step.
+    """Yield faults for modes or a tool that conflict with the legs, for a leg without
+    an end pose, for an end pose in the last leg, and for a leg with another time step.
     """
     legs = plain["legs"] or []
     goal = plain["goal"] or {"body": None}

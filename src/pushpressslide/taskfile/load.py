@@ -48,7 +48,7 @@ _SHIPPED = Path(__file__).parent.parent / "tasks"
 
 
 def shipped_tasks() -> dict[str, Path]:
-    """Files of the tasks that come with the package, by name."""
+    """Files of the tasks that ship with the package, by name."""
     return {
         path.stem: path
         for path in sorted(_SHIPPED.glob("*.yaml"), key=lambda path: path.stem)
@@ -64,14 +64,14 @@ def descriptions_of_shipped_tasks() -> dict[str, str]:
 
 
 def one_line(text: str) -> str:
-    """Text with its line ends and repeated spaces as single spaces."""
+    """Text on one line: line breaks and repeated spaces become single spaces."""
     return " ".join(text.split())
 
 
 def load_task(
     task: str | PathLike[str] | Mapping[str, Any], overrides: Overrides = ()
 ) -> Task:
-    """Complete, checked task of a shipped name, a YAML file, or a mapping.
+    """Complete, checked task from a shipped name, a YAML file, or a mapping.
 
     Args:
         task: name of a shipped task, path of a YAML file, or a mapping with the fields
@@ -99,7 +99,9 @@ def load_task(
 
 
 def _of_python(data: Mapping[Any, Any], overrides: Overrides, source: str) -> Task:
-    """Checked task from a program's data, which may use loose types."""
+    """Checked task from a program's data, whose types may differ from those of the
+    file.
+    """
     plain = SCHEMA.encode(data)
     apply_overrides(plain, _plain_overrides(overrides))
     return task_from_data(plain, source)
@@ -113,7 +115,7 @@ def _plain_overrides(overrides: Overrides) -> Overrides:
 
 
 def _plain_field(name: str, value: Any) -> Any:
-    """Value of a field by its dotted ``name``, as plain data in the file's units."""
+    """Value of the field ``name`` (dotted), as plain data in the file's units."""
     kind = SCHEMA
     key = ""
     for key in name.split("."):
@@ -167,9 +169,7 @@ def check_task(task: Task, overrides: Overrides = ()) -> Task:
 
 
 def in_radians(error: TaskError) -> TaskError:
-    """Error for an angle in degrees in the file, rewritten for a program that gives
-    radians.
-    """
+    """Error for an angle, converted from degrees in the file to radians for a program."""
     value = error.value
     if not error.field.endswith("_deg") or not isinstance(value, int | float):
         return error
@@ -179,7 +179,7 @@ def in_radians(error: TaskError) -> TaskError:
 
 
 def same_types(one: Any, other: Any) -> bool:
-    """Whether two tasks, or parts of tasks, have values of the same types throughout."""
+    """Whether two tasks, or parts of tasks, have the same types of values throughout."""
     if type(one) is not type(other):
         return False
     if isinstance(one, tuple):
@@ -192,7 +192,7 @@ def same_types(one: Any, other: Any) -> bool:
 
 
 def task_from_data(data: Mapping[str, Any], source: str) -> Task:
-    """Checked task of plain data in the file's layout and units.
+    """Checked task from plain data in the file's layout and units.
 
     ``source`` names the file in messages.
 
@@ -251,10 +251,10 @@ def _warn_of_masses(task: Task) -> None:
 
 
 def load_written_task(path: Path) -> Task:
-    """Task of a file written by :func:`dump_task`, unchanged.
+    """Task from a file written by :func:`dump_task`, unchanged.
 
-    It is not checked again: a body may have left the table in a run, and is read at its
-    last pose.
+    It is not checked again, since a body may have left the table during a run and is
+    read at its last pose.
 
     Raises:
         TaskError: for a file of another layout, or a mesh that is gone.
@@ -263,8 +263,8 @@ def load_written_task(path: Path) -> Task:
 
 
 def written_task(data: Mapping[str, Any], source: str) -> Task:
-    """Task of data from :func:`task_data`, as by :func:`load_written_task`. ``source``
-    names their file.
+    """Task from the data of :func:`task_data`, as in :func:`load_written_task`.
+    ``source`` names the file of the data.
     """
     data = without_gone(data, source, ran=True)
     plain = _plain(data, Place(source, bounded=False))
@@ -275,7 +275,7 @@ def written_task(data: Mapping[str, Any], source: str) -> Task:
 
 
 def _plain(data: Mapping[str, Any], place: Place) -> dict[str, Any]:
-    """Fields of the file with every default, and the full paths of its meshes."""
+    """Fields of the file with every default, and with the full paths of its meshes."""
     plain: dict[str, Any] = SCHEMA.read(inherited(data), place)
     folder = Path(place.source).parent
     body = plain["object"]
@@ -285,7 +285,7 @@ def _plain(data: Mapping[str, Any], place: Place) -> dict[str, Any]:
 
 
 def _task(plain: Mapping[str, Any], values: Mapping[str, Any], source: str) -> Task:
-    """Task of a file's fields and their decoded ``values``."""
+    """Task from a file's fields and their decoded ``values``."""
     tool = None
     goal = values["start"]
     if plain["goals"] is None:
@@ -358,7 +358,7 @@ def _located(robot: Robot, folder: Path) -> Robot:
 
 
 def _tip_faults(robot: Mapping[str, Any], field: str) -> Iterator[Fault]:
-    """Yield fields of a robot that conflict with its ``tip``."""
+    """Yield a fault for each field of a robot that conflicts with the robot's ``tip``."""
     tip = robot["tip"]
     name = tip and doubled_by_tip(robot, tip["radius"], tip["length"])
     if name:

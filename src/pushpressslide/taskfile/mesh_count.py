@@ -1,4 +1,4 @@
-"""Triangles in a mesh file, counted before a mesh is made of it."""
+"""Number of triangles in a mesh file, determined before the mesh is loaded."""
 
 from __future__ import annotations
 
@@ -11,23 +11,27 @@ from typing import Any
 MOST_TRIANGLES = 200_000
 """Largest number of triangles in a mesh."""
 MOST_BYTES = 64_000_000
-"""Size [bytes] of the largest file together with its buffers: that of the most
-triangles as text, with a margin.
+"""Largest size [bytes] of a file with its buffers: that of ``MOST_TRIANGLES`` triangles
+as text, with a margin.
 """
 STL_HEAD = 84
 STL_TRIANGLE = 50
-"""Bytes of a binary STL file: head, which ends with the count, and triangle."""
+"""Bytes per triangle in a binary STL file. The header ends with the number of
+triangles.
+"""
 PLY_HEAD = 65_536
-"""Bytes in which the head of a PLY file ends."""
+"""Bytes within which the header of a PLY file ends."""
 GLB_HEAD = 20
-"""Bytes before the JSON text of a GLB file; the last eight are its length and type."""
+"""Bytes before the JSON text of a GLB file. The last eight are its length and type."""
 GLTF_TRIANGLES = 4
-"""Mode of a glTF primitive whose corners come in threes, which is the default."""
+"""Mode of a glTF primitive in which every three corners form a triangle. It is the
+default.
+"""
 
 
 def check_count(file: Path) -> None:
-    """Raise ValueError for a file of too many triangles or bytes, before a mesh is made
-    of it.
+    """Raise ValueError for a file with too many triangles or bytes, before the mesh is
+    loaded.
     """
     check_triangles(_COUNTS[file.suffix.lower()](file))
     _check_bytes(file.stat().st_size)
@@ -51,18 +55,18 @@ def _head(file: Path, size: int) -> bytes:
 
 
 def _text(file: Path) -> bytes:
-    """Content of a file. Raises ValueError if it is too long."""
+    """Content of a file. Raises ValueError if the file is too long."""
     _check_bytes(file.stat().st_size)
     return file.read_bytes()
 
 
 def _obj(file: Path) -> int:
-    """Number of faces, each of which is one triangle or more."""
+    """Number of faces. Each is at least one triangle."""
     return _text(file).count(b"\nf ")
 
 
 def _stl(file: Path) -> int:
-    """Number of triangles: from the head of a binary file, otherwise that of the facets
+    """Number of triangles: from the header of a binary file, otherwise from the facets
     in the text.
     """
     head = _head(file, STL_HEAD)
@@ -73,7 +77,7 @@ def _stl(file: Path) -> int:
 
 
 def _ply(file: Path) -> int:
-    """Number of faces that the head states, each of which is one triangle or more."""
+    """Number of faces according to the header. Each is at least one triangle."""
     head = _head(file, PLY_HEAD).partition(b"end_header")[0]
     found = re.search(rb"element\s+face\s+(\d{1,18})\b", head)
     return int(found[1]) if found else 0
@@ -111,8 +115,8 @@ def _declared(text: bytes) -> int:
 
 
 def _of_primitive(part: Mapping[str, Any], tree: Mapping[str, Any]) -> int:
-    """Number of triangles in one primitive of a glTF mesh, an upper bound unless its
-    corners come in threes.
+    """Number of triangles in one primitive of a glTF mesh, or an upper bound in modes
+    with shared corners.
     """
     corners = part.get("indices", part["attributes"]["POSITION"])
     count = int(tree["accessors"][corners]["count"])

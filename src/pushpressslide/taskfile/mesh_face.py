@@ -1,8 +1,8 @@
-"""The area covered by triangles at one level, from the border that remains when their
-common edges cancel.
+"""The area covered by triangles at one level, from the border that remains when common
+edges cancel.
 
-Programs split a concave face into a fan of triangles, some of which lie outside the
-face and are taken back by others that face the opposite way.
+Some programs split a concave face into a fan of triangles. Some of these lie outside
+the face, and are cancelled by others with the opposite orientation.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ if TYPE_CHECKING:
     from pushpressslide.core.arrays import Array
 
 MOST_EDGES = 20_000
-"""Largest number of edges in a border. The border of a level face has few, that of a
-rough one many more.
+"""Largest number of edges in a border. The border of a level face has few edges, that
+of a rough face many more.
 """
 
 
 def covered(triangles: Array, grid: float) -> Area:
-    """Area of the points about which the winding numbers of the triangles (m, 3, 2) add
-    up to more than zero; counter-clockwise is positive.
+    """Area in which the winding numbers of triangles (m, 3, 2) add up to more than
+    zero. Counter-clockwise triangles count as positive.
 
-    Corners [m] are rounded to ``grid``. Raises ValueError for a border of too many
+    Corners [m] are rounded to ``grid``. Raises ValueError for a border with too many
     edges.
     """
     starts, ends, counts = _border(triangles, grid)
@@ -35,8 +35,10 @@ def covered(triangles: Array, grid: float) -> Area:
 
 
 def enclosed(tails: Array, heads: Array, grid: float) -> Area:
-    """Area to the left of directed edges from ``tails`` to ``heads`` (m, 2) [m] that
-    close, with the corners rounded to ``grid``.
+    """Area to the left of closed loops of directed edges, from ``tails`` to ``heads``
+    (m, 2) [m].
+
+    Corners are rounded to ``grid``.
     """
     import numpy as np
 
@@ -47,8 +49,8 @@ def enclosed(tails: Array, heads: Array, grid: float) -> Area:
 
 
 def _within(starts: Array, ends: Array, counts: Array, grid: float) -> Area:
-    """Area of positive winding numbers about directed edges (k, 2) [grid], each as
-    often as ``counts`` (k,) says.
+    """Area with positive winding numbers of directed edges (k, 2) [grid], each counted
+    ``counts`` (k,) times.
     """
     import numpy as np
     import shapely
@@ -64,8 +66,10 @@ def _within(starts: Array, ends: Array, counts: Array, grid: float) -> Area:
 
 
 def _border(triangles: Array, grid: float) -> tuple[Array, Array, Array]:
-    """Starts (k, 2) and ends [grid] of the edges that do not cancel, and how often each
-    remains, < 0 in the reverse direction.
+    """Starts (k, 2) and ends (k, 2) [grid] of the edges that do not cancel, and the
+    number of times each remains.
+
+    The number is negative for the reverse direction.
     """
     import numpy as np
 

@@ -1,8 +1,8 @@
 """A mesh file as a body that stands on its base.
 
-If base and top are flat, the sides upright, and the footprint connected and without a
-hole, all to within ``TOLERANCE``, it is an upright solid. Any other body has outlines
-of its own for base, side and top.
+The body is an upright solid if, to within ``TOLERANCE``, its base and top are flat, its
+sides upright, and its footprint connected and without holes. Any other body has
+separate outlines for base, side and top.
 """
 
 from __future__ import annotations
@@ -34,20 +34,20 @@ TOLERANCE = 0.003
 the solid's size.
 """
 FLATTEST = 0.01
-"""Height of a body over its size."""
+"""Smallest height of a body, as a share of its size."""
 DETAIL = 1e-3
-"""Smallest detail of the outline, as a share of the solid's size. Corners that stand
-out by less are left out.
+"""Smallest detail of the outline, as a share of the solid's size. Corners that protrude
+by less are omitted.
 """
 MOST_CORNERS = 256
 """Largest number of corners in an outline."""
 
 
 def read_mesh(path: str, scale: float, up: str = "z") -> MeshSolid:
-    """Body in a file with units of ``scale`` [m], whose axis ``up`` is vertical.
+    """Body in a file with units of ``scale`` [m] and a vertical axis ``up``.
 
-    Raises ValueError, with the cause, for a file that cannot be read and for a body
-    that has no base.
+    Raises ValueError, with the cause, for a file that cannot be read, and for a body
+    without a base.
     """
     file = Path(path)
     if file.suffix.lower() not in suffixes():
@@ -58,19 +58,17 @@ def read_mesh(path: str, scale: float, up: str = "z") -> MeshSolid:
 
 
 def suffixes() -> tuple[str, ...]:
-    """Ends of the names of files that hold a body."""
+    """Suffixes of files that may contain a body."""
     return (*SUFFIXES, *OBJECT_SUFFIXES)
 
 
 def surface_of(solid: MeshSolid) -> Trimesh:
-    """Surface [m] of a body from a file, with z up."""
+    """Surface [m] of a body from a file, with z pointing up."""
     return read_surface(Path(solid.path), solid.scale, solid.up).mesh
 
 
 def _changed(file: Path) -> int:
-    """Time [ns] of the last change of a file, or of the buffers beside it if it is a
-    glTF text.
-    """
+    """Time [ns] of the last change of a file, or of the buffers of a glTF text file."""
     parts = [file]
     if file.suffix.lower() == ".gltf":
         parts += file.parent.glob("*.bin")
@@ -96,7 +94,7 @@ def _read(path: str, scale: float, up: str, changed: int, size: int) -> MeshSoli
 
 
 def _solid(path: str, scale: float, up: str) -> MeshSolid:
-    """Body in a file, of even density."""
+    """Body in a file, with uniform density."""
     surface = read_surface(Path(path), scale, up)
     mesh = surface.mesh
     extent = float(max(mesh.extents))
@@ -114,7 +112,7 @@ def _solid(path: str, scale: float, up: str) -> MeshSolid:
 
 
 def _outlined(surface: Surface, path: str, scale: float, up: str) -> MeshBody:
-    """Body by its outlines. Raises ValueError if they cannot be found."""
+    """Body described by its outlines. Raises ValueError if they cannot be found."""
     from shapely.errors import GEOSException
 
     try:
@@ -124,7 +122,7 @@ def _outlined(surface: Surface, path: str, scale: float, up: str) -> MeshBody:
 
 
 class _UprightError(Exception):
-    """A mesh is no upright solid, with the reason."""
+    """Error which says that a mesh is not an upright solid, with the reason."""
 
 
 def _upright(mesh: Trimesh, path: str, scale: float, up: str) -> MeshSolid:
@@ -158,7 +156,7 @@ def _upright(mesh: Trimesh, path: str, scale: float, up: str) -> MeshSolid:
 
 @dataclass(frozen=True)
 class _Faces:
-    """Faces of a solid in the view from above."""
+    """Faces of a solid as seen from above."""
 
     base: Area
     top: Area
@@ -168,7 +166,7 @@ class _Faces:
 def _faces(mesh: Trimesh) -> _Faces:
     """Base, top and whole footprint of a solid.
 
-    Raises _UprightError unless its volume is that of upright prisms.
+    Raises _UprightError unless the solid's volume is that of upright prisms.
     """
     import numpy as np
     import shapely
@@ -229,8 +227,8 @@ def _check_flat(name: str, face: Area, whole: Polygon, extent: float) -> None:
 def _check_upright(volume: float, upright: float) -> None:
     """Raise _UprightError unless ``volume`` [m^3] is that of upright prisms.
 
-    Theirs is ``upright``, the area that faces up times the full height. The volume is
-    smaller if a body ends lower or leans in.
+    The volume of upright prisms is ``upright`` [m^3], the upward-facing area times the
+    full height. A body that is lower in places or leans inwards has a smaller volume.
     """
     if abs(volume - upright) > TOLERANCE * upright:
         raise _UprightError(

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from pushpressslide.core.arrays import Array
 
 BASE_HEIGHTS = (2e-4, 1e-3)
-"""Heights [m] above the lowest point up to which a face is part of the base. The larger
-one is for a body that would not stand with the smaller one.
+"""Heights [m] above the lowest point up to which a face belongs to the base. The larger
+one is used if the body would not stand on the base given by the smaller one.
 """
 NEAR = 0.01
 """Distance below which two levels count as one, as a share of the body's height."""
@@ -37,32 +37,33 @@ GAP = 2.0
 smallest detail.
 """
 CRUMBS = 0.01
-"""Share of a footprint that may lie apart from the rest."""
+"""Share of a footprint that may be separate from the rest."""
 MOST_CORNERS = 256
 """Largest number of corners in the outline seen from above."""
 LEVELS = 40
-"""Number of levels for a body with corners at more heights than this."""
+"""Number of levels for a body whose corners have more different heights than this."""
 STEP = 1e-3
-"""Distance [m] between the outlines at both ends of a band."""
+"""Largest distance [m] between the outlines at the two ends of a band."""
 FINEST = 24
-"""Bands between two heights of corners."""
+"""Largest number of bands between two heights of corners."""
 END = 0.02
 """Distance of a band's outlines from its ends, as a share of its height."""
 LEVEL = math.radians(2.0)
-"""Slope of a patch on top that counts as level."""
+"""Largest slope [rad] of a patch on top that counts as level."""
 ENOUGH = 0.5
-"""Radius of the largest disc in a patch, as a share of the largest patch's, above which
-a higher patch is pressed.
+"""Smallest size of a patch that a press may use, as a share of the size of the largest
+patch. The highest patch of at least this size is pressed. The size of a patch is the
+radius of the largest disc in it.
 """
 SMALLEST_PATCH = 0.004
 """Smallest radius [m] of the largest disc in a patch."""
 
 
 def read_outlines(surface: Surface, path: str, scale: float, up: str) -> MeshBody:
-    """Body in a surface.
+    """Body bounded by a surface.
 
-    Raises ValueError for bodies side by side, and for one that rests on a point or a
-    line.
+    Raises ValueError for separate bodies side by side, and for a body that rests on a
+    point or a line.
     """
     slices = slices_of(surface)
     bands = _bands(slices)
@@ -88,7 +89,7 @@ def read_outlines(surface: Surface, path: str, scale: float, up: str) -> MeshBod
 
 
 def _check_connected(footprint: Area) -> None:
-    """Raise ValueError unless nearly all of a body is in one piece, seen from above."""
+    """Raise ValueError unless nearly all of a body is connected, as seen from above."""
     rest = 1.0 - largest(footprint).area / footprint.area
     if rest > CRUMBS:
         count = len(list(polygons(footprint)))
@@ -96,7 +97,9 @@ def _check_connected(footprint: Area) -> None:
 
 
 def _outline(area: Polygon, detail: float) -> tuple[Point, ...]:
-    """Corners of an outline without details, counter-clockwise, and not too many."""
+    """Corners [m] of an outline, counter-clockwise, without small details and limited
+    in number.
+    """
     ring = largest(area.simplify(detail)).exterior.coords[:-1]
     if len(ring) > MOST_CORNERS:
         return _outline(area, 2.0 * detail)
@@ -125,7 +128,7 @@ def _bands(slices: Slices) -> tuple[Band, ...]:
 
 
 def _levels(slices: Slices) -> list[float]:
-    """Heights [m] between which the body is cut: those of its corners, or an even
+    """Heights [m] that divide the body into bands: those of its corners, or an even
     division if there are too many.
     """
     import numpy as np
@@ -138,7 +141,9 @@ def _levels(slices: Slices) -> list[float]:
 
 
 def _thin_bands(slices: Slices, low: float, high: float) -> Iterator[Band]:
-    """Bands between two heights, thin where the outline changes with the height."""
+    """Yield the bands between two heights. They are thin where the outline changes with
+    the height.
+    """
     end = END * (high - low)
     foot = slices.section(low + end)
     head = slices.section(high - end)
@@ -156,7 +161,9 @@ def _thin_bands(slices: Slices, low: float, high: float) -> Iterator[Band]:
 
 
 def _off(one: Area, other: Area) -> float:
-    """Largest distance [m] of a corner of one area's border from the other's."""
+    """Largest distance [m] of a corner of one area's border from the border of the
+    other.
+    """
     import shapely
 
     corners = shapely.points(shapely.get_coordinates(one))
@@ -164,17 +171,17 @@ def _off(one: Area, other: Area) -> float:
 
 
 def _are_one(one: Band, other: Band) -> bool:
-    """Whether two bands are parts of one upright band."""
+    """Whether two bands belong to the same upright band."""
     parts = ((one.foot, one.head), (one.foot, other.foot), (one.foot, other.head))
     limit = 0.5 * STEP
     return all(_off(a, b) < limit and _off(b, a) < limit for a, b in parts)
 
 
 def _base(slices: Slices, center: Point) -> Area:
-    """Area of the faces that rest on the support, in G. It is the first of those within
-    ``BASE_HEIGHTS`` on which the body stands, or the largest of them.
+    """Area of the faces that rest on the support, in G.
 
-    Raises ValueError if there is none.
+    It is the first of the areas within ``BASE_HEIGHTS`` on which the body stands, or
+    the largest of these areas. Raises ValueError if there is none.
     """
     from shapely import Point as Place
 
@@ -188,8 +195,8 @@ def _base(slices: Slices, center: Point) -> Area:
 
 
 def _top(slices: Slices, bands: Sequence[Band]) -> Patch | None:
-    """Highest level patch on top that is hardly smaller than the largest one, or None
-    if there is none.
+    """Highest level patch on top that is not much smaller than the largest one. None if
+    there is none.
     """
     import numpy as np
     import shapely
@@ -218,7 +225,7 @@ def _top(slices: Slices, bands: Sequence[Band]) -> Patch | None:
 
 
 def _clusters(heights: Array, near: float) -> list[float]:
-    """Heights [m] about which others gather, the highest first."""
+    """Heights [m] about which other heights gather, the highest first."""
     out: list[float] = []
     for height in sorted(heights.tolist(), reverse=True):
         if not out or out[-1] - height > near:
@@ -227,7 +234,7 @@ def _clusters(heights: Array, near: float) -> list[float]:
 
 
 def _moments(bands: Sequence[Band]) -> SolidMoments:
-    """Centre and second moments of the uniform solid in the bands."""
+    """Centre and second moments of the uniform solid formed by the bands."""
     import numpy as np
 
     from pushpressslide.geometry.quadrature import moments
@@ -256,7 +263,9 @@ def _moments(bands: Sequence[Band]) -> SolidMoments:
 
 
 def _halves(band: Band) -> Iterator[tuple[Area, float, float]]:
-    """Lower and upper half of a band, each with its cross-section and heights [m]."""
+    """Lower and upper half of a band, each with its cross-section and the heights [m]
+    of its ends.
+    """
     middle = 0.5 * (band.low + band.high)
     yield band.foot, band.low, middle
     yield band.head, middle, band.high

@@ -15,18 +15,18 @@ if TYPE_CHECKING:
     from pushpressslide.core.arrays import Array
 
 DETAIL = 1e-3
-"""Smallest detail of an outline, as a share of the solid's size. Corners that stand out
-by less are left out.
+"""Smallest detail of an outline, as a share of the solid's size. Corners that protrude
+by less are omitted.
 """
 GRID = 1e-3
 """Grid to which corners are rounded, as a share of ``DETAIL``."""
 DANGLING = 0.05
-"""Share of a cross-section's lines that may belong to no closed loop."""
+"""Share of a cross-section's lines that need not belong to a closed loop."""
 
 
 @dataclass(frozen=True)
 class Slices:
-    """A surface that stands on the plane of height zero, to be cut at any height."""
+    """A surface that stands on the plane z = 0, for cuts at any height."""
 
     triangles: Array  # (m, 3, 3) [m]
     height: float  # [m]
@@ -35,13 +35,13 @@ class Slices:
 
     @property
     def grid(self) -> float:
-        """Length [m] to which corners are rounded."""
+        """Grid length [m] to which corners are rounded."""
         return GRID * self.detail
 
     def section(self, height: float) -> Area:
-        """Cross-section at a height that is none of the corners'.
+        """Cross-section at a height at which there is no corner.
 
-        Where the surface is open, it has no holes.
+        If the surface is open there, the cross-section has no holes.
         """
         import numpy as np
 
@@ -56,16 +56,16 @@ class Slices:
         return self.simple(_looped(tails, heads, self.grid))
 
     def resting(self, height: float) -> Area:
-        """Area of the faces that lie below ``height``. If there are none, the
-        cross-section at that height.
+        """Area of the faces below ``height``. Without such faces, the cross-section at
+        that height.
         """
         low = self.triangles[:, :, 2].max(axis=1) < height
         area = self.covered(self.triangles[low][:, ::-1])
         return self.section(height) if area.is_empty else area
 
     def covered(self, triangles: Array) -> Area:
-        """Area that triangles (m, 3, 3), counter-clockwise from above, cover. Empty if
-        they are too rough to tell.
+        """Area covered by triangles (m, 3, 3), counter-clockwise as seen from above.
+        Empty if they are too rough.
         """
         from shapely import Polygon
 
@@ -75,7 +75,7 @@ class Slices:
             return Polygon()
 
     def simple(self, area: Area) -> Area:
-        """An area without small parts and details."""
+        """The area without small parts and details."""
         import shapely
 
         small = self.detail * self.detail
@@ -86,7 +86,7 @@ class Slices:
 
 
 def slices_of(surface: Surface) -> Slices:
-    """Slices of a surface, raised or lowered to stand on the plane of height zero."""
+    """Slices of a surface, which is raised or lowered to stand on the plane z = 0."""
     mesh = surface.mesh
     low, high = (float(z) for z in mesh.bounds[:, 2])
     triangles = mesh.triangles.copy()
@@ -108,8 +108,10 @@ def _crossings(triangles: Array, edge: Array, height: float) -> Array:
 
 
 def _is_balanced(tails: Array, heads: Array, grid: float) -> bool:
-    """Whether as many directed lines end at each point as begin there: they are closed
-    loops, the body to their left.
+    """Whether the number of directed lines that end at each point equals the number
+    that begin there.
+
+    The lines are then closed loops with the body to their left.
     """
     import numpy as np
 
@@ -120,7 +122,9 @@ def _is_balanced(tails: Array, heads: Array, grid: float) -> bool:
 
 
 def _looped(tails: Array, heads: Array, grid: float) -> Area:
-    """Area within the loops of some lines, or their convex hull if they do not close."""
+    """Area within the loops of directed lines, or the lines' convex hull if they do not
+    close.
+    """
     import numpy as np
     import shapely
 

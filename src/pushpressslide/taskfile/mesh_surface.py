@@ -1,6 +1,6 @@
-"""The surface in a mesh file: closed, in metres, with z up.
+"""The surface in a mesh file: closed, in [m], with z pointing up.
 
-Corners at the same place are merged, even if the file keeps them apart for their
+Corners at the same position are merged, even if the file separates them because of
 normals, texture or material.
 """
 
@@ -32,15 +32,15 @@ GRID = 1e-6
 """Distance below which corners count as one, as a share of the solid's size."""
 SMALLEST = 0.005
 LARGEST = 10.0
-"""Largest length [m] of the longest side, as for a box."""
+"""Largest length [m] of a body's longest side, the same as for a box."""
 FARTHEST = 1000.0
 """Largest distance [m] of a corner from the origin of the file's frame."""
 MOST_GAP_EDGES = 4
-"""Largest number of edges of a gap that is filled. The form of such a gap is not in
-doubt.
+"""Largest number of edges of a gap that is filled. The shape of such a gap is
+unambiguous.
 """
 UNITS = (("millimetres", 0.001), ("metres", 1.0))
-"""Units for which a message asks, with their scale."""
+"""Units that a message suggests, with their scales."""
 
 TURNS: Mapping[str, tuple[tuple[int, int, int], ...]] = {
     "x": ((0, 0, -1), (0, 1, 0), (1, 0, 0)),
@@ -50,13 +50,13 @@ TURNS: Mapping[str, tuple[tuple[int, int, int], ...]] = {
     "-y": ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
     "-z": ((1, 0, 0), (0, -1, 0), (0, 0, -1)),
 }
-"""Shortest rotation that points an axis of the file up; a half turn is about x."""
+"""Shortest rotation that makes an axis of the file point up. A half turn is about x."""
 
 
 @dataclass(frozen=True)
 class Surface:
-    """A surface with z up. If it is closed, its triangles are counter-clockwise from
-    outside.
+    """A surface with z pointing up. If it is closed, its triangles are
+    counter-clockwise as seen from outside.
     """
 
     mesh: Trimesh  # [m]
@@ -64,9 +64,9 @@ class Surface:
 
 
 def read_surface(file: Path, scale: float, up: str) -> Surface:
-    """Surface in a file, closed if that is possible.
+    """Surface in a file, closed if possible.
 
-    Raises ValueError for a file that cannot be read or holds no solid.
+    Raises ValueError for a file that cannot be read or contains no solid.
     """
     import numpy as np
 
@@ -84,7 +84,7 @@ def read_surface(file: Path, scale: float, up: str) -> Surface:
 
 
 def turned(points: Array, up: str) -> Array:
-    """Points (..., 3) with the axis ``up`` of their file as z."""
+    """Points (..., 3), rotated so that the axis ``up`` of the file becomes z."""
     import numpy as np
 
     out: Array = points @ np.array(TURNS[up], dtype=float).T
@@ -92,7 +92,7 @@ def turned(points: Array, up: str) -> Array:
 
 
 def _loaded(file: Path) -> Trimesh:
-    """Triangles of all meshes in a file, each at its place in the scene."""
+    """Triangles of all meshes in a file, each in its place in the scene."""
     import trimesh
 
     if is_object_file(file):
@@ -109,8 +109,8 @@ def _loaded(file: Path) -> Trimesh:
 
 
 def _check_size(mesh: Trimesh, scale: float) -> None:
-    """Raise ValueError for positions that are not finite or far away, and for a solid
-    larger or smaller than a task may hold.
+    """Raise ValueError for positions that are not finite or too far away, and for a
+    solid that is larger or smaller than a task allows.
     """
     import numpy as np
 
@@ -145,7 +145,7 @@ def _unit_question(length: float, scale: float) -> str:
 
 
 def _merged(vertices: Array, faces: Indices) -> Trimesh:
-    """Mesh with one vertex at each place, without the triangles that collapse."""
+    """Mesh with one vertex per position, without degenerate triangles."""
     import numpy as np
     from trimesh import Trimesh
 
@@ -178,8 +178,8 @@ def _filled(mesh: Trimesh) -> Trimesh:
 
 
 def _open_edges(mesh: Trimesh) -> Indices:
-    """Edges (m, 2) that belong to an odd number of triangles, each directed as in one
-    of them.
+    """Edges (m, 2) that belong to an odd number of triangles, each with the direction
+    it has in one of them.
     """
     import numpy as np
 
@@ -190,8 +190,8 @@ def _open_edges(mesh: Trimesh) -> Indices:
 
 
 def _loops(edges: Indices) -> list[list[int]]:
-    """Closed loops of directed edges. Empty if loops meet at a corner, or one does not
-    close.
+    """Closed loops of directed edges. Empty if loops meet at a corner, or if a loop
+    does not close.
     """
     follow = dict(edges.tolist())
     if len(follow) < len(edges):
@@ -258,7 +258,7 @@ def _outward(mesh: Trimesh) -> Trimesh:
 
 
 def _is_inside(mesh: Trimesh, bodies: Indices, body: int) -> bool:
-    """Whether a body lies within the bounds of another one."""
+    """Whether a body lies within the bounds of any other body."""
     import numpy as np
 
     corners = mesh.triangles

@@ -1,4 +1,4 @@
-"""Objects in URDF, SDF and MJCF files, as one mesh with mass and centre of mass."""
+"""Objects in URDF, SDF and MJCF files, as one mesh with a mass and a centre of mass."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SUFFIXES = (".urdf", ".sdf", ".xml")
 
 
 def is_object_file(path: Path) -> bool:
-    """Whether a file describes an object in place of being a mesh."""
+    """Whether a file describes an object, and is not itself a mesh."""
     return path.suffix.lower() in SUFFIXES
 
 

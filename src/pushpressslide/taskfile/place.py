@@ -1,4 +1,4 @@
-"""Position of a value in a task file, and the error for a bad value there."""
+"""Position of a value in a task file, and the error for an invalid value there."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ def refuse(source: str, faults: Iterable[Fault]) -> None:
 
 
 def nearest(name: object, known: Iterable[str]) -> str:
-    """Text ``did you mean 'x'? known: ...``, with the hint only if a known name is
-    similar.
+    """Text ``did you mean 'x'? known: ...``. The question is omitted if no known name
+    is similar.
     """
     names = list(known)
     close = difflib.get_close_matches(str(name)[:64], names, n=1, cutoff=0.6)
@@ -39,15 +39,15 @@ class Place:
     bounded: bool = True
 
     def field(self, key: object, allowed: str = "") -> Place:
-        """Place of a field of this section."""
+        """Place of a field in this section."""
         path = f"{self.path}.{key}" if self.path else str(key)
         return replace(self, path=path, allowed=allowed)
 
     def item(self, index: int, allowed: str = "") -> Place:
-        """Place of an item of this list."""
+        """Place of an element in this list."""
         return replace(self, path=f"{self.path}[{index}]", allowed=allowed)
 
     def refused(self, value: object, fault: str = "") -> TaskError:
-        """Error for a value here: the cause, and the allowed values."""
+        """Error for a value at this place: the cause, and the allowed values."""
         reason = f"{fault}allowed: {self.allowed}"
         return TaskError(self.source, self.path, value, reason)

@@ -1,4 +1,4 @@
-"""The task file as a tree of fields, from the metadata of the dataclasses of a task."""
+"""The task file as a tree of fields, derived from the metadata of a task's dataclasses."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ _ORDER = (
     "motion",
     "legs",
 )
-"""Fields of the whole file in the order in which they are written; others follow."""
+"""Fields of the whole file, in the order in which they are written. Others follow."""
 
 _LAYOUTS = {
     "Limits.workspace": layouts.WORKSPACE,
@@ -65,7 +65,7 @@ _LAYOUTS = {
 """Fields whose layout in the file differs from their type."""
 
 _SPREAD = ("Obstacle.shape",)
-"""Fields that the file replaces by their own fields."""
+"""Fields that the file replaces by their subfields."""
 
 _KINDS = {
     BodyGoal: layouts.BODY_GOAL,
@@ -116,8 +116,8 @@ _MAKE: dict[str, Callable[..., Any]] = {
     "Task": dict,
     "ToolUse": dict,
 }
-"""Functions that make data from the file's fields, if the constructor does not accept
-them.
+"""Functions that make data from the file's fields, where the constructor does not
+accept these fields.
 """
 
 _TAKE: dict[str, Callable[[Any], dict[str, Any]]] = {
@@ -127,7 +127,8 @@ _TAKE: dict[str, Callable[[Any], dict[str, Any]]] = {
     "Support": support_fields,
     "Task": dict,
 }
-"""Inverse functions, if the result is not simply the fields of the data."""
+"""Inverses of these functions, where the result is not simply the fields of the data.
+"""
 
 
 def _section(data: Any) -> Kind:
@@ -161,10 +162,10 @@ def _section(data: Any) -> Kind:
 
 
 def _named_model(robot: Kind) -> Kind:
-    """Kind of a robot that a program may also give as the name of its model."""
+    """Kind of a robot. A program may also give a robot by the name of its model."""
 
     def encode(value: Any) -> Any:
-        """Make a plain value of a robot or of its model."""
+        """Make a plain value from a robot, or from the name of its model."""
         if isinstance(value, str | PurePath):
             value = {"model": value}
         return robot.encode(value)
@@ -194,7 +195,7 @@ def _wrapped(key: str, field: Field, meaning: str) -> Field:
 
 
 def _kind(hint: Any, spec: FieldSpec) -> Kind:
-    """Kind of a field by its type. None in a union makes it nullable."""
+    """Kind of a field, from its type. None in a union makes the kind nullable."""
     if hint in _KINDS:
         return kinds.NAME if spec.is_name else _KINDS[hint]
     union = get_origin(hint) in (Union, UnionType)
@@ -214,7 +215,7 @@ def _kind(hint: Any, spec: FieldSpec) -> Kind:
 
 
 def _array(items: tuple[Any, ...], spec: FieldSpec) -> Kind:
-    """Kind of a tuple: a fixed number of numbers, or any number of items."""
+    """Kind of a tuple: a fixed number of numbers, or any number of elements."""
     low, high = spec.count
     if items[-1] is not ...:
         low = high = len(items)
@@ -227,4 +228,4 @@ def _array(items: tuple[Any, ...], spec: FieldSpec) -> Kind:
 
 
 SCHEMA = _section(Task)
-"""Kind of the whole file; in the data, the fields of a task by name."""
+"""Kind of the whole file. In the data it is the fields of a task by name."""

@@ -42,7 +42,7 @@ from pushpressslide.taskfile.mesh_surface import TURNS
 from pushpressslide.taskfile.place import Fault
 
 SAME_HEIGHT = 1e-6
-"""Largest difference [m] between the heights of a compound's parts: round-off."""
+"""Largest difference [m] between the heights of a compound's parts, for round-off."""
 
 _LENGTH = number("m", "(0, 10]")
 _HEIGHT = Field(_LENGTH, "height")
@@ -55,7 +55,7 @@ _POLYGON = Field(
 
 
 def _prism(polygon: tuple[Point, ...], height: float) -> Prism:
-    """Prism with its corners counter-clockwise. The first one stays first."""
+    """Prism with counter-clockwise corners. The first corner stays first."""
     return Prism(counter_clockwise(without_straight_corners(polygon)), height)
 
 
@@ -75,7 +75,7 @@ _PARTS: tuple[Row, ...] = (
     ("cylinder", Cylinder, _CYLINDER, "upright cylinder; G at the centre"),
 )
 """Name, data type, kind of field and meaning of each shape that is not composed of
-others.
+other shapes.
 """
 
 _OFFSET = number("m", "[-5, 5]")
@@ -166,7 +166,9 @@ NAMES = tuple(row[0] for row in _ROWS)
 
 
 def named_shape(shape: Any) -> dict[str, Any]:
-    """Shape by the name of its kind. Three numbers are the lengths of a box."""
+    """Shape as a mapping from the name of its kind. Three numbers are the lengths of a
+    box.
+    """
     return _named(_ROWS, shape)
 
 
@@ -184,7 +186,7 @@ SHAPE = with_one_shape(_ANY)
 
 
 def located(plain: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Fields that hold a shape with the full path of its mesh."""
+    """Fields that contain a shape, with the full path of its mesh."""
     mesh = plain["mesh"]
     if mesh is None:
         return dict(plain)
@@ -193,8 +195,10 @@ def located(plain: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def shape_faults(field: str, plain: Mapping[str, Any]) -> Iterator[Fault]:
-    """Yield errors of fields that hold a shape: several kinds, a polygon that crosses
-    itself, parts that are not connected, a mesh without a body that stands.
+    """Yield faults of fields that contain a shape.
+
+    The faults are: several kinds of shape, a polygon that crosses itself, parts that
+    are not connected, and a mesh without a body that can stand.
     """
     given = [name for name in NAMES if plain[name] is not None]
     if len(given) != 1:
@@ -213,7 +217,7 @@ def shape_faults(field: str, plain: Mapping[str, Any]) -> Iterator[Fault]:
 
 
 def mass_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
-    """Yield a missing mass of an object whose shape's file gives none."""
+    """Yield a fault for a missing mass of an object whose file gives none."""
     mesh = plain["shape"]["mesh"]
     if plain["mass"] is not None:
         return
@@ -224,7 +228,7 @@ def mass_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
 
 
 def polygon_faults(field: str, polygon: Sequence[Point]) -> Iterator[Fault]:
-    """Yield errors of corners that do not form a simple polygon."""
+    """Yield faults of corners that do not form a simple polygon."""
     fault = border_fault(tuple(polygon))
     if fault is not None:
         corners = [list(corner) for corner in polygon]

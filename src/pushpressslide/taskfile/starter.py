@@ -1,4 +1,4 @@
-"""The task file written by ``pps new``: a minimal task, and all other fields as
+"""The task file written by ``pps new``: a minimal task, with all other fields as
 comments with their defaults.
 """
 
@@ -34,13 +34,13 @@ robots:
 # What follows with a "# " may be left out; take that away to change a default.
 """
 GIVEN = frozenset({"name", "description", "object", "start", "goal", "robots"})
-"""Sections that the file begins with, and that need nothing more."""
+"""Sections at the beginning of the file, which are complete."""
 STATED = {"support": ("friction", 0.3), "contact": ("friction", 0.7)}
 """Fields of other sections that a new file contains, with their values."""
 
 
 def starter(name: str, file: str) -> str:
-    """Text of a task ``name`` in a ``file``."""
+    """Text of a new task file ``file`` for a task ``name``."""
     lines = [BEGIN.format(name=name, file=file)]
     for key, field in (SCHEMA.fields or {}).items():
         if key not in GIVEN:
@@ -70,5 +70,5 @@ def _commented(key: str, field: Field) -> Iterator[str]:
 
 
 def _words(text: str, before: str) -> list[str]:
-    """Text wrapped into lines."""
+    """Text wrapped into lines that start with ``before``."""
     return textwrap.wrap(text, WIDTH, initial_indent=before, subsequent_indent=before)

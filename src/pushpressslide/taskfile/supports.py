@@ -18,7 +18,9 @@ from pushpressslide.taskfile.shapes import polygon_faults
 
 @dataclass(frozen=True, slots=True)
 class SupportKind:
-    """File fields of a kind of support, and its frame in the world."""
+    """Fields in the file for a kind of support, and the frame of the support in the
+    world.
+    """
 
     needs: tuple[str, ...]  # required fields
     takes: tuple[str, ...]  # allowed fields
@@ -55,7 +57,9 @@ KINDS = {
 
 
 def support_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
-    """Yield missing fields of the kind of support, and fields of another kind."""
+    """Yield faults for missing fields of the support's kind, and for fields of another
+    kind.
+    """
     name = plain["kind"]
     kind = KINDS[name]
     for key in ("pose", "opening", "angle_deg", "region"):
@@ -73,13 +77,13 @@ def support_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
 
 
 def make_support(kind: Any, frame: Stand | None, **others: Any) -> Support:
-    """Support from the file's fields, by default a table."""
+    """Support from the file's fields. By default it is a table."""
     place = KINDS[kind].frame(frame, others.get("angle") or 0.0)
     return Support(kind=kind, frame=place, **others)
 
 
 def support_fields(support: Support) -> dict[str, Any]:
-    """File fields of a support, without those that its kind lacks."""
+    """Fields in the file for a support, without those that its kind does not have."""
     fields: dict[str, Any] = {"kind": support.kind, "friction": support.friction}
     if support.kind not in KINDS:
         return fields

@@ -1,5 +1,5 @@
-"""Strict YAML to plain data: no duplicate keys, text files only, errors with their
-line.
+"""Strict reading of YAML to plain data: no duplicate keys, text files only, and errors
+with their lines.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ import yaml
 from pushpressslide.core.errors import TaskError
 
 MAX_BYTES = 1_000_000
-"""Size [bytes] of the longest task file that is read."""
+"""Largest size [bytes] of a task file."""
 
 
 class _Loader(yaml.SafeLoader):
-    """Safe loader that refuses duplicate keys and reads 1e-3 as a number (PyYAML alone
-    makes it text).
+    """Safe loader that refuses duplicate keys, and reads 1e-3 as a number (PyYAML by
+    itself reads it as text).
     """
 
     def construct_mapping(
@@ -104,7 +104,7 @@ def read_yaml(path: Path) -> dict[Any, Any]:
 
 
 def _content(path: Path) -> bytes:
-    """Content of a file, cut one byte beyond the allowed size."""
+    """Content of a file, truncated one byte beyond the allowed size."""
     allowed = "allowed: the path of a YAML file"
     try:
         with path.open("rb") as file:
@@ -165,7 +165,7 @@ def _pairs(overrides: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _index(holder: Any, keys: Sequence[str], source: str) -> Any:
-    """Last of the keys as the index of its list or mapping."""
+    """Last of ``keys`` as an index of its list or mapping."""
     *outer, key = keys
     name = ".".join(keys)
     if isinstance(holder, dict):

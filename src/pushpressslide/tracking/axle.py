@@ -1,6 +1,6 @@
-"""Tracking of an arc path with the axle of an object pushed like a car
-(docs/mechanics.md, sections 3 and 5): look-ahead alignment, and the wrench on the limit
-surface for that turn.
+"""Tracking of an arc path by the axle of an object that is pushed like a car:
+look-ahead alignment, and the wrench on the limit surface for the turn
+(docs/mechanics.md, sections 3 and 5).
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ class AxleTracker:
     ) -> None:
         """Bind the law to a car that slides straight under ``max_friction`` [N].
 
-        The force across the heading is the effective wheelbase times the curvature
-        times the force along it. It is zero for a car that is turned without friction.
+        The force across the heading is the force along it times the effective wheelbase
+        and the curvature. It is zero for a car that is turned without friction.
         """
         self._curvature = law.curvature
         self._figures = (

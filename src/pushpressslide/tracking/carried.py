@@ -1,5 +1,5 @@
-"""Holonomic law for an object that may be on a wall: the arms give the sliding wrench
-minus the weight in the plane (docs/mechanics.md, section 7).
+"""Holonomic law for an object that may be on a wall: the arms provide the sliding
+wrench minus the weight in the plane (docs/mechanics.md, section 7).
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from pushpressslide.tracking.holonomic import HolonomicTracker
 class CarriedTracker:
     """Holonomic law with an in-plane weight.
 
-    The weight acts at the CoM: tips that carry it at another height move the CoP by
-    ``lever`` times it, against its direction. Without a weight in the plane it is the
-    holonomic law.
+    The weight acts at the CoM. Tips that carry it at another height shift the CoP by
+    ``lever`` times the weight, against its direction. Without an in-plane weight the
+    law equals the holonomic law.
     """
 
     def __init__(
@@ -32,8 +32,8 @@ class CarriedTracker:
     ) -> None:
         """Bind the law.
 
-        ``weight`` [N] is in the plane, ``lever`` [m/N] the height of the tips above the
-        CoM, divided by the load.
+        ``weight`` [N] is the component in the plane. ``lever`` [m/N] is the height of
+        the tips above the CoM divided by the load.
         """
         self._X_BV = X_BV
         self._surface = surface

@@ -1,7 +1,7 @@
-"""Holonomic law limited to the wrenches that the contacts can give.
+"""Holonomic law limited to the wrenches that the contacts can provide.
 
-If they cannot give the wanted wrench, the pull towards the path is reduced, but not the
-motion along the path.
+If they cannot provide the wanted wrench, the pull towards the path is reduced, but not
+the motion along the path.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ SHARES = (1.0, 0.5, 0.2, 0.0)  # fractions of the pull that are tried
 
 
 class EasedTracker:
-    """Tracking law with its pull reduced to the largest fraction of ``SHARES`` for
-    which the contacts can give the wrench.
+    """Tracking law with a reduced pull: the largest fraction in ``SHARES`` for which
+    the contacts can provide the wrench.
 
     If no fraction is small enough, there is no pull.
     """

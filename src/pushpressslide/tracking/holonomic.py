@@ -1,8 +1,8 @@
-"""Tracking of a twist path with an object that can be driven in any direction, or in
-those of a cone (docs/mechanics.md, section 9).
+"""Tracking of a twist path by an object that can be driven in any direction, or in the
+directions of a cone (docs/mechanics.md, section 9).
 
 The command is the path's twist, plus a pull towards the nearest pose of the path. The
-pull is proportional to the error and to the speed: friction knows no time, so that
+pull is proportional to the error and to the speed. Since friction is rate independent,
 errors decay over a distance and not over a time. Errors are REFERENCE MINUS ACTUAL.
 """
 
@@ -21,7 +21,8 @@ from pushpressslide.kernels.tracking import pulled_twist
 from pushpressslide.mechanics.height_term import DraggedSurface
 
 IntoCone = Callable[[Wrench], Wrench | None]
-"""Nearest wrench that the contacts can give. None if they can give the requested one.
+"""Function that returns the nearest wrench that the contacts can provide. None if they
+can provide the requested one.
 """
 
 TURN = 2.0 * math.pi
@@ -29,7 +30,8 @@ SHARE = 0.5  # largest pull, as a share of the path's speed
 
 
 class HolonomicTracker:
-    """Feed-forward and pull, and the wrench on the limit surface for that motion.
+    """Tracking law of feed-forward and pull, with the wrench on the limit surface for
+    the resulting motion.
 
     V may be any frame of the body; the wrench is about the surface's centre.
     """
@@ -43,7 +45,7 @@ class HolonomicTracker:
         share: float = SHARE,
     ) -> None:
         """Bind the law. ``decay`` [m] > 0 is the distance over which an error falls to
-        1/e, ``share`` in [0, 1).
+        1/e. ``share`` is in [0, 1).
         """
         self._X_BV = X_BV
         self._surface = surface
@@ -94,7 +96,9 @@ class HolonomicTracker:
         error: tuple[float, float, float],
         saturated: bool,
     ) -> Guidance:
-        """Guidance to ``twist``, or to the nearest twist that the contacts can drive."""
+        """Guidance with ``twist``, or with the nearest twist that the contacts can
+        drive.
+        """
         wrench = self._surface.wrench(twist)
         nearest = None
         if self._into_cone is not None:
@@ -112,11 +116,11 @@ class HolonomicTracker:
     def _driven(
         self, twist: Twist, wanted: Wrench, nearest: Wrench
     ) -> tuple[Twist, Wrench]:
-        """Twist of the object under ``nearest``, the wrench that replaces ``wanted``,
-        and that wrench scaled onto the limit surface.
+        """Twist of the object under the wrench ``nearest``, and this wrench scaled onto
+        the limit surface.
 
-        The speed is reduced to the part of the motion ``twist`` that the wrench
-        achieves.
+        ``nearest`` replaces ``wanted``. The speed is reduced to the part of ``twist``
+        that the wrench achieves.
         """
         surface = self._surface
         nearest = nearest.moved_to(surface.center)

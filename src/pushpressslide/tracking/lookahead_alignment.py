@@ -1,9 +1,9 @@
 """Look-ahead alignment of a unicycle with its path (docs/mechanics.md, section 4.2).
 
-A virtual target slides along the path, the look-ahead ahead of the vehicle. The turn is
-proportional to its lateral coordinate in the vehicle's frame. With the gain 4 /
-look_ahead^2 the lateral error decays critically, as (1 + 2 D / look_ahead) exp(-2 D /
-look_ahead) over a distance D. Errors are REFERENCE MINUS ACTUAL.
+A virtual target slides along the path, ahead of the vehicle by the look-ahead. The
+curvature is proportional to the target's lateral coordinate in the vehicle frame. With
+the gain 4 / look_ahead^2 the lateral error decays critically, as (1 + 2 D / look_ahead)
+exp(-2 D / look_ahead) over a distance D. Errors are REFERENCE MINUS ACTUAL.
 """
 
 from __future__ import annotations
@@ -17,8 +17,10 @@ from pushpressslide.kernels.tracking import clipped, look_ahead_curvature
 
 @dataclass(frozen=True, slots=True)
 class LookAheadAlignment:
-    """The look-ahead law. With ``fixed`` it follows the paper literally: the target
-    stays ``look_ahead`` beyond the goal.
+    """The look-ahead law.
+
+    With ``fixed`` it follows the paper literally: the target stays ``look_ahead``
+    beyond the goal.
     """
 
     look_ahead: float  # [m] > 0
@@ -35,9 +37,9 @@ class LookAheadAlignment:
     ) -> tuple[float, bool]:
         """Curvature [1/m] to drive, and whether it was clipped.
 
-        ``X_WV`` is the vehicle's pose, ``left_error`` [m] and ``heading_error`` [rad]
-        reference minus actual, ``path_curvature`` [1/m] that of the path there.
-        ``steering_scale`` narrows the bounds.
+        ``X_WV`` is the vehicle's pose. ``left_error`` [m] and ``heading_error`` [rad]
+        are reference minus actual, and ``path_curvature`` [1/m] is the path's curvature
+        at the nearest point. ``steering_scale`` narrows the bounds.
         """
         ell = self.look_ahead
         limit = steering_scale * self.limit

@@ -1,7 +1,7 @@
 """Tracking of a pushed object driven as a rear-steer car (docs/mechanics.md, section
 3).
 
-In plain floats, for a control loop; a test bounds its cost.
+All numbers are plain floats, for use in a control loop. A test bounds the cost.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ EASING = 0.5 * margins.ARM.steering_time  # [s]
 
 
 class RearPushTracker:
-    """Rear Stanley law, and the wrench on the limit surface for its steering."""
+    """Rear Stanley law, with the wrench on the limit surface for its steering."""
 
     def __init__(
         self, steer: Steering, car: RearSteerCar, X_BV: Pose2, max_friction: float

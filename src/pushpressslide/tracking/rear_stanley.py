@@ -2,9 +2,9 @@
 
 Errors are REFERENCE MINUS ACTUAL: theta_e = theta_ref - theta, e = n_left . (p_ref -
 p_vfa), positive when the path is to the left. Steering delta > 0 is a force to the left
-of the heading axis and turns the car to the right: w = -(v / effective wheelbase) tan(delta). Of
-the four sign combinations only this one converges. (The paper's eq. 14 with errors
-taken actual minus reference is the unstable one.)
+of the heading axis and turns the car to the right: w = -(v / effective wheelbase)
+tan(delta). Of the four combinations of signs only this one converges. (The paper's eq.
+14, with errors as actual minus reference, is unstable.)
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ def rear_stanley(
     """The law ``steer(left_error, heading_error, curvature, steering_scale)`` of one
     car.
 
-    ``effective_wheelbase`` [m] is from the CoP to the virtual front axle, rho^2 / d.
-    ``gain`` is k in units of the largest value without overshoot, v / (4
-    effective_wheelbase): in these units the law does not depend on the speed.
-    ``feed_forward`` removes the steady offset on a curve. ``left_error`` [m],
-    ``heading_error`` [rad]: reference minus actual; ``curvature`` [1/m] of the path
-    there; ``steering_scale`` narrows ``steering_bounds`` [rad]. The law gives the
-    steering angle delta [rad] and whether it was clipped.
+    ``effective_wheelbase`` [m] is the distance rho^2 / d from the CoP to the virtual
+    front axle. ``gain`` is k relative to the largest value without overshoot, v / (4
+    effective_wheelbase), so that the law does not depend on the speed. ``feed_forward``
+    removes the steady-state error on a curve. ``left_error`` [m] and ``heading_error``
+    [rad] are reference minus actual; ``curvature`` [1/m] is the path's curvature at the
+    nearest point; ``steering_scale`` narrows ``steering_bounds`` [rad]. The law returns
+    the steering angle delta [rad] and whether it was clipped.
     """
     (law,) = stanley_law(effective_wheelbase, *steering_bounds, gain, feed_forward)
 

@@ -21,7 +21,9 @@ PIVOT_SHARE = 0.3  # largest pull, as a share of the turn's force
 
 
 class UnicycleTracker:
-    """Look-ahead alignment, and the wrench on the limit surface for that turn."""
+    """Look-ahead alignment of a pressed object, with the wrench on the limit surface
+    for the turn.
+    """
 
     def __init__(self, law: LookAheadAlignment, drive: SteeredDrive) -> None:
         """Bind the law to a vehicle."""
@@ -113,8 +115,8 @@ class PivotTracker:
         speed: float,
         steering_scale: float,
     ) -> Guidance:
-        """Wrench (about the centre of pressure) and twist that turn along ``path`` at
-        ``speed``.
+        """Wrench (about the centre of pressure) and twist that turn the object along
+        ``path`` at ``speed`` [m/s].
         """
         assert isinstance(path, TwistPath)
         car = self._car

@@ -1,3 +1,3 @@
-"""Pictures and replays of a run: its course, its play bar, and the views of each
+"""Pictures and replays of a run: its timeline, its play bar, and the views of each
 engine.
 """

@@ -1,4 +1,4 @@
-"""Play bar of a replay page, as parts of text to be put into a page."""
+"""Play bar of a replay page, as fragments of text for the page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Drawing on a picture with smooth edges, by Pillow."""
+"""Anti-aliased drawing on a picture, by Pillow."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ HEAD = 3.25  # length of an arrow's head over the arrow's width
 INK = (31, 35, 40)
 
 Pixel = tuple[float, float]
-"""Right and down [pixels] from the picture's upper left corner."""
+"""Position in a picture: right and down from the upper left corner [pixels]."""
 Color = tuple[int, int, int] | tuple[int, int, int, int]
 """Red, green, blue and opacity, up to 255."""
 
 
 def rgba(code: str, opacity: float = 1.0) -> Color:
-    """Colour of ``#rrggbb`` at an opacity up to 1."""
+    """Colour ``#rrggbb`` with an opacity up to 1."""
     r, g, b = bytes.fromhex(code.removeprefix("#"))
     return r, g, b, round(255 * opacity)
 
@@ -94,7 +94,7 @@ class Canvas:
     def text(
         self, place: Pixel, text: str, size: float = 15.0, color: Color = INK
     ) -> None:
-        """Write ``text`` with the upper left of its first line at ``place``."""
+        """Write ``text`` with the upper left corner of its first line at ``place``."""
         x, y = place
         self._draw.text(
             (FINER * x, FINER * y), text, fill=color, font=_font(FINER * size)

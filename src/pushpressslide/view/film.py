@@ -1,4 +1,4 @@
-"""Animation of a run: its size, its times, its caption, and its file."""
+"""Animation of a run: size, times, caption, and file."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ NAME = "run"
 PICTURES = "pictures"
 """Folder of the pictures of a run: start.webp, contact.webp and end.webp."""
 CLOSE = "contact"
-"""Name of the picture that may be taken from near."""
+"""Name of the picture that may be a close-up."""
 STILL_SIZE = (960, 540)  # [pixels] of these
 QUALITY = 75  # of a .webp, up to 100
 LINE = 16.0  # [pixels] between lines of the legend
@@ -44,7 +44,7 @@ class LegendEntry:
 
 
 def film_ticks(time: Array, rate: float) -> list[int]:
-    """Tick of each picture, at ``rate`` [1/s]. ``time`` (N,) [s]."""
+    """Tick of each picture, at ``rate`` [1/s]. ``time`` (N,) [s] is that of each tick."""
     grid = np.arange(float(time[0]), float(time[-1]) + 0.5 / rate, 1.0 / rate)
     ticks = np.clip(np.searchsorted(time, grid), 0, len(time) - 1)
     return [int(tick) for tick in ticks]
@@ -66,13 +66,13 @@ def film_path(out: Path) -> Path:
 
 
 def film_rate(out: Path) -> float:
-    """Usual pictures per second [1/s] of the format of ``out``."""
+    """Usual frame rate [1/s] of the format of ``out``."""
     return FRAMES_PER_SECOND if out.suffix == MP4 else PICTURES_PER_SECOND
 
 
 class _Reel(Image.Image):
-    """Sequence of pictures that Pillow reads like a multi-picture file, so that only
-    one is in memory.
+    """Sequence of pictures that Pillow reads like a multi-picture file, with only one
+    in memory at a time.
     """
 
     def __init__(self, count: int, draw: Callable[[int], Image.Image]) -> None:
@@ -131,9 +131,11 @@ def write_film(
 def write_stills(
     phase: Array, draw: Callable[[str, int], Image.Image], out: Path
 ) -> list[Path]:
-    """Write pictures of start, contact and end of a run, drawn by ``draw`` for a name
-    and a tick, into the folder pictures of ``out``. Return their paths. ``phase`` (N,) is that of
-    each tick.
+    """Write pictures of start, contact and end of a run into the folder
+    ``out``/pictures. Return their paths.
+
+    ``draw`` draws the picture for a name and a tick. ``phase`` (N,) is that of each
+    tick.
     """
     paths = []
     for name, tick in still_ticks(phase).items():
@@ -145,7 +147,9 @@ def write_stills(
 
 
 def caption(canvas: Canvas, title: str, timeline: RunTimeline, frame: int) -> None:
-    """Write title, time, phase, force and distance to the goal along the lower edge."""
+    """Write title, time, phase, force and distance to the goal along the lower edge of
+    a picture.
+    """
     width, height = canvas.size
     top = height - 34.0
     canvas.panel((0.0, top), (float(width), float(height)))
@@ -155,7 +159,7 @@ def caption(canvas: Canvas, title: str, timeline: RunTimeline, frame: int) -> No
 
 
 def moment(timeline: RunTimeline, frame: int) -> str:
-    """One line with the course's values at a frame."""
+    """One line with the values of the timeline at a frame."""
     time = timeline.time[frame]
     phase = next(
         (span.name for span in reversed(timeline.phases) if span.start <= time), ""

@@ -1,4 +1,4 @@
-"""Film of a run as mp4, by PyAV, the optional package av."""
+"""Film of a run as MP4, by PyAV, the optional package av."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MISSING = "av is not installed: pip install 'pushpressslide[video]'"
 
 
 def has_encoder() -> bool:
-    """Whether mp4 can be written."""
+    """Whether MP4 files can be written."""
     return importlib.util.find_spec("av") is not None
 
 

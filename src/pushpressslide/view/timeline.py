@@ -1,4 +1,4 @@
-"""Course of a run for its replay: phases, legs, forces, errors to the goal."""
+"""Timeline of a run for its replay: phases, legs, forces, errors to the goal."""
 
 from __future__ import annotations
 
@@ -21,11 +21,13 @@ FRAMES_PER_SECOND = 30.0
 # largest number of frames in a replay, so that a long run is a page of a few megabytes
 MOST_FRAMES = 750
 GOAL_ERROR = "goal_error"
-"""Array (N, 2) [m, rad] that a joined record brings: the moved body's errors."""
+"""Name of an array (N, 2) [m, rad] in a joined record: the moved body's errors to its
+goal.
+"""
 ENDED_WELL = ("goal_reached", "goal_missed", "interrupted")
-"""Reasons that break nothing: the run ends with them."""
+"""Reasons for the end of a run that are not failures."""
 PARTS = ("stage", "leg", "placement")
-"""Arrays whose steps are marked, the largest part first."""
+"""Arrays whose changes are marked, the one for the largest part first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +50,7 @@ class Mark:
 
 @dataclass(frozen=True, slots=True)
 class RunTimeline:
-    """Data that a replay shows beside its pictures, in F frames."""
+    """Data that a replay shows next to its pictures, in F frames."""
 
     time: tuple[float, ...]  # (F,) [s] since the first tick
     phases: tuple[Span, ...]
@@ -60,13 +62,15 @@ class RunTimeline:
     ending: str  # why the run ended
 
     def plain(self) -> dict[str, Any]:
-        """The course as data for JSON."""
+        """The timeline as data for JSON."""
         return asdict(self)
 
 
 def frames(time: Array, rate: float = FRAMES_PER_SECOND) -> NDArray[np.intp]:
-    """Ticks (F,) nearest to a uniform grid of ``rate`` [1/s], at most ``MOST_FRAMES``,
-    first and last included. ``time`` (N,) [s].
+    """Ticks (F,) nearest to a uniform grid of ``rate`` [1/s].
+
+    They include the first and the last tick, and are at most ``MOST_FRAMES``. ``time``
+    (N,) [s] is that of each tick.
     """
     if len(time) < 2:
         return np.arange(len(time))
@@ -78,7 +82,7 @@ def frames(time: Array, rate: float = FRAMES_PER_SECOND) -> NDArray[np.intp]:
 
 def still_ticks(phase: Array) -> dict[str, int]:
     """Ticks of a run's still pictures, by name: start, contact, end. ``phase`` (N,) is
-    per tick.
+    that of each tick.
     """
     if not len(phase):
         return {}
@@ -90,7 +94,7 @@ def still_ticks(phase: Array) -> dict[str, int]:
 
 
 def run_timeline(plan: Plan, record: Record, ticks: NDArray[np.intp]) -> RunTimeline:
-    """Course of a run at ``ticks`` (F,) of its record."""
+    """Timeline of a run at ``ticks`` (F,) of its record."""
     arrays = record.arrays
     time = arrays["time"] - arrays["time"][:1].sum()
     errors = _goal_errors(plan, record)[ticks]
@@ -114,7 +118,7 @@ def _row(values: Array, decimals: int) -> tuple[float, ...]:
 
 
 def _goal_errors(plan: Plan, record: Record) -> Array:
-    """Distance [m] and rotation [rad] (N, 2) of the object from its goal."""
+    """Distance [m] and rotation [rad] (N, 2) of the object from its goal, at each tick."""
     known = record.arrays.get(GOAL_ERROR)
     if known is not None:
         return known
@@ -131,7 +135,7 @@ def goal_errors(poses: Array, goal: tuple[float, float, float]) -> Array:
 
 
 def _phases(time: Array, phase: Array) -> tuple[Span, ...]:
-    """Phases in order; ``time`` and ``phase`` (N,) per tick."""
+    """Phases in order. ``time`` and ``phase`` (N,) are those of each tick."""
     if not len(time):
         return ()
     edges = [0, *(np.flatnonzero(np.diff(phase)) + 1).tolist(), len(time) - 1]
@@ -147,8 +151,8 @@ def _phases(time: Array, phase: Array) -> tuple[Span, ...]:
 
 
 def _marks(record: Record, time: Array) -> tuple[Mark, ...]:
-    """Starts of stages, legs and placements, and failures. A common start is named after
-    the largest of them.
+    """Starts of stages, legs and placements, and failures. Simultaneous starts are
+    named after the largest part.
     """
     marks: dict[int, str] = {}
     for part in PARTS:
@@ -165,7 +169,9 @@ def _marks(record: Record, time: Array) -> tuple[Mark, ...]:
 
 
 def _failures(record: Record, time: Array) -> list[Mark]:
-    """When limits broke, and for other failures when the arms began to let go."""
+    """Marks of failures: the time at which a limit was broken, or for other failures
+    the time at which the arms began to let go.
+    """
     if not len(time):
         return []
     first = float(record.arrays["time"][0])

@@ -1,4 +1,5 @@
-"""The paper's experiments, the benchmarks, and push-T as the package gym-pusht plays it.
+"""The paper's experiments, the benchmarks, and push-T in the version of the package
+gym-pusht.
 
-All are built on ``pushpressslide``, which never imports them.
+All of these use ``pushpressslide``, which never imports them.
 """

@@ -45,8 +45,7 @@ FEW = 16  # joint paths of each arm, in a search over sequences of motions
 class Conflict:
     """Insufficient clearance between two arms.
 
-    Conflicts are ordered by ``stage``, those of one stage by ``distance``. A higher
-    value is greater.
+    Conflicts compare by ``stage``, then by ``distance``.
     """
 
     stage: int  # 0: along the contacts; 1: in the approach
@@ -64,8 +63,8 @@ def joint_paths(
 ) -> tuple[ArmPath, ...]:
     """Joint path and tool attitude of each arm.
 
-    Two arms keep clear of each other, if need be by waiting in the approach.
-    ``postures`` (n,) [rad] are the present ones of the arms, None for their ready
+    Two arms keep clear of each other, if necessary by waiting during the approach.
+    ``postures`` (n,) [rad] are the arms' present postures, None for their ready
     postures. The arms in ``holding`` already have their contact, and keep it. ``force``
     takes the best paths available. Raises InfeasibleTaskError, with the deciding
     number, if an arm has no path, or two arms come too near to each other.
@@ -110,8 +109,10 @@ def drawn_back(
 def _with_ways_back(
     problems: Sequence[ArmProblem], paths: tuple[ArmPath, ...]
 ) -> tuple[ArmPath, ...]:
-    """Paths extended by the retreats from their ends, up to the first sample at which
-    an arm cannot follow or is not clear of everything.
+    """Paths extended by the retreat of each arm.
+
+    A retreat ends before the first sample that the arm cannot follow, or at which it is
+    not clear of everything.
     """
     routes = [
         _way_back(problem, path, attitude)
@@ -254,8 +255,8 @@ class _TwoArms:
     def _apart_at_first(
         self, options: Sequence[Sequence[Solution]]
     ) -> tuple[list[Pair], float]:
-        """Pairs of solutions with clearance at the start of the contacts, and the
-        largest distance [m], at most LOOK, among the pairs without it.
+        """Pairs of solutions whose arms are clear of each other when the contacts
+        start, and the largest distance [m], at most LOOK, among the other pairs.
         """
         left, right = options
         one, other = (
@@ -281,8 +282,8 @@ class _TwoArms:
         return min(touching, self._glanced(left, right))
 
     def _touching(self, pair: Pair) -> float:
-        """Smallest distance [m] between the arms as both go from near the object to
-        their contacts.
+        """Smallest distance [m] between the arms while both move from near the object
+        to their contacts.
         """
         paths = []
         for problem, solution in zip(self.problems, pair, strict=True):
@@ -300,8 +301,8 @@ class _TwoArms:
         return self._min_distance(left, right)
 
     def _glanced(self, left: Array, right: Array) -> float:
-        """Result of ``_least`` for every sixth sample if it is already too small,
-        otherwise for all samples.
+        """Smallest distance [m] over every sixth sample if that is already too small,
+        otherwise over all samples.
         """
         coarse = self._min_distance(left[::GLANCE], right[::GLANCE])
         if coarse < APART:
@@ -318,7 +319,9 @@ class _TwoArms:
     def _waiting(
         self, pair: Pair, along: float
     ) -> Iterator[tuple[ArmPath, ...] | Conflict]:
-        """Yield both paths started together, then with one arm waiting for the other."""
+        """Yield both paths started together, then both with one arm waiting for the
+        other.
+        """
         left, right = (float(solution.path.approach_time[-1]) for solution in pair)
         for delays in ((0.0, 0.0), (0.0, left), (right, 0.0)):
             force = self.force and delays[0] > 0.0
@@ -327,8 +330,9 @@ class _TwoArms:
     def _in_turn(
         self, pair: Pair, along: float
     ) -> Iterator[tuple[ArmPath, ...] | Conflict]:
-        """Yield both paths with one arm led around the other, which waits before its
-        own approach or after it.
+        """Yield both paths with one arm led around the other.
+
+        The other arm waits, before its own approach or after it.
         """
         for first, second in ((0, 1), (1, 0)):
             start = pair[second].path.approach[0]

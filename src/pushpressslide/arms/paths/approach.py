@@ -49,7 +49,7 @@ LEAST_GAP = 0.015  # [m] smallest length of that line if the arm cannot follow a
 
 @dataclass(frozen=True)
 class Care:
-    """Required quality of an arm's posture at the touch."""
+    """Required quality of an arm's posture during the touch."""
 
     margin: float  # [rad] to the joint limits
     # of the Jacobian: the spring of the tip moves a stretched arm's joints by its square
@@ -169,8 +169,8 @@ class Approach:
         """Last part of every approach to the start of a tip path.
 
         ``normal`` points from the tip into the object, in the world. ``posture`` is the
-        arm's posture along the path. The tip must retreat by ``least_gap`` [m] at
-        least, with the posture quality ``care``.
+        arm's posture along the path. The tip must be able to retreat by ``least_gap``
+        [m] at least, in postures of the quality ``care``.
         """
         first = tip.positions[0]
         yaw = float(tip.yaws[0]) + posture.offset
@@ -201,8 +201,8 @@ class Approach:
         """Postures (m, n) of a motion straight up from a place (3,), and their heights
         (m,) [m] above it.
 
-        The motion ends at the height that is needed, or at the highest one that the arm
-        can reach.
+        The motion ends at the required height, or at the largest that the arm can
+        reach.
         """
         height = self._height(place)
         top = max(self.hover, height + LEAST_RISE)
@@ -302,8 +302,8 @@ class Approach:
         return float(place @ self._up) - self._level
 
     def _lifted(self, home: Array) -> Array | None:
-        """Ready posture with its tip lifted above everything. None if it is there
-        already or the arm cannot reach it.
+        """Ready posture with its tip lifted above everything. None if the tip is
+        already there, or the arm cannot lift it that far.
         """
         p = self._tip(home)
         rise = self.hover - self._height(p)
@@ -334,8 +334,8 @@ class Approach:
     def _timed(
         self, rise: Array, corners: list[Array], down: Array, drop: float
     ) -> Trajectory:
-        """Trajectory up, from corner to corner, and down by ``drop`` [m]. It rests at
-        each corner.
+        """Trajectory up, from corner to corner, and down by ``drop`` [m]. The arm stops
+        at each corner.
         """
         bottom = self._height(self._tip(rise[0]))
         top = self._height(self._tip(rise[-1]))
@@ -359,8 +359,8 @@ def rest_to_rest(
     """Duration [s] and postures (m, n) of a minimum-jerk motion through ``corners`` (k,
     n).
 
-    It is as fast as the joints allow, but takes at least ``min_duration`` [s] at
-    constant speed.
+    It is as fast as the joints allow, but no faster than a motion that takes
+    ``min_duration`` [s] at constant speed.
     """
     slides = np.array([joint.kind == "prismatic" for joint in facts.moving])
     speeds = np.minimum(
@@ -430,7 +430,7 @@ def _touching(retreat: Continuation, condition: float) -> int:
 
 
 def _blend(count: int) -> Array:
-    """Minimum-jerk ramp from 0 to 1 in ``count`` samples."""
+    """Minimum-jerk profile from 0 to 1 in ``count`` samples."""
     u = np.linspace(0.0, 1.0, count)
     out: Array = u**3 * (10.0 - 15.0 * u + 6.0 * u * u)
     return out

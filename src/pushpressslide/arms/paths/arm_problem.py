@@ -1,4 +1,6 @@
-"""Problem of one arm in a plan: bring its tip to its contact and follow it."""
+"""Problem of one arm in a plan: bring the tip to its contact, and keep it there along
+the path.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +37,7 @@ GLANCE = 4  # every fourth posture along a contact is checked before all of them
 
 @dataclass(frozen=True)
 class ObjectPath:
-    """The object's planned path as k samples, over all segments of one placement."""
+    """The object's planned path over all segments of one placement, as k samples."""
 
     arc_length: Array  # (k,) [m]
     bodies: list[Pose2]  # X_WB
@@ -131,7 +133,7 @@ class ArmProblem:
     def tool_options(self, along: ContactPath) -> list[ToolOption]:
         """Tool attitudes to try along a contact, the preferred option first.
 
-        An arm with fewer than six joints keeps its tool upright.
+        The tool of an arm with fewer than six joints stays upright.
         """
         contact = along.contact
         axes = self.query.scene.support.frame.axes
@@ -149,16 +151,16 @@ class ArmProblem:
         return tool_options(azimuths, float(yaws[middle]), axes, rolls=rolls)
 
     def contact_clearance(self, postures: Array) -> Gap:
-        """Smallest gap of postures (k, n) along the contact.
+        """Tightest gap of postures (k, n) along the contact.
 
-        Every fourth posture is checked first. If the smallest gap of these postures is
-        already too small, it is returned and the others are not checked.
+        Every fourth posture is checked first. If a gap is already too small, the others
+        are not checked.
         """
         coarse = self._along_contact(postures, GLANCE)
         return self._along_contact(postures, 1) if coarse.clear else coarse
 
     def _along_contact(self, postures: Array, step: int) -> Gap:
-        """The result of ``contact_clearance`` for every ``step``th posture."""
+        """Tightest gap of every ``step``-th posture along the contact."""
         carried = {name: poses[::step] for name, poses in self._carried.items()}
         shapes = self.object_path.shapes[::step]
         return self.clearance.min_distance(
@@ -202,12 +204,12 @@ class ArmProblem:
         return carried_ways(shape, query.yielding, self.object_path.shapes)
 
     def approach_clearance(self, model: Clearance, postures: Array) -> Gap:
-        """Tightest gap of postures (m, n) before the contact."""
+        """Tightest gap of postures (m, n) during the approach."""
         poses = self.object_path.shapes[:1] * len(postures)
         return model.min_distance(postures, poses, touching=False)
 
     def free(self, model: Clearance, q: Array) -> bool:
-        """Whether a posture (n,) before the contact keeps its clearance."""
+        """Whether an arm keeps its clearance in a posture (n,) during the approach."""
         return self.approach_clearance(model, q[None]).clear
 
 

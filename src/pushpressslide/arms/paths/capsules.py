@@ -82,7 +82,7 @@ def _distances(
 
 
 def _segment_distance(a: Array, b: Array) -> Array:
-    """Distances (...) [m] of segments (..., 2, 3), at least one of which has a length
+    """Distances (...) [m] between segments (..., 2, 3), not both of zero length
     (Ericson, Real-Time Collision Detection, 5.1.9).
     """
     u = a[..., 1, :] - a[..., 0, :]

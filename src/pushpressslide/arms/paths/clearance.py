@@ -30,7 +30,7 @@ class Gap:
 
     @property
     def lack(self) -> float:
-        """Shortfall of the clearance [m], negative if the clearance is kept."""
+        """Shortfall [m] of the clearance. Negative if the clearance is kept."""
         return self.allowed - self.distance
 
     @property
@@ -62,7 +62,7 @@ class Clearance(Protocol):
         """Tightest gap, searched up to ``LOOK``, over postures (k, n) and object poses
         X_WG (k).
 
-        ``touching``: the tip's sphere touches the object on purpose; this pair is left
-        out. ``bodies``: poses (k each) of movable obstacles by name, by default those
-        of the task.
+        With ``touching``, the tip's sphere touches the object on purpose, so this pair
+        is excluded. ``bodies`` are poses (k each) of movable obstacles by name, by
+        default those of the task.
         """

@@ -22,7 +22,7 @@ def connect(
     start: Array, goal: Array, free: Free, lower: Array, upper: Array
 ) -> Array | None:
     """Corners (k, n) of a free path from ``start`` (n,) to ``goal`` (n,). None if 1000
-    samples give no path.
+    samples do not lead to a path.
 
     ``free`` is True for a free posture (n,). Joints stay within ``lower`` and ``upper``
     (n,). The random seed is fixed, so that the result is reproducible.

@@ -69,7 +69,7 @@ ArmPath = tuple[JointPath, ToolAttitude]
 
 @dataclass(frozen=True)
 class Solution:
-    """A move along the contact, and the whole joint path with its approach."""
+    """A move along the contact, and the joint path that includes its approach."""
 
     move: Move
     path: JointPath
@@ -78,7 +78,10 @@ class Solution:
 
 @dataclass(frozen=True)
 class SearchResult:
-    """Intermediate result of a search."""
+    """Solutions and misses known at one stage of a search.
+
+    A miss is a posture that is not feasible.
+    """
 
     solutions: tuple[Solution, ...]  # the preferred first
     # where nothing was found: first the moves that something is in the way of, then
@@ -175,7 +178,7 @@ def search(problem: ArmProblem, *, force: bool = False) -> Iterator[SearchResult
 
 
 def _stuck(problem: ArmProblem) -> Miss | None:
-    """Miss of an arm whose posture after release is blocked, so that no approach can
+    """Miss for an arm whose posture after release is blocked, so that no approach can
     start from it. None if the posture is clear.
     """
     if problem.start is None or problem.holds or problem.along is None:
@@ -312,8 +315,8 @@ def _approach_clearance(problem: ArmProblem, model: Clearance, postures: Array) 
 
 
 def _approach_miss(posture: Posture, descent: Descent, gap: Gap | None) -> Miss:
-    """Miss of an approach that is blocked by ``gap``, or without a ``gap`` of an
-    approach that was not found.
+    """Miss for an approach blocked by ``gap``, or for an approach not found if ``gap``
+    is None.
     """
     if gap is None:
         reason = "the arm is stretched too far to feel for it"
@@ -330,7 +333,7 @@ def _approach_miss(posture: Posture, descent: Descent, gap: Gap | None) -> Miss:
 
 
 def _contact_miss(problem: ArmProblem, posture: Posture, gap: Gap) -> Miss | None:
-    """Miss of a posture along the contact, or None."""
+    """Miss for a posture with a fault along the contact, or None."""
     if not gap.clear:
         return Miss(10.0 * gap.lack, gap.text, posture)
     along = problem.along
@@ -361,7 +364,7 @@ def _candidates(problem: ArmProblem, force: bool) -> Iterator[Move | Miss]:
     """Yield the moves along the contact, the preferred first, and the misses in
     between.
 
-    Upright tools come before tilted ones, and stretched arms last.
+    Upright tools come before tilted ones; stretched arms come last.
     """
     along = problem.along
     if along is None:
@@ -384,14 +387,14 @@ def _candidates(problem: ArmProblem, force: bool) -> Iterator[Move | Miss]:
 
 
 def _kind_of_attitude(option: ToolOption) -> tuple[bool, bool]:
-    """Whether a tool is tilted, and whether it turns with the object."""
+    """Whether the tool is tilted, and whether it turns with the object."""
     tool, _ = option
     return tool.tilt > 0.0, tool.turns
 
 
 def _refined(problem: ArmProblem, misses: tuple[Miss, ...]) -> Iterator[Solution]:
-    """Yield joint paths refined from the nearest misses. A search over sequences of
-    motions yields none, since it tries other motions instead.
+    """Yield joint paths refined from the nearest misses. Within a search over sequences
+    of motions none are yielded, since other motions are tried instead.
     """
     along = problem.along
     if along is None:
@@ -425,7 +428,7 @@ def _parked_around(problem: ArmProblem, misses: tuple[Miss, ...]) -> Iterator[So
 
 
 def _with_clearance(problem: ArmProblem, miss: Miss) -> Miss:
-    """The miss with the shortfall of its clearance along the contact included."""
+    """The miss, with the shortfall of clearance along the contact added."""
     gap = problem.contact_clearance(miss.posture.q)
     lack = max(miss.shortfall, 10.0 * gap.lack)
     return replace(miss, shortfall=lack)

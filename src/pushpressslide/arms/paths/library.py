@@ -38,9 +38,9 @@ class ArmLibrary(Protocol):
         margin: float,
         min_distance: float,
     ) -> Posture | None:
-        """Posture near ``guess`` that follows a path which the guess just misses. None
-        if there is none, or no optimiser.
+        """Posture near ``guess`` that follows a path which ``guess`` itself just
+        misses. None without such a posture or without an optimiser.
 
-        It keeps ``margin`` [rad] from the joint limits and ``min_distance`` [m] from
-        everything.
+        The posture keeps ``margin`` [rad] from the joint limits and ``min_distance``
+        [m] from everything.
         """

@@ -31,7 +31,7 @@ class PlacementPaths:
     ) -> None:
         """Start without a placement. ``force`` takes the best paths available.
 
-        ``postures`` (n,) [rad] are the initial ones of the arms, None for their ready
+        ``postures`` (n,) [rad] are the arms' initial postures, None for their ready
         postures. ``within`` [m] bounds the region of the object: x_min, x_max, y_min,
         y_max.
         """
@@ -43,10 +43,10 @@ class PlacementPaths:
         self.paths: list[tuple[ArmPath, ...]] = []
 
     def add(self, placement: Plan) -> None:
-        """Add the plan of one more placement.
+        """Append the plan of a placement.
 
-        A placement that keeps all contacts of the previous one extends it. Raises
-        InfeasibleTaskError as ``joint_paths`` does.
+        A plan that keeps all contacts of the previous placement extends that placement.
+        Raises InfeasibleTaskError as ``joint_paths`` does.
         """
         if self.within is not None:
             _check_bounds(placement, self.within)
@@ -78,7 +78,9 @@ class PlacementPaths:
         self.paths = self.paths[:count]
 
     def after(self) -> PlacementPaths:
-        """Empty planner that starts from the state of the arms after all placements."""
+        """Planner without placements that starts from the arms' state after all
+        placements.
+        """
         postures = self.postures
         if self.plans:
             postures = drawn_back(self.paths[-1])

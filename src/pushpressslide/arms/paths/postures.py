@@ -1,5 +1,7 @@
-"""Moves of an arm whose tip follows a contact: candidates from a grid of tool
-attitudes, by continuation, and the shortfalls of the others.
+"""Moves of an arm whose tip follows a contact, and the shortfalls of postures that
+fail.
+
+Candidates come from a grid of tool attitudes and are followed by continuation.
 """
 
 from __future__ import annotations
@@ -125,7 +127,7 @@ class Move:
 
 @dataclass(frozen=True)
 class Miss:
-    """A posture that is not feasible."""
+    """A posture that is not feasible, with its shortfall and the reason."""
 
     # mean violation over the path, in radians and tenths of a metre
     shortfall: float
@@ -151,7 +153,7 @@ def tool_attitude(
 def continued_moves(
     kin: ArmKinematics, tip: TipPath, q: Array, axes: Matrix3, *, force: bool
 ) -> list[Move | Miss]:
-    """The move along a tip path that starts in posture ``q`` (n,), or its miss."""
+    """Move along a tip path that starts in posture ``q`` (n,), or the miss."""
     attitude, yaw = tool_attitude(kin, q, axes)
     held = [(attitude, yaw - float(tip.yaws[0]))]
     allowed, misses = _followed(kin, tip, held, q[None], force)
@@ -167,11 +169,11 @@ def continued_moves(
 def moves(
     kin: ArmKinematics, tip: TipPath, options: Sequence[ToolOption], *, force: bool
 ) -> tuple[list[Move], list[Move], list[Miss]]:
-    """Good moves along a tip path, moves with a worse condition, and misses.
+    """Good moves along a tip path, ill-conditioned moves, and misses.
 
-    Good moves are grouped by attitude in the order of ``options``, each group best
-    first. All options are followed at once. With ``force``, a move is not refused for
-    exceeding a limit.
+    Good moves are grouped by attitude in the order of ``options``, with the best of
+    each group first. All options are followed at once. With ``force``, no move is
+    refused for exceeding a limit.
     """
     held = [(tool, float(offset)) for tool, offsets in options for offset in offsets]
     turning = [pair for pair in held if pair[0].turns]
@@ -196,8 +198,8 @@ def _first_postures(
 ) -> IkSolution:
     """Postures at sample ``i`` of a tip path, one for each of b tool attitudes.
 
-    Of an arm with ``home_first``, one that the ready posture leads to comes first: the
-    others may have the elbow below the table.
+    For an arm with ``home_first``, a posture that continues the ready posture comes
+    first: in others the elbow may be below the table.
     """
     yaw = tip.yaws[i]
     rotations = np.array([tool.rotation_at(yaw + offset) for tool, offset in tools])
@@ -220,7 +222,7 @@ def _followed(
     """Moves and misses along a tip path with b tool attitudes from postures (b, n),
     best first.
 
-    Attitudes that are far off on a coarser path are not followed on the fine one.
+    Attitudes that miss a coarse path by far are not followed on the fine one.
     """
     k = len(tip.yaws)
     coarse = np.unique(np.append(np.arange(0, k, GLANCE), k - 1))
@@ -271,7 +273,7 @@ def _continued(
 def _lost(
     tip: TipPath, samples: NDArray[np.intp], tools: HeldTool, path: Continuation
 ) -> Miss:
-    """Miss of a tool attitude that is far off on some ``samples`` of a tip path."""
+    """Miss for a tool attitude that is far off the tip path at some ``samples``."""
     tool, offset = tools
     every = np.arange(len(tip.yaws))
     q = np.column_stack([np.interp(every, samples, column) for column in path.q.T])
@@ -280,7 +282,7 @@ def _lost(
 
 
 def shortfall(path: Continuation, count: int | None = None) -> float:
-    """Mean violation of a path, or of its first ``count`` samples."""
+    """Mean limit violation of a path, or of its first ``count`` samples."""
     steps = np.append(0.0, np.abs(np.diff(path.q, axis=0)).max(axis=1))
     violation = (
         10.0 * path.position_residual
@@ -318,10 +320,10 @@ def tool_options(
 ) -> list[ToolOption]:
     """Tool attitudes with their yaw offsets (b,) [rad], the preferred first.
 
-    The tip may lean to ``azimuths`` [rad] when the object is at ``yaw`` [rad], in the
-    middle of its path; ``axes`` are the support's. ``rolls``: a tool with a constant
-    lean would roll its tip over the object, so that a tool that turns with the object
-    is preferred.
+    The tip may lean towards ``azimuths`` [rad] while the object is at ``yaw`` [rad], in
+    the middle of its path. ``axes`` are those of the support. With ``rolls``, a tool
+    with a constant lean would roll its tip over the object; tools that turn with the
+    object are then preferred.
     """
     fixed = [
         (ToolAttitude(tilt, azimuth, axes), YAW_OFFSETS)
@@ -343,7 +345,7 @@ def tool_options(
 
 
 def _offsets_behind(side: float, yaw: float, azimuths: Sequence[float]) -> Array:
-    """Yaw offsets at which a tool that turns with the object leans back from its
+    """Yaw offsets [rad] at which a tool that turns with the object leans back from its
     contact.
     """
     off = np.array(

@@ -24,8 +24,8 @@ def waiting_moves(problem: ArmProblem, *, force: bool = False) -> Iterator[Move 
     """Yield the postures in which an arm may wait, the preferred first, and the misses
     in between.
 
-    Those with ample clearance come before those that are merely clear. With ``force``
-    the last is the present posture, however bad.
+    Postures with ample clearance come before those that are only just clear. With
+    ``force`` the last posture is the present one, however bad it is.
     """
     start = problem.approach.start_posture
     home = problem.kin.facts.home

@@ -1,4 +1,4 @@
-"""Two pushes that drive the object by twists of their cone: choice of the path,
+"""Two pushes that drive the object by twists in their cone: choice of the path,
 tracking law and continuation.
 """
 
@@ -38,11 +38,11 @@ from pushpressslide.tracking.holonomic import HolonomicTracker
 
 
 class TwistPushes(Mode[CarDrive | TwistDrive]):
-    """A mode of two pushes whose segments may have a TwistDrive."""
+    """A mode of two pushes, whose segments may have a TwistDrive."""
 
     def tracker(self, query: MotionQuery, segment: Segment) -> Tracker:
-        """Holonomic law for a segment, with corrections inside the cone that a fraction
-        of the friction gives.
+        """Holonomic law for a segment. Its corrections stay in a cone that uses only a
+        fraction of the friction.
         """
         drive = segment.drive
         assert isinstance(drive, TwistDrive)
@@ -54,7 +54,7 @@ class TwistPushes(Mode[CarDrive | TwistDrive]):
     def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> Continuation | None:
-        """Continuation by twists within the cone of the measured contacts."""
+        """Continuation by twists in the cone of the measured contacts."""
         drive = segment.drive
         assert isinstance(drive, TwistDrive)
         contacts = measured.contacts
@@ -67,11 +67,11 @@ class TwistPushes(Mode[CarDrive | TwistDrive]):
 def within_reach(
     query: MotionQuery, placements: Sequence[tuple[Contact, ...]]
 ) -> list[tuple[Contact, ...]]:
-    """Placements of two contacts that two arms reach at start and goal, by the reach
-    tables.
+    """Placements of two contacts that two arms reach at start and goal, according to
+    the reach tables.
 
-    Only in a search over sequences, with its many motions, is the reach tested.
-    Otherwise all placements are returned.
+    The reach is tested only in a search over sequences of motions. Otherwise all
+    placements are returned.
     """
     if not query.from_search:
         return list(placements)
@@ -88,14 +88,15 @@ def within_reach(
 
 
 def exact_margin(scene: Scene, contacts: Sequence[Contact]) -> Margin:
-    """Function from a twist to its margin [rad] inside the cone of ``contacts``, by the
-    limit surface that touches at that twist.
+    """Function that returns the margin [rad] of a twist inside the cone of
+    ``contacts``.
 
-    The margin is far outside if the twist tips the object.
+    It uses the ellipsoid that touches the exact limit surface at that twist. For a
+    twist that tips the object, the margin is far below zero.
     """
 
     def margin(rate: TwistRate) -> float:
-        """Margin of a twist."""
+        """Margin [rad] of a twist inside the cone."""
         try:
             surface = push_surface(scene, contacts[0].height, Twist(*rate))
         except ValueError:
@@ -113,8 +114,8 @@ def driven_by_twists(
     cone: TwistCone,
     push: float = 0.0,
 ) -> Choice:
-    """Choice with a path of twists in the cone of its contacts, which push with up to
-    ``push`` [N].
+    """``choice`` with a ``path`` made of twists in the ``cone`` of its contacts, which
+    push with up to ``push`` [N].
     """
     margin = least_cone_margin(path, cone)
     drive = TwistDrive(cone.surface, path.radius, push)

@@ -47,8 +47,7 @@ def held_drag(
     point: Point,
     allocator: AllocatorAbout,
 ) -> HeldDrag:
-    """Drag of an object moved along its path by two presses, which lead its ``point``
-    [m] in B.
+    """Drag of an object that two presses move along a path of its ``point`` [m] in B.
 
     Raises ValueError if the object tips.
     """
@@ -86,14 +85,14 @@ def pinned_drag(
     twist: Twist,
     allocator: AllocatorAbout,
 ) -> PinnedDrag:
-    """Drag of an object that a press and a push lead with ``twist``. Raises ValueError
+    """Drag of an object that a press and a push move with ``twist``. Raises ValueError
     if the object tips.
     """
     press, push = contacts
     load = scene.weight_on + press.load
 
     def forces(wrench: Wrench) -> Allocation:
-        """Contact forces of a wrench."""
+        """Contact forces [N] for a wrench."""
         return allocator(wrench.about)(wrench.fx, wrench.fy, wrench.tau)
 
     def shift(wrench: Wrench) -> Point:
@@ -122,8 +121,8 @@ def _utilisation(
     """Largest friction utilisation of the presses, which are the first contacts of an
     allocation.
 
-    It is scaled up by the share of the wanted wrench that the allocation could not
-    realise.
+    It is scaled up according to the share of the wanted wrench that the allocation
+    could not realise.
     """
     upper = max(
         hypot(*force) / (mu * press.load)

@@ -1,4 +1,4 @@
-"""An object that one press drives as one vehicle: the segments to a goal, and their
+"""An object driven by one press as one vehicle: the segments to a goal, and their
 continuation from a measured state.
 
 Source: docs/mechanics.md, sections 2 and 4.
@@ -67,7 +67,7 @@ class Press:
 
 
 def driven_choice(query: MotionQuery, mode: str, press: Press) -> Choice:
-    """Evaluate one press and direction, without a check of the arm's reach."""
+    """Choice for one press and direction, evaluated without a check of the arm's reach."""
     contact = press.contact
     how = "pushed" if press.backward else "pulled"
     if query.motion.vehicle == "pivot":
@@ -103,8 +103,8 @@ def driven_choice(query: MotionQuery, mode: str, press: Press) -> Choice:
 def _driven_segments(
     query: MotionQuery, mode: str, press: Press, vehicle: PressedVehicle
 ) -> tuple[float, tuple[Segment, ...]]:
-    """Drag [N] added by a body that the object pushes, and the segments: a spin in
-    place, or a drive.
+    """Drag [N] added by a body that the object pushes, and the segments: a turn on the
+    spot, or a drive.
 
     Raises RefusedError if no segments can be planned.
     """
@@ -120,8 +120,8 @@ def _driven_segments(
 def _spin(
     query: MotionQuery, mode: str, contact: Contact, vehicle: PressedVehicle
 ) -> Segment:
-    """Segment that spins the object in place. Raises RefusedError if the goal is not at
-    the object's position.
+    """Segment that turns the object on the spot. Raises RefusedError if the goal is not
+    at the object's position.
     """
     X_BV = vehicle.X_BV
     start, goal = (X_WB.compose(X_BV) for X_WB in query.body_ends)
@@ -142,8 +142,8 @@ def _spin(
 def _drive(
     query: MotionQuery, mode: str, press: Press, vehicle: PressedVehicle, returns: bool
 ) -> tuple[Segment, ...]:
-    """Segments of a path of one vehicle, which may back up if ``returns``. Raises
-    RefusedError if every path has a loop.
+    """Segments of the path of one vehicle. With ``returns`` the vehicle may back up.
+    Raises RefusedError if every path has a loop.
     """
     motion = query.motion
     car = vehicle.car
@@ -179,7 +179,7 @@ def _route(
     look_ahead: float,
     returns: bool,
 ) -> PressedRoute:
-    """Path to the goal, backing up straight first if that helps."""
+    """Path to the goal, with a straight segment backwards first if that helps."""
     straight = 0.0
     if query.tool is not None:
         straight = query.tool.straight
@@ -221,11 +221,11 @@ def _tool_drag(query: MotionQuery, vehicle: PressedVehicle) -> float:
 def vehicle_choices(
     query: MotionQuery, mode: str, placements: PressPlacements
 ) -> list[Choice]:
-    """For each contact and direction, the choice with the safest load that does not tip
-    the object, planned for straight steering.
+    """Choices, one for each contact and direction, planned for straight motion.
 
-    A query from a search over sequences gets only the choices whose headings point most
-    nearly to the goal, since such a search has other motions to try.
+    Each has the safest load that does not tip the object. For a query from a search
+    over sequences, only the choices that head most directly to the goal are returned,
+    since such a search has other motions to try.
     """
     directions = DIRECTIONS[query.motion.vehicle or "unicycle"]
     pairs = list(product(placements.contacts, directions))
@@ -245,8 +245,8 @@ def vehicle_choices(
 
 
 def _askew(ends: Ends, contact: Contact, backward: bool) -> float:
-    """Rough sum [rad] of the angles between the vehicle's heading and the bearing of
-    the goal, at start and goal.
+    """Approximate sum [rad], over start and goal, of the angles between the vehicle's
+    heading and the direction to the goal.
     """
     start, goal = ends
     bearing = math.atan2(goal.y - start.y, goal.x - start.x)
@@ -258,8 +258,10 @@ def _askew(ends: Ends, contact: Contact, backward: bool) -> float:
 
 
 def with_turns(query: MotionQuery, choice: Choice, min_angle: float) -> Choice:
-    """The choice planned with the axle of its turns. Refused if it can be steered like
-    a unicycle by less than ``min_angle`` [rad].
+    """The choice planned with the axle of its turns.
+
+    It is refused if it can be steered like a unicycle only by less than ``min_angle``
+    [rad].
     """
     drive = choice.segments[-1].drive
     if not isinstance(drive, UnicycleDrive):
@@ -301,10 +303,10 @@ def steered_path(
     longest: float,
     turning: float,
 ) -> MotionPath:
-    """Gentlest path of ``drive`` between its ``ends``, of at most ``longest`` [m], that
-    turns by about ``turning`` [rad].
+    """Path of ``drive`` with the gentlest turns between its ``ends``.
 
-    A straight path if steering along a run-in is enough.
+    It is at most ``longest`` [m] long and turns by about ``turning`` [rad]. It is
+    straight if steering along a run-in suffices.
     """
     aside = margins.CORRECTED * body.radius
     start, goal = ends

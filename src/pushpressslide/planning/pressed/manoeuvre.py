@@ -1,7 +1,7 @@
 """Manoeuvres of a pressed object: up to three turns, each by a force at one angle, and
 a straight run-in.
 
-They reach goals that no path of one vehicle leads to. Errors decay on the run-in.
+They reach goals to which no path of a single vehicle leads. Errors decay on the run-in.
 
 Source: docs/mechanics.md, sections 1.2, 2 and 4.
 """
@@ -46,8 +46,8 @@ class DrivenTurn:
 
     @property
     def look_ahead(self) -> float:
-        """Look-ahead [m]: a third of the vehicle's length, or more if full steering
-        corrects little.
+        """Look-ahead [m]: a third of the vehicle's length, or more if even full
+        steering corrects little.
         """
         press = self.turn.press
         wheelbase = abs(self.turn.effective_wheelbase)
@@ -58,7 +58,7 @@ class DrivenTurn:
         return margins.ARM.look_ahead(length, self.most_speed, lower)
 
     def drive(self, max_friction: float, last: bool) -> TurnDrive:
-        """The turn as a drive. ``last`` marks the run-in."""
+        """Drive of the turn. ``last`` marks the run-in."""
         turn = self.turn
         press = turn.press
         X_BV = turn.X_BV
@@ -94,7 +94,7 @@ class DrivenTurn:
 
 @dataclass(frozen=True, slots=True)
 class Manoeuvre:
-    """Turns in order, the last one the run-in, and their total time."""
+    """Turns in order, the last of which is the run-in, and their total time."""
 
     contact: Contact
     start: Pose2  # X_WB
@@ -239,15 +239,16 @@ def pause(motion: Motion) -> float:
 
 
 def narrow(body: ObjectModel, speed: float) -> float:
-    """Time [s] by which a turn with little steering reserve has to be quicker at
-    ``speed`` [m/s] to be preferred.
+    """Time [s] that a turn with little steering reserve must save at ``speed`` [m/s] to
+    be preferred.
     """
     return margins.NARROW * body.radius / speed
 
 
 def straightest(body: ObjectModel) -> float:
-    """Curvature [1/m] below which a turn counts as straight. It is then replaced by a
-    turn about a distant centre.
+    """Curvature [1/m] below which a turn counts as straight.
+
+    A straight motion is treated as a turn about a distant centre.
     """
     return margins.STRAIGHTEST / body.radius
 
@@ -263,7 +264,7 @@ def _both_ways(turns: Sequence[PressedTurn], straight: float) -> list[PressedTur
 def _run_ins(
     scene: Scene, max_speed: float, goal: Pose2, turns: Sequence[PressedTurn]
 ) -> list[_RunIn]:
-    """Run-ins along the straight turns that leave enough steering to correct, at a
+    """Run-ins along the straight turns that leave enough steering for corrections, at a
     speed of up to ``max_speed`` [m/s].
     """
     out = []
@@ -277,7 +278,7 @@ def _run_ins(
 
 
 def _staging(X_WB: Pose2, goal: Pose2, run_in: _RunIn) -> Pose2:
-    """Pose in B from which a run-in leads to ``goal``."""
+    """Pose, relative to B, from which a run-in leads to ``goal``."""
     yaw = run_in.turn.X_BV.yaw
     length = run_in.length
     back = Pose2(-length * math.cos(yaw), -length * math.sin(yaw), 0.0)
@@ -296,10 +297,10 @@ def _speed(speed: float, turn: PressedTurn) -> float:
 
 
 def as_driven(curvature: float, like: float, straight: float) -> float:
-    """Curvature [1/m] of a turn as it is driven: at least ``straight`` [1/m] in size,
-    bent to the side of ``like``.
+    """Curvature [1/m] with which a turn is driven: at least ``straight`` [1/m] in
+    magnitude, with the sign of ``like``.
 
-    So a straight turn has a distant centre.
+    Even a straight turn therefore has a centre, although a distant one.
     """
     if abs(curvature) >= straight:
         return curvature

@@ -31,12 +31,13 @@ def manoeuvre_choices(
     enough: int,
     path_refusal: Callable[[Choice], Refusal | None],
 ) -> list[Choice]:
-    """Manoeuvres in the order of ``turning``, until ``enough`` are feasible.
+    """Choices of manoeuvres, in the order of ``turning``, until ``enough`` are
+    feasible.
 
-    One manoeuvre for each contact comes first, then the others, each by either arm,
-    then the contacts that were skipped. For a query from a search over sequences, which
-    has other motions to try, few manoeuvres are evaluated, and a contact that was out
-    of reach is not tried with other loads.
+    One manoeuvre for each contact comes first, then the other manoeuvres, each for
+    either arm, then the skipped contacts. A search over sequences has other motions to
+    try: for its queries few manoeuvres are evaluated, and a contact that was out of
+    reach is not tried with other loads.
     """
     ends = query.body_ends
     X_WB, _ = ends
@@ -76,7 +77,7 @@ def _ranked(
     contacts: Sequence[Contact],
     tried: Sequence[Choice],
 ) -> dict[Contact, float]:
-    """Contacts in the order to try them, with the estimated time [s] of each."""
+    """Estimated time [s] of each contact, in the order in which to try the contacts."""
     if not query.from_search:
         return by_time(query, X_WB, contacts)
     ranked = by_time(query, X_WB, _still_reached(contacts, tried))
@@ -94,7 +95,7 @@ def _manoeuvres(
 def _still_reached(
     contacts: Sequence[Contact], tried: Sequence[Choice]
 ) -> list[Contact]:
-    """Contacts that were within reach in at least one trial, or that were not tried."""
+    """Contacts that were not tried, or were within reach in at least one trial."""
     lost: dict[Point, bool] = {}
     for choice in tried:
         point = choice.contacts[0].point

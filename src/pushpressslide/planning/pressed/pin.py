@@ -23,10 +23,10 @@ LEAST_TURN = math.radians(3.0)  # of a goal
 def least_pin_load(
     dragged: Callable[[float], PinnedDrag], cap: float, uses: Sequence[float]
 ) -> float:
-    """Smallest press load [N] that meets the strictest achievable friction utilisation
-    of ``uses``, or ``cap`` [N] if no utilisation is met.
+    """Smallest press load [N] that meets the first achievable friction utilisation of
+    ``uses``, or ``cap`` [N] if none is achievable.
 
-    ``dragged`` maps a load [N] to the drag. Raises ValueError if the object tips.
+    ``dragged`` returns the drag for a load [N]. Raises ValueError if the object tips.
     """
     hardest = dragged(cap).friction_utilisation
     allowed = next((share for share in uses if hardest <= share), None)

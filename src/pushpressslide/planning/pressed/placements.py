@@ -1,4 +1,4 @@
-"""Contact points and loads with which one arm may press an object to slide it."""
+"""Contact points and loads with which one arm may press and slide an object."""
 
 from __future__ import annotations
 
@@ -21,17 +21,16 @@ from pushpressslide.rom.drives import ORIGIN
 
 @dataclass(frozen=True, slots=True)
 class PressPlacements:
-    """Places and loads of the press that a task allows."""
+    """Places and loads that a task allows for the press."""
 
     contacts: tuple[Contact, ...]  # without loads, one for each place
     loads: tuple[float, ...]  # [N], the safest first
 
     def turning(self, scene: Scene) -> list[list[Contact]]:
-        """Presses on the top with enough lever to turn the object, in groups of one
-        load.
+        """Presses on the top with enough lever to turn the object, grouped by load.
 
-        Firm presses come first, the safest load first. The others follow: a small creep
-        of the tip turns the object far.
+        Firm presses come first, with the safest load first. The other presses follow,
+        since even a small creep of their tips turns the object far.
         """
         places = [
             contact
@@ -54,7 +53,7 @@ class PressPlacements:
 
 
 def turned_by_tool(scene: Scene, press: Contact) -> bool:
-    """Whether a press has enough lever for a turn that the tool follows."""
+    """Whether a press has enough lever for a turn in which the tool follows the object."""
     lower = least_lever(scene, press.load) / margins.HELD_TURN
     return press_lever(scene, press) >= lower
 

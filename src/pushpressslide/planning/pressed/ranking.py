@@ -1,7 +1,7 @@
 """Ranking of many presses by their estimated time to a goal, computed at once on a
 coarse base.
 
-The estimates serve the order only, not a plan.
+The estimates only determine the order in which presses are tried.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def by_time(
     """Contacts sorted by the estimated time [s] of their manoeuvres from ``X_WB`` to
     the goal of ``query``.
 
-    Contacts without a manoeuvre are left out. A short list keeps its order.
+    Contacts without a manoeuvre are omitted. A short list keeps its order.
     """
     if len(contacts) <= AT_ONCE:
         return dict.fromkeys(contacts, 0.0)
@@ -60,8 +60,9 @@ def by_time(
 def soonest(
     query: MotionQuery, X_WB: Pose2, contacts: Sequence[Contact]
 ) -> Iterator[Manoeuvre]:
-    """Yield manoeuvres, planned on demand: batch by batch the quickest of each contact,
-    then the others.
+    """Yield manoeuvres, planned on demand.
+
+    Batch by batch, the quickest manoeuvre of each contact comes first, then the others.
     """
     later: list[Manoeuvre] = []
     for i in range(0, len(contacts), AT_ONCE):
@@ -122,7 +123,7 @@ def manoeuvre_times(
 
 @dataclass(frozen=True, slots=True)
 class _Paces:
-    """Costs of a turn at each of COUNT angles, in arrays (m, COUNT)."""
+    """Costs of a turn at each of COUNT force angles, in arrays (m, COUNT)."""
 
     steering: Array  # [rad] angle by which the force can be turned to either side
     speed: Array  # [m/s]
@@ -131,7 +132,7 @@ class _Paces:
 
 @dataclass(frozen=True, slots=True)
 class _Turns:
-    """The turns considered for each press, padded with NaN, (m, k)."""
+    """Turns considered for each press, in arrays (m, k) padded with NaN."""
 
     centers: NDArray[np.complex128]  # [m] in B
     sides: Array  # 1 to the left, -1 to the right
@@ -159,8 +160,8 @@ def _planned_turns(
     """Turns of each press about their centres, at every second force angle of the
     table, or at every fourth if there are many.
 
-    Turns of less curvature than ``straight`` [1/m] are replaced by two about distant
-    centres, one on either side.
+    A turn with a curvature below ``straight`` [1/m] is replaced by two turns about
+    distant centres, one on either side.
     """
     many = table.steerable[:, ::EVERY].sum(1, keepdims=True) > MANY
     stride = np.where(many, 2 * EVERY, EVERY)

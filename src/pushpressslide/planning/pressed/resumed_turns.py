@@ -1,9 +1,9 @@
 """Continuation of a manoeuvre from the measured object pose and contact: the same turns
 with new curvatures and lengths.
 
-A turn about a point of the body does not end exactly where it was planned: the tip
-rolls and creeps, and the pressure is not quite as believed. The lengths of the
-remaining turns and of the run-in make up for it.
+A turn about a point of the body does not end exactly where it was planned to end: the
+tip rolls and creeps, and the pressure differs from the believed pressure. The lengths
+of the remaining turns and of the run-in are adapted to this.
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ Arc = tuple[Pose2, float]  # X_BV, curvature [1/m]
 def pressed_at(
     scene: Scene, speed: float, segments: Sequence[Segment], contact: Contact
 ) -> list[Segment]:
-    """Segments of a manoeuvre with the same turns pressed at ``contact``: the same
-    paths with new curvatures.
+    """Segments of a manoeuvre with the same turns by a press at ``contact``, which have
+    new curvatures.
 
     A turn that does not exist at the new contact stays as planned.
     """
@@ -78,7 +78,7 @@ def resume_turns(
     ``X_WB`` as near to the goal as possible.
 
     Of several solutions, the one nearest to the planned lengths is taken. The last turn
-    is also steered, since too few lengths are left to choose.
+    is also steered, because too few lengths are then left to adapt.
     """
     now = pressed_at(scene, speed, segments, contact)
     X_GB = scene.body.X_GB
@@ -113,7 +113,7 @@ def run_in_missed(segments: Sequence[Segment], X_WB: Pose2, radius: float) -> fl
 
 @dataclass(frozen=True, slots=True)
 class _ArcMotion:
-    """Arcs from ``start`` with free lengths, the first of them also steered.
+    """Arcs from ``start`` with free lengths. The first arc is also steered.
 
     x (n + 1,) holds the lengths [m] of n arcs and the steering [rad].
     """
@@ -137,8 +137,10 @@ class _ArcMotion:
         return np.array([goal.x - end.x, goal.y - end.y, self.radius * yaw])
 
     def solved(self, x: Array, low: Array, high: Array, measure: Array) -> Array:
-        """Solution ``x`` within bounds that leads to the goal with the smallest change
-        by ``measure`` (n + 1,), by Gauss-Newton.
+        """Solution ``x`` within bounds that leads to the goal with the smallest change,
+        by Gauss-Newton steps.
+
+        ``measure`` (n + 1,) weights the changes.
         """
         for _ in range(STEPS):
             off = self.short(x)

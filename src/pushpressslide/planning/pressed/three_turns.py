@@ -1,10 +1,10 @@
 """Three turns about given points of the body that lead from one pose to another.
 
 A turn by an angle a about the body's point c moves a body at the origin to (1 - e^{ia})
-c. Three of them lead to p, turned by theta, iff e^{i a1} (c2 - c1) + e^{i (a1 + a2)}
-(c3 - c2) = p - c1 + e^{i theta} c3. This is a linkage of two bars, whose two solutions
-are closed form. The words of Dubins and of Reeds and Shepp are special cases. A
-straight line is a turn about a distant point.
+c. Three such turns lead to p, with a total turn of theta, iff e^{i a1} (c2 - c1) + e^{i
+(a1 + a2)} (c3 - c2) = p - c1 + e^{i theta} c3. This is a linkage of two bars, whose two
+solutions have closed forms. The words of Dubins and of Reeds and Shepp are special
+cases. A straight line is a turn about a distant point.
 """
 
 from __future__ import annotations
@@ -45,10 +45,10 @@ def words(
     """The quickest ``count`` words of up to three turns to each of ``goals``, which are
     poses of the body relative to its start.
 
-    ``centers`` (n,) [m] are points of the body, x + iy. ``senses`` (n,) of +1 or -1 are
-    the drivable directions about a centre. ``times`` (n,) [s/rad] are the times per
-    angle, ``pauses`` (n,) [s] the extra time of a turn. ``swing`` [rad] limits the
-    rotation of the body from its start.
+    ``centers`` (n,) [m] are points of the body, x + iy. ``senses`` (n,) are +1 or -1,
+    the direction in which the body can turn about each centre. ``times`` (n,) [s/rad]
+    are the times per angle, ``pauses`` (n,) [s] the extra times per turn. ``swing``
+    [rad] limits the rotation of the body from its start.
     """
     linkage = _Linkage(centers[None])
     out = []
@@ -90,7 +90,7 @@ def least_times(
     goal. Infinite for a body without such a word.
 
     Each body has n turns. ``goals`` (m,) [m] are x + iy, with ``yaws`` (m,) [rad]. The
-    other parameters are as in ``words``, of shape (m, n), with NaN for turns that a
+    other parameters are as in ``words``, but of shape (m, n), with NaN for turns that a
     body does not have.
     """
     body, turns, angles = _Linkage(centers).to(goals, yaws)
@@ -104,8 +104,8 @@ def least_times(
 
 
 class _Linkage:
-    """The two-bar linkage from the first centre over the second to the third, for all
-    triples of each body's centres.
+    """The two-bar linkage from the first centre through the second to the third, for
+    all triples of each body's centres.
     """
 
     def __init__(self, centers: NDArray[np.complex128]) -> None:
@@ -129,8 +129,8 @@ class _Linkage:
         self, goals: NDArray[np.complex128], yaws: Array
     ) -> tuple[NDArray[np.intp], NDArray[np.intp], tuple[Array, Array]]:
         """All s triples of turns that lead to ``goals`` (m,) [m] and ``yaws`` (m,)
-        [rad]. They are given as indices of the body (s,), indices of the centres (3,
-        s), and angles (3, s) [rad] of both solutions.
+        [rad]. The result has indices of the bodies (s,), indices of the centres (3, s),
+        and angles (3, s) [rad] of both solutions.
         """
         i, j, k = self._threes
         first = goals[:, None] - self._centers
@@ -175,7 +175,7 @@ def _driven(
 
 
 def _lowest_indices(values: Array, count: int) -> NDArray[np.intp]:
-    """Indices of up to ``count`` smallest finite values."""
+    """Indices of the smallest finite values, at most ``count``."""
     count = min(count, len(values))
     lower = (
         np.argpartition(values, count - 1)[:count]
@@ -186,6 +186,6 @@ def _lowest_indices(values: Array, count: int) -> NDArray[np.intp]:
 
 
 def _positive(angles: Array) -> Array:
-    """Angles in [0, 2 pi). A full turn to within round-off counts as zero."""
+    """Angles [rad] in [0, 2 pi). A full turn to within round-off counts as zero."""
     out = angles - TURN * np.floor(angles / TURN)
     return np.where(out > TURN - NOTHING, 0.0, out)

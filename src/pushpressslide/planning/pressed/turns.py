@@ -1,16 +1,17 @@
 """Unicycle model of a pressed object that turns under a force at one angle from its
 heading axis.
 
-The axle is the point that a small change of the angle does not move sideways.
+The axle is the point that does not move sideways when the angle changes slightly.
 
-The virtual axle is at a different place for each angle, because the drag acts at a
-height and moves the pressure. With v and w at an angle, and v' and w' their
-derivatives, a point q of the heading axis does not move across its motion if v_q x v_q'
-= 0. Along the axis this is linear in q. A path of q can be followed like a unicycle's
-under two conditions. Forces further off that angle must not slip q sideways, and the
-contact's motion must turn with the force. The second condition fails if the drag moves
-the axle beyond the contact; a tip whose motion is controlled then leaves the object's
-turn to chance. Source: docs/mechanics.md, sections 1.2, 2 and 4.
+The position of the virtual axle depends on the angle, because the drag acts at a height
+and shifts the pressure. Let v and w be the velocity and the turn rate at an angle, and
+v' and w' their derivatives with respect to the angle. A point q of the heading axis is
+not moved sideways if v_q x v_q' = 0, which is linear in q along the axis. A path of q
+can be followed like that of a unicycle under two conditions: forces at angles farther
+from this one must not make q slip sideways, and the contact's motion must turn with the
+force. The second condition fails if the drag shifts the axle beyond the contact. The
+motion of the tip then no longer determines the turn of the object. Source:
+docs/mechanics.md, sections 1.2, 2 and 4.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ LEAST = 1  # steps that it must be free to
 
 @dataclass(frozen=True, slots=True)
 class PressedTurn:
-    """One force angle of one press."""
+    """A turn by one press with a force at one angle."""
 
     press: Press
     angle: float  # [rad] of the force from the heading axis
@@ -61,8 +62,10 @@ class PressedTurn:
 
 @dataclass(frozen=True, slots=True)
 class TurnTable:
-    """Effects of forces at all angles STEP i on m presses of an object, in arrays (m,
-    COUNT) as in PressedTurn.
+    """Motions of an object under m presses, each with forces at all angles STEP i, in
+    arrays (m, COUNT).
+
+    The quantities are those of PressedTurn.
     """
 
     steerable: NDArray[np.bool_]  # as one unicycle's turn
@@ -79,8 +82,9 @@ class TurnTable:
 
 @dataclass(frozen=True, slots=True)
 class _Slides:
-    """Sliding motions under forces at all angles STEP i, for m presses. NaN if the
-    object tips.
+    """Sliding motions under forces at all angles STEP i, for m presses.
+
+    Values are NaN if the object tips.
     """
 
     # (3, m, COUNT) of the centre of pressure, along the axis and to its left, and w
@@ -93,7 +97,8 @@ class _Slides:
 def turn_table(
     presses: tuple[Press, ...], speed: float, resolution: int = RESOLUTION
 ) -> TurnTable:
-    """Effects of forces at all angles on presses of one object at ``speed`` [m/s].
+    """Motions of one object under presses with forces at all angles, at ``speed``
+    [m/s].
 
     ``resolution`` sets the mesh of the base (mechanics/dragging.py).
     """
@@ -136,7 +141,7 @@ def turn_table(
 
 
 def _slides(presses: Sequence[Press], resolution: int) -> _Slides:
-    """Sliding motion of the object under each force that does not tip it."""
+    """Sliding motion of the object under all forces that do not tip it."""
     m = len(presses)
     body = presses[0].body
     shift = presses[0].shift
@@ -169,10 +174,10 @@ def _slides(presses: Sequence[Press], resolution: int) -> _Slides:
 
 
 def _firm(motion: Array, levers: Array) -> NDArray[np.bool_]:
-    """Whether the direction of the contact's motion turns together with the force, for
-    each step from one angle to the next.
+    """Whether the contact's direction of motion turns with the force, for each step
+    from one angle to the next.
 
-    ``levers`` is (m, 1) [m].
+    ``levers`` are (m, 1) [m].
     """
     along = np.arctan2(motion[1] + motion[2] * levers, motion[0])
     firm: NDArray[np.bool_] = (
@@ -192,8 +197,8 @@ def _free(
     """Angle [rad] by which the force may be turned to one ``side`` (1 left, -1 right)
     before the axle slips sideways or the contact's motion no longer follows.
 
-    ``firm`` tells for each angle whether the contact's motion turns with the force on
-    the step to the next angle on that side.
+    ``firm`` says for each angle whether the contact's motion turns with the force on
+    the step to the next angle on this side.
     """
     steps = np.zeros(steerable.shape)
     free = steerable
@@ -208,17 +213,20 @@ def _free(
 
 @lru_cache(maxsize=1024)
 def pressed_turns(press: Press, speed: float) -> tuple[PressedTurn, ...]:
-    """Turns that a press can be driven with at ``speed`` [m/s]."""
+    """Turns that a press can drive at ``speed`` [m/s]."""
     table = turn_table((press,), speed)
     columns = np.flatnonzero(table.steerable[0, ::EVERY])
     return tuple(_turn(table, int(column) * EVERY, press) for column in columns)
 
 
 def _turn(table: TurnTable, column: int, press: Press) -> PressedTurn:
-    """Turn of a table's only press at one angle."""
+    """Turn under a force at one angle, from a table with a single press.
+
+    ``column`` is the index of the angle.
+    """
 
     def of_this_turn(quantity: Array) -> float:
-        """Value of this turn in a column of the table."""
+        """Value of a table's column for this turn."""
         return float(quantity[0, column])
 
     ex, ey = press.axis
@@ -240,8 +248,8 @@ def _turn(table: TurnTable, column: int, press: Press) -> PressedTurn:
 
 
 def steering_of(press: Press, backward: bool, speed: float) -> float:
-    """Largest force angle [rad] from straight motion at which a pressed object still
-    moves like one unicycle at ``speed`` [m/s].
+    """Largest force angle [rad], from that of straight motion, up to which a pressed
+    object moves like one unicycle at ``speed`` [m/s].
     """
     turns = [
         t

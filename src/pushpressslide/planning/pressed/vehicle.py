@@ -1,5 +1,5 @@
-"""A pressed object as a vehicle: its direction, its steering limits without tipping,
-and its routes.
+"""A pressed object as a vehicle: its direction, its routes, and the limits of steering
+without tipping.
 
 Source: docs/mechanics.md, sections 1.2, 2 and 4.
 """
@@ -32,7 +32,7 @@ TIGHTER = (0.5, 0.75, 1.0, 2.0)  # curvatures that are tried, in units of that t
 
 @dataclass(frozen=True, slots=True)
 class PressedVehicle:
-    """One contact, one press, one direction."""
+    """A pressed object as a vehicle, for one contact, load and direction."""
 
     press: Press
     car: Unicycle
@@ -45,15 +45,17 @@ class PressedVehicle:
 
 
 def press_of(scene: Scene, contact: Contact) -> Press:
-    """Press of a contact, as believed. Raises ValueError for a contact at the CoM."""
+    """Press of a contact on the believed object. Raises ValueError for a contact at the
+    CoM.
+    """
     mu = scene.support.friction
     return Press(scene.body, mu, contact.point, contact.load, scene.rho)
 
 
 @lru_cache(maxsize=4096)
 def steered(press: Press, backward: bool, angle: float) -> Unicycle:
-    """Vehicle that turns by a force at ``angle`` [rad] from the motion. Raises
-    ValueError if it tips.
+    """Vehicle that is turned by a force at ``angle`` [rad] from its motion. Raises
+    ValueError if the object tips.
     """
     ahead, reach = press.steered(angle, backward)
     shift = ahead + reach
@@ -71,11 +73,11 @@ def pressed_vehicle(
     angle: float,
     max_angle: float = math.inf,
 ) -> PressedVehicle:
-    """The object as a vehicle that turns by a force at ``angle`` [rad] and is steered
+    """The object as a vehicle that is turned by a force at ``angle`` [rad] and steered
     by at most ``max_angle`` [rad].
 
-    ``motion.vehicle`` says whether it turns on the spot. Raises ValueError, with the
-    deciding number, if it tips.
+    ``motion.vehicle`` determines whether it turns on the spot. Raises ValueError, with
+    the deciding number, if the object tips.
     """
     kind = query.motion.vehicle
     press = press_of(query.scene, contact)
@@ -111,7 +113,7 @@ def way_back(press: Press, backward: bool) -> Unicycle | None:
     """Vehicle for a short straight path. None if the object would tip, or cannot be
     steered.
 
-    It cannot be steered if the drag moves the centre of pressure by more than the
+    It cannot be steered if the drag shifts the centre of pressure by more than the
     vehicle's length.
     """
     if _tipping_margin(press, STEEPEST[0], backward) < margins.TIPPING_MARGIN:
@@ -131,7 +133,7 @@ def _tipping_margin(press: Press, angle: float, backward: bool) -> float:
 
 @dataclass(frozen=True, slots=True)
 class PressedRoute:
-    """A path of the virtual axle, after backing up straight."""
+    """A path of the virtual axle, with a straight segment backwards before it."""
 
     path: ArcPath
     back_up: float  # [m]
@@ -147,8 +149,9 @@ def route_to(
     run_ins: Sequence[float],
     back_ups: Sequence[float],
 ) -> PressedRoute:
-    """Gentlest route of the vehicle frame from ``start`` to ``goal``, backing up as
-    little as needed.
+    """Route of the vehicle frame from ``start`` to ``goal`` with the gentlest turns.
+
+    The vehicle backs up as little as necessary.
     """
     angle = margins.PLANNED_STEERING * vehicle.steepest
     tightest = math.tan(angle) / abs(vehicle.car.effective_wheelbase)
@@ -172,15 +175,16 @@ def route_to(
 
 
 def turns(car: Unicycle, tightest: float) -> list[float]:
-    """Curvatures to try [1/m], the gentlest first, none above ``tightest``."""
+    """Curvatures [1/m] to try, up to ``tightest``, the gentlest first."""
     return sorted({min(k * margins.SWING / car.length, tightest) for k in TIGHTER})
 
 
 def backing_up(
     X_GB: Pose2, X_WB: Pose2, vehicle: PressedVehicle, then: Segment, distance: float
 ) -> Segment:
-    """Segment that backs up by ``distance`` [m] from ``X_WB``, straight and in the
-    direction opposite to that of the next segment, ``then``.
+    """Straight segment that backs up by ``distance`` [m] from ``X_WB``.
+
+    Its direction is opposite to that of the next segment, ``then``.
     """
     car = way_back(vehicle.press, not vehicle.car.backward)
     planned = then.drive

@@ -1,5 +1,5 @@
-"""Camera of a run: the direction that shows the contacts, and the points to be in the
-picture.
+"""Camera of a run: the direction that shows the contacts, and the points that must be
+in the picture.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class View:
 
 
 class Directions:
-    """Candidate directions of a camera, with the share hidden from each."""
+    """Candidate directions of a camera, each with the share that is hidden from it."""
 
     def __init__(
         self,
@@ -57,8 +57,8 @@ class Directions:
     ) -> None:
         """Evaluate all directions in front of a support.
 
-        ``pushes`` (K, 2) are directions of pushes along the support, ``points`` (N, 3)
-        [m], in the world, are to be in the picture.
+        ``pushes`` (K, 2) are the directions of pushes along the support. ``points`` (N,
+        3) [m], in the world, must be in the picture.
         """
         self._directions = candidates(frame, SIDE_SLOPE)
         own = [np.array(frame.components(tuple(d.tolist()))) for d in self._directions]
@@ -72,8 +72,10 @@ class Directions:
 
     def best(self, slope: float = BEST_SLOPE) -> Array:
         """Unit vector (3,), in the world, towards the camera that sees the contacts
-        best, preferably with the angle ``slope`` [rad] between line of sight and
-        support.
+        best.
+
+        The preferred angle between the line of sight and the support is ``slope``
+        [rad].
         """
         costs = self._costs + SLOPE_COST * np.abs(self._slopes - slope)
         costs[self._slopes < min(LEAST_SLOPE, slope) - 1e-9] = math.inf
@@ -104,8 +106,9 @@ def _turned(directions: Array, angle: float) -> Array:
 
 
 def candidates(frame: SupportFrame, min_elevation: float) -> list[Array]:
-    """Unit vectors (3,) of the world in front of a support and not below the horizon,
-    inclined by ``min_elevation`` [rad] or more to the support.
+    """Unit vectors (3,), in the world, in front of a support and not below the horizon.
+
+    They are inclined to the support by ``min_elevation`` [rad] or more.
     """
     normal = np.array(frame.normal)
     out = []
@@ -122,8 +125,8 @@ def candidates(frame: SupportFrame, min_elevation: float) -> list[Array]:
 
 
 def top_direction(frame: SupportFrame) -> Array:
-    """Unit vector (3,), in the world, out of the support. On a table it leans a little
-    towards -y, so that x is to the right in the picture.
+    """Unit vector (3,), in the world, out of the support. On a table it leans slightly
+    towards -y, so that x points to the right in the picture.
     """
     normal = np.array(frame.normal)
     if abs(normal[2]) > 0.99:
@@ -142,7 +145,7 @@ def axes(direction: Array) -> tuple[Array, Array, Array]:
 
 
 def _spread(points: Array, direction: Array) -> float:
-    """Size [m] of a picture of ``points`` (N, 3) from far away."""
+    """Size [m] of a picture of ``points`` (N, 3) [m] taken from far away."""
     x, y, _ = axes(direction)
     return max(float(np.ptp(points @ x)), float(np.ptp(points @ y)))
 
@@ -152,8 +155,8 @@ def fit_view(
 ) -> View:
     """Nearest view from ``direction`` (3,) that contains ``points`` (N, 3).
 
-    ``field`` [rad] is the vertical field of view; the picture is upright, its width
-    ``aspect`` times its height.
+    The picture is upright, with the vertical field of view ``field`` [rad] and the
+    ratio ``aspect`` of width to height.
     """
     x, y, z = axes(direction)
     target = 0.5 * (points.min(axis=0) + points.max(axis=0))

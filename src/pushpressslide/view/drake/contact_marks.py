@@ -29,7 +29,7 @@ CONE_SINK = 0.005  # [m] of a friction cone under its arrow
 
 @dataclass(frozen=True, eq=False)
 class Arrow:
-    """A force and its start point, along x, y and height of the support."""
+    """A force with its start point, along x, y and height of the support."""
 
     tail: Array  # (3,) [m]
     force: Array  # (3,) [N]
@@ -42,7 +42,7 @@ class Arrow:
 
     @property
     def head(self) -> Array:
-        """End of the arrow (3,) [m]."""
+        """End point (3,) [m] of the arrow."""
         return self.tail + self.scale * self.force
 
 
@@ -91,8 +91,10 @@ class ContactMarks:
         return next((c for c in touched if c.arm == arm), None)
 
     def push(self, arm: int, tick: int) -> Arrow:
-        """Force in the plane, drawn above the object. The force of a push begins at its
-        contact, the shear force of a press at the tip's edge.
+        """Force in the plane, drawn above the object.
+
+        The force of a push starts at its contact, the shear force of a press at the
+        edge of the tip.
         """
         flat = np.array([*self._force(arm, tick)[:2], 0.0])
         ahead = flat / max(float(np.linalg.norm(flat)), 1e-9)
@@ -115,8 +117,8 @@ class ContactMarks:
         return apex, float(arrow.tail[2]) - CONE_SINK
 
     def press(self, arm: int, tick: int) -> Arrow:
-        """Force of a press, which ends on the object next to its tip; 0 N without a
-        press.
+        """Force of a press, drawn so that it ends on the object next to the tip. 0 N
+        without a press.
         """
         down = np.zeros(3)
         contact = self.contact(arm, tick)
@@ -128,7 +130,7 @@ class ContactMarks:
         return Arrow(head - self.press_scale * down, down, self.press_scale)
 
     def disc(self, arm: int, tick: int) -> Disc | None:
-        """Friction disc of a press, which contains the end of its force in the plane.
+        """Friction disc of a press, which contains the end of the press's shear force.
         None without a press.
         """
         load = self.press(arm, tick).size
@@ -160,8 +162,10 @@ class ContactMarks:
         return out
 
     def _force(self, arm: int, tick: int) -> Any:
-        """Measured force (3,) [N] of an arm; 0 N before and after the contact, when the
-        sensor feels the arm's own motion.
+        """Measured force (3,) [N] of an arm.
+
+        It is 0 N before and after the contact, when the sensor only feels the arm's own
+        motion.
         """
         phase = PHASES[int(self.playback.record.arrays["phase"][tick])]
         if phase not in TOUCHING:
@@ -169,7 +173,7 @@ class ContactMarks:
         return np.nan_to_num(self.playback.record.arrays["measured_force"][tick, arm])
 
     def _above(self, arm: int, tick: int) -> Any:
-        """Position (3,) [m] above a tip and above the object."""
+        """Position (3,) [m] above both a tip and the object."""
         x, y, _ = self.playback.record.arrays["tip_position"][tick, arm]
         return np.array([x, y, self.height + CLEARANCE])
 
@@ -178,7 +182,8 @@ class ContactMarks:
 
 
 def _scale(forces: Array, longest: float, largest: float) -> float:
-    """Length of an arrow per force [m/N], up to ``largest``, so that none exceeds
-    ``longest`` [m].
+    """Length of an arrow per force [m/N].
+
+    It is at most ``largest``, and no arrow is longer than ``longest`` [m].
     """
     return min(largest, longest / max(float(forces.max(initial=0.0)), 1e-9))

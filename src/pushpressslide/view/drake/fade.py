@@ -1,5 +1,5 @@
-"""Opacity of each arm in pictures of a run: an arm that hides a contact or a goal from
-the camera is seen through.
+"""Opacity of each arm in pictures of a run. An arm that hides a contact or a goal from
+the camera becomes transparent.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ FLANGE = 0.11  # [m] of the last joint's body towards the tip
 TOUCHING = tuple(map(PHASES.index, ("touch", "move")))
 
 Target = tuple[Vector3, ...]
-"""Points [m] that are hidden together: of a contact, or of a goal."""
+"""Points [m] of a contact, or of a goal, that are hidden together."""
 
 
 class ArmOpacity:
@@ -68,8 +68,8 @@ class ArmOpacity:
 
 
 def links_of_arm(playback: Playback, context: Context, arm: int) -> Moment:
-    """Links of an arm that may hide something. Of the tip's rod only the flange is one
-    of them.
+    """Links of an arm that may hide something. Of the tip's rod only the flange is
+    included.
     """
     *links, rod = limbs_of_arm(playback, context, arm)
     start = np.array(rod.start)
@@ -104,8 +104,8 @@ def hides(arm: Moment, targets: Sequence[Target], eye: Array) -> bool:
 
 
 def smooth_opacity(hidden: Array) -> Array:
-    """Opacity (K, A) of arms that hide something where ``hidden`` (K, A) is 1, at
-    ``RATE``.
+    """Opacity (K, A) of arms over time. It falls, at ``RATE``, where ``hidden`` (K, A)
+    is 1.
     """
     held = maximum_filter1d(hidden, 2 * round(HOLD * RATE) + 1, axis=0)
     soft = uniform_filter1d(held, round(SOFTEN * RATE), axis=0, mode="nearest")

@@ -46,11 +46,11 @@ STEEP_LIGHT = (-0.4, -0.9, -0.8)
 
 
 Arms = tuple[int, ...]
-"""Arms that are shown."""
+"""Indices of the arms that are shown."""
 
 
 class _Scene:
-    """A run's scene with some of its arms, and its picture."""
+    """A run's scene with some of its arms, and the picture of this scene."""
 
     def __init__(self, playback: Playback, arms: Arms) -> None:
         """Set up the renderer. Raises SimulationError if this machine cannot render."""
@@ -67,7 +67,7 @@ class _Scene:
         self._context = self._diagram.CreateDefaultContext()
 
     def image_at(self, tick: int, picture: Picture) -> NDArray[np.uint8]:
-        """Update a picture of this scene to a tick."""
+        """Picture of this scene at a tick, rendered by updating ``picture``."""
         self.playback.set(self._context, tick)
         context = self._graph.GetMyContextFromRoot(self._context)
         query = self._graph.get_query_output_port().Eval(context)
@@ -78,8 +78,8 @@ class _Scene:
 
 
 class FrameRenderer:
-    """Renders recorded ticks of one run. An arm that hides a contact or a goal is seen
-    through.
+    """Renders recorded ticks of one run. An arm that hides a contact or a goal becomes
+    transparent.
     """
 
     def __init__(
@@ -91,8 +91,8 @@ class FrameRenderer:
         goals: Sequence[Placed] = (),
         coarse: bool = False,
     ) -> None:
-        """Set up the scene and a camera of ``size`` (width, height) [pixels]; ``goals``
-        as in ``Playback``. ``coarse``: faint arms are rendered at half the size.
+        """Set up the scene and a camera of ``size`` (width, height) [pixels]. ``goals``
+        are as in ``Playback``. ``coarse``: faint arms are rendered at a smaller size.
 
         Raises SimulationError if this machine cannot render.
         """
@@ -115,7 +115,9 @@ class FrameRenderer:
         self._pictures: dict[tuple[Arms, int], Picture] = {}
 
     def approach(self, tick: int) -> None:
-        """Go near the object and its contacts at a tick, in the same direction."""
+        """Move the camera near the object and its contacts at a tick, without changing
+        its direction.
+        """
         width, height = self._size
         points = near_points(self.playback, tick)
         direction = self.view.position - self.view.target
@@ -222,7 +224,7 @@ def write_pictures(
     models: str = "generated",
     goals: Sequence[Placed] = (),
 ) -> list[Path]:
-    """Write pictures of start, contact (from near) and end of a run into ``out`` and
+    """Write pictures of start, contact (close up) and end of a run into ``out``, and
     return their paths. Raises SimulationError if this machine cannot render.
     """
     renderer = FrameRenderer(plan, record, STILL_SIZE, models, goals)
@@ -241,7 +243,7 @@ def write_pictures(
 
 
 def _render_parameters(support: Support) -> RenderEngineVtkParams:
-    """Background and lights: one on the support, a weaker one at the camera."""
+    """Background and lights: one light on the support, and a weaker one at the camera."""
     above = LightParameter(
         type="directional", frame="world", direction=_light(support), intensity=0.75
     )
@@ -252,7 +254,7 @@ def _render_parameters(support: Support) -> RenderEngineVtkParams:
 
 
 def _light(support: Support) -> list[float]:
-    """Direction of the light in the world. It falls onto the support's face from above."""
+    """Direction of the light in the world. The light falls onto the support from above."""
     frame = support.frame
     along = LIGHT if frame.faces_up else STEEP_LIGHT
     return list(frame.direction(along))
@@ -267,8 +269,8 @@ def look_at(view: View) -> RigidTransform:
 def egl_problem() -> str | None:
     """Reason why EGL has no device to render on, or None.
 
-    None also on a system without EGL. This is checked beforehand because without a
-    device the renderer ends the process.
+    Also None on a system without EGL. The check is needed because the renderer ends the
+    process if there is no device.
     """
     if sys.platform != "linux":
         return None

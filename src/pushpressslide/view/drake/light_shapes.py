@@ -1,8 +1,8 @@
-"""Arms made light for the renderer: round shapes as one coarse mesh for each link and
+"""Simplified arms for the renderer: round shapes as one coarse mesh per link and
 colour.
 
-Drake's renderer cuts every cylinder and capsule into thousands of triangles. Without a
-graphics card most of a picture's time is theirs.
+Drake's renderer divides every cylinder and capsule into thousands of triangles, which
+without a graphics card take most of the rendering time.
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ SIDES = 24  # of a circle
 SHARP = math.radians(45.0)  # angle of an edge that is shaded as one
 
 Group = tuple[FrameId, tuple[float, float, float]]
-"""A link's frame, and a colour."""
+"""Frame and colour of a link."""
 
 
 def lighten_arms(playback: Playback, shown: Collection[int]) -> None:
-    """Make the arms ``shown`` light for renderers, and hide the links of the others.
-    The bodies that hold the tips stay.
+    """Simplify the arms ``shown`` for renderers, and hide the links of the other arms.
+    The bodies that hold the tips stay visible.
     """
     graph = playback.scene.scene_graph
     inspector = graph.model_inspector()
@@ -70,7 +70,7 @@ def lighten_arms(playback: Playback, shown: Collection[int]) -> None:
 
 
 def _arm_frames(playback: Playback) -> Mapping[FrameId, int]:
-    """Arm of each link's frame. The tip's body is none of them."""
+    """Arm to which each link's frame belongs. The tip's body is not included."""
     plant = playback.scene.plant
     out = {}
     for arm, robot in enumerate(playback.scene.robots):
@@ -108,11 +108,13 @@ ROUND: Mapping[type, Callable[[Any], trimesh.Trimesh]] = {
     Ellipsoid: _ellipsoid,
     Sphere: _sphere,
 }
-"""Coarse surface of each of Drake's round shapes, about its origin [m]."""
+"""Functions that make a coarse surface [m] of each of Drake's round shapes, about its
+origin.
+"""
 
 
 def _color(known: PerceptionProperties) -> tuple[float, float, float] | None:
-    """Colour of an opaque body. None for any other."""
+    """Colour of an opaque body. None for any other body."""
     if not known.HasProperty("phong", "diffuse"):
         return None
     color = known.GetProperty("phong", "diffuse")
@@ -120,7 +122,7 @@ def _color(known: PerceptionProperties) -> tuple[float, float, float] | None:
 
 
 def _obj(meshes: Sequence[trimesh.Trimesh]) -> InMemoryMesh:
-    """Surfaces as one, with a normal at each corner."""
+    """Several surfaces as one, with a normal at each corner."""
     lines: list[str] = []
     first = 1
     for mesh in meshes:

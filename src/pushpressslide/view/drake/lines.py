@@ -26,7 +26,7 @@ TABLE = (-0.4, -0.9, 1.3, 0.9)  # [m] low and high corner of a table without edg
 
 
 def leads_somewhere(points: Array) -> bool:
-    """Whether a path (K, 2) [m] has length, so that it can be drawn as a line."""
+    """Whether a path (K, 2) [m] has a length, so that it can be drawn as a line."""
     return bool(np.ptp(points, axis=0).max() > LEAST_PATH)
 
 
@@ -39,8 +39,9 @@ def ribbon(points: Array, width: float) -> Mesh:
 
 
 def ribbons(lines: Sequence[Array], width: float) -> Mesh:
-    """Flat strips of ``width`` [m] along ``lines`` (K, 2), K >= 2 each, as one
-    upward-facing mesh in the plane z = 0.
+    """Flat strips of ``width`` [m] along ``lines`` (K, 2), K >= 2 each, as one mesh.
+
+    The mesh lies in the plane z = 0 and faces up.
     """
     rows = ["vn 0 0 1"]
     faces: list[str] = []
@@ -61,7 +62,7 @@ def ribbons(lines: Sequence[Array], width: float) -> Mesh:
 
 
 def _sides(points: Array, width: float) -> tuple[Array, Array]:
-    """Left and right edges (K, 2) of a strip along ``points``."""
+    """Left and right edge (K, 2) of a strip along ``points``."""
     along = np.gradient(points, axis=0)
     size = np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
     left = 0.5 * width * np.column_stack([-along[:, 1], along[:, 0]]) / size

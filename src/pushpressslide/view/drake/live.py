@@ -37,7 +37,7 @@ SAMPLES = 100  # of the planned path of each segment
 
 
 class LiveView:
-    """A page on this machine that shows a scene, without effect on the simulation."""
+    """A page on this machine that shows a scene, and has no effect on the simulation."""
 
     def __init__(self, plan: Plan, tell: Callable[[str], None]) -> None:
         """Start the page's server and report its address by ``tell``."""
@@ -77,5 +77,5 @@ class LiveView:
 
     @staticmethod
     def pace(simulator: Simulator) -> None:
-        """Limit the simulation to real time, so that it can be watched."""
+        """Slow the simulation down to real time, so that it can be watched."""
         simulator.set_target_realtime_rate(1.0)

@@ -44,7 +44,7 @@ class Marks:
     """Marks in the scene, in the support's frame: trace, axle, forces and cones."""
 
     def __init__(self, meshcat: Meshcat, contacts: ContactMarks, ticks: Ticks) -> None:
-        """Add all marks; ``ticks`` (F,) are the frames."""
+        """Add all marks. ``ticks`` (F,) are those of the frames."""
         self._meshcat = meshcat
         self._contacts = contacts
         self._playback = contacts.playback
@@ -64,7 +64,7 @@ class Marks:
             self._add_disc(f"marks/disc_{arm}")
 
     def _add_axle(self) -> None:
-        """Add the marker of the tracking point: a pin with a head at its upper end."""
+        """Add the marker of the tracking point: a pin with its head at the upper end."""
         meshcat = self._meshcat
         meshcat.SetObject("marks/axle/pin", Cylinder(0.003, self._pin), BLUE)
         meshcat.SetObject("marks/axle/head", Sphere(0.008), WHITE)
@@ -83,14 +83,16 @@ class Marks:
         meshcat.SetTransform(f"{name}/head/cone", turned)
 
     def _add_cone(self, name: str) -> None:
-        """Add the cone's section in the plane: its apex at the origin, along +x."""
+        """Add the section of a friction cone in the plane, with its apex at the origin
+        and along +x.
+        """
         half = self._contacts.friction * CONE_LENGTH
         corners = [[0.0, 0.0, 0.0], [CONE_LENGTH, half, 0.0], [CONE_LENGTH, -half, 0.0]]
         faces = np.array([[0], [1], [2]])
         self._meshcat.SetTriangleMesh(name, np.array(corners).T, faces, CONE_COLOR)
 
     def _add_disc(self, name: str) -> None:
-        """Add the friction disc of a press, of radius 1 about the origin."""
+        """Add the friction disc of a press, with radius 1 about the origin."""
         disc = Cylinder(1.0, DISC_THICKNESS)
         self._meshcat.SetObject(f"{name}/disc", disc, CONE_COLOR)
 
@@ -98,8 +100,9 @@ class Marks:
         """Draw the whole trace in parts. Return the frame at which each part appears,
         and its name.
 
-        ``points`` (F, 2) [m] and ``segments`` (F,) of the plan, per frame. The tracking
-        point may change between segments, and no line joins the two.
+        ``points`` (F, 2) [m] and ``segments`` (F,) are those of each frame. The
+        tracking point may change between segments; its two positions are not joined by
+        a line.
         """
         steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
         moved = np.concatenate([[0.0], np.cumsum(steps)])
@@ -117,7 +120,7 @@ class Marks:
         return pieces
 
     def _draw_piece(self, name: str, points: Array) -> bool:
-        """Draw a line through points (F, 2) [m]. Return whether two of them differ."""
+        """Draw a line through points (F, 2) [m]. Return whether any two of them differ."""
         steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
         apart = np.concatenate([[True], steps > 1e-7])
         if apart.sum() < 2:
@@ -163,7 +166,7 @@ class Marks:
             meshcat.SetProperty(f"{name}/disc", "scale", scale, time_in_recording=t)
 
     def _show_arrow(self, name: str, arrow: Arrow, t: float) -> None:
-        """Record an arrow. It is hidden if its force is small."""
+        """Record an arrow, which is hidden if its force is small."""
         meshcat = self._meshcat
         visible = arrow.size > LEAST_FORCE
         meshcat.SetProperty(name, "visible", visible, time_in_recording=t)

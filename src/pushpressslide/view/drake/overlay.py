@@ -44,8 +44,9 @@ class Overlay:
         size: tuple[int, int],
         small: bool = False,
     ) -> None:
-        """Prepare the marks for pictures of ``size`` [pixels] from ``view``; bold ones,
-        with longer forces, for pictures that are shown ``small``.
+        """Prepare the marks for pictures of ``size`` [pixels] from ``view``.
+
+        For pictures that are shown ``small``, they are bold and have longer forces.
         """
         nearer = view.position - view.target
         largest = STILL_FORCE_SCALE if small else FORCE_SCALE
@@ -64,7 +65,7 @@ class Overlay:
         self._stretch = playback.record.arrays["stretch"][::TRACE_STEP]
 
     def pixel(self, point: Vector3) -> Pixel:
-        """Pixel of a point (x, y, height) [m] of the support's frame."""
+        """Pixel of a point (x, y, height) [m] in the support's frame."""
         offset = np.array(self._frame.point(point)) - self._position
         right, down, ahead = (float(offset @ axis) for axis in self._axes)
         width, height = self._size
@@ -102,8 +103,8 @@ class Overlay:
         return X_WV.x, X_WV.y, 0.0
 
     def _draw_trace(self, canvas: Canvas, tick: int) -> None:
-        """Draw the visible part of the tracking point's trace so far, not hidden by the
-        object, each segment by itself.
+        """Draw the part of the tracking point's trace so far that the object does not
+        hide, segment by segment.
         """
         count = tick // TRACE_STEP + 1
         moment = Moment((), blocks_at(self._playback, tick)[:1], ())

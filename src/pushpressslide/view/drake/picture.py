@@ -1,6 +1,4 @@
-"""Picture of a scene from a camera at rest, of which only the part that changes is
-rendered anew.
-"""
+"""Picture of a scene from a fixed camera. Only the part that changes is rendered again."""
 
 from __future__ import annotations
 
@@ -34,10 +32,10 @@ Box = tuple[int, int, int, int]
 
 
 class Picture:
-    """The last picture of one scene, by its ``RENDERER``."""
+    """The last picture of a scene, by the renderer ``RENDERER``."""
 
     def __init__(self, size: tuple[int, int], X_WC: RigidTransform) -> None:
-        """Start without a picture; ``size`` is (width, height) [pixels]."""
+        """Start without a picture. ``size`` is (width, height) [pixels]."""
         self._size = size
         self._X_WC = X_WC
         self._focal = 0.5 * size[1] / math.tan(0.5 * FIELD)
@@ -46,8 +44,8 @@ class Picture:
         self._pixels: Pixels = np.zeros((size[1], size[0], 3), dtype=np.uint8)
 
     def update(self, query: QueryObject) -> Pixels:
-        """Picture (height, width, 3) of the scene as it is now. The next update changes
-        it in place.
+        """Picture (height, width, 3) of the scene in its present state. The next update
+        changes it in place.
         """
         box = self._changed(query)
         if box is not None:
@@ -84,8 +82,9 @@ class Picture:
         return (left, upper, right, lower)
 
     def _places(self, query: QueryObject, frame: FrameId, points: Array) -> Array:
-        """Pixels (N, 2) of ``points`` (N, 3) [m] of a frame. Those of a body beside the
-        camera are far outside the picture, all round.
+        """Pixels (N, 2) of ``points`` (N, 3) [m] in a frame.
+
+        For a body beside the camera they are far outside the picture, on all sides.
         """
         X_CF = self._X_WC.inverse().multiply(query.GetPoseInWorld(frame))
         x, y, depth = X_CF.multiply(points.T)
@@ -116,7 +115,7 @@ class Picture:
 
 
 def _corners(inspector: SceneGraphInspector) -> dict[FrameId, Array]:
-    """Corners (N, 3) [m] of boxes about all that renderers show of each frame."""
+    """Corners (N, 3) [m] of boxes about everything that renderers show of each frame."""
     out: dict[FrameId, list[Array]] = {}
     for geometry in inspector.GetAllGeometryIds(Role.kPerception):
         box = inspector.GetObbInGeometryFrame(geometry)

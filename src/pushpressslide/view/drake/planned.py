@@ -1,4 +1,4 @@
-"""Camera of a live run, from the plan alone, before the run starts."""
+"""Camera of a live run, chosen from the plan before the run starts."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ POSES = 12  # of each segment
 
 
 def planned_view(plan: Plan, field: float = FIELD, aspect: float = 16 / 9) -> View:
-    """View that shows the starts of the contacts, and contains object, goal and arms.
+    """View that shows the contacts at their start, and includes object, goal and arms.
     ``field`` [rad] is the vertical field of view.
     """
     task = plan.task

@@ -1,4 +1,4 @@
-"""A recorded run in its scene, without physics, for replay and frames."""
+"""A recorded run in its scene, without physics, for replays and pictures."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ Placed = tuple[Shape, Pose2]
 
 
 class Playback:
-    """The scene of a run with its goal and planned path, at any recorded tick."""
+    """The scene of a run, with goal and planned path, at any recorded tick."""
 
     def __init__(
         self,
@@ -112,8 +112,8 @@ class Playback:
                 _anchor(graph, source, drawn, PATH_COLOR)
 
     def reached(self) -> Bounds:
-        """Bounds x_min, x_max, y_min, y_max [m] of the area that the object covers in
-        the run and at its goal.
+        """Bounds x_min, x_max, y_min, y_max [m] of the area that the object covers
+        during the run and at its goal.
         """
         poses = self.record.arrays["object_pose"]
         goal = self.task.goal
@@ -174,7 +174,7 @@ class Playback:
 def _anchor(
     graph: SceneGraph, source: SourceId, instance: GeometryInstance, color: Rgba
 ) -> None:
-    """Fix an instance to the world, in Meshcat and in rendered pictures."""
+    """Fix a geometry to the world, in Meshcat and in rendered pictures."""
     drawn = IllustrationProperties()
     seen = PerceptionProperties()
     for properties in (drawn, seen):

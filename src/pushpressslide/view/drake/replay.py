@@ -50,12 +50,12 @@ def write_replay(
     models: str = "generated",
     goals: Sequence[Placed] = (),
 ) -> Path:
-    """Write the page to the file ``out`` and return its path.
+    """Write the page to the file ``out``, and return its path.
 
-    In a folder ``out`` it is replay.html. It plays the recorded joint positions and
-    poses, at most 30 a second, and is written completely or not at all. Raises
-    SimulationError for a record without joint positions. ``models`` is as in ``run``,
-    ``goals`` as in ``Playback``.
+    If ``out`` is a folder, the file is replay.html. The page plays the recorded joint
+    positions and poses, at most 30 per second. It is written completely or not at all.
+    Raises SimulationError for a record without joint positions. ``models`` is as in
+    ``run``, ``goals`` as in ``Playback``.
     """
     if len(record.arrays.get("time", ())) < 2:
         raise SimulationError(
@@ -81,7 +81,7 @@ def _body(
     views: Sequence[PageView],
     ticks: NDArray[np.intp],
 ) -> str:
-    """Parts of the page around Meshcat's scene."""
+    """Fragments of the page around Meshcat's scene."""
     playback = contacts.playback
     modes = ", ".join(playback.record.modes)
     title = f"{playback.task.name}: {modes}, {timeline.ending}"
@@ -106,8 +106,8 @@ def _item(item: LegendEntry) -> str:
 def _look(
     playback: Playback, points: NDArray[np.float64], ticks: NDArray[np.intp]
 ) -> dict[str, Any]:
-    """Field of view [deg], light, extent of the shadows, and what arms may hide, for the
-    page.
+    """Parameters for the page: field of view [deg], light, extent of the shadows, and
+    what arms may hide.
     """
     frame = playback.task.support.frame
     light = LIGHT if frame.faces_up else STEEP_LIGHT
@@ -124,8 +124,11 @@ def _look(
 
 
 def _hiding(playback: Playback, ticks: NDArray[np.intp]) -> dict[str, Any]:
-    """Paths of each arm's links in Meshcat's tree, without the tip, and what they may
-    hide: goals, and the contacts at ``ticks`` (F,), in the world [m].
+    """Paths of each arm's links in Meshcat's tree, without the tip, and the points that
+    they may hide.
+
+    These are points [m] in the world of the goals and of the contacts at ``ticks``
+    (F,).
     """
     frame = playback.task.support.frame
 
@@ -203,7 +206,7 @@ def _animate(meshcat: Meshcat, contacts: ContactMarks, ticks: NDArray[np.intp]) 
 
 
 def quiet_meshcat() -> Meshcat:
-    """A Meshcat whose server listens on this machine only and prints nothing."""
+    """A Meshcat whose server listens only on this machine, and prints nothing."""
     log = logging.getLogger("drake")
     level = log.level
     log.setLevel(logging.WARNING)

@@ -1,6 +1,4 @@
-"""Reduction of Meshcat's saved page, and insertion of this package's parts around its
-scene.
-"""
+"""Reduction of Meshcat's saved page, and insertion of fragments around its scene."""
 
 from __future__ import annotations
 
@@ -14,15 +12,15 @@ MESSAGE = re.compile(
     r"\.then\(buffer => viewer\.handle_command_bytearray"
     r"\(new Uint8Array\(buffer\)\)\);"
 )
-"""One of the messages that make up the scene of a saved page."""
+"""Pattern of a message in a saved page. The messages make up the scene."""
 
 
 def small_page(page: str, head: str, body: str) -> str:
-    """A saved page with ``head`` at the start of its head and ``body`` at the end of
-    its body.
+    """A saved page with ``head`` inserted at the start of its head, and ``body`` at the
+    end of its body.
 
-    Its messages are packed into one, which the script in ``head`` unpacks. If messages
-    of another Drake version are not recognised, the page keeps them unchanged.
+    All messages are packed into one, which the script in ``head`` unpacks. Messages
+    that are not recognised, as from another Drake version, stay unchanged.
     """
     messages = [base64.b64decode(text) for text in MESSAGE.findall(page)]
     if messages:

@@ -1,6 +1,7 @@
-"""Visibility of a contact from a direction, with the bodies between it and the camera.
+"""Visibility of a contact from a direction, given the bodies between contact and
+camera.
 
-All points and directions are given along x, y and height of the support's frame.
+All points and directions are along x, y and height of the support's frame.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ class Block:
 
 @dataclass(frozen=True, slots=True)
 class Limb:
-    """Part of an arm within ``radius`` of a line between two points [m]."""
+    """Part of an arm: all points within ``radius`` of a line between two points [m]."""
 
     start: Vector3
     end: Vector3
@@ -96,9 +97,9 @@ def _share(moment: Moment, points: tuple[Vector3, ...], directions: Array) -> Ar
 
 
 def are_seen(moment: Moment, points: Array, direction: Array) -> NDArray[np.bool_]:
-    """Whether nothing is between each of ``points`` (P, 3) and the camera.
+    """Mask (P,) of the ``points`` (P, 3) with nothing between them and the camera.
 
-    ``direction``, (3,) or (P, 3), are unit vectors towards it.
+    ``direction``, (3,) or (P, 3), are unit vectors towards the camera.
     """
     hidden = np.zeros(len(points), dtype=bool)
     for polygon, height in moment.polygons:
@@ -113,8 +114,8 @@ def are_seen(moment: Moment, points: Array, direction: Array) -> NDArray[np.bool
 
 
 def hidden_by_arms(moment: Moment, points: Array, eye: Array) -> NDArray[np.bool_]:
-    """Mask of the ``points`` (P, 3) that the arms hide from a camera at ``eye`` (3,)
-    [m].
+    """Mask (P,) of the ``points`` (P, 3) [m] that the arms hide from a camera at
+    ``eye`` (3,) [m].
     """
     if not moment.limbs or not len(points):
         return np.zeros(len(points), dtype=bool)
@@ -129,7 +130,7 @@ def hidden_by_arms(moment: Moment, points: Array, eye: Array) -> NDArray[np.bool
 def _behind_block(
     polygon: Any, height: float, points: Array, direction: Array
 ) -> NDArray[np.bool_]:
-    """Mask of the ``points`` (P, 3) that a block of a ``height`` [m] hides."""
+    """Mask (P,) of the ``points`` (P, 3) [m] that a block with a ``height`` [m] hides."""
     under = height - points[:, 2]
     rise = np.broadcast_to(direction, points.shape)[:, 2]
     upward = rise > 0.0
@@ -143,7 +144,7 @@ def _behind_block(
 
 
 def segment_distance(a: Array, b: Array, c: Array, d: Array) -> Array:
-    """Smallest distance [m] between the lines from ``a`` to ``b`` and from ``c`` to
+    """Smallest distance [m] between the segments from ``a`` to ``b`` and from ``c`` to
     ``d``, (..., 3) each.
     """
     u = b - a

@@ -1,5 +1,5 @@
-"""Subject of a run's camera: contacts, bodies that may hide them, and points to be in
-the picture.
+"""Subject of a run's camera: contacts, bodies that may hide them, and points that must
+be in the picture.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ WRIST = 0.22  # [m] height above a tip up to which its tool must be visible
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """Subject of a run's camera. The moments are in the support's frame, the points in
-    the world.
+    """Subject of a run's camera. Moments are in the support's frame, points in the
+    world.
     """
 
     moments: tuple[Moment, ...]  # along x, y and height of the support
@@ -92,7 +92,9 @@ def near_points(playback: Playback, tick: int) -> Array:
 
 
 def sighted_ticks(phase: Array) -> NDArray[np.intp]:
-    """Ticks at which a contact is checked for visibility. ``phase`` (N,) is per tick."""
+    """Ticks at which a contact is checked for visibility. ``phase`` (N,) is that of
+    each tick.
+    """
     (ticks,) = np.nonzero(np.isin(phase, [PHASES.index("touch"), PHASES.index("move")]))
     if not len(ticks):
         ticks = np.arange(len(phase))
@@ -105,13 +107,13 @@ def contacts_at(playback: Playback, tick: int) -> tuple[Contact, ...]:
 
 
 def placement_at(playback: Playback, tick: int) -> Plan:
-    """Placement at ``tick``, as a plan of its own."""
+    """Placement at ``tick``, as a separate plan."""
     number = int(playback.record.arrays["placement"][tick])
     return playback.placements[number]
 
 
 def body_pose(playback: Playback, tick: int) -> Pose2:
-    """Pose X_WB at ``tick`` of the object that the present placement moves."""
+    """Pose X_WB at ``tick`` of the object moved by the present placement."""
     return playback.vehicle_pose(tick).compose(
         Pose2(*map(float, playback.record.arrays["vehicle_frame"][tick])).inverse()
     )
@@ -120,7 +122,7 @@ def body_pose(playback: Playback, tick: int) -> Pose2:
 def tips_at(
     playback: Playback, tick: int, contacts: tuple[Contact, ...]
 ) -> list[Vector3]:
-    """Tips in contact [m]."""
+    """Positions [m] of the tips in contact."""
     tips = playback.record.arrays["tip_position"][tick]
     places = (map(float, tips[contact.arm]) for contact in contacts)
     return [(x, y, z) for x, y, z in places]
@@ -185,7 +187,7 @@ def limbs_of_arm(playback: Playback, context: Context, arm: int) -> tuple[Limb, 
 
 
 def corners(shape: Shape, pose: Pose2) -> list[Vector3]:
-    """Corners of a shape on the support, and those of its top [m]."""
+    """Corners [m] of a shape on the support, and those of its top."""
     return [
         (*pose.apply(corner), height)
         for corner in shape.outline()[:: max(1, len(shape.outline()) // 12)]
@@ -194,18 +196,18 @@ def corners(shape: Shape, pose: Pose2) -> list[Vector3]:
 
 
 def goal_points(playback: Playback) -> list[Vector3]:
-    """Corners of all goals [m]."""
+    """Corners [m] of all goals."""
     return [point for shape, X in playback.goals for point in corners(shape, X)]
 
 
 def object_points(playback: Playback, tick: int) -> list[Vector3]:
-    """Corners of the object at ``tick`` [m]."""
+    """Corners [m] of the object at ``tick``."""
     pose = planar_pose(playback.object_pose(tick), playback.task.support.frame)
     return corners(playback.task.object.shape, pose)
 
 
 def top_corners(playback: Playback, tick: int) -> tuple[Vector3, ...]:
-    """Corners of the object's top at ``tick``, and points a little above it [m]."""
+    """Corners [m] of the object's top at ``tick``, and points slightly above it."""
     height = playback.task.object.shape.height
     points = object_points(playback, tick)
     return tuple((x, y, z + OVER) for x, y, z in points if z == height)
@@ -214,13 +216,13 @@ def top_corners(playback: Playback, tick: int) -> tuple[Vector3, ...]:
 def _tip_points(
     playback: Playback, tick: int, contacts: tuple[Contact, ...]
 ) -> list[Vector3]:
-    """Ends of the tools in contact [m]."""
+    """End points [m] of the tools in contact."""
     tips = tips_at(playback, tick, contacts)
     return [end for x, y, z in tips for end in ((x, y, z), (x, y, z + WRIST))]
 
 
 def other_points(playback: Playback) -> list[Vector3]:
-    """Corners of all other bodies, at the first and last tick [m]."""
+    """Corners [m] of all other bodies, at the first and the last tick."""
     last = len(playback.record.arrays["time"]) - 1
     blocks = blocks_at(playback, 0)[1:] + blocks_at(playback, last)[1:]
     return [

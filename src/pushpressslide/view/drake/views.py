@@ -1,4 +1,6 @@
-"""Views of a replay: directions, contents of each picture, and the body it follows."""
+"""Views of a replay: the direction and the contents of each picture, and the body that
+it follows.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +37,9 @@ Row = tuple[float, ...]
 
 @dataclass(frozen=True, slots=True)
 class PageView:
-    """A view of the page. The camera fits its points to the window."""
+    """A view of the page. The camera is placed so that the view's points fit in the
+    window.
+    """
 
     name: str
     direction: Row  # (3,) towards the camera, in the world
@@ -57,15 +61,15 @@ def directions(playback: Playback, subject: Subject) -> Directions:
 
 def contact_view(playback: Playback, field: float, aspect: float) -> View:
     """Camera that sees the contacts best. ``field`` [rad] is the vertical field of
-    view, ``aspect`` the width of the picture over its height.
+    view, ``aspect`` the ratio of the picture's width to its height.
     """
     seen = subject(playback)
     return fit_view(seen.near, directions(playback, seen).best(), field, aspect)
 
 
 def page_views(playback: Playback, ticks: NDArray[np.intp]) -> tuple[PageView, ...]:
-    """Views of a replay page with frames at ``ticks`` (F,), the one that sees the
-    contacts first.
+    """Views of a replay page with frames at ``ticks`` (F,). The view that sees the
+    contacts comes first.
     """
     seen = subject(playback)
     frame = playback.task.support.frame
@@ -87,8 +91,8 @@ def page_views(playback: Playback, ticks: NDArray[np.intp]) -> tuple[PageView, .
 def _tip_views(
     playback: Playback, ticks: NDArray[np.intp], subject: Subject, direction: Row
 ) -> tuple[PageView, ...]:
-    """A view that follows the tip of each arm with a contact. Behind a tip that pushes
-    on a table it turns with the object.
+    """One view for each arm with a contact, which follows its tip. On a table, a view
+    from behind a pushing tip turns with the object.
     """
     frame = playback.task.support.frame
     touched = {c.arm: c for part in playback.placements for c in part.contacts}
@@ -112,8 +116,10 @@ def _tip_views(
 
 
 def _behind(subject: Subject, normal: Point) -> Array:
-    """Best direction (3,), in the object's axes, from which to see a push along
-    ``normal``: from behind its tip, to the left or to the right.
+    """Best direction (3,), in the object's axes, in which to look at a push along
+    ``normal``.
+
+    It is from behind the tip, to the left or to the right.
     """
     heading = math.atan2(normal[1], normal[0])
     costs = []
@@ -149,7 +155,7 @@ def _object_view(
 
 
 def _cube(half: float) -> tuple[Row, ...]:
-    """Corners of a cube about the origin [m]."""
+    """Corners [m] of a cube about the origin."""
     ends = (-half, half)
     return tuple((x, y, z) for x in ends for y in ends for z in ends)
 

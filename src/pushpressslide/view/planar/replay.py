@@ -1,4 +1,4 @@
-"""Replay of the planar engine: one HTML page that plays a run seen from above, offline,
+"""Replay on the planar engine: one HTML page that plays a run seen from above, offline,
 without Drake.
 """
 
@@ -54,8 +54,8 @@ def write_replay(
     """Write the page to the file ``out``, completely or not at all, and return its
     path.
 
-    In a folder ``out`` it is replay.html. ``goals`` replace the task's own if given.
-    ``parts`` are the records of the stages if there are several.
+    If ``out`` is a folder, the file is replay.html. ``goals`` replace the task's own if
+    given. ``parts`` are the records of the stages, if there are several.
     """
     page = filled(
         package_text("replay_page.html", ROOM),
@@ -109,8 +109,8 @@ def replay_data(
     goals: Sequence[Placed] = (),
     parts: Sequence[Record] = (),
 ) -> dict[str, Any]:
-    """Data that the page plays: metres, degrees and newtons, rounded to 0.1 mm, 0.01
-    degree and 0.01 N.
+    """Data that the page plays, in [m], [deg] and [N], rounded to 0.1 mm, 0.01 deg and
+    0.01 N.
     """
     task = plan.task
     arrays = record.arrays
@@ -145,7 +145,7 @@ def replay_data(
 def scene_ticks(
     record: Record, ticks: NDArray[np.intp]
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Stage number of each tick of a run, and the tick's index in that stage."""
+    """Stage number of each tick of a run, and the tick's index in its stage."""
     number = record.arrays.get("stage")
     if number is None:
         return np.zeros_like(ticks), ticks
@@ -155,7 +155,7 @@ def scene_ticks(
 
 
 def _axles(record: Record, ticks: NDArray[np.intp]) -> list[list[float]]:
-    """X_GV of the tracking point at ticks of a stage, with the yaw in degrees."""
+    """Poses X_GV of the tracking point at ticks of a stage, with the yaw in [deg]."""
     X_GB = record.plan.task.X_GB
     rows = record.arrays["vehicle_frame"][ticks]
     found = [X_GB.compose(Pose2(*map(float, row))) for row in rows]
@@ -167,7 +167,7 @@ def _axles(record: Record, ticks: NDArray[np.intp]) -> list[list[float]]:
 def _contacts(
     record: Record, ticks: NDArray[np.intp]
 ) -> list[list[float | str | None]]:
-    """Direction of its push in the object's frame [deg] for each arm and frame; "top"
+    """Direction [deg] of the push in the object's frame, for each arm and frame. "top"
     for a press, None without a contact.
     """
     plan = record.plan
@@ -205,7 +205,7 @@ def _support_data(task: Task, goals: Sequence[Placed]) -> dict[str, Any]:
 
 
 def _scene_data(record: Record) -> dict[str, Any]:
-    """Data of one stage: the fixed bodies, the outline of the moving one, and its path."""
+    """Data of one stage: the fixed bodies, the outline of the moved body, and its path."""
     task = record.plan.task
     outline = [[round(x, 5), round(y, 5)] for x, y in task.object.shape.outline()]
     obstacles = []

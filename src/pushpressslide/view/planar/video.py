@@ -1,4 +1,4 @@
-"""Animation of the planar engine: the run seen from above, with paths, forces and
+"""Animation of a run on the planar engine, seen from above, with paths, forces and
 caption, without Drake.
 """
 
@@ -56,11 +56,12 @@ def write_video(
     frames_per_second: float | None = None,
     size: tuple[int, int] = film.SIZE,
 ) -> Path:
-    """Write the run as an animated picture in real time and return its path.
+    """Write the run as an animation in real time, and return its path.
 
-    Format and usual rate follow from the name of ``out``: .mp4, .webp or .gif; a folder
-    gets run.mp4, or run.webp without av. ``size`` is (width, height) [pixels]; ``goals``
-    and ``parts`` as in ``write_replay``. Raises SimulationError for another format.
+    The suffix of ``out`` determines the format and the usual rate: .mp4, .webp or .gif.
+    A folder gets run.mp4, or run.webp without av. ``size`` is (width, height) [pixels];
+    ``goals`` and ``parts`` are as in ``write_replay``. Raises SimulationError for
+    another format.
     """
     out = film.film_path(out)
     rate = frames_per_second or film.film_rate(out)
@@ -106,7 +107,7 @@ def write_pictures(
 
 
 class _Film:
-    """A run in the plane at any tick, with its stages drawn to one scale."""
+    """A run in the plane at any tick, with all stages drawn to the same scale."""
 
     def __init__(
         self,
@@ -152,7 +153,7 @@ class _Drawing:
         return X_WV.position
 
     def shown(self) -> Array:
-        """All points (N, 2) [m] to be in the picture."""
+        """All points (N, 2) [m] that must be in the picture."""
         poses = self._record.arrays["object_pose"]
         shape = self._task.object.shape
         placed = [(shape, _pose(row)) for row in poses[::20]]
@@ -161,7 +162,9 @@ class _Drawing:
         return np.array([*points, *self._path])
 
     def fit(self, points: Array, size: tuple[int, int]) -> None:
-        """Choose scale [pixels/m] and middle [m] so that ``points`` fill the picture."""
+        """Choose the scale [pixels/m] and the middle [m] so that ``points`` fill the
+        picture.
+        """
         low = points.min(axis=0) - MARGIN
         high = points.max(axis=0) + MARGIN
         span = high - low
@@ -203,7 +206,7 @@ class _Drawing:
             self._draw_tip(canvas, arm, tick, X_WG.compose(self._task.X_GB))
 
     def _draw_grid(self, canvas: Canvas) -> None:
-        """Draw a line every 0.1 m over the whole picture."""
+        """Draw grid lines every 0.1 m over the whole picture."""
         width, height = self._size
         reach = int(10.0 * max(width, height) / self._zoom) + 1
         x, y = (round(10.0 * float(v)) for v in self._middle)
@@ -265,7 +268,7 @@ def _circle(center: Point, radius: float) -> list[Point]:
 
 
 def _cone(apex: Point, normal: Point, friction: float) -> list[Point]:
-    """Corners of a friction cone's section [m]."""
+    """Corners [m] of a section of a friction cone."""
     (x, y), (nx, ny) = apex, normal
     ends = [
         (

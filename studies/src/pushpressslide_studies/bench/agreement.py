@@ -41,21 +41,21 @@ TIGHT = {"tol_gap_abs": 1e-11, "tol_gap_rel": 1e-11, "tol_feas": 1e-11}
 
 @dataclass
 class Tally:
-    """Counts and largest differences over the cases of a comparison."""
+    """Counts and largest differences over all cases of a comparison."""
 
     figures: Figures
 
     @classmethod
     def zeros(cls, *names: str) -> Tally:
-        """A tally of zeros."""
+        """A tally with all figures at zero."""
         return cls(dict.fromkeys(names, 0.0))
 
     def count(self, name: str, happened: bool) -> None:
-        """Add a case to a count."""
+        """Count a case under ``name`` if it happened."""
         self.figures[name] += happened
 
     def note(self, name: str, value: float) -> None:
-        """Keep the largest value."""
+        """Record ``value`` if it is the largest so far."""
         self.figures[name] = max(self.figures[name], value)
 
     def over(self, cases: int) -> Figures:
@@ -69,9 +69,10 @@ class Tally:
 def pushes(cases: int, seed: int, split: Split = "least_friction") -> Figures:
     """Differences of ``two_contact_allocator`` from DAQP and SciPy's NNLS.
 
-    Counts, and the largest differences: wrench, cone and forces as fractions of the
-    largest force. NNLS serves for a projected wrench. Contacts have any positions,
-    normals and friction; every second wrench is a sum of forces inside the cones.
+    The result has counts and the largest differences of wrench, cone and forces, as
+    fractions of the largest force. NNLS is used for projected wrenches. Contacts have
+    arbitrary positions, normals and friction; every second wrench is a sum of forces
+    inside the cones.
     """
     rng = np.random.default_rng(seed)
     tally = Tally.zeros(
@@ -134,9 +135,9 @@ def presses(cases: int, seed: int) -> Figures:
     """Differences of ``two_press_allocator`` and of the minimum presses from the
     results of Clarabel.
 
-    Counts, and the largest differences. ``wrench`` and ``disc`` are fractions of the
-    larger friction disc's radius, ``shear`` is the excess of the antagonistic force
-    over Clarabel's minimum, and the others are relative.
+    The result has counts and the largest differences. ``wrench`` and ``disc`` are
+    fractions of the radius of the larger friction disc, ``shear`` is the excess of the
+    antagonistic force over Clarabel's minimum, and all others are relative.
     """
     rng = np.random.default_rng(seed)
     tally = Tally.zeros(
@@ -219,7 +220,7 @@ def _compare_least_presses(
 ) -> tuple[float, float | None]:
     """Compare the minimum presses and the largest scale of the wrench.
 
-    Returns that scale: ours, and the solver's or None.
+    Returns the scale in closed form, and that of the solver or None.
     """
     friction = case.friction
     fx, fy, tau = case.wrench.tolist()
@@ -243,7 +244,7 @@ def _compare_least_presses(
 class PressProblem:
     """Two presses as second-order cone programs.
 
-    The forces lie inside discs and add up to a wrench.
+    Forces inside discs must add up to a wrench.
     """
 
     def __init__(self, line: ContactLine, grasp: Array, wrench: Array) -> None:
@@ -252,14 +253,16 @@ class PressProblem:
         self._wrench = wrench
 
     def largest_scale(self, limits: Sequence[float]) -> float | None:
-        """Largest factor of the wrench for discs of radius ``limits`` [N]."""
+        """Largest factor of the wrench for discs with the radii ``limits`` [N]."""
         column = -self._wrench[:, None]
         return self._solve(
             [-1.0], np.zeros((2, 1)), limits, wrench_of=column, fixed=0.0
         )
 
     def least_press(self, radii: Sequence[float]) -> float | None:
-        """Minimum sum [N] of normals if the discs are ``radii`` times that sum."""
+        """Minimum sum [N] of normals, for discs with ``radii`` times this sum as their
+        radii.
+        """
         return self._solve([1.0], np.array(radii)[:, None], (0.0, 0.0))
 
     def least_presses(self, friction: float) -> float | None:
@@ -267,7 +270,7 @@ class PressProblem:
         return self._solve([1.0, 1.0], friction * np.eye(2), (0.0, 0.0))
 
     def least_antagonism(self, limits: Sequence[float]) -> float | None:
-        """Minimum of |f_1.e| + |f_2.e| [N] for discs of radius ``limits`` [N]."""
+        """Minimum of |f_1.e| + |f_2.e| [N] for discs with the radii ``limits`` [N]."""
         along = np.zeros((4, 6))
         for i in range(2):
             for j, sign in enumerate((1.0, -1.0)):
@@ -287,8 +290,8 @@ class PressProblem:
     ) -> float | None:
         """Sum of the y that minimise ``linear`` y. None if unsolved.
 
-        f are the forces: |f_i| <= radius_i + (radii y)_i, bounded (f, y) <= 0, and G f
-        + wrench_of y = fixed w.
+        The constraints on the forces f are |f_i| <= radius_i + (radii y)_i, bounded (f,
+        y) <= 0, and G f + wrench_of y = fixed w.
         """
         extra = len(linear)
         if wrench_of is None:

@@ -1,5 +1,5 @@
-"""The laws on arrays, by numba and in Python, compared with a copy of the same bytes
-and with row-by-row alternatives.
+"""The laws on arrays, by numba and in Python, compared with copying the same number of
+bytes and with row-by-row alternatives.
 """
 
 from __future__ import annotations
@@ -72,8 +72,10 @@ SURFACE = EllipsoidLimitSurface(2.0, RHO)
 
 
 def batches(seed: int) -> list[Row]:
-    """A row for each law and size: the time per row of data by numba, or in Python
-    without numba, and its ratio to a copy and to the alternatives.
+    """A row for each law and size: the time per row of data, and its ratios to a copy
+    and to the alternatives.
+
+    The laws run by numba, or in Python if numba is not installed.
     """
     rows = []
     for size in SIZES:
@@ -83,7 +85,10 @@ def batches(seed: int) -> list[Row]:
 
 
 def _row(law: Law, short: Law, size: int) -> Row:
-    """Row of one law. ``short`` is the same law on ``ALONE`` rows."""
+    """Row of one law.
+
+    ``short`` is the same law for only ``ALONE`` rows.
+    """
     block = np.zeros(law.numbers * size)
     contestants: dict[str, Call | str] = {
         COPY: block.copy,  # into new memory, as an answer is
@@ -118,8 +123,8 @@ def _row(law: Law, short: Law, size: int) -> Row:
 
 
 def dubins(seed: int) -> list[Row]:
-    """A row for each method to compute the lengths of the same Dubins paths. Ratios are
-    to the batch.
+    """A row for each method of computing the lengths of the same Dubins paths. Ratios
+    are to the batch.
     """
     size = SIZES[-1]
     poses = np.random.default_rng(seed).uniform(-1.0, 1.0, (2, size, 3))
@@ -154,10 +159,10 @@ def _compared(
     counts: dict[str, int],
     repeats: Mapping[str, int] = MappingProxyType({}),
 ) -> list[Row]:
-    """Time [us] of each contestant per row of data in a call, and its ratio to the
-    first one.
+    """Time [us] of each contestant per row of data, and its ratio to the first
+    contestant.
 
-    A round has as many calls as ``repeats`` says, or one.
+    A round has ``repeats`` calls of each contestant, by default one.
     """
     calls: Contestants = {}
     for name, run in contestants.items():
@@ -199,7 +204,7 @@ def _ompl(start_poses: Array, goals: Array) -> Call | str:
 
 @dataclass(frozen=True)
 class Law:
-    """One law, its contestants, and the count of numbers read and written per row."""
+    """A law, its contestants, and the number of values read and written per row."""
 
     name: str
     numbers: int
@@ -253,7 +258,7 @@ def allocators(rng: np.random.Generator, rows: int) -> Iterator[Law]:
 def allocator(
     name: str, contacts: int, wrenches: Array, batch: object, one: object
 ) -> Law:
-    """Law of one allocator. A status counts as an eighth of a number."""
+    """Law of one allocator. A status counts as an eighth of a value."""
     rows = wrenches.tolist()
     return Law(
         name,

@@ -1,6 +1,6 @@
 """Benchmarks of the closed forms against solvers, libraries and other controllers.
 
-Speeds are ratios of medians in the same run.
+Speeds are compared by ratios of medians in the same run.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ def bench(
     out: Path,
     progress: Progress | None = None,
 ) -> dict[str, Any]:
-    """Run the benchmarks ``names`` (None: all) and return their rows by name.
+    """Run the benchmarks ``names``, by default all, and return their rows by name.
 
-    Writes ``out``/result.json and, for compared times, ``out``/ratios.png. Raises
-    TaskError for an unknown name. The row of a missing solver says so.
+    It writes ``out``/result.json and, for compared times, ``out``/ratios.png. Raises
+    TaskError for an unknown name. The row of a solver that is not installed says so.
     """
     for name in names or ():
         if name not in BENCHMARKS:
@@ -66,7 +66,7 @@ def bench(
 
 
 def _write_ratios(out: Path, rows: dict[str, list[Row]]) -> None:
-    """Write the plot of all ratios, if there are any."""
+    """Write a plot of all ratios, if there are any."""
     from pushpressslide.report import style
     from pushpressslide_studies.bench.pictures import ratios
 
@@ -179,8 +179,8 @@ def turning(seed: int, out: Path) -> list[Row]:
 
 
 def select(seed: int, out: Path) -> list[Row]:
-    """Run every feasible mode on the planar engine, and compare with selection's
-    ranking.
+    """Run every feasible mode on the planar engine, and compare with the ranking of the
+    selection.
     """
     from pushpressslide_studies.bench.selection import study
 
@@ -197,8 +197,8 @@ def sticking(seed: int, out: Path) -> list[Row]:
 
 
 def batches(seed: int, out: Path) -> list[Row]:
-    """Run the laws on arrays, compiled and in Python, and compare with a copy of the
-    same bytes.
+    """Run the laws on arrays, compiled and in Python, and compare with copying the same
+    bytes.
     """
     from pushpressslide_studies.bench.batches import batches as rows
 
@@ -220,22 +220,22 @@ def planners(seed: int, out: Path) -> list[Row]:
 
 
 def engines(seed: int, out: Path) -> list[Row]:
-    """Push a box in several engines, in one push or many."""
+    """Push a box in several engines, with one push or many at a time."""
     from pushpressslide_studies.bench.engines import engines as rows
 
     return rows()
 
 
 def mpc(seed: int, out: Path) -> list[Row]:
-    """Push along a path by the closed forms, and by model-predictive control."""
+    """Push along a path by the closed forms and by model-predictive control."""
     from pushpressslide_studies.bench.mpc import mpc as rows
 
     return rows()
 
 
 def runs(seed: int, out: Path) -> list[Row]:
-    """Run shipped tasks in Drake, and compare with the same simulation with torques
-    played back.
+    """Run shipped tasks in Drake, and compare with the same simulation under
+    played-back torques.
     """
     from pushpressslide_studies.bench.whole_run import runs as rows
 
@@ -250,7 +250,7 @@ def memory(seed: int, out: Path) -> list[Row]:
 
 
 def truths(seed: int, out: Path) -> list[Row]:
-    """Run samples of one planned push, on arrays and each by the run loop."""
+    """Run samples of one planned push, both on arrays and one by one in the run loop."""
     from pushpressslide_studies.bench.truths import truths as rows
 
     return rows(seed)
@@ -264,7 +264,7 @@ def start(seed: int, out: Path) -> list[Row]:
 
 
 def scaling(seed: int, out: Path) -> list[Row]:
-    """Measure the growth of costs with sizes.
+    """Measure how costs grow with sizes.
 
     Also writes ``out``/scaling.png.
     """

@@ -1,4 +1,4 @@
-"""Comparison of contestants: medians of times, and ratios in the same rounds."""
+"""Comparison of contestants: medians of times, and ratios within the same rounds."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import numpy as np
 Outcome = TypeVar("Outcome")
 Row = dict[str, Any]
 Call = tuple[Callable[..., object], tuple[Any, ...]]
-"""A function, and what to call it with."""
+"""A function with its arguments."""
 Contestants = dict[str, Sequence[Call] | str]
-"""The calls of each contestant, or why there are none; ours first."""
+"""The calls of each contestant, or the reason why there are none. Ours comes first."""
 ROUNDS = 9
 
 
@@ -32,12 +32,12 @@ def compared(
     contestants: Contestants, counts: Mapping[str, int] | None = None
 ) -> list[Row]:
     """Median time of each contestant, the 99th percentile, and the ratio of its median
-    to the first one's.
+    to that of the first.
 
-    Times are for one of the ``counts`` items that a call handles. The contestants take
-    turns in several rounds. The figures are medians over the rounds, so that other load
-    of the machine affects all equally. A text in place of calls is the reason why there
-    are none; ratios are then to the first that has calls.
+    Times are for one of the ``counts`` elements that a call handles. The contestants
+    take turns in several rounds. The figures are medians over the rounds, so that other
+    load on the machine affects all contestants equally. A text in place of calls is the
+    reason why there are none; ratios are then to the first contestant that has calls.
     """
     counts = counts or {}
     medians: dict[str, list[float]] = {name: [] for name in contestants}
@@ -67,15 +67,17 @@ def compared(
 
 
 def measured(what: str, median: float, first: float, **figures: float) -> Row:
-    """Row of a contestant: its median time [s], its ratio to the first, and other
-    results.
+    """Row of a contestant: its median time [s], its ratio to the first contestant, and
+    other results.
     """
     times = {"median_us": 1e6 * median, "ratio": median / first}
     return {"what": what, **times, **figures, "note": ""}
 
 
 def not_installed(extra: str) -> str:
-    """Note on a contestant that an extra provides, as ``pushpressslide[drake]``."""
+    """Note on a contestant that an extra would provide, such as
+    ``pushpressslide[drake]``.
+    """
     return f"not installed: pip install '{extra}'"
 
 
@@ -90,12 +92,12 @@ def rows_of_runs(
     seconds: Callable[[Outcome], float],
     figures: Callable[[Outcome, float], Mapping[str, float]],
 ) -> list[Row]:
-    """Row of each contestant with whole runs in several rounds: its median time over
-    that of the first.
+    """Rows of contestants that make whole runs in several rounds, with the ratio of
+    each median time to that of the first.
 
-    ``seconds`` is the time [s] of an outcome, ``figures`` are the other entries of its
-    row, from the first outcome and the median [s]. A text in place of an outcome is the
-    reason why there is none.
+    ``seconds`` returns the time [s] of an outcome. ``figures`` returns the other values
+    of a row, from the first outcome and the median [s]. A text in place of an outcome
+    is the reason why there is none.
     """
     rows: list[Row] = []
     first: float | None = None

@@ -1,8 +1,8 @@
 """Contestants of the allocators' speed benchmarks: the closed forms, and solvers for
 comparison.
 
-Each solver is timed twice: with its problem built in the call, as is needed when
-contacts or presses change; and with the problem built beforehand, so that only its
+Each solver is timed twice: with its problem built in the call, as necessary when
+contacts or presses change, and with the problem built beforehand, so that only its
 numbers change.
 """
 
@@ -24,7 +24,7 @@ from pushpressslide_studies.bench import solvers
 from pushpressslide_studies.bench.compared import Call, Contestants, not_installed
 
 Make = Callable[..., Callable[..., object]]
-"""From a problem to what solves it."""
+"""Function that makes a solver from a problem."""
 Case = tuple[tuple[Any, ...], Sequence[tuple[Any, ...]]]
 """A problem as arguments of ``Make``, and the inputs for which it is solved."""
 Pair = tuple[Point, Point]
@@ -44,11 +44,11 @@ NO_DRAKE = not_installed("pushpressslide[drake]")
 
 
 def push_contestants(seed: int) -> Contestants:
-    """The closed form, DAQP and Drake's solvers, on possible wrenches of two side
+    """The closed form, DAQP and Drake's solvers, on feasible wrenches of two side
     contacts.
 
-    The closed form is also timed by case: the requested split alone, a move to the edge
-    of a cone, or the projection of an impossible wrench.
+    The closed form is also timed by case: the requested split alone, a shift to the
+    edge of a cone, or the projection of an infeasible wrench.
     """
     rng = np.random.default_rng(seed)
     cases: list[Case] = []
@@ -80,7 +80,7 @@ def _drakes(
     problem: Callable[..., Callable[..., object]],
     cases: Sequence[Case],
 ) -> Contestants:
-    """Drake's solvers, each with its program rebuilt and kept."""
+    """Drake's solvers, each with its program rebuilt and with its program kept."""
     try:
         names, solver = find()
     except MissingPackageError:
@@ -126,8 +126,8 @@ def _drake_press(drake: Make, points: Pair) -> Callable[..., object]:
 
 
 def _closed_form_pushes(cases: Sequence[Case]) -> Contestants:
-    """Calls of the closed form: all, and by whether a cone's edge or a projection is
-    needed.
+    """Calls of the closed form: all, and separately by whether a cone's edge or a
+    projection is needed.
     """
     ours = []
     moved = []
@@ -145,7 +145,7 @@ def _closed_form_pushes(cases: Sequence[Case]) -> Contestants:
 
 
 def press_contestants(seed: int) -> Contestants:
-    """The closed form, Clarabel and Drake's solvers, on possible wrenches of two
+    """The closed form, Clarabel and Drake's solvers, on feasible wrenches of two
     presses.
     """
     rng = np.random.default_rng(seed)

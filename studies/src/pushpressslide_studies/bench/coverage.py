@@ -1,7 +1,7 @@
 """Wrenches of two orthogonal pushes, by sampling, compared with the paper's formulas.
 
-docs/mechanics.md. Lengths are in multiples of the contacts' distance d to the CoM, or
-of K = rho^2/d.
+Source: docs/mechanics.md. Lengths are in multiples of the distance d of the contacts
+from the CoM, or of K = rho^2/d.
 """
 
 from __future__ import annotations
@@ -28,11 +28,12 @@ FRICTIONS = (0.2, 0.3, 0.5, 0.8)
 def coverage(friction: float, samples: int, seed: int) -> Row:
     """Share of directions of (fx, fy, tau/d) that two orthogonal pushes can produce.
 
-    ``symmetric``: the part of these that the paper's even split of friction produces
-    without a bias. For the rest, ``bias``: the median size of the wrench that its
-    smallest bias adds, for a requested wrench of size 1, and ``turned``: the median
-    angle [rad] between the two. ``drift``: for directions that are not possible, the
-    median of the smallest drift of any split over the paper's smallest bias.
+    ``symmetric`` is the share of these directions that the paper's even split of
+    friction produces without a bias. For the rest, ``bias`` is the median size of the
+    wrench added by the paper's smallest bias, for a requested wrench of size 1, and
+    ``turned`` the median angle [rad] between the requested and the resulting wrench.
+    For infeasible directions, ``drift`` is the median ratio of the smallest drift of
+    any split to the paper's smallest bias.
     """
     wrenches = np.random.default_rng(seed).normal(size=(samples, 3))
     wrenches /= np.linalg.norm(wrenches, axis=1)[:, None]
@@ -63,7 +64,9 @@ def coverage(friction: float, samples: int, seed: int) -> Row:
 
 
 def possible_wrenches(friction: float, samples: int, seed: int) -> Array:
-    """Wrenches (fx, fy, tau/d) (samples, 3): sums of random forces inside both cones."""
+    """Feasible wrenches (samples, 3), fx, fy and tau/d: sums of random forces inside
+    both cones.
+    """
     edges = [
         (x, y, px * y - py * x)
         for (px, py), normal in (((-1.0, 0.0), (1.0, 0.0)), ((0.0, 1.0), (0.0, -1.0)))
@@ -75,11 +78,12 @@ def possible_wrenches(friction: float, samples: int, seed: int) -> Array:
 
 
 def turning_centers(friction: float, samples: int, seed: int) -> Row:
-    """ICRs of random possible wrenches, compared with section 6 and the paper.
+    """ICRs of random feasible wrenches, compared with section 6 and the paper.
 
-    ``outside``: centres not in the region of their direction of turning; ``closest`` to
-    the CoM; ``radius``, ``near`` and ``far`` by section 6; ``d_min`` and ``d_max`` by
-    the paper; all in K.
+    ``outside`` is the number of centres outside the region for their direction of
+    turning, ``closest`` the smallest distance from the CoM. ``radius``, ``near`` and
+    ``far`` are those of section 6, ``d_min`` and ``d_max`` those of the paper. All
+    distances are in units of K.
     """
     outside = 0
     closest = math.inf
@@ -103,7 +107,7 @@ def turning_centers(friction: float, samples: int, seed: int) -> Row:
 
 
 def figure(friction: float, seed: int) -> Figure:
-    """Figure of the wrenches possible for a force of 1 N in any direction, and of the
+    """Figure of the feasible wrenches for a force of 1 N in any direction, and of the
     ICRs.
     """
     import matplotlib as mpl

@@ -1,7 +1,7 @@
-"""One push of a box by a ball, in several engines: the wall time per simulated second.
+"""One push of a box by a ball in several engines: the wall time per simulated second.
 
-The ball goes straight at a given velocity, off the centre of the face. The batches run
-many of these pushes at once; their time is that of one of them.
+The ball moves straight at a given velocity, off the centre of the face. Batches run
+many of these pushes at once, and their time is given per push.
 """
 
 from __future__ import annotations
@@ -82,13 +82,13 @@ def engines() -> list[Row]:
 
 
 def _rho() -> float:
-    """Radius of the ellipsoid [m] of the box on its base."""
+    """Rho [m] of the ellipsoid of the box on its base."""
     length, width, _ = SIZE
     return rho_fit(rectangle_pressure(length, width, MASS * GRAVITY, (0.0, 0.0), 4))
 
 
 def _stepped(step: Callable[[State], State], state: State) -> tuple[float, State]:
-    """Time [s] of all steps from a state, and the state after them."""
+    """Time [s] of all steps from a state, and the final state."""
     step(state)  # compiled at the first use
     began = perf_counter()
     for _ in range(STEPS):

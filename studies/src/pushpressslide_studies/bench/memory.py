@@ -1,7 +1,8 @@
-"""A run in Drake with other memory allocators, which take a quarter of its physics
-time.
+"""A run in Drake with other memory allocators. Memory allocation takes a quarter of the
+physics time.
 
-The dynamic linker loads each before the C library's own, in a separate process.
+In a separate process, the dynamic linker loads each allocator before that of the C
+library.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ ALLOCATORS = ("jemalloc", "mimalloc")
 
 def memory() -> list[Row]:
     """A row for each memory allocator: the wall time of a shipped task's run, and its
-    ratio to that with the C library's allocator in the same round.
+    ratio to the time with the C library's allocator in the same round.
     """
     own: list[Record] = []
     others: dict[str, list[Record]] = {name: [] for name in ALLOCATORS}
@@ -46,7 +47,9 @@ def memory() -> list[Row]:
 
 
 def _row(name: str, records: Sequence[Record], own: Sequence[Record]) -> Row:
-    """Row of a memory allocator. The object's final pose is the same with all."""
+    """Row of a memory allocator. The object's final pose is the same with all
+    allocators.
+    """
     x, y, _ = records[0].arrays["object_pose"][-1]
     pairs = zip(records, own, strict=True)
     return {

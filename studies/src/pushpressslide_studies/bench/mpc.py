@@ -1,13 +1,14 @@
 """The rear push's control tick compared with model-predictive control of the same push.
 
-All share one plant: a quasi-static object on an ellipsoidal limit surface, pushed by a
-point with a given velocity, which sticks, slips or leaves it. Each controller receives
-the object's pose, and returns the pusher's velocity. The predictive ones solve for the
-contact forces over a horizon: by IPOPT until it converges, warm-started from the
-previous solution, or by one step of Gauss-Newton with HPIPM in the same time (Diehl,
-Bock and Schloeder, "A real-time iteration scheme for nonlinear optimization in optimal
-feedback control", SIAM J. Control Optim. 43, 2005). Model of contact forces: Hogan and
-Rodriguez, "Feedback control of the pusher-slider system", WAFR 2016.
+All controllers share one plant: a quasi-static object on an ellipsoidal limit surface,
+pushed by a point with a given velocity, which sticks, slips or leaves the object. Each
+controller receives the object's pose and returns the pusher's velocity. The predictive
+controllers solve for the contact forces over a horizon: by IPOPT until convergence,
+warm-started from the previous solution, or by a single Gauss-Newton step with HPIPM
+(Diehl, Bock and Schloeder, "A real-time iteration scheme for nonlinear optimization in
+optimal feedback control", SIAM J. Control Optim. 43, 2005). The model of the contact
+forces is that of Hogan and Rodriguez, "Feedback control of the pusher-slider system",
+WAFR 2016.
 """
 
 from __future__ import annotations
@@ -47,8 +48,8 @@ OFF = 0.25  # of rho and friction, that the plant differs from what is believed
 ABSENT = not_installed("pushpressslide-studies[bench]")
 
 Controller = Callable[[Pose2, float], Point | None]
-"""From X_WB and the way [m] that the reference has done to the pusher's velocity [m/s] in
-B; None at the end.
+"""Function from X_WB and the reference's path length so far [m] to the pusher's
+velocity [m/s] in B. It returns None at the end.
 """
 Kind = Literal["ipopt", "real_time"]
 
@@ -85,7 +86,9 @@ class Push:
         return self.segment.contacts[0].normal
 
     def body_pose(self, s: float) -> Pose2:
-        """X_WB at ``s`` [m] of the path, extended straight beyond its end."""
+        """X_WB at the path length ``s`` [m]. The path is extended straight beyond its
+        end.
+        """
         path: MotionPath = self.segment.path
         end = min(s, path.length)
         pose = path.pose(end).compose(Pose2(s - end, 0.0, 0.0))
@@ -149,8 +152,8 @@ def _compared(what: str, push: Push, world: World) -> list[Row]:
 def _push(name: str) -> Push:
     """Push of a shipped task along the support.
 
-    The plant is planar, so the contact's height does not displace the virtual axle,
-    unlike in the task's own plan.
+    The plant is planar. Unlike in the task's own plan, the height of the contact
+    therefore does not displace the virtual axle.
     """
     from pushpressslide.selection.solve import plan
     from pushpressslide.taskfile.load import load_task
@@ -196,7 +199,7 @@ def controlled(push: Push, world: World, control: Controller) -> Closed:
 
 
 def closed_form(push: Push) -> Controller:
-    """Tracking law and allocator as they run in a controller."""
+    """Controller with the closed-form tracking law and allocator of a run."""
     from pushpressslide.modes import MODES
 
     segment = push.segment
@@ -231,8 +234,8 @@ def predictive(push: Push, kind: Kind) -> Controller:
 
 
 class _Horizon:
-    """The optimal-control problem over one horizon: states (x, y, yaw) and forces
-    (normal, tangential) in turn.
+    """The optimal-control problem over one horizon, with alternating states (x, y, yaw)
+    and forces (normal, tangential).
     """
 
     def __init__(self, push: Push, kind: Kind) -> None:
@@ -276,8 +279,9 @@ class _Horizon:
         return state + STEP * self._rate(ca, half, force)
 
     def _rate(self, ca: Any, state: Any, force: Any) -> Any:
-        """Rate of a state under a contact force, scaled so that a force's size is the
-        velocity it causes.
+        """Rate of a state under a contact force.
+
+        Forces are scaled so that their size is the velocity that they cause.
         """
         nx, ny = self.push.normal
         cx, cy = self.push.contact
@@ -322,7 +326,7 @@ class _Horizon:
 
 
 def _solver(ca: Any, program: dict[str, Any], kind: Kind) -> Any:
-    """CasADi's solver of a program."""
+    """CasADi's solver for a program."""
     quiet = {"print_time": False}
     if kind == "ipopt":
         options = {

@@ -18,8 +18,8 @@ HEAD = 0.75  # [inch] for a panel's title and axis
 
 
 def ratios(benchmarks: Mapping[str, Sequence[Row]]) -> Figure | None:
-    """A panel of bars for each benchmark with ratios of times to its first contestant.
-    None if no benchmark has any.
+    """A panel of bars for each benchmark that has ratios of times to its first
+    contestant. None if no benchmark has any.
     """
     shown = {
         name: [row for row in rows if row.get("ratio") is not None]
@@ -43,7 +43,7 @@ def ratios(benchmarks: Mapping[str, Sequence[Row]]) -> Figure | None:
 
 
 def _bars(axes: Axes, name: str, rows: Sequence[Row]) -> None:
-    """Draw the ratios of one benchmark, the first contestant on top."""
+    """Draw the ratios of one benchmark, with the first contestant on top."""
     values = [row["ratio"] for row in rows]
     names = [f"{row['what']}{_rows(row)}" for row in rows]
     places = range(len(rows))
@@ -62,7 +62,7 @@ def _bars(axes: Axes, name: str, rows: Sequence[Row]) -> None:
 
 
 def _rows(row: Row) -> str:
-    """Text on the number of data rows of a figure, if stated."""
+    """Text on the number of data rows behind a figure, if it is stated."""
     return f", {row['rows']:,}" if "rows" in row else ""
 
 

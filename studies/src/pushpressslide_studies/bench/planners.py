@@ -1,9 +1,9 @@
-"""Planning a push past a post: the search over pushes compared with OMPL's planners.
+"""Planning of pushes past a post: the search over pushes compared with OMPL's planners.
 
-A box must go to the other side of a post by pushes from behind. OMPL's planners search
-for one push of one face, in its space of Dubins curves, with the turning radius of the
-face's car. The search here may also let go and push another face. Both keep the same
-footprint off the same post. Neither plans joint paths.
+A box must be pushed from behind to the other side of a post. OMPL's planners search for
+a single push on one face, in OMPL's space of Dubins curves, with the turning radius of
+the face's car. The search of this package may also let go and push another face. Both
+keep the same footprint clear of the same post. Neither plans joint paths.
 """
 
 from __future__ import annotations
@@ -57,8 +57,9 @@ class PlannerResult(NamedTuple):
 
 
 def planners(seed: int) -> list[Row]:
-    """A row for each planner: solved problems, the planning time [s], the medians of
-    the plans' path lengths [m], times [s] and pushes, and the checked poses.
+    """A row for each planner: the number of solved problems, the planning time [s], the
+    medians of the plans' path lengths [m], times [s] and numbers of pushes, and the
+    number of checked poses.
     """
     tasks = list(problems(seed))
     rows = [_row(OURS, [ours(task) for task in tasks])]
@@ -108,7 +109,7 @@ def _problem(base: Task, rng: np.random.Generator) -> Task:
 
 
 def ours(task: Task) -> PlannerResult:
-    """Time of the search for a task, and its result."""
+    """Result of this package's search for a task, with its time."""
     began = perf_counter()
     try:
         plan = solve(PlansAlone(), task, 1).plan
@@ -122,8 +123,9 @@ def ours(task: Task) -> PlannerResult:
 
 
 def _with_ompl(name: str, task: Task) -> PlannerResult:
-    """Time of an OMPL planner, and its result. The face is the one that would have the
-    shortest push path if there were no post.
+    """Result of an OMPL planner, with its time.
+
+    The face is the one with the shortest push path if there were no post.
     """
     from ompl import base as ob
     from ompl import geometric as og
@@ -158,7 +160,7 @@ def _unhindered(task: Task) -> Segment:
 
 
 def _bounds(ob: Any, ends: Sequence[Pose2]) -> Any:
-    """Region of the axle searched by OMPL."""
+    """Region that OMPL searches for the axle."""
     bounds = ob.RealVectorBounds(2)
     for axis, values in enumerate(zip(*(X.position for X in ends), strict=True)):
         bounds.setLow(axis, min(values) - ROOM)
@@ -175,8 +177,8 @@ def _state(space: Any, X: Pose2) -> Any:
 
 
 class _Free:
-    """Whether the footprint is free for a position of the axle, with a count of the
-    checks.
+    """Check whether the footprint is free for a position of the axle. It counts its
+    calls.
     """
 
     def __init__(self, space: FreeSpace, task: Task, drive: RearSteerDrive) -> None:
@@ -210,5 +212,5 @@ def _row(what: str, results: Sequence[PlannerResult]) -> Row:
 
 
 def _middle(values: Sequence[float]) -> float | None:
-    """Median of some values, or None if there are none."""
+    """Median of some values. None if there are none."""
     return float(np.median(values)) if values else None

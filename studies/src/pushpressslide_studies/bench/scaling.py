@@ -1,5 +1,5 @@
-"""Growth of the cost of a law, a tick and a plan with problem size, measured and stated
-as the exponent of a power law.
+"""Growth of the cost of a law, a tick and a plan with problem size, stated as the
+exponent of a power law.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ LEGS = (1, 2, 4, 8)
 REPEATS = 300  # of what takes microseconds
 
 Sized = Callable[[int | float], Callable[[], object]]
-"""From a size to what is timed."""
+"""Function from a size to the function that is timed."""
 
 
 def scaling(seed: int) -> list[Row]:
@@ -65,7 +65,7 @@ def exponent(spent: Mapping[int | float, float]) -> float:
 
 
 def _median(run: Callable[[], object], repeats: int) -> float:
-    """Median time [s] of a call, after an uncounted first one."""
+    """Median time [s] of a call. The first call is not counted."""
     run()
     return statistics.median(times([(run, ())] * max(ROUNDS, repeats)))
 
@@ -116,7 +116,7 @@ def _task() -> Task:
 
 
 def _selection(corners: int | float) -> Callable[[], object]:
-    """Selection for an object with this number of faces."""
+    """Selection for an object with the given number of faces."""
     from pushpressslide.selection.select import select
 
     turns = [2.0 * math.pi * i / corners for i in range(int(corners))]
@@ -144,7 +144,7 @@ def _free_space_search(posts: int | float) -> Callable[[], object]:
 
 
 def _legs(count: int | float) -> Callable[[], object]:
-    """Planning of this number of legs, each a press slide, without joint paths."""
+    """Planning of the given number of legs, each a press slide, without joint paths."""
     from pushpressslide.selection.solve import plan
     from pushpressslide.taskfile.load import load_task
 
@@ -156,7 +156,7 @@ def _legs(count: int | float) -> Callable[[], object]:
 
 
 def figure(rows: Sequence[Row]) -> Figure:
-    """Figure of the times over the sizes, one panel for each problem."""
+    """Figure of the times over the sizes, with one panel per problem."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
@@ -183,7 +183,7 @@ def figure(rows: Sequence[Row]) -> Figure:
 
 
 def _decades(values: Sequence[float]) -> tuple[float, float]:
-    """Powers of ten below and above all of some values."""
+    """Powers of ten below and above all values."""
     low = math.floor(math.log10(min(values)))
     high = math.ceil(math.log10(max(values)))
     return 10.0**low, 10.0 ** max(high, low + 1)

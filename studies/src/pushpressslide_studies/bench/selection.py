@@ -1,6 +1,6 @@
-"""Whether the mode that selection ranks first is the fastest one.
+"""Comparison of the selection's ranking with the results of all feasible modes.
 
-On twenty tasks of different kinds every feasible mode is run on the planar engine.
+On twenty tasks of different kinds, every feasible mode is run on the planar engine.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def _regular(corners: int, radius: float, height: float) -> Prism:
 
 
 class Case(NamedTuple):
-    """One task of the study: lengths in m, yaws in degrees."""
+    """One task of the study. Lengths are in [m], yaws in [deg]."""
 
     name: str
     robots: tuple[Robot, ...]
@@ -269,10 +269,10 @@ CASES = (
 
 
 def study(cases: Sequence[Case] = CASES) -> list[Row]:
-    """A row for each case with selection's ranking of the modes, and their results.
+    """A row for each case, with the selection's ranking of the modes and their results.
 
-    Each row has the processor time [ms] of selection, the mode that selection ranks
-    first and the mode that reached the goal first. For the best choice of every
+    Each row has the processor time [ms] of the selection, the mode that is ranked
+    first, and the mode that reached the goal first. For the best choice of every
     feasible mode it has the estimated and the true time [s].
     """
     # what is read once is not counted

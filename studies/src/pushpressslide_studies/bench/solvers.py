@@ -1,7 +1,8 @@
-"""Allocation problems in the form of solvers, to check and compare the closed forms.
+"""Allocation problems in the form that solvers require, to check the closed forms and
+to compare them.
 
-Needs the extra ``bench``: DAQP for the friction cones of side contacts, Clarabel for
-the discs of presses. Never in a control loop.
+The module needs the extra ``bench``: DAQP for the friction cones of side contacts,
+Clarabel for the discs of presses. It is never used in a control loop.
 """
 
 from __future__ import annotations
@@ -17,24 +18,28 @@ from pushpressslide.core.pose import Point
 from pushpressslide.mechanics.friction import cone_edges
 
 PushSolver = Callable[[Array], Array | None]
-"""A wrench (3,) [N, N m] to two forces (4,) [N] inside their cones; None where there
-are none.
+"""Function from a wrench (3,) [N, N m] to two forces (4,) [N] inside their cones. It
+returns None if there are none.
 """
 PressSolver = Callable[[Array, Array], Array | None]
-"""The same for presses, with their two normal forces (2,) [N]."""
+"""Function from a wrench (3,) [N, N m] and two normal forces (2,) [N] to two forces
+(4,) [N] inside their discs. It returns None if there are none.
+"""
 
 
 def grasp_matrix(points: Sequence[Point], about: Point = (0.0, 0.0)) -> Array:
-    """G (3, 4): G f is the wrench of forces f at two points [m].
+    """Matrix G (3, 4): G f is the wrench of forces f at two points [m].
 
-    The moment is about ``about`` [m].
+    The moment is about the point ``about`` [m].
     """
     (x1, y1), (x2, y2) = ((x - about[0], y - about[1]) for x, y in points)
     return np.array([[1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0], [-y1, x1, -y2, x2]])
 
 
 def cone_matrix(normals: Sequence[Point], friction: float) -> Array:
-    """C (4, 4): C f >= 0 holds if both forces are inside their friction cones."""
+    """Matrix C (4, 4): C f >= 0 if and only if both forces are inside their friction
+    cones.
+    """
     rows = np.zeros((4, 4))
     for i, normal in enumerate(normals):
         right, left = cone_edges(normal, friction)
@@ -44,7 +49,7 @@ def cone_matrix(normals: Sequence[Point], friction: float) -> Array:
 
 
 def edge_matrix(normals: Sequence[Point], friction: float) -> Array:
-    """E (4, 4): the forces E k, k >= 0, are those inside both cones.
+    """Matrix E (4, 4): the forces inside both cones are E k with k >= 0.
 
     k [N] are normal forces.
     """
@@ -59,10 +64,10 @@ def edge_matrix(normals: Sequence[Point], friction: float) -> Array:
 def push_cost(
     points: Sequence[Point], normals: Sequence[Point], split: Split = "least_friction"
 ) -> Array:
-    """H (4, 4): f^T H f is the cost that ``split`` minimises.
+    """Matrix H (4, 4): f^T H f is the cost that ``split`` minimises.
 
-    It includes a constant for a given wrench. The constant's G^T G makes H positive
-    definite and shifts no minimum.
+    H includes a term G^T G, which is constant for a given wrench. It makes H positive
+    definite without shifting a minimum.
     """
     if split == "least_force":
         return np.eye(4)
@@ -82,10 +87,10 @@ def daqp_pushes(
     reuse: bool = False,
     **settings: float,
 ) -> PushSolver:
-    """DAQP on the problem of ``two_contact_allocator``.
+    """Solver of the problem of ``two_contact_allocator`` by DAQP.
 
-    ``reuse``: one workspace, in which a call changes only the bounds. ``settings`` are
-    DAQP's own.
+    With ``reuse`` there is one workspace, in which a call changes only the bounds.
+    ``settings`` are those of DAQP.
     """
     import daqp
 
@@ -115,7 +120,7 @@ def daqp_pushes(
 
 
 def _quiet(**settings: float) -> Any:
-    """Clarabel's options with some changed, without printing."""
+    """Clarabel's options with some changes, and without printing."""
     import clarabel
 
     options = clarabel.DefaultSettings()
@@ -137,8 +142,9 @@ def clarabel_conic(
     """The x that minimises ``linear`` x, by Clarabel. None if the problem has no
     solution.
 
-    offsets - rows x lie in the cones. The rows are, in this order, ``equal`` zeros,
-    ``at_least`` numbers >= 0 and ``cones`` second-order cones of size 3.
+    The vector offsets - rows x must lie in the cones. The rows are, in this order,
+    ``equal`` zeros, ``at_least`` numbers >= 0 and ``cones`` second-order cones of size
+    3.
     """
     import clarabel
     from scipy.sparse import csc_matrix
@@ -158,12 +164,11 @@ def clarabel_conic(
 def clarabel_presses(
     points: Sequence[Point], friction: float, *, reuse: bool = False
 ) -> PressSolver:
-    """Clarabel on the problem of ``two_press_allocator``.
+    """Solver of the problem of ``two_press_allocator`` by Clarabel.
 
     It minimises the sum of squared forces inside the discs; moments are about B's
-    origin.
-
-    ``reuse``: one solver, in which a call changes only the right-hand side.
+    origin. With ``reuse`` there is one solver, in which a call changes only the
+    right-hand side.
     """
     import clarabel
     from scipy.sparse import csc_matrix

@@ -1,9 +1,9 @@
 """Sticking of a flat finger: the prediction compared with pushes on the planar engine
 (studies/docs/stable-push.md).
 
-The finger's ends are two compliant tips that follow its motion. Each tick the engine
-finds the object's twist on the exact limit surface. The springs extend by the object's
-lag. If the object's motion converges to the finger's, the finger sticks.
+The finger's ends are two compliant tips that follow its motion. In each tick the engine
+computes the object's twist on the exact limit surface, and the springs extend by the
+object's lag. If the object's motion converges to that of the finger, the finger sticks.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Case:
 
     def relative(self, moving: Twist) -> float:
         """Motion of the object relative to the finger, divided by the finger's speed. A
-        rotation counts as motion of the object's rim.
+        rotation counts as the motion that it causes at the object's rim.
         """
         wanted = self.twist.moved_to(moving.point)
         drift = math.hypot(moving.vx - wanted.vx, moving.vy - wanted.vy)
@@ -62,7 +62,7 @@ class Case:
         )
 
     def by_ellipsoid(self) -> LinePush:
-        """Prediction on the ellipsoid nearest to it, without the height effect."""
+        """Prediction on the nearest ellipsoid, without the effect of the height."""
         rho = rho_fit(self.pressure(ORIGIN))
         surface = EllipsoidLimitSurface(self.support_friction, rho)
         return self.finger.hold(surface.wrench(self.twist))
@@ -88,7 +88,9 @@ def random_case(rng: random.Random) -> Case:
 
 
 class _Tip:
-    """One end of the finger: a spring that follows it, with friction on the face."""
+    """One end of the finger: a spring that follows the finger, with friction on the
+    face.
+    """
 
     def __init__(self, case: Case, point: Point, stiffness: float) -> None:
         moved = case.twist.moved_to(point)
@@ -104,7 +106,9 @@ class _Tip:
         return (nx * v[0] + ny * v[1], nx * v[1] - ny * v[0])
 
     def contact(self, cop: Point, side: float) -> SideContact:
-        """Contact of a tick. ``side`` [N] is its friction in the previous tick."""
+        """Contact in a tick. ``side`` [N] is the contact's friction force in the
+        previous tick.
+        """
         k = self._stiffness
         force = (self._normal_spring + k * self._ahead[0], side + k * self._ahead[1])
         place = (self._point[0] - cop[0], self._point[1] - cop[1])
@@ -112,7 +116,7 @@ class _Tip:
         return SideContact(place, place, law, self._friction)
 
     def take(self, twist: Twist) -> None:
-        """Extend the spring by the lag of an object with ``twist``."""
+        """Extend the spring by the lag of an object that moves with ``twist``."""
         at = twist.moved_to(self._point)
         behind = self._in_axes((at.vx, at.vy))
         self._normal_spring += self._stiffness * (self._ahead[0] - behind[0])
@@ -123,7 +127,7 @@ class _Tip:
 
 
 def sticks_on_the_engine(case: Case) -> bool:
-    """Whether the object's motion converges to the finger's."""
+    """Whether the object's motion converges to that of the finger."""
     mu = case.support_friction
     tips = [
         _Tip(case, p, 4.0 * mu / SPEED) for p in (case.finger.start, case.finger.end)
@@ -154,8 +158,7 @@ def sticks_on_the_engine(case: Case) -> bool:
 def scores(cases: int, seed: int) -> list[dict[str, object]]:
     """Share of correct predictions, for the exact surface and the ellipsoid.
 
-    ``near`` is the largest distance of a wrong one to its limit, of friction
-    utilisation or of the resultant's position.
+    ``near`` is the largest ``distance`` of a wrongly predicted push.
     """
     rng = random.Random(seed)
     rows: dict[str, list[tuple[bool, LinePush]]] = {"exact": [], "ellipsoid": []}
@@ -186,5 +189,9 @@ def _score(model: str, pushes: list[tuple[bool, LinePush]]) -> dict[str, object]
 
 
 def distance(push: LinePush) -> float:
-    """Distance of a push from its nearer limit."""
+    """Distance of a push from the nearer of its two limits.
+
+    The friction utilisation and the magnitude of the resultant's position are both
+    limited to 1.
+    """
     return min(abs(push.friction_utilisation - 1.0), abs(abs(push.center) - 1.0))

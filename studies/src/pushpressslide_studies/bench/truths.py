@@ -1,5 +1,5 @@
-"""Samples of one planned push from behind: on arrays, and each by the run loop on the
-planar engine.
+"""Samples of one planned push from behind: together on arrays, and one by one in the
+run loop on the planar engine.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ ROUNDS = 3
 
 def truths(seed: int) -> list[Row]:
     """A row for each method: the time of a sample, its ratio to the compiled batch, and
-    the seconds for ``SAMPLES`` of them.
+    the time [s] for ``SAMPLES`` of them.
 
-    The time includes drawing the samples, but not the one planning.
+    The time includes drawing the samples, but not planning, which is done once.
     """
     from pushpressslide.jobs.batched import planned
     from pushpressslide.taskfile.load import load_task
@@ -48,7 +48,7 @@ def truths(seed: int) -> list[Row]:
 
 
 def _batch(plan: Plan, task: Task, seed: int, count: int | None = None) -> float:
-    """Time of a sample [s]."""
+    """Time [s] per sample."""
     from pushpressslide.jobs.batched import batched, drawn_truths
 
     count = count or SAMPLES

@@ -1,5 +1,5 @@
-"""A whole run in Drake compared with the same simulation with its torques played back,
-and the times of its ticks.
+"""A whole run in Drake compared with a simulation that plays back the run's torques,
+and the times of the run's ticks.
 """
 
 from __future__ import annotations
@@ -24,8 +24,10 @@ ROUNDS = 5
 
 
 def runs() -> list[Row]:
-    """A row for each shipped task: its ticks inside a run, its plan, and the ratio of
-    the run's wall time to a playback of its torques. Best of five rounds of both.
+    """A row for each shipped task: the time of a tick in a run, the time of planning,
+    and the ratio of the run's wall time to a playback of its torques.
+
+    Both are the best of five rounds.
     """
     return [_row(name) for name in TASKS]
 

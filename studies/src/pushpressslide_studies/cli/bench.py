@@ -1,4 +1,4 @@
-"""Command for the benchmarks: bench."""
+"""The command bench, which runs the benchmarks."""
 
 from __future__ import annotations
 

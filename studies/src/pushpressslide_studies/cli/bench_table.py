@@ -67,7 +67,7 @@ def print_benchmarks(benchmarks: Mapping[str, Sequence[Mapping[str, Any]]]) -> N
 
 
 def _shows(value: object) -> bool:
-    """Whether a table shows a value: it is neither empty nor itself a table."""
+    """Whether a table shows a value: one that is neither empty nor itself a table."""
     return value not in (None, "") and not isinstance(value, Mapping)
 
 

@@ -24,7 +24,7 @@ BENCHMARKS = (
     "start",
     "scaling",
 )
-"""Names of ``bench.bench.BENCHMARKS``, which is slow to import."""
+"""Names of the benchmarks in ``bench.bench.BENCHMARKS``, which is slow to import."""
 
 EXPERIMENTS = (
     "rear-push",
@@ -37,14 +37,14 @@ EXPERIMENTS = (
     "press-fit",
     "virtual-axle",
 )
-"""Names of ``paper.experiments``, which is slow to import."""
+"""Names of the experiments in ``paper.experiments``, which is slow to import."""
 
 
 def benchmarks(incomplete: str) -> list[str]:
-    """Benchmarks whose names begin with the text."""
+    """Benchmarks whose names begin with ``incomplete``."""
     return begun(BENCHMARKS, incomplete)
 
 
 def experiments(incomplete: str) -> list[str]:
-    """Experiments of the paper whose names begin with the text."""
+    """Experiments of the paper whose names begin with ``incomplete``."""
     return begun(EXPERIMENTS, incomplete)

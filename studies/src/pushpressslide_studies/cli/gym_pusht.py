@@ -1,4 +1,4 @@
-"""Command for the benchmark push-T: gym-pusht."""
+"""The command gym-pusht, which plays the benchmark push-T."""
 
 from __future__ import annotations
 

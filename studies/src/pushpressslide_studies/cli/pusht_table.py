@@ -1,4 +1,4 @@
-"""Table of ``pps gym-pusht``: our figures and published ones."""
+"""Table of ``pps gym-pusht``: our figures and published figures."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ NOTES = (
 
 
 def print_figures(figures: Figures) -> None:
-    """Print our row, the published ones, and the failed episodes."""
+    """Print our row, the published rows, and the failed episodes."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     table.add_column("policy", no_wrap=True)
     for column in COLUMNS:

@@ -1,4 +1,4 @@
-"""Command for the paper's experiments: reproduce."""
+"""The command reproduce, which runs the paper's experiments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Claims of the paper on the virtual axle, evaluated by the measured axles."""
+"""Claims of the paper about the virtual axle, evaluated with the measured axles."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SEEN_C = 0.43
 
 
 def axle_claims(result: Result) -> list[Claim]:
-    """Evaluate the claims by the rows of the paper's press at its height."""
+    """Claims evaluated with the measurements at the height of the paper's press."""
     rows = [row for row in result["rows"] if row["measured"] is not None]
     high = max((row["height"] for row in rows), default=0.0)
     ours = [row for row in rows if row["height"] == high]
@@ -26,7 +26,9 @@ def axle_claims(result: Result) -> list[Claim]:
 
 
 def _places(result: Result, rows: Sequence[Result], height: float) -> list[Claim]:
-    """Evaluate the axle's position, at the forces that pull most and push most."""
+    """Claims about the axle's position, evaluated at the forces that pull most and push
+    most.
+    """
     pulled = min(rows, key=lambda row: row["angle"])
     pushed = max(rows, key=lambda row: row["angle"])
     axles = (pulled["measured"], pushed["measured"])
@@ -78,8 +80,8 @@ def _c_of(axle: float, shift: float) -> float:
 
 
 def _steadiness(rows: Sequence[Result]) -> list[Claim]:
-    """Evaluate whether the axle moves over time, with the force, and off its
-    prediction.
+    """Claims on whether the axle moves over time or with the force, and whether it
+    agrees with its prediction.
     """
     bands = [row["measured_axle_band"] for row in rows]
     band = max(high - low for low, high in bands)

@@ -1,4 +1,4 @@
-"""Figure of the virtual axle over the force's direction."""
+"""Figure of the virtual axle over the direction of the force."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 
 
 def directions_figure(result: Mapping[str, Any]) -> Figure:
-    """Axle over the force's angle.
+    """Figure of the axle over the force's angle.
 
-    One panel for each height (row) and press (column). ``result`` is that of the
-    virtual-axle study.
+    There is one panel for each height (row) and press (column). ``result`` is that of
+    the virtual-axle study.
     """
     import matplotlib as mpl
     from matplotlib.figure import Figure

@@ -1,4 +1,6 @@
-"""Page of the virtual-axle experiment: measured, predicted, and the paper's."""
+"""Page of the virtual-axle experiment: measured and predicted axles, and those of the
+paper.
+"""
 
 from __future__ import annotations
 
@@ -57,12 +59,14 @@ def write_virtual_axle(result: Mapping[str, Any], out: Path) -> Path:
 def page_body(result: Mapping[str, Any], png: bytes, heading: str) -> str:
     """Verdict, figure ``png`` and tables as HTML.
 
-    ``heading`` is the tag of their headings.
+    ``heading`` is the HTML tag of their headings.
     """
     tolerance = 1e3 * result["tolerance"]
 
     def error_class(row: Sequence[str]) -> str:
-        """CSS class of a probe's prediction error [mm]. Empty if not run."""
+        """CSS class for a probe's prediction error [mm]. Empty if the probe was not
+        run.
+        """
         if not row[4]:
             return ""
         return "ok" if abs(float(row[4])) <= tolerance else "no"
@@ -149,12 +153,12 @@ def _mm(value: float) -> str:
 
 
 def _error(row: Mapping[str, Any], key: str) -> str:
-    """Measured minus expected [mm]; no minus sign before a zero."""
+    """Measured minus expected value [mm] as text, without a minus sign before zero."""
     return f"{round(1e3 * (row['measured'] - row[key]), 1) + 0.0:+.1f}"
 
 
 def _probe_rows(result: Mapping[str, Any]) -> Iterator[tuple[str, list[str]]]:
-    """Yield the cells of every probe with the title of its group.
+    """Yield the title of each probe's group and the probe's cells.
 
     A group is one height and one press.
     """
@@ -202,7 +206,7 @@ def _with_unit(value: float | None, form: str, unit: str) -> str:
 
 
 def _check_rows(result: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
-    """The repeated probes, each below the table's probe that it varies."""
+    """The repeated probes, each below the probe of the table that it varies."""
     probes = {
         (row["angle"], row["load"], row["height"], row["variant"]): row
         for row in (*result["rows"], *result["checks"])
@@ -251,9 +255,8 @@ def _html(
 ) -> str:
     """Rows of (title of the group, cells) as an HTML table.
 
-    The last ``numbers`` columns are right-aligned.
-
-    ``css_class`` gives the class of a row's fifth cell.
+    The last ``numbers`` columns are right-aligned. ``css_class`` returns the class of a
+    row's fifth cell.
     """
     lines = []
     marks = []

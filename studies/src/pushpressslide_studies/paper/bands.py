@@ -1,6 +1,7 @@
 """Rules by which a figure or a statement of the paper counts as reproduced.
 
-The rules were written from the paper's text. None depends on the result of a run.
+The rules were written from the paper's text, and do not depend on the result of any
+run.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ PERIOD = 4e-3  # [s] of the control loop
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """Rule by which one kind of claim counts as reproduced."""
+    """Rule by which claims of one kind count as reproduced."""
 
     kind: str
     asked: str  # what has to hold
@@ -65,15 +66,15 @@ RULES: tuple[Rule, ...] = (
 
 
 def near(measured: float, printed: float) -> bool:
-    """Whether a measured value is within the band of a printed one."""
+    """Whether a measured value is within the band around a printed value."""
     return abs(measured - printed) <= SHARE * abs(printed)
 
 
 def reproduced(figure: PaperFigure, key: str, result: Result) -> bool:
     """Whether a run reproduced a figure of the paper.
 
-    A run that missed its goal reproduces none. The exception is a lower bound on the
-    time, if the time limit ended the run.
+    A run that missed its goal reproduces no figure. The only exception is a lower bound
+    on the time, if the time limit ended the run.
     """
     measured = result[key]
     if measured is None:

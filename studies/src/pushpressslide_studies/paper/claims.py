@@ -1,7 +1,8 @@
 """Claims of the paper on its experiments, and whether the runs reproduced them.
 
-Every error and time that the paper gives, and every statement of its experiments, is
-evaluated by the rules of ``bands``. Its derivations are evaluated in ``corrections``.
+All errors and times that the paper states, and all statements about its experiments,
+are evaluated by the rules of ``bands``. The paper's derivations are evaluated in
+``corrections``.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ TIGHTER = 0.095 / 0.085  # gains of the paper's run with the term
 
 @dataclass(frozen=True, slots=True)
 class Runs:
-    """Runs that bear on one claim, each motion once."""
+    """Runs relevant to one claim. Each motion is counted once."""
 
     variants: tuple[Variant, ...]
     results: tuple[Result, ...]
@@ -61,7 +62,7 @@ class Runs:
 
 
 def claims(experiments: Sequence[Experiment], evidence: Evidence) -> list[Claim]:
-    """Claims on the given experiments and the virtual axle, evaluated."""
+    """Evaluated claims about the given experiments and the virtual axle."""
     out: list[Claim] = []
     for experiment in experiments:
         if experiment.ours:
@@ -101,7 +102,7 @@ def runs_of(
 
 
 def _is_repeated(outcome: Outcome, digests: set[str]) -> bool:
-    """Whether another run had the same motion. Records this one's motion."""
+    """Whether another run had the same motion. Also records the motion of this run."""
     if outcome.digest in digests:
         return True
     if outcome.digest:
@@ -110,9 +111,9 @@ def _is_repeated(outcome: Outcome, digests: set[str]) -> bool:
 
 
 def _figures(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
-    """Evaluate the figures of an experiment, each kind as one claim.
+    """Yield the claims about an experiment's figures, one for each kind of figure.
 
-    Variants with the same figures are one claim, and each of them must reproduce it.
+    Variants with the same figures form one claim, which each of them must reproduce.
     """
     for what, keys in KINDS:
         alike: dict[tuple[PaperFigure, ...], list[Variant]] = {}
@@ -131,7 +132,7 @@ def _figure(
     keys: Sequence[str],
     evidence: Evidence,
 ) -> Claim:
-    """Evaluate one kind of figure, which all of the variants must reproduce."""
+    """Claim about one kind of figure, which all variants must reproduce."""
     paper = variants[0].paper
     given = [key for key in keys if key in paper]
     runs = runs_of(experiment, variants, evidence)
@@ -156,9 +157,9 @@ def _claim(
     good: Callable[[Result], bool],
     shown: Callable[[Sequence[Result]], str],
 ) -> Claim:
-    """Evaluate a claim that each of some runs must show.
+    """Claim that each of some runs must confirm.
 
-    A run that could not be made does not show it.
+    A run that could not be made does not confirm it.
     """
     figure = bool(paper)
     if runs.missing or not (runs.results or runs.failures):
@@ -179,7 +180,7 @@ def _claim(
 
 
 def _ending(variant: Variant, result: Result) -> str:
-    """Reason why a run did not show the expected result, if known."""
+    """Reason why a run did not confirm the expected result, if it is known."""
     if result["success"]:
         return variant.why or f"{variant.title}: it reaches its goal"
     return f"{variant.title}: {result['reason']['text']}"
@@ -190,7 +191,7 @@ def _worst(
     keys: Sequence[str],
     paper: Mapping[str, PaperFigure],
 ) -> str:
-    """Figures that are farthest from being reproduced."""
+    """Text on the figures that are farthest from being reproduced."""
     parts = []
     for key in keys:
         about = paper[key].about if key in paper else ""
@@ -199,7 +200,9 @@ def _worst(
 
 
 def _worst_by(results: Sequence[Result], key: str, about: str) -> Result:
-    """Result with the largest figure, or with the smallest for a lower bound."""
+    """Result with the largest value of a figure, or with the smallest if the paper
+    states a lower bound.
+    """
     known = [result for result in results if result[key] is not None]
     known.sort(key=lambda result: float(result[key]))
     if not known:
@@ -208,7 +211,9 @@ def _worst_by(results: Sequence[Result], key: str, about: str) -> Result:
 
 
 def _goals(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
-    """Evaluate an experiment without figures by whether its runs reach their goals."""
+    """Yield the claims about an experiment without figures, by whether its runs reach
+    their goals.
+    """
     variants = [variant for variant in experiment.variants if not variant.paper]
     if not variants:
         return
@@ -223,13 +228,15 @@ def _goals(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
 
 
 def _settled(experiment: Experiment) -> Iterator[Claim]:
-    """Statements that none of the runs decides."""
+    """Yield the claims about statements that no run can decide."""
     for known in experiment.settled:
         yield Claim(experiment.title, known.words, "", "", known.verdict, known.why)
 
 
 def _joint_term(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
-    """Evaluate whether the joint term makes a push by force faster and tighter."""
+    """Yield the claim that the joint term makes a push by force faster and more
+    accurate.
+    """
     for key, words, gain in (
         ("motion_duration", "is faster", FASTER),
         ("rms_position_error", "keeps the box closer to its reference", TIGHTER),
@@ -254,7 +261,7 @@ def _joint_term(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
 def _pair(
     experiment: Experiment, evidence: Evidence, names: tuple[str, str]
 ) -> tuple[Result, Result] | None:
-    """Runs without and with the joint term, or None if one is missing."""
+    """Results without and with the joint term. None if one is missing."""
     alone = evidence.result(experiment.name, names[0])
     joined = evidence.result(experiment.name, names[1])
     if alone is None or joined is None:
@@ -297,8 +304,8 @@ def _figure_and_end(result: Result, key: str) -> str:
 
 
 def _fixed_target(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
-    """Evaluate the literal reading of the paper's virtual target by the paper's
-    figures.
+    """Yield the claims about the literal reading of the paper's virtual target,
+    evaluated with the paper's figures.
     """
     paper = experiment.variants[0].paper
     variants = [v for v in experiment.variants if v.name == "fixed-target"]
@@ -320,7 +327,7 @@ STATEMENTS: dict[str, Callable[[Experiment, Evidence], Iterator[Claim]]] = {
 
 
 def _real_time(results: Sequence[Result]) -> Iterator[Claim]:
-    """Evaluate whether the closed forms keep up with the control period."""
+    """Yield the claim that the closed forms keep up with the control period."""
     ticks = [r["tick_us"] for r in results if r.get("tick_us")]
     totals = [t["total"] for t in ticks if t["total"]]
     if not totals:

@@ -6,15 +6,16 @@ from dataclasses import dataclass
 from typing import Literal
 
 Rho = Literal["none", "given", "c r0", "pole", "straight", "fit", "exact surface"]
-"""Which length rho a figure rests on: none; one given for the example; the paper's own;
-of turning on the spot (``rho_pole``); near straight motion (``rho_straight``); of the
-nearest ellipsoid (``rho_fit``); or no ellipsoid, but the exact surface.
+"""Length rho on which a figure is based: none; a value given for the example; the
+paper's value; that for turning on the spot (``rho_pole``); that for nearly straight
+motion (``rho_straight``); that of the nearest ellipsoid (``rho_fit``); or no ellipsoid
+but the exact surface.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class Compared:
-    """One quantity, by the paper's text or formula and corrected."""
+    """One quantity, according to the paper's text or formula and as corrected."""
 
     what: str
     paper: float
@@ -24,7 +25,7 @@ class Compared:
     rho: Rho = "none"  # of what holds
 
     def shown(self, value: float) -> str:
-        """One of the two values, with its unit."""
+        """One of the two values as text, with its unit."""
         text = f"{value:.{self.decimals}f}"
         if self.unit in ("", "°"):
             return text + self.unit

@@ -1,7 +1,7 @@
-"""Corrections to the paper's text: its figures and the correct ones.
+"""Corrections to the paper's text: the paper's figures and the correct ones.
 
-Both are computed on request, one row for each correction of docs/mechanics.md, section
-12. Renew the page by ``python -m pushpressslide_studies.paper.corrections
+Both are computed on request, one row for each correction in docs/mechanics.md, section
+12. Renew the page with ``python -m pushpressslide_studies.paper.corrections
 studies/docs/corrections.md``.
 """
 
@@ -39,7 +39,7 @@ ROWS: tuple[Callable[[], Correction], ...] = (
 
 
 def corrections() -> tuple[Correction, ...]:
-    """All corrections, computed now."""
+    """All corrections, computed by this call."""
     return tuple(row() for row in ROWS)
 
 
@@ -62,12 +62,12 @@ def html(rows: Sequence[Correction]) -> str:
 
 
 def _rho(figure: Compared) -> str:
-    """The rho that a figure depends on, or "-"."""
+    """The rho on which a figure is based, or "-"."""
     return "-" if figure.rho == "none" else figure.rho
 
 
 def markdown(rows: Sequence[Correction]) -> str:
-    """Corrections as Markdown: a heading, a line and a table for each."""
+    """Corrections as Markdown, each with a heading, a line of text and a table."""
     parts = []
     for row in rows:
         lines = ["| figure | rho | paper | holds |", "|---|---|---:|---:|"]

@@ -1,6 +1,5 @@
-"""Corrections to the paper's text on support and one arm.
-
-docs/mechanics.md, sections 1 to 4.
+"""Corrections to the paper's text on support and one arm (docs/mechanics.md, sections 1
+to 4).
 """
 
 from __future__ import annotations
@@ -41,7 +40,7 @@ ANGLES = tuple(math.radians(a) for a in range(1, 91, 4))
 
 
 def distance_from_com() -> Correction:
-    """Case 2, experiment B: the figure of 0.82 m."""
+    """Correction to case 2, experiment B: the figure of 0.82 m."""
     return Correction(
         "The virtual axle is 0.82 m from the CoM",
         "4.1",
@@ -60,7 +59,7 @@ def distance_from_com() -> Correction:
 
 
 def pressure_constant() -> Correction:
-    """Section II-A and experiment B: c."""
+    """Correction to section II-A and experiment B: the constant c."""
     r0 = BAR.half_diagonal
     seen = math.sqrt(SEEN * BAR.lever) / r0
     return Correction(
@@ -79,8 +78,8 @@ def pressure_constant() -> Correction:
 def _constants(
     what: str, paper: float, pressure: PressureSamples
 ) -> tuple[Compared, Compared]:
-    """Constant c of a pressure on the bar, for a turn on the spot and straight motion
-    along it.
+    """Constant c for a pressure on the bar: for a turn on the spot, and for straight
+    motion along the bar.
     """
     pole = rho_pole(pressure) / BAR.half_diagonal
     straight = rho_straight(pressure) / BAR.half_diagonal
@@ -106,7 +105,7 @@ def _ellipsoid_axle(angle: float) -> float:
 
 
 def force_invariance() -> Correction:
-    """Case 2: one axle for all forces."""
+    """Correction to case 2: one axle for all forces."""
     lever = (BAR.lever, 0.0)
     paper = _spread(_ellipsoid_axle)
     pressed = _spread(lambda a: exact_axle_distance(PRESSED, lever, a))
@@ -141,7 +140,7 @@ def force_invariance() -> Correction:
 
 
 def mobility_of_shift() -> Correction:
-    """Section II-B: a shift of the centre of pressure."""
+    """Correction to section II-B: a shift of the centre of pressure."""
     centred = rho_straight(UNIFORM) ** 2
 
     def shifted(x: float) -> float:
@@ -175,7 +174,7 @@ def mobility_of_shift() -> Correction:
 
 
 def mobility_of_load() -> Correction:
-    """Section II-B, eq. 9: 1/N^2."""
+    """Correction to section II-B, eq. 9: the factor 1/N^2."""
     twist = Twist(0.05, 0.0, 0.0)
     mobilities = []
     for load in (1.0, 3.0):
@@ -199,7 +198,7 @@ def mobility_of_load() -> Correction:
 
 
 def stanley_signs() -> Correction:
-    """Case 1, eq. 14."""
+    """Correction to case 1, eq. 14: the signs of the Stanley law."""
     start = 0.010
     gain = 8.0
     left = _steered(1.0, start, sign=-1.0)[-1]
@@ -232,9 +231,9 @@ def stanley_signs() -> Correction:
 
 
 def _steered(gain: float, offset: float, sign: float = 1.0) -> list[float]:
-    """Offsets [m] of a car's axle over 1 m.
+    """Offsets [m] of a car's axle over a path of 1 m.
 
-    ``gain`` is in units of the largest without overshoot.
+    ``gain`` is relative to the largest gain without overshoot.
     """
     wheelbase = 0.045
     step = 5e-4
@@ -249,7 +248,7 @@ def _steered(gain: float, offset: float, sign: float = 1.0) -> list[float]:
 
 
 def steering_of_pusher() -> Correction:
-    """Case 1, eq. 11."""
+    """Correction to case 1, eq. 11: the steering of the pusher."""
     mu = 0.4
     contact = (-CUBE_LEVER, 0.0)
     vx, vy = velocity_of_force(contact, rho_pole(CUBE), (1.0, mu))
@@ -284,8 +283,8 @@ def steering_of_pusher() -> Correction:
 
 
 def virtual_target() -> Correction:
-    """Correction to experiment B: a target beyond the goal must move ahead along the
-    goal's line.
+    """Correction to experiment B: a virtual target beyond the goal must move ahead
+    along the goal's line.
     """
     ahead = 0.2
     fixed = _aligned(LookAheadAlignment(ahead, 50.0, Pose2()))
@@ -336,7 +335,7 @@ def _aligned(law: LookAheadAlignment) -> Point:
 
 
 def one_friction() -> Correction:
-    """Throughout: one mu."""
+    """Correction throughout the paper: a single friction coefficient mu."""
     what = "friction utilisation at the tip in straight sliding, 8 N on 0.3 kg"
     return Correction(
         "One mu stands for all friction",

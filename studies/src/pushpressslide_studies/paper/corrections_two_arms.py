@@ -20,7 +20,9 @@ SAMPLES = 20000  # wrenches that an allocator is tried on
 
 
 def moments_about_com() -> Correction:
-    """Case 5, eq. 24; case 2: the line of the axle."""
+    """Correction to case 5, eq. 24, and case 2: the reference point of moments, and the
+    line of the axle.
+    """
     points = ((0.0, 0.3), (0.0, -0.3))
     cop = (0.0, 0.1875)
     wanted = wrench_of_forces(points, published.pressed_forces(points, 1.0, 0.0, 0.0))
@@ -54,7 +56,7 @@ def moments_about_com() -> Correction:
 
 
 def differential_drive() -> Correction:
-    """Case 3, mode 2."""
+    """Correction to case 3, mode 2: the differential drive."""
     width = 0.15
     rho = rho_pole(rectangle_pressure(0.3, 0.5))
     car = DifferentialCar((0.0, 0.0), 0.0, width, width, rho)
@@ -77,7 +79,7 @@ def differential_drive() -> Correction:
 
 
 def bias_is_external() -> Correction:
-    """Case 4, eq. 23."""
+    """Correction to case 4, eq. 23: the bias is an external force."""
     points = ((-0.1, 0.0), (0.0, 0.1))
     d = 0.1
     wanted = (2.0, -2.0, 0.05)
@@ -99,7 +101,7 @@ def bias_is_external() -> Correction:
 
 
 def turning_regions() -> Correction:
-    """Case 4: the extreme points."""
+    """Correction to case 4: the extreme points of the turning centres."""
     mu = 0.5
     d = 1.0
     rho = 1.0  # K = 1
@@ -139,7 +141,7 @@ def turning_regions() -> Correction:
 
 
 def symmetric_split() -> Correction:
-    """Section III-F: the allocator."""
+    """Correction to section III-F: the symmetric split of the allocator."""
     return Correction(
         "The algebraic allocator guarantees positive normals and forces in their "
         "friction cones",
@@ -160,7 +162,7 @@ def symmetric_split() -> Correction:
 
 
 def _covered(mu: float) -> float:
-    """Share of possible wrenches that the even split covers.
+    """Share of feasible wrenches that the even split covers.
 
     The wrenches have random directions.
     """
@@ -186,7 +188,7 @@ def _covered(mu: float) -> float:
 
 
 def pivot_about_contact() -> Correction:
-    """Case 5: N_R to zero."""
+    """Correction to case 5: turning about a contact, with N_R going to zero."""
     left = (0.0, 0.3)
     right = (0.0, -0.3)
     weight = 20.0

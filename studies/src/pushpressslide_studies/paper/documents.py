@@ -2,8 +2,8 @@
 
 python -m pushpressslide_studies.paper.documents TABLE RESULTS README
 
-TABLE is the table.md of a run, RESULTS and README are the pages to be renewed between
-their marks.
+TABLE is the table.md of a run. RESULTS and README are the pages that are renewed
+between their marks.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def renewed(page: str, name: str, text: str) -> str:
 
 
 def summary_of(table: str) -> str:
-    """Line of a table.md with the number of reproduced claims.
+    """Line with the number of reproduced claims, from a table.md.
 
     Raises ValueError for a table without claims.
     """

@@ -25,12 +25,14 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """All outcomes by the names of experiment and variant, and the virtual axle's."""
+    """All outcomes by the names of experiment and variant, and the result for the
+    virtual axle.
+    """
 
     outcomes: Mapping[tuple[str, str], Outcome]
     axle: Result | None = None  # as of virtual_axle.result_of
 
     def result(self, experiment: str, variant: str) -> Result | None:
-        """Result of a variant. None if it was not run, or could not be."""
+        """Result of a variant. None if it was not run, or could not be run."""
         outcome = self.outcomes.get((experiment, variant))
         return None if outcome is None else outcome.result

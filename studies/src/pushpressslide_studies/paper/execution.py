@@ -1,4 +1,4 @@
-"""The paper's own methods to execute a plan."""
+"""The paper's own methods of executing a plan."""
 
 from __future__ import annotations
 
@@ -17,12 +17,14 @@ from pushpressslide.tracking.unicycle import UnicycleTracker
 
 @dataclass(frozen=True, slots=True)
 class FixedTarget(Execution):
-    """Alignment of pressed objects with a target fixed beyond the goal, the paper's
-    literal reading, instead of one that moves along the path.
+    """Alignment of pressed objects with a target that is fixed beyond the goal instead
+    of moving along the path.
+
+    This is the literal reading of the paper.
     """
 
     def tracker(self, query: MotionQuery, segment: Segment) -> Tracker:
-        """The tracking law of a segment of ``query``."""
+        """Tracking law of a segment of ``query``, with the fixed target."""
         drive = segment.drive
         path = segment.path
         if isinstance(drive, UnicycleDrive | TurnDrive) and isinstance(path, ArcPath):

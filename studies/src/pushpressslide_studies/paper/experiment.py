@@ -1,4 +1,4 @@
-"""Parts of an experiment of the paper."""
+"""Data types for the paper's experiments."""
 
 from __future__ import annotations
 
@@ -41,13 +41,17 @@ class Variant:
 
     @property
     def settings(self) -> tuple[str, ...]:
-        """All changed fields. A measurement is one attempt."""
+        """All changed fields, including those that limit a measurement to a single
+        attempt.
+        """
         return (*self.overrides, "motion.recoveries=0", "limits.legs=1")
 
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """A claim of the paper: ``changed`` does better than ``base``."""
+    """A claim of the paper: the variant ``changed`` is better than the variant
+    ``base``.
+    """
 
     base: str  # name of a variant
     changed: str
@@ -65,7 +69,7 @@ class Settled:
 
 @dataclass(frozen=True, slots=True)
 class Experiment:
-    """Several runs that belong to one claim of the paper."""
+    """Several runs that concern the same claim of the paper."""
 
     name: str
     title: str

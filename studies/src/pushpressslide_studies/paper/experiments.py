@@ -34,10 +34,10 @@ EXPERIMENTS: dict[str, Experiment] = {
 
 
 def chosen(names: list[str] | None) -> tuple[tuple[Experiment, ...], bool]:
-    """Named experiments, and whether the virtual axle's is among them.
+    """Named experiments, and whether the virtual axle is among them.
 
-    Each once, in the order given; all of them for None. Raises PushPressSlideError,
-    which lists the known experiments, for an unknown name.
+    Each occurs once, in the given order. With None they are all experiments. For an
+    unknown name, PushPressSlideError lists the known experiments.
     """
     known = [*EXPERIMENTS, AXLE]
     for name in names or ():

@@ -1,4 +1,4 @@
-"""Figures by which runs are compared with the paper."""
+"""Texts of the figures by which runs are compared with the paper."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SIGNS = {"over": "> ", "about": "≈ ", "within": "≤ ", "": ""}
 
 
 def paper_figure(figures: Mapping[str, PaperFigure], key: str) -> str:
-    """The paper's figure with its unit, or a dash if it states none."""
+    """The paper's figure with its unit, or a dash if the paper states none."""
     if key not in figures:
         return figure_of({}, key)
     figure = figures[key]

@@ -1,4 +1,4 @@
-"""Rho identified during a run, compared with the exact model for that motion."""
+"""Rho identified during a run, compared with the exact model for the same motion."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ WINDOW = 0.2  # [s] over which force and turn rate are averaged
 
 @dataclass(frozen=True, slots=True)
 class IdentifiedRho:
-    """Rho identified in a run, over its longest section with steep steering and fast
+    """Rho identified in a run, over the longest part with a large force angle and fast
     turning.
     """
 
@@ -46,14 +46,16 @@ class IdentifiedRho:
 
 
 def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
-    """Run the identifier over the longest exciting part of a pressed object's run.
+    """Rho identified over the longest part of a pressed object's run with enough
+    excitation.
 
-    In that part the force angle is within 10 degrees of 60 and the turn rate above 0.05
-    rad/s, for 3 s. None if there is no such part, or nothing contradicted the plan.
+    In this part, which lasts 3 s or more, the force angle is within 10 degrees of 60
+    degrees and the turn rate is above 0.05 rad/s. None if there is no such part, or if
+    nothing contradicted the plan.
 
-    As in ``Controller``, from measured poses and contact force alone, starting at the
-    part. The exact model has the true mass and friction, the mean load and the mean
-    force angle.
+    As in ``Controller``, the identifier uses only measured poses and the contact force.
+    It starts at the beginning of the part. The exact model has the true mass and
+    friction, the mean load and the mean force angle.
     """
     segment = plan.segments[0]
     mode = MODES[segment.mode]
@@ -102,7 +104,7 @@ def _identified(
 
 
 def _steering(contact: Contact, record: Record, forces: Array) -> tuple[Array, Array]:
-    """Force angle [rad], >= 0, and turn rate [rad/s] at every tick, averaged.
+    """Averaged force angle [rad], >= 0, and turn rate [rad/s] at every tick.
 
     ``forces`` (N, 2) [N] are in the plane, in B.
     """
@@ -121,9 +123,9 @@ def _steering(contact: Contact, record: Record, forces: Array) -> tuple[Array, A
 
 
 def _longest(mask: NDArray[np.bool_]) -> tuple[int, int]:
-    """First index of the longest run of True, and the index after its last.
+    """First index of the longest run of True, and the index after its last element.
 
-    (0, 0) without any.
+    (0, 0) if there is no True.
     """
     edges = np.flatnonzero(
         np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8))

@@ -74,7 +74,7 @@ def write_page(
 ) -> Path:
     """Write ``out``/report.html and return its path.
 
-    If the virtual axle was analysed, its own page is written too.
+    If the virtual axle was analysed, a separate page for it is also written.
     """
     page = out / "report.html"
     sections = [("claims", "Claims", _claims(claims))]
@@ -105,7 +105,7 @@ def write_page(
 
 
 def _claims(claims: Sequence[Claim]) -> str:
-    """Claims as a table, a group for each experiment."""
+    """Table of the claims, with a group for each experiment."""
     rows = []
     marks = []
     source = ""
@@ -134,7 +134,7 @@ def _claims(claims: Sequence[Claim]) -> str:
 
 
 def _rules() -> str:
-    """Rules for the evaluation of claims, as a table."""
+    """Table of the rules by which claims are evaluated."""
     rows = [
         [
             f'<th scope="row">{escape(rule.kind)}</th>',
@@ -147,7 +147,7 @@ def _rules() -> str:
 
 
 def _unbroken(text: str) -> str:
-    """``text`` with every number kept on one line with its unit."""
+    """``text`` with every number kept on the same line as its unit."""
     return re.sub(r"(?<=[\d≤≈>]) (?=[^ \d]{1,2}\b|\d|%)", "\u00a0", text)
 
 
@@ -185,7 +185,8 @@ def _outcome_list(experiment: Experiment, evidence: Evidence) -> str:
 def _plots(
     experiment: Experiment, runs: Mapping[str, Run], titles: Mapping[str, str]
 ) -> str:
-    """Errors over time, and the virtual axle for the variant that requests it.
+    """Plots of errors over time, and of the virtual axle for the variant that requests
+    it.
 
     ``runs`` are by title, ``titles`` by the variants' names.
     """
@@ -221,7 +222,9 @@ def _picture(run: Run, title: str) -> str:
 
 
 def _figures(experiment: Experiment, evidence: Evidence, page: Path) -> str:
-    """The paper's figures and measured ones, a group of rows for each variant."""
+    """Table of the paper's figures and the measured figures, with a group of rows for
+    each variant.
+    """
     rows = []
     marks = []
     width = len(FIGURES) + 2
@@ -250,7 +253,7 @@ def _outcome_cell(outcome: Outcome) -> str:
 
 
 def _named(variant: Variant, outcome: Outcome, page: Path) -> str:
-    """A variant's title, links to replay and report, and its settings."""
+    """A variant's title, with links to replay and report, and its settings."""
     parts = [f"<strong>{escape(variant.title)}</strong>"]
     folder = Path(
         os.path.relpath(outcome.folder.resolve(), page.resolve().parent)

@@ -65,11 +65,11 @@ def reproduce(
     """Run the paper's experiments, or those in ``only``, and return the path of the
     page.
 
-    ``jobs`` runs go on at a time. Each variant leaves the files of a run in
-    ``out``/<experiment>/<variant>, the axle's analysis (Drake only) its own in
-    ``out``/virtual-axle. table.md and result.json lie next to the page. A variant that
-    misses its goal, or cannot be run at all, is reported like any other. Raises
-    PushPressSlideError for a name that is not an experiment.
+    Up to ``jobs`` runs are executed at a time. Each variant leaves the files of its run
+    in ``out``/<experiment>/<variant>, and the analysis of the axle (Drake only) leaves
+    its files in ``out``/virtual-axle. table.md and result.json are next to the page. A
+    variant that misses its goal, or cannot be run at all, is reported like any other.
+    Raises PushPressSlideError for a name that is not an experiment.
     """
     experiments, with_axle = chosen(only)
     has_arms = engine_named(engine).has_arms
@@ -130,7 +130,7 @@ def run_variant(
 ) -> Outcome:
     """Run one variant and leave its files in ``folder``, with pictures if requested.
 
-    The outcome of a variant that cannot be run holds the error's text.
+    If a variant cannot be run, its outcome contains the text of the error.
     """
     try:
         task = load_task(variant.task, variant.settings)
@@ -153,7 +153,7 @@ def run_variant(
 
 
 def _digest(record: Record) -> str:
-    """Hash of the object's motion."""
+    """Hash of the object's motion in a run."""
     poses = np.ascontiguousarray(record.arrays["object_pose"])
     return hashlib.sha256(poses.tobytes()).hexdigest()
 

@@ -1,5 +1,5 @@
-"""The paper's experiments as Markdown: its figures and the measured ones, findings,
-claims.
+"""The paper's experiments as Markdown: the paper's figures and the measured figures,
+findings, and claims.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def write_table(
 
 
 def scope(experiments: Sequence[Experiment]) -> str:
-    """Start of the summary that names the experiments if others were not run."""
+    """Beginning of the summary. It names the experiments if others were not run."""
     if len(experiments) == len(EXPERIMENTS):
         return ""
     names = ", ".join(experiment.name for experiment in experiments)
@@ -98,8 +98,8 @@ def _rows(lines: Sequence[Sequence[str]]) -> str:
 
 
 def summary(claims: Sequence[Claim]) -> str:
-    """Sentence on the number of reproduced figures and statements, and of claims not
-    evaluated.
+    """Sentence on the number of reproduced figures and statements, and of claims that
+    were not evaluated.
     """
     counts = []
     for figure, what in ((True, "figures"), (False, "statements")):
@@ -128,7 +128,7 @@ def ending(outcome: Outcome) -> str:
 
 
 def outcome_lines(experiment: Experiment, evidence: Evidence) -> list[str]:
-    """Sentences on the measured figures. Empty if a run is missing."""
+    """Sentences on the measured figures of an experiment. Empty if a run is missing."""
     sentences = []
     for comparison in experiment.comparisons:
         base, changed = (

@@ -1,6 +1,6 @@
-"""The paper's experiments with two arms: shipped tasks, and the paper's statements.
+"""The paper's experiments with two arms: shipped tasks and the paper's statements.
 
-It states no figure.
+The paper states no figures for them.
 """
 
 from __future__ import annotations

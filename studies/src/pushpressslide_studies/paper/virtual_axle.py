@@ -1,6 +1,6 @@
-"""Virtual axle of a pressed object: measured in Drake, predicted, and the paper's.
+"""Virtual axle of a pressed object: measured in Drake, predicted, and as in the paper.
 
-The box of the task ``press-slide``, pressed with several loads at two heights and
+The box of the task ``press-slide`` is pressed with several loads at two heights and
 dragged in many directions, open loop. Source: docs/mechanics.md, sections 4 and 4.1;
 studies/docs/virtual-axle.md.
 """
@@ -42,8 +42,8 @@ CURVE = range(2, 179, 4)  # [deg] where the predicted lines are computed
 MOST_USE = 0.95
 
 CHECKED = ((5, 8.0, 0.10), (75, 8.0, 0.10), (175, 16.0, 0.10))
-"""Done again with one press changed: straight, turning about a point under the object,
-the farthest axle.
+"""Probes that are repeated with one field changed: a straight motion, a turn about a
+point under the object, and the farthest axle.
 """
 VARIANTS: Mapping[str, tuple[Mapping[str, Any], float]] = {
     "six cells across": ({"cells": 6.0}, 0.004),
@@ -52,14 +52,16 @@ VARIANTS: Mapping[str, tuple[Mapping[str, Any], float]] = {
     "time step of 2 ms": ({}, 0.002),
     "hand's yaw held": ({"hold_yaw": True}, 0.004),
 }
-"""What is changed: fields of the probe, and the time step [s]."""
+"""Changes in repeated probes: fields of the probe, and the time step [s]."""
 DIRECTIONS = {-1: "forward", 0: "across", 1: "backward"}
-"""Of the force, by the sign of its angle from the line to the contact less 90 deg."""
+"""Direction of the force, by the sign of its angle from the line to the contact minus
+90 deg.
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One probe of the table, or a variation of it."""
+    """One probe of the table, or a repetition of it with a change."""
 
     angle: float  # [deg]
     load: float  # [N]
@@ -70,7 +72,7 @@ class Case:
 LIGHT = tuple(
     Case(angle, 8.0, height) for height in HEIGHTS for angle in (5, 45, 90, 135, 175)
 )
-"""The paper's press, in few directions."""
+"""Probes under the paper's press, in a few directions."""
 
 
 def virtual_axle(
@@ -78,10 +80,10 @@ def virtual_axle(
 ) -> dict[str, Any]:
     """Run the probes and return the result.
 
-    ``out`` gets result.json, table.md, axles.png and report.html.
-
-    ``jobs``: processes, 0 for one per core. ``quick``: ten probes only. If the contact
-    is predicted to slip or the object to tip, nothing is run and the row says so.
+    It writes result.json, table.md, axles.png and report.html to ``out``. ``jobs`` is
+    the number of processes, 0 for one per core. With ``quick`` there are only ten
+    probes. If the contact is predicted to slip or the object to tip, the probe is not
+    run and its row says so.
     """
     from pushpressslide_studies.paper.axle_page import write_virtual_axle
 
@@ -104,7 +106,7 @@ def virtual_axle(
 def work_of(
     task: Task, cases: Sequence[Case]
 ) -> dict[Case, Callable[[], dict[str, Any]]]:
-    """Function that measures each case."""
+    """Functions that measure each case, by case."""
     return {case: partial(run_case, task, case) for case in cases}
 
 
@@ -128,9 +130,9 @@ def result_of(task: Task, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def pressed(task: Task, load: float, height: float) -> Press:
-    """The task's box, ``height`` [m] tall, under a press of ``load`` [N].
+    """The task's box under a press of ``load`` [N] at the task's point.
 
-    The press is at the task's point.
+    The box has the height ``height`` [m].
     """
     shape = task.object.shape
     places = task.motion.contacts
@@ -143,9 +145,9 @@ def pressed(task: Task, load: float, height: float) -> Press:
 
 
 def predict(task: Task, case: Case) -> dict[str, Any]:
-    """Expected axles [m] of a case, from the CoM.
+    """Expected axles [m] of a case, relative to the CoM.
 
-    ``skipped`` is the reason why it cannot be measured; empty if it can.
+    ``skipped`` is the reason why the case cannot be measured. It is empty if it can.
     """
     press = pressed(task, case.load, case.height)
     angle = math.radians(case.angle)
@@ -176,7 +178,7 @@ def predict(task: Task, case: Case) -> dict[str, Any]:
 
 
 def run_case(task: Task, case: Case) -> dict[str, Any]:
-    """Predict, run and measure one case."""
+    """Result of one case: its predictions, and the measurement of its run."""
     from pushpressslide_studies.sim.axle_probe import Probe, probe_axle
 
     row = predict(task, case)
@@ -219,7 +221,7 @@ def summarise(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def _curve(press: Press) -> dict[str, Any]:
-    """Predictions over the force's angle for one load and height."""
+    """Predictions over the angle of the force, for one load and height."""
     angles = [math.radians(a) for a in CURVE]
     return {
         "height": press.body.shape.height,
@@ -244,7 +246,7 @@ def _unless_tipped(press: Press, angle: float, height: float | None) -> float | 
 
 @dataclass(frozen=True, slots=True)
 class PaperAxleFigure:
-    """A figure of the paper's experiment. None if it has no value."""
+    """A figure of the paper's experiment. Missing values are None."""
 
     what: str
     paper: float | None  # as printed
@@ -257,9 +259,9 @@ class PaperAxleFigure:
 def paper_figures(task: Task) -> list[dict[str, Any]]:
     """The paper's figures of this experiment as fields of ``PaperAxleFigure``.
 
-    Axles from the CoM are positive towards the contact, which makes the paper's
-    distance negative. The paper states neither friction nor height for them; those used
-    here are the task's.
+    Positions of axles, relative to the CoM, are positive towards the contact, which
+    makes the paper's distance negative. The paper states neither friction nor height
+    for these figures; here they are those of the task.
     """
     press = pressed(task, 8.0, task.object.shape.height)
     body = press.body
@@ -274,7 +276,9 @@ def paper_figures(task: Task) -> list[dict[str, Any]]:
 
 
 def _figures_of_constant(press: Press, straight: float) -> Iterator[PaperAxleFigure]:
-    """Lever and axle by the paper's c; ``straight`` is rho [m] of straight motion."""
+    """Yield lever and axle from the paper's c. ``straight`` is rho [m] of straight
+    motion.
+    """
     f = PaperAxleFigure
     cop = math.hypot(*press.cop)
     lever = press.lever
@@ -299,7 +303,7 @@ def _figures_of_constant(press: Press, straight: float) -> Iterator[PaperAxleFig
 def _figures_of_seen_axle(
     press: Press, straight: float, pole: float
 ) -> Iterator[PaperAxleFigure]:
-    """Axle in the paper's simulation, and the c that it requires.
+    """Yield the axle in the paper's simulation, and the c that it requires.
 
     ``straight`` and ``pole`` are rho [m] of straight motion and of turning on the spot.
     """
@@ -315,8 +319,8 @@ def _figures_of_seen_axle(
 
 
 def _figures_at_height(press: Press) -> Iterator[PaperAxleFigure]:
-    """Axle of an object dragged at the height of its top, a case that the paper does
-    not treat.
+    """Yield the axle of an object dragged at the height of its top, a case that the
+    paper does not treat.
     """
     what = "the same, {}, drag at the top's height"
     yield PaperAxleFigure(what.format("pushed"), None, None, press.axle(math.pi))

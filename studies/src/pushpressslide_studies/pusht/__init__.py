@@ -1,1 +1,1 @@
-"""Benchmark push-T, as played by the package gym-pusht."""
+"""Benchmark push-T, in the version of the package gym-pusht."""

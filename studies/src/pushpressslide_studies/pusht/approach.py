@@ -1,4 +1,4 @@
-"""Approach of the free pusher to the first contact of a push, one action at a time."""
+"""Approach of the free pusher to the first contact of a push, action by action."""
 
 from __future__ import annotations
 
@@ -26,9 +26,10 @@ def arrived(X_WB: Pose2, pusher: Pusher, push: Push) -> bool:
 
 
 def on_way(X_WB: Pose2, pusher: Pusher, push: Push) -> Point:
-    """Target of the pusher for the next action of its path to a push.
+    """Target of the pusher for the next action on its path to a push.
 
-    It is the longest of ``STEPS`` that does not touch the T, by the exact servo.
+    It is as far along the path as the longest of ``STEPS`` with which, by the exact
+    servo, the pusher does not touch the T.
     """
     goal = _before(X_WB, push)
     path = free_space(X_WB, pusher.position, goal) or (goal,)
@@ -40,12 +41,12 @@ def on_way(X_WB: Pose2, pusher: Pusher, push: Push) -> Point:
 
 
 def _before(X_WB: Pose2, push: Push) -> Point:
-    """Position [px] in W of the pusher before a push."""
+    """Position [px] in W of the pusher just before a push."""
     return X_WB.apply(push.pushed.pusher(push.left, OFF_FACE))
 
 
 def _along(polyline: Sequence[Point], length: float) -> Point:
-    """Point [px] of a path at a length from its start, or its end."""
+    """Point [px] of a path at a given length from its start, or the path's end."""
     for a, b in pairwise(polyline):
         segment = math.dist(a, b)
         if segment >= length > 0.0:
@@ -56,7 +57,7 @@ def _along(polyline: Sequence[Point], length: float) -> Point:
 
 
 def _clear(X_WB: Pose2, pusher: Pusher, target: Point) -> bool:
-    """Whether the pusher keeps off the T on its path to ``target``."""
+    """Whether the pusher stays clear of the T on its way to ``target``."""
     for moved in pusher.periods(pusher.action_to(target)):
         x, y = X_WB.unapply(moved.position)
         distance = BODY.shape.distance((x + CENTER[0], y + CENTER[1]))

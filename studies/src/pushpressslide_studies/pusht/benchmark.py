@@ -46,11 +46,11 @@ def benchmark(
     jobs: int = 1,
     progress: Progress | None = None,
 ) -> Figures:
-    """Play an episode for each seed and return the figures of all.
+    """Play an episode for each seed and return the figures of all episodes.
 
-    Writes ``out``/episodes.jsonl, a row an episode, and ``out``/result.json. ``noise``
-    [px] is that of ``game.play``; ``jobs``: processes. Raises PushPressSlideError if
-    the package is not installed.
+    It writes ``out``/episodes.jsonl, with one row per episode, and ``out``/result.json.
+    ``noise`` [px] is as in ``game.play``; ``jobs`` is the number of processes. Raises
+    PushPressSlideError if the package is not installed.
     """
     if jobs == 1:
         rows = _played_here(seeds, noise, progress)
@@ -103,7 +103,7 @@ def _played(
 
 
 def figures_of(rows: Sequence[Episode]) -> Figures:
-    """Figures of one or more episodes. Raises ValueError for none."""
+    """Figures of one or more episodes. Raises ValueError if there are none."""
     count = len(rows)
     successes = sum(row.success for row in rows)
     bounds = interval(successes, count)

@@ -1,4 +1,4 @@
-"""Paths of the free pusher round the T."""
+"""Paths of the free pusher around the T."""
 
 from __future__ import annotations
 
@@ -21,7 +21,9 @@ INSIDE = 0.01  # [px] by which a way may enter the grown T: rounding
 
 @cache
 def _grown() -> Polygon:
-    """The T in B, grown by the pusher and the margin, with two chords per corner."""
+    """The T in B, enlarged by the pusher's radius and the margin, with two chords per
+    corner.
+    """
     from shapely import Polygon
 
     return Polygon(CORNERS).buffer(PUSHER_RADIUS + MARGIN, quad_segs=2)
@@ -44,7 +46,7 @@ def _nodes() -> tuple[Point, ...]:
 
 
 def nearest_free(point: Point) -> Point:
-    """Nearest free position [px] in B outside the grown T."""
+    """Nearest free position [px] in B outside the enlarged T."""
     from shapely import Point as Place
     from shapely.ops import nearest_points
 
@@ -56,12 +58,12 @@ def nearest_free(point: Point) -> Point:
 
 
 def free_space(X_WB: Pose2, start: Point, goal: Point) -> tuple[Point, ...]:
-    """Shortest path [px] in W round the T at a pose, without ``start``. Empty if there
-    is no path.
+    """Shortest path [px] in W around the T at a pose, without ``start`` itself. Empty
+    if there is no path.
 
-    If the start lies next to the T, the path begins at the nearest free position; the
-    goal is treated likewise. The path turns only at positions that the pusher can be
-    sent to.
+    If the start is too near to the T, the path begins at the nearest free position; the
+    goal is treated likewise. The path turns only at positions to which the pusher can
+    be sent.
     """
     first = X_WB.unapply(start)
     end = X_WB.unapply(goal)
@@ -118,7 +120,7 @@ def _shortest(places: Sequence[Point]) -> list[Point]:
 
 
 def way_length(X_WB: Pose2, start: Point, goal: Point) -> float:
-    """Length [px] of ``free_space``; infinite without a path."""
+    """Length [px] of the path from ``free_space``. Infinite without a path."""
     path = free_space(X_WB, start, goal)
     if not path:
         return math.inf

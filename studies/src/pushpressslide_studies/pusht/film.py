@@ -1,4 +1,4 @@
-"""Animation of several episodes side by side, as drawn by the package."""
+"""Animation of several episodes side by side, as drawn by the package gym-pusht."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ def check_kind(path: Path) -> None:
 
 
 def film(seeds: Iterable[int], path: Path) -> None:
-    """Play an episode for each seed and write them side by side.
+    """Play an episode for each seed, and write the episodes side by side.
 
-    The ending of ``path`` is one of ``KINDS``; an episode that has ended stays at its
+    The suffix of ``path`` is one of ``KINDS``. An episode that has ended stays at its
     last picture. Raises PushPressSlideError if the package is not installed.
     """
     check_kind(path)
@@ -73,7 +73,7 @@ def _pictures(game: Game, seed: int) -> list[Pixels]:
 
 
 def _together(strips: list[list[Pixels]], time: int) -> Pixels:
-    """Pictures of one time in rows of ``ACROSS``."""
+    """Pictures of all episodes at one time, in rows of ``ACROSS``."""
     across = min(ACROSS, len(strips))
     rows = math.ceil(len(strips) / across)
     sheet = np.full((rows * SIZE, across * SIZE, 3), 255, dtype=np.uint8)

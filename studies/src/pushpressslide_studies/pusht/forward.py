@@ -1,11 +1,11 @@
-"""Effect of one action on the T, by the limit surface in each of the action's ten
-periods.
+"""Effect of one action on the T, computed with the limit surface in each of the
+action's ten periods.
 
-The pusher's path is exact. In each period the T makes the smallest motion that lets no
-contact come closer, measured by the limit surface's metric |v|^2 + rho^2 w^2; this is
-its motion under a frictionless push. The constants and the order within a period are
-those of the engine pymunk. It first moves bodies by the velocities of the previous
-period, and separates overlapping bodies by a share of the overlap.
+The pusher's path is exact. In each period the T makes the smallest motion that prevents
+penetration at all contacts, in the metric |v|^2 + rho^2 w^2 of the limit surface. This
+is its motion under a frictionless push. Constants and order of operations are those of
+the engine pymunk, which first moves bodies by the velocities of the previous period,
+and then separates overlapping bodies by a share of the overlap.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ STEM = (-15.0, 30.0, 15.0, 120.0)
 
 
 class Touch(NamedTuple):
-    """One contact, in B."""
+    """A contact of the pusher with the T, in B."""
 
     normal: Point  # into the T
     arm: float  # [px] of a force along the normal about the centre of mass
@@ -33,7 +33,7 @@ class Touch(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """A twist of B in its own axes, times a period: [px], [px], [rad]."""
+    """A twist of B, in B's axes, times a period: [px], [px], [rad]."""
 
     x: float
     y: float
@@ -74,8 +74,9 @@ def _motion(X_WB: Pose2, pusher: Pusher) -> Motion:
 
 
 def _least_motion(contacts: list[Touch], advances: list[float]) -> Motion:
-    """Smallest motion with an advance of at least ``advances`` [px] at each contact, by
-    passes over the contacts.
+    """Smallest motion that advances each contact by at least ``advances`` [px].
+
+    It is found by repeated passes over the contacts.
     """
     impulses = [0.0] * len(contacts)
     x = 0.0
@@ -96,7 +97,7 @@ def _least_motion(contacts: list[Touch], advances: list[float]) -> Motion:
 
 
 def _contacts_at(center: Point) -> list[Touch]:
-    """Contacts of a pusher whose centre is at a point [px] in B."""
+    """Contacts of a pusher with its centre at a point [px] in B."""
     out = []
     for box in (BAR, STEM):
         touch = _touch(center, box)
@@ -122,7 +123,7 @@ def _touch(center: Point, box: tuple[float, float, float, float]) -> Touch | Non
 
 
 def _deep(place: Point, box: tuple[float, float, float, float]) -> Touch:
-    """Contact of a pusher whose centre is inside a rectangle."""
+    """Contact of a pusher with its centre inside a rectangle."""
     x, y = place
     low_x, low_y, high_x, high_y = box
     depth, normal, point = min(

@@ -1,5 +1,7 @@
-"""Episodes of gym_pusht/PushT-v0, through the package's public interface alone: reset
-with a seed, step with an action, the observed state.
+"""Episodes of gym_pusht/PushT-v0.
+
+Only the package's public interface is used: reset with a seed, step with an action, and
+the observed state.
 """
 
 from __future__ import annotations
@@ -37,7 +39,7 @@ class Episode:
 
 
 def open_game(picture_size: int = 96) -> Game:
-    """Environment with pictures of the given size in pixels.
+    """Environment with pictures of ``picture_size`` [px].
 
     Raises PushPressSlideError if the package is not installed.
     """

@@ -1,10 +1,11 @@
 """Three pushes that join two poses, in closed form.
 
 Source: studies/docs/gym-pusht.md. A push with a fixed contact turns the T about a point
-fixed in the body, off the centre of mass. The first centre of rotation is at rest in
-the world from the start on, the last one up to the goal. The middle one keeps its
-distances in the body to both, so it lies where two circles meet. For pushes on one face
-these are the Dubins words of three arcs. All triples of contacts are solved at once.
+fixed in the body, away from the centre of mass. The start pose determines where the
+first centre of rotation is in the world, and the goal determines the last one. The
+middle centre keeps its distances in the body from both, so it is at an intersection of
+two circles. For pushes on one face, the solutions are the Dubins words of three arcs.
+All triples of contacts are solved at once.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ FULL_TURN = 2.0 * math.pi
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Contacts:
-    """The m contacts tried."""
+    """The m contacts that are tried."""
 
     faces: Array  # (m,) indices into FACES
     lefts: Array  # (m,) [px]
@@ -39,7 +40,7 @@ class Contacts:
     bearings: Array  # (m, m) [rad] in B from a centre to another
 
     def push(self, index: int, length: float) -> Push:
-        """Push at a contact."""
+        """Push at the contact with index ``index``."""
         return Push(int(self.faces[index]), float(self.lefts[index]), length)
 
 
@@ -53,7 +54,7 @@ class Joins:
 
 @cache
 def contacts() -> Contacts:
-    """Contacts at equal distances on every face."""
+    """Contacts at equal spacing on every face."""
     indices = []
     lefts = []
     curvatures = []
@@ -84,7 +85,9 @@ def contacts() -> Contacts:
 
 def joins(start: Pose2, goal: Pose2) -> Joins:
     """All triples of contacts and lengths that lead from ``start`` to ``goal``, both
-    X_WB, with a turn below a full one in each push.
+    X_WB.
+
+    Each push turns the T by less than a full turn.
     """
     tried = contacts()
     triples = _triples(tried)
@@ -116,7 +119,9 @@ def joins(start: Pose2, goal: Pose2) -> Joins:
 
 
 def _triples(tried: Contacts) -> Array:
-    """All triples (t, 3) of contacts whose neighbours turn about different points."""
+    """All triples (t, 3) of contacts in which consecutive contacts turn the T about
+    different points.
+    """
     count = len(tried.lefts)
     first, middle, last = np.indices((count, count, count)).reshape(3, -1)
     apart = (tried.distances[first, middle] > SAME) & (
@@ -135,7 +140,7 @@ def _placed(X_WB: Pose2, points: Array) -> Array:
 
 
 def _angle(adjacent: Array, other: Array, opposite: Array) -> Array:
-    """Angle [rad] between two sides of a triangle."""
+    """Angle [rad] between the sides ``adjacent`` and ``other`` of a triangle."""
     cosine = (adjacent**2 + other**2 - opposite**2) / (2.0 * adjacent * other)
     return np.arccos(np.clip(cosine, -1.0, 1.0))
 
@@ -150,7 +155,7 @@ def _lengths(
     """Lengths (t, 3) [px] of the pushes that join two poses.
 
     ``bearing_near`` [rad] is the bearing from the first centre of rotation to the
-    middle one, ``bearing_far`` [rad] that from the middle centre to the last.
+    middle one, ``bearing_far`` [rad] that from the middle one to the last.
     """
     start, goal = ends
     after_first = bearing_near - tried.bearings[triples[:, 0], triples[:, 1]]

@@ -1,4 +1,4 @@
-"""Choice of three pushes: the fastest ones that keep clear of the walls."""
+"""Selection of three pushes: the fastest that keep clear of the walls."""
 
 from __future__ import annotations
 
@@ -51,11 +51,11 @@ NO_PLAN = Plan()
 
 
 def best_plan(X_WB: Pose2, pusher: Point) -> Plan:
-    """The three pushes that lead fastest from a pose to the goal. ``pusher`` [px] in W
-    is the pusher's position.
+    """The three pushes that lead fastest from a pose to the goal. ``pusher`` [px] is
+    the pusher's position in W.
 
-    If the walls obstruct all, the pushes with the smallest intrusion. The plan is empty
-    if the pusher can reach no contact.
+    If the walls obstruct all triples, the pushes with the smallest intrusion are taken.
+    The plan is empty if the pusher can reach no contact.
     """
     found = joins(X_WB, GOAL_BODY)
     steps = _steps(found) + _first_ways(X_WB, pusher)[found.triples[:, 0]]
@@ -75,7 +75,7 @@ def best_plan(X_WB: Pose2, pusher: Point) -> Plan:
 
 
 def intrusion(X_WB: Pose2, pushes: Sequence[Push]) -> float:
-    """Largest intrusion [px] of the T into the margin before the walls during pushes
+    """Largest intrusion [px] of the T into the margin along the walls, during pushes
     from a pose. Infinite if the pusher cannot be sent to a contact.
     """
     deepest = 0.0
@@ -94,7 +94,7 @@ def intrusion(X_WB: Pose2, pushes: Sequence[Push]) -> float:
 
 
 def _intrusion(X_WB: Pose2) -> float:
-    """Intrusion [px] of the T into the margin before the walls; 0 if it keeps out."""
+    """Intrusion [px] of the T into the margin along the walls. 0 if there is none."""
     low, high = WALLS
     deepest = 0.0
     for corner in CORNERS:
@@ -110,8 +110,8 @@ def _pushes(pushes: Joins, index: int) -> tuple[Push, ...]:
 
 
 def _steps(pushes: Joins) -> Array:
-    """Actions (t,) for pushes and the paths between them. Infinite if the last push is
-    short.
+    """Numbers of actions (t,) for the pushes and the paths between them. Infinite if
+    the last push is too short.
     """
     ratios = 1.0 + (contacts().lefts / RHO) ** 2
     pusher = pushes.lengths * ratios[pushes.triples]
@@ -125,7 +125,7 @@ def _steps(pushes: Joins) -> Array:
 
 @cache
 def _changes() -> Array:
-    """Actions (m, m) from one contact to another."""
+    """Numbers of actions (m, m) from one contact to another."""
     tried = contacts()
     count = len(tried.lefts)
     out = np.zeros((count, count))
@@ -137,7 +137,9 @@ def _changes() -> Array:
 
 
 def _change(tried: Contacts, a: int, b: int) -> float:
-    """Actions from one contact to another, with the T in the middle."""
+    """Number of actions from one contact to another, with the T in the middle of the
+    field.
+    """
     if tried.faces[a] == tried.faces[b]:
         return 1.0 + abs(float(tried.lefts[a] - tried.lefts[b])) / SLIDE_STEP
     middle = Pose2(0.5 * WORLD, 0.5 * WORLD)
@@ -149,7 +151,7 @@ def _change(tried: Contacts, a: int, b: int) -> float:
 
 
 def _way_steps(length: float) -> float:
-    """Actions for a free path of a length [px]."""
+    """Number of actions on a free path with a length [px]."""
     return LEAVE_STEPS + length / WAY_STEP
 
 

@@ -1,8 +1,8 @@
 """The policy: from observations at 10 Hz to targets of the pusher.
 
-State in, state out. Without a plan it makes one. Then the pusher goes round the T to
-the first contact and pushes. At each action the rest of the plan is steered to the goal
-from the observed pose of the T.
+The caller keeps the policy's state. If there is no plan, the policy makes one. The
+pusher then moves around the T to the first contact and pushes. At each action the rest
+of the plan is corrected so that it leads from the observed pose of the T to the goal.
 """
 
 from __future__ import annotations
@@ -40,14 +40,16 @@ class Observation:
 
 
 def observation(values: Sequence[float]) -> Observation:
-    """The package's own observation: pusher x, y [px]; x, y [px], yaw of T."""
+    """Observation from the package's values: pusher x, y [px]; x, y [px] and yaw [rad]
+    of the T.
+    """
     x, y, block_x, block_y, yaw = values
     return Observation((x, y), body_pose(Pose2(block_x, block_y, yaw)))
 
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """Memory of the policy from one action to the next."""
+    """State of the policy between two actions."""
 
     velocity: Point = (0.0, 0.0)  # [px/s] of the pusher
     plan: Plan = NO_PLAN
@@ -58,7 +60,7 @@ class State:
 
 
 def act(observed: Observation, state: State) -> tuple[Point, State]:
-    """Next action [px] and state."""
+    """Next action [px] and next state."""
     pusher = Pusher(observed.pusher, state.velocity)
     state = _planned(observed, _progressed(observed.X_WB, state))
     state = _touched(observed.X_WB, pusher, state)
@@ -68,7 +70,7 @@ def act(observed: Observation, state: State) -> tuple[Point, State]:
 
 
 def _progressed(X_WB: Pose2, state: State) -> State:
-    """State after the first push's motion of the T since the last action."""
+    """State after the T has moved since the last action: the first push is shortened."""
     before = state.X_WB
     state = replace(state, X_WB=X_WB)
     if before is None or not (state.plan.pushes and state.touching):
@@ -83,7 +85,7 @@ def _progressed(X_WB: Pose2, state: State) -> State:
 
 
 def _planned(observed: Observation, state: State) -> State:
-    """State with a plan that leads to the goal."""
+    """State with a new plan that leads to the goal."""
     rest = _rest(observed.X_WB, state.plan)
     if rest and state.stalled < STALLED:
         same = rest[0].face == state.plan.pushes[0].face
@@ -96,7 +98,9 @@ def _planned(observed: Observation, state: State) -> State:
 
 
 def _rest(X_WB: Pose2, plan: Plan) -> tuple[Push, ...]:
-    """Remaining pushes, steered to the goal. Empty if they do not lead there."""
+    """Remaining pushes, corrected so that they lead to the goal. Empty if this is
+    impossible.
+    """
     pushes = plan.pushes
     if pushes and pushes[0].length < DONE:
         pushes = pushes[1:]

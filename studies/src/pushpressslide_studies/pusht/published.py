@@ -2,9 +2,9 @@
 
 Source: model card of lerobot/diffusion_pusht on huggingface.co (revision 8f3b4d8): 500
 episodes of a diffusion policy trained on human demonstrations, which sees pictures of
-96 by 96 pixels and the pusher's position; "theirs" is the same model trained by the
-code of Chi et al., "Diffusion Policy: Visuomotor Policy Learning via Action Diffusion",
-2023.
+96 by 96 pixels and the position of the pusher. "theirs" is the same model trained with
+the code of Chi et al., "Diffusion Policy: Visuomotor Policy Learning via Action
+Diffusion", 2023.
 """
 
 from __future__ import annotations

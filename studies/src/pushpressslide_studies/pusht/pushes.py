@@ -1,8 +1,8 @@
 """One push without friction: the T moves on an arc.
 
-Source: studies/docs/gym-pusht.md. The force is along the inward normal n of the face,
-so the centre of mass moves along n, fixed in the body, and the T turns by -left / rho^2
-per length: a car that is steered by the contact's position.
+Source: studies/docs/gym-pusht.md. The force is along the face's inward normal n, which
+is fixed in the body. The centre of mass therefore moves along n, and the T turns by
+-left / rho^2 per length, like a car that is steered by the position of the contact.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ STRAIGHT = 1e-9  # [rad] of a turn that counts as none
 
 @dataclass(frozen=True, slots=True)
 class Push:
-    """A push with the contact fixed on a face."""
+    """A push with a fixed contact on a face."""
 
     face: int  # index into FACES
     left: float  # [px] of the contact
@@ -29,24 +29,24 @@ class Push:
 
     @property
     def pushed(self) -> PushedFace:
-        """The face."""
+        """The face that is pushed."""
         return FACES[self.face]
 
     @property
     def curvature(self) -> float:
-        """Turn per length [rad/px] of the path of the centre of mass."""
+        """Turn [rad/px] per length of the path of the centre of mass."""
         return curvature(self.pushed, self.left)
 
     @property
     def pusher_ratio(self) -> float:
-        """Advance of the pusher along the normal per length of the path of the centre
+        """Advance of the pusher along the normal, per length of the path of the centre
         of mass.
         """
         return 1.0 + (self.left / RHO) ** 2
 
 
 def curvature(face: PushedFace, left: float) -> float:
-    """Turn per length [rad/px] of a push, by the limit surface."""
+    """Turn [rad/px] per length of a push, from the limit surface."""
     n = face.normal
     x, y = face.contact(left)
     twist = SURFACE.twist_direction(Wrench(n[0], n[1], x * n[1] - y * n[0]))

@@ -1,8 +1,8 @@
-"""Motion of the pusher towards the position it is sent to.
+"""Motion of the pusher towards the position to which it is sent.
 
-Source: the package's own step: a PD law with gains 100 and 20, integrated at 100 Hz
-with the velocity first, and one action for ten such steps. The pusher is kinematic:
-nothing that it touches changes its path.
+It reproduces the step function of the package gym-pusht: a PD law with gains 100 and
+20, integrated at 100 Hz (semi-implicit Euler), with ten steps per action. The pusher is
+kinematic: nothing that it touches changes its path.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""Steering law: contact positions and lengths of the remaining pushes, corrected so
-that they still end at the goal from the observed pose of the T.
+"""Steering law: it corrects contact positions and lengths of the remaining pushes, so
+that they lead from the observed pose of the T to the goal.
 
-A damped least-squares step (Levenberg, Marquardt) on the exact kinematics of the
-pushes, repeated a few times. The last push has two halves, each with its own contact
-position, so that it steers a car to a pose.
+It repeats a damped least-squares step (Levenberg, Marquardt) on the exact kinematics of
+the pushes a few times. The last push consists of two halves with separate contact
+positions, so that it can reach a pose like a car.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def miss(X_WB: Pose2) -> float:
 
 
 def miss_between(a: Pose2, b: Pose2) -> float:
-    """Distance [px] between two poses, with the angle scaled by rho."""
+    """Distance [px] between two poses, including the angle scaled by rho."""
     return float(np.linalg.norm(_difference(a, b)))
 
 
@@ -45,16 +45,16 @@ def _difference(a: Pose2, b: Pose2) -> Array:
 
 
 def halved(pushes: Sequence[Push]) -> tuple[Push, ...]:
-    """Pushes with the last one in two halves, so that it can be steered."""
+    """Pushes with the last one divided into halves, so that it can be steered."""
     *first, last = pushes
     half = replace(last, length=0.5 * last.length)
     return (*first, half, half)
 
 
 def steered(X_WB: Pose2, pushes: Sequence[Push]) -> tuple[Push, ...]:
-    """Pushes, corrected for their start pose.
+    """Pushes corrected for their start pose.
 
-    The last two stay equally long if they are on one face.
+    If the last two are on one face, they stay equally long.
     """
     now = tuple(pushes)
     ties = _ties(now)
@@ -85,7 +85,9 @@ def _ties(pushes: tuple[Push, ...]) -> Array:
 
 
 def _slopes(X_WB: Pose2, pushes: tuple[Push, ...], off: Array) -> Array:
-    """Derivatives (3, 2 n) of the error by contact position and length of each push."""
+    """Derivatives (3, 2 n) of the error with respect to contact position and length of
+    each push.
+    """
     columns = []
     for index in range(2 * len(pushes)):
         change = np.zeros(2 * len(pushes))
@@ -106,8 +108,9 @@ def _added(pushes: tuple[Push, ...], change: Array) -> tuple[Push, ...]:
 
 
 def _changed(pushes: tuple[Push, ...], change: Array) -> tuple[Push, ...]:
-    """Pushes with ``change`` applied, each kept on its face, and none of them
-    backwards.
+    """Pushes with ``change`` (2 n,) applied.
+
+    Contacts stay on their faces, and lengths stay positive or zero.
     """
     return tuple(
         replace(

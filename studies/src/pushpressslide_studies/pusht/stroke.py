@@ -1,9 +1,9 @@
-"""The next action of a push: the pusher's target with the best result in the forward
-model.
+"""The next action of a push: the target of the pusher with the best result in the
+forward model.
 
 An episode ends with the first action after which the overlap is above 95 %. The last
-action should therefore be a long one that ends at the goal, not a short one that just
-exceeds that threshold.
+action should therefore be long and end at the goal, instead of just exceeding this
+threshold.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ AIMS = 2  # corrections of a target by the forward model
 def stroke(X_WB: Pose2, pusher: Pusher, push: Push, hasty: bool) -> Point:
     """Target of the pusher for the next action of a push.
 
-    An action ends the episode if it brings the overlap above the threshold. If
-    ``hasty``, any overlap above the threshold is accepted, otherwise only one above
-    ``GOOD``.
+    An action ends the episode if it brings the overlap above the threshold. With
+    ``hasty``, any overlap above the threshold is accepted, otherwise only an overlap
+    above ``GOOD``.
     """
     most = PUSH_STEP / push.pusher_ratio
     count = max(1, math.ceil(push.length / most - LONGER))
@@ -76,12 +76,12 @@ def _aimed(X_WB: Pose2, pusher: Pusher, push: Push) -> Point:
 
 
 def _target(X_WB: Pose2, push: Push) -> Point:
-    """Position of the pusher at the end of a push."""
+    """Position [px] of the pusher at the end of a push."""
     return pushed_pose(X_WB, push).apply(push.pushed.pusher(push.left))
 
 
 def _options(X_WB: Pose2, push: Push) -> Iterator[Point]:
-    """Yield variations of a push's target, with its contact shifted sideways and its
+    """Yield variations of a push's target, with the contact shifted sideways and the
     length changed.
     """
     for side in SIDEWAYS:

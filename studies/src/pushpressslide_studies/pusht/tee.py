@@ -1,11 +1,11 @@
 """The T of gym-pusht as an object: outline, limit surface, faces, goal.
 
-One pixel is the unit of length. The frame T is the package's own, at the middle of the
-bar's long edge; B has its axes and its origin at the centre of mass.
+The unit of length is one pixel. The frame T is that of the package, at the middle of
+the bar's long edge. Frame B has the same axes, and its origin at the centre of mass.
 
-The package sets the damping to zero, so that each step begins at rest and the mass
-matrix (mass 1, moment of inertia 3000 px^2) replaces the limit surface: the twist is
-along (fx, fy, tau / rho^2) with rho^2 = 3000 px^2. Its contacts have no friction.
+In the package no velocity carries over from step to step, so the mass matrix (mass 1,
+moment of inertia 3000 px^2) takes the place of the limit surface: the twist is along
+(fx, fy, tau / rho^2) with rho^2 = 3000 px^2. Contacts have no friction.
 """
 
 from __future__ import annotations
@@ -56,22 +56,22 @@ class PushedFace:
         return self.face.normal
 
     def contact(self, left: float) -> Point:
-        """Point [px] in B at ``left`` of the line through the centre."""
+        """Point [px] in B on the face, at ``left`` [px] of the line through the centre."""
         return on_face(self.face, left)
 
     def pusher(self, left: float, gap: float = 0.0) -> Point:
-        """The pusher's centre [px] in B, ``gap`` [px] off the face."""
+        """The pusher's centre [px] in B, at a distance ``gap`` [px] from the face."""
         x, y = self.contact(left)
         away = PUSHER_RADIUS + gap
         return (x - away * self.normal[0], y - away * self.normal[1])
 
     def place(self, pusher: Point) -> float:
-        """Offset to the left at which a pusher at a point in B touches the face."""
+        """Offset [px] to the left at which a pusher at a point in B touches the face."""
         along = turned_left(self.normal)
         return pusher[0] * along[0] + pusher[1] * along[1]
 
     def clipped(self, left: float) -> float:
-        """Nearest offset at which the pusher may touch the face."""
+        """Nearest offset [px] at which the pusher may touch the face."""
         return min(max(left, self.right), self.left)
 
 
@@ -84,7 +84,7 @@ FACES = tuple(_pushed(face) for face in faces(BODY, CLEARANCE, PUSHER_RADIUS))
 
 
 def body_pose(X_WT: Pose2) -> Pose2:
-    """X_WB of the frame at the centre of mass."""
+    """Pose X_WB of the frame at the centre of mass."""
     x, y = X_WT.apply(CENTER)
     return Pose2(x, y, X_WT.yaw)
 

@@ -1,9 +1,9 @@
 """Open-loop probe of a pressed object's virtual axle.
 
-A free tip presses on top and drags with a force of constant direction in the body.
-Nothing steers; a servo sets only the size of the force, so that the object slides at
-constant speed. The object's twist then determines the position of the virtual axle
-(docs/mechanics.md, section 4).
+A free tip presses on top and drags the object with a force of constant direction in the
+body frame. There is no steering: a servo only sets the size of the force, so that the
+object slides at constant speed. The object's twist then determines the position of the
+virtual axle (docs/mechanics.md, section 4).
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ LEAST_TURN_RATE = 2e-3  # [rad/s] slower turns do not define an axle
 
 @dataclass(frozen=True, slots=True)
 class Probe:
-    """One drag: contact, load and direction of the force."""
+    """One drag: contact, load, and direction of the force."""
 
     contact: Point  # [m] in B
     load: float  # [N]
@@ -69,7 +69,7 @@ class Probe:
 
 @dataclass(frozen=True, slots=True)
 class AxleMeasurement:
-    """Result of a probe: medians over the settled part of the run."""
+    """Result of a probe: medians over the steady part of the run."""
 
     # [m] on the line CoM to contact: 0 at the CoM, positive towards the contact
     axle: float
@@ -87,9 +87,8 @@ def probe_axle(task: Task, probe: Probe, time_step: float = 0.004) -> AxleMeasur
     """Drag the object of ``task`` as in ``probe`` and return the measured centre of
     rotation.
 
-    Only the object, the support's friction and the contact's friction of the task
-    count; the robot is a free ``hand``. Raises SimulationError if the object did not
-    turn.
+    Of the task, only the object and the two frictions are used; the robot is a free
+    ``hand``. Raises SimulationError if the object did not turn.
     """
     rows = _Rig(task, probe, time_step).run()
     vx = rows[:, 0]
@@ -125,8 +124,9 @@ def probe_axle(task: Task, probe: Probe, time_step: float = 0.004) -> AxleMeasur
 
 
 class _Rig:
-    """The object on its support, with a free tip on top: the scene of a run except for
-    the cells of its base.
+    """The object on its support, with a free tip on top.
+
+    The scene is that of a run, except for the cells of the object's base.
     """
 
     def __init__(self, task: Task, probe: Probe, time_step: float) -> None:
@@ -195,7 +195,7 @@ class _Rig:
         self.yaw_inertia = float(mass[v[3], v[3]])  # [kg m^2]
 
     def run(self) -> Array:
-        """Rows (N, 8) of the settled part, in B: the CoM's velocity and turn rate, the
+        """Rows (N, 8) of the steady part, in B: the CoM's velocity and turn rate, the
         contact force along the support, the load, and the tip's position.
         """
         rows = []
@@ -224,7 +224,7 @@ class _Rig:
         return np.array(rows)
 
     def _force(self) -> Vector3:
-        """Force [N] of the tip ON the object, world axes."""
+        """Force [N] of the tip ON the object, in world axes."""
         tip = self._hand.tip_body
         reaction = self.reactions.Eval(self.state)[self.sensor.joint]
         moved = self.accelerations.Eval(self.state)[tip.index()].translational()
@@ -232,7 +232,7 @@ class _Rig:
         return self.sensor.force(reaction, R_WT, moved)
 
     def _torque(self, t: float, x: Array, yaw: float, w: float) -> Array:
-        """Forces [N] and the torque [N m] of the hand's joints at time ``t``."""
+        """Forces [N] and torque [N m] of the hand's joints at time ``t`` [s]."""
         probe = self.probe
         vx, vy, vz, turn = x[self.hand_v]
         out = self.weight.copy()

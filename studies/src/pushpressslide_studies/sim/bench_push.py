@@ -51,8 +51,8 @@ def pushed_box(
     """Wall time [s] of ``time`` [s] of a push, and the box's final pose: x, y [m] and
     yaw [rad].
 
-    ``step`` [s] is that of the physics, ``stiffness`` [N s/m] that of the ball's
-    velocity servo.
+    ``step`` [s] is the time step of the physics, ``stiffness`` [N s/m] the gain of the
+    ball's velocity servo.
     """
     builder = DiagramBuilder()
     plant, _ = AddMultibodyPlantSceneGraph(builder, step)

@@ -1,6 +1,7 @@
 """Allocation problems for Drake's solvers, as contestants of the benchmarks.
 
-Each is one program; a call changes its wrench and, for presses, the radii of its discs.
+Each problem is one program. A call changes the wrench and, for presses, the radii of
+the discs.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ def drake_pushes(
     program.AddQuadraticCost(2.0 * cost, np.zeros(4), forces)
 
     def solve(wrench: Array) -> Array | None:
-        """Forces (4,), or None."""
+        """Forces (4,) [N]. None if the solver fails."""
         balance.UpdateCoefficients(grasp, wrench)
         result = solver.Solve(program)
         if not result.is_success():
@@ -70,7 +71,7 @@ def drake_presses(
         )
 
     def solve(wrench: Array, normals: Array) -> Array | None:
-        """Forces (4,), or None."""
+        """Forces (4,) [N]. None if the solver fails."""
         balance.UpdateCoefficients(grasp, wrench)
         for row, disc, normal in zip(rows, discs, normals, strict=True):
             disc.UpdateCoefficients(row, np.array([friction * normal, 0.0, 0.0]))

@@ -1,7 +1,7 @@
-"""Playback of a run in Drake with its recorded torques: nothing is measured, decided or
+"""Playback of a run in Drake with its recorded torques. Nothing is measured, decided or
 recorded.
 
-Its time is the physics' share of a run.
+The time of a playback is the share of the physics in the time of a run.
 """
 
 from __future__ import annotations
@@ -23,8 +23,9 @@ class Playback(NamedTuple):
 
 
 def played_back(plan: Plan, record: Record, *, models: str = "generated") -> Playback:
-    """Simulate ``plan`` from its start with the torques of its ``record``, which must
-    have run to its end without a recovery.
+    """Simulate ``plan`` from its start with the torques of its ``record``.
+
+    The recorded run must have ended without a recovery.
     """
     motion = plan.query.motion
     station = Station(plan, models=models, time_step=motion.time_step)
