@@ -60,7 +60,7 @@ def test_another_body_is_pushed_along() -> None:
 
 def test_a_knocked_object_is_brought_to_its_goal() -> None:
     task = pps.load_task("press-slide")
-    plan, record, _ = simulate(task, engine="mujoco", knock=Knock(0.5, 1))
+    _, record, _ = simulate(task, engine="mujoco", knock=Knock(0.5, 1))
     assert pps.result(record)["success"], record.reason_text
     assert 0.01 < record.meta["knocked"]["moved"] < 0.05
 

@@ -106,7 +106,7 @@ def run(
     and ``figures``.
 
     A task may be given as to ``load_task``, with ``overrides``; ``mode`` is the name of
-    the only mode to consider. ``engine`` is "drake" or "planar". ``controller`` may be
+    the only mode to consider. ``engine`` is "drake", "mujoco" or "planar". ``controller`` may be
     a class derived from ``Controller``. ``tracker`` receives the engine's object
     tracker and returns the tracker to use. ``estimator`` makes the estimator of the
     object's pose and parameters for a motion query.
