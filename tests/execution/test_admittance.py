@@ -41,7 +41,9 @@ def added(
 
 @pytest.mark.parametrize("yaw", [0.0, 0.7, -2.0])
 @pytest.mark.parametrize("reaction", [0.004, 0.1])
-def test_a_tip_with_its_force_follows_its_reference(yaw: float, reaction: float) -> None:
+def test_a_tip_with_its_force_follows_its_reference(
+    yaw: float, reaction: float
+) -> None:
     command = replace(PUSH, normal_yaw=yaw)
     tip = TipState((0.1, 0.2, 0.3), NOTHING, PUSH.force)
     assert velocity(command, tip, reaction) == pytest.approx(PUSH.velocity)

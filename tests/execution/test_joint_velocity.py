@@ -40,7 +40,9 @@ def cases(kin: ArmKinematics, smallest: float) -> list[Case]:
     facts = kin.facts
     found = []
     while len(found) < 50:
-        q = facts.lower + rng.uniform(0.1, 0.9, facts.size) * (facts.upper - facts.lower)
+        q = facts.lower + rng.uniform(0.1, 0.9, facts.size) * (
+            facts.upper - facts.lower
+        )
         J = kin.tip_and_jacobian(q)[2]
         if np.linalg.svd(J)[1][-1] > smallest:
             found.append(Case(q, J, 0.02 * rng.normal(size=6)))
