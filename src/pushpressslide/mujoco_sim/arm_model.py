@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import mujoco
 import numpy as np
 
-import mujoco
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.task import Robot
