@@ -165,6 +165,8 @@ MAY_ASK_FOR_THE_KIND = {
     "sim/surfaces.py": "Drake's geometry has a class a kind",
     "sim/scenes.py": "Drake's inertia and mesh sizes have a formula a kind",
     "paper/virtual_axle.py": "the paper's object is a box of another height",
+    "geometry/inertia.py": "moments of inertia have a formula a kind",
+    "mujoco_sim/shapes.py": "MuJoCo's geometry has a type a kind",
 }
 
 

@@ -9,8 +9,6 @@ from pushpressslide.core import margins
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.scene import Robot
-from pushpressslide.robots.contact_reach import press_refusal
-from pushpressslide.selection.select import select
 
 LONGEST = margins.ARM.longest_reaction
 PERIOD = 0.008  # [s] of the commands

@@ -18,7 +18,12 @@ if TYPE_CHECKING:
 
 GROUP = "pushpressslide.commands"
 STUDIES = "pushpressslide-studies"
-PACKAGES = {"bench": STUDIES, "gym-pusht": STUDIES, "reproduce": STUDIES}
+PACKAGES = {
+    "bench": STUDIES,
+    "footprints": STUDIES,
+    "gym-pusht": STUDIES,
+    "reproduce": STUDIES,
+}
 """Packages that provide known commands, by command."""
 
 

@@ -340,7 +340,7 @@ class Robot:
     joint_friction: tuple[float, ...] | None = setting(
         None,
         "viscous friction of the joints of a model given by its path, from the base to "
-        "the tip, in Drake; null: that of the file",
+        "the tip, in engines with arms; null: that of the file",
         "N m s/rad",
         "[0, 10000]",
         count=(1, 16),

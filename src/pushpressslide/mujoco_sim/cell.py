@@ -112,7 +112,7 @@ class MujocoPhysics:
         motion = plan.query.motion
         self.scene = scene
         self.model = scene.model
-        self.at = mujoco.MjData(scene.model)
+        self.state = mujoco.MjData(scene.model)
         self.frame: SupportFrame = task.support.frame
         self._ends = (plan.query.start, task.goal)
         self._region = _Region(scene, task.support.region)
@@ -139,27 +139,27 @@ class MujocoPhysics:
         """Put ``arms`` at the start of their joint paths, or arms and bodies as in
         ``start``, and compute the contacts.
         """
-        at = self.at
+        state = self.state
         for i, arm in enumerate(arms):
-            at.qpos[self.scene.joints[i]] = arm.path.approach[0]
+            state.qpos[self.scene.joints[i]] = arm.path.approach[0]
         if start is not None:
             for i, speed in enumerate(start.speeds):
-                at.qvel[self.scene.freedoms[i]] = speed
+                state.qvel[self.scene.freedoms[i]] = speed
             for name, pose in start.spatial.items():
                 first = self.scene.position(name)
-                at.qpos[first : first + 7] = (*pose[4:], *pose[:4])
+                state.qpos[first : first + 7] = (*pose[4:], *pose[:4])
         self._arms = arms
-        self._region.update(at)
-        mujoco.mj_forward(self.model, at)
+        self._region.update(state)
+        mujoco.mj_forward(self.model, state)
         self.now = self._look()
         self._before = self.now
 
     def _look(self) -> _Instant:
         """Read the present state."""
-        q = self.at.qpos.copy()
+        q = self.state.qpos.copy()
         first = self._body
         pose = planar_pose(q[first : first + 7].tolist(), self.frame)
-        v = self.at.qvel[self._velocity : self._velocity + 6]
+        v = self.state.qvel[self._velocity : self._velocity + 6]
         vx, vy, _ = self.frame.components(tuple(v[:3].tolist()))
         # MuJoCo gives the angular velocity in the body's axes
         return _Instant(q, pose, (vx, vy, float(v[5])))
@@ -177,20 +177,20 @@ class MujocoPhysics:
         """Simulate one control period."""
         self._before = self.now
         self._ticks += 1
-        self._region.update(self.at)
+        self._region.update(self.state)
         if self._knocker is not None:
             self._knock(self._knocker)
-        mujoco.mj_step(self.model, self.at, self._steps)
+        mujoco.mj_step(self.model, self.state, self._steps)
         self.now = self._look()
 
     def _knock(self, knocker: Knocker) -> None:
         """Apply the force on the ball, at the start of a tick."""
         first, freedom = self.scene.position(BALL), self.scene.velocity(BALL)
-        place = self.at.qpos[first : first + 3].copy()
-        speed = self.at.qvel[freedom : freedom + 3].copy()
+        place = self.state.qpos[first : first + 3].copy()
+        speed = self.state.qvel[freedom : freedom + 3].copy()
         start = self.time - self._period
         force = knocker.force(place, speed, self.now.X_WG, start)
-        self.at.qfrc_applied[freedom : freedom + 3] = force
+        self.state.qfrc_applied[freedom : freedom + 3] = force
 
     def failure(self) -> str | None:
         """Reason that the simulation cannot continue, or None.
@@ -209,14 +209,14 @@ class MujocoPhysics:
 
     def tip_force(self, arm: int) -> Vector3:
         """Force [N] of an arm's tip ON what it touches, world axes."""
-        at = self.at
+        state = self.state
         sphere = self.scene.spheres[arm]
         total = np.zeros(3)
-        geoms = at.contact.geom
+        geoms = state.contact.geom
         for i in np.flatnonzero((geoms == sphere).any(axis=1)).tolist():
-            mujoco.mj_contactForce(self.model, at, i, self._force)
+            mujoco.mj_contactForce(self.model, state, i, self._force)
             # of the first geom on the second
-            force = at.contact.frame[i].reshape(3, 3).T @ self._force[:3]
+            force = state.contact.frame[i].reshape(3, 3).T @ self._force[:3]
             total += force if geoms[i, 0] == sphere else -force
         fx, fy, fz = total.tolist()
         return (fx, fy, fz)
@@ -270,14 +270,14 @@ class _Region:
         ]
         self._frame = scene.frame
 
-    def update(self, at: Any) -> None:
+    def update(self, state: Any) -> None:
         """Take the support from the feet that are beyond its edge."""
         if not self.limited:
             return
         import shapely
 
         for first, points, pairs in self._feet:
-            pose = planar_pose(at.qpos[first : first + 7].tolist(), self._frame)
+            pose = planar_pose(state.qpos[first : first + 7].tolist(), self._frame)
             c, s = math.cos(pose.yaw), math.sin(pose.yaw)
             x = pose.x + points @ (c, -s)
             y = pose.y + points @ (s, c)
@@ -303,8 +303,8 @@ class MujocoDrives:
 
     def joints(self) -> Array:
         """Positions and velocities (2 n,)."""
-        at = self._physics.at
-        return np.concatenate([at.qpos[self._joints], at.qvel[self._freedoms]])
+        state = self._physics.state
+        return np.concatenate([state.qpos[self._joints], state.qvel[self._freedoms]])
 
     def tip_force(self, arm: ArmDynamics) -> Vector3:
         """Force [N] of the tip ON what it touches, world axes."""
@@ -312,14 +312,14 @@ class MujocoDrives:
 
     def drive(self, torque: Array) -> None:
         """Apply joint torques (n,) [N m] until the next call."""
-        self._physics.at.qfrc_applied[self._freedoms] = torque
+        self._physics.state.qfrc_applied[self._freedoms] = torque
 
     def follow(self, arm: ArmDynamics, start: Array, speed: Array) -> Array:
         """Let the joints follow positions, as ``arms.model.PositionDrives.follow``."""
-        at = self._physics.at
+        state = self._physics.state
         if self._loops is None:
             names = self._physics.scene.arms[self._index]
             self._loops = PositionLoops(self._physics.model, names, arm.M)
-        before = at.qfrc_applied[self._freedoms] + self._loops.force(at)
-        self.drive(self._loops.lead(at, arm.bias, start, speed))
+        before = state.qfrc_applied[self._freedoms] + self._loops.force(state)
+        self.drive(self._loops.lead(state, arm.bias, start, speed))
         return before

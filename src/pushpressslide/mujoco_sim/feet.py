@@ -17,10 +17,14 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.geometry.mesh_body import MeshBody
 from pushpressslide.geometry.shape import Shape
 
-CELLS = 7
+CELLS = 6
 """Cells across a base where it is narrow."""
 MOST_CELLS = 10
 """Largest number of cells along a base."""
+RIM = 0.05
+"""Width of the rim, as a share of the base's breadth. Its cells have feet of their own:
+the base tips about these, hardly earlier than about its edge.
+"""
 SLIVER = 1e-3
 """Area, as a share of a cell's, below which a cell gets no foot."""
 FINE = 24
@@ -50,7 +54,9 @@ def feet_of(shape: Shape) -> Feet:
 
 
 def _cells(shape: Shape) -> Feet:
-    """Centroids and areas of the cells of a grid over the base, cut at its border."""
+    """Centroids and areas of the cells of a grid over the base, cut at its border and
+    at its rim.
+    """
     import shapely
 
     base = shape.base if isinstance(shape, MeshBody) else shape.placed(Pose2())
@@ -64,8 +70,13 @@ def _cells(shape: Shape) -> Feet:
     ys = np.linspace(y_min, y_max, ny + 1)
     low = np.stack(np.meshgrid(xs[:-1], ys[:-1]), axis=-1).reshape(-1, 2)
     high = np.stack(np.meshgrid(xs[1:], ys[1:]), axis=-1).reshape(-1, 2)
-    cut = np.array(shapely.intersection(base, shapely.box(*low.T, *high.T)))
-    areas = np.array(shapely.area(cut))
-    kept = areas > SLIVER * np.prod(high - low, axis=1)
-    points = shapely.get_coordinates(shapely.centroid(cut[kept]))
-    return Feet(points, areas[kept] / areas[kept].sum())
+    inner = base.buffer(-RIM * breadth, join_style="mitre")
+    size = np.prod(high - low, axis=1)[0]
+    points, areas = [], []
+    for part in (inner, base.difference(inner)):
+        cut = np.array(shapely.intersection(part, shapely.box(*low.T, *high.T)))
+        kept = cut[shapely.area(cut) > SLIVER * size]
+        points.append(shapely.get_coordinates(shapely.centroid(kept)))
+        areas.append(shapely.area(kept))
+    shares = np.concatenate(areas)
+    return Feet(np.concatenate(points), shares / shares.sum())

@@ -46,19 +46,19 @@ class PositionLoops:
         model.actuator_biasprm[self._numbers, 1] = -stiffness
         model.actuator_biasprm[self._numbers, 2] = -self._damping
 
-    def force(self, at: Any) -> Array:
+    def force(self, state: Any) -> Array:
         """Torques (n,) [N m] of the actuators in the last step."""
-        out: Array = at.actuator_force[self._numbers]
+        out: Array = state.actuator_force[self._numbers]
         return out
 
-    def lead(self, at: Any, bias: Array, start: Array, speed: Array) -> Array:
+    def lead(self, state: Any, bias: Array, start: Array, speed: Array) -> Array:
         """Move the targets from ``start`` (n,) [rad] at ``speed`` (n,) [rad/s].
 
         Returns the torques (n,) [N m] to apply besides the actuators' own: ``bias``,
         and what makes their dampers act on the speed relative to the target's.
         """
-        at.act[self._targets] = start
-        at.ctrl[self._numbers] = speed
+        state.act[self._targets] = start
+        state.ctrl[self._numbers] = speed
         added = bias + self._damping * speed
         limits = np.column_stack([-self._effort - added, self._effort - added])
         self._model.actuator_forcerange[self._numbers] = limits

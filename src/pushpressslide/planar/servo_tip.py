@@ -52,11 +52,11 @@ class ServoTip(TipAlone):
         else:
             self._reached = before + dt * self._servo.step(velocity)
         speed = (self._reached - before) / dt
-        self._physics.commands[self._index] = _held(self._reached, speed)
+        self._physics.commands[self._index] = _held_place(self._reached, speed)
         return Applied()
 
 
-def _held(place: np.ndarray, velocity: np.ndarray) -> TipCommand:
+def _held_place(place: np.ndarray, velocity: np.ndarray) -> TipCommand:
     """Command of a tip that is held at a place [m] that moves [m/s]."""
     x, y, z = place.tolist()
     vx, vy, vz = velocity.tolist()

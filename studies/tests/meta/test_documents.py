@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from pushpressslide_studies.bench.footprints import Errors, page
 from pushpressslide_studies.paper.documents import renewed, summary_of
 
 ROOT = Path(__file__).parents[3]
@@ -52,6 +53,17 @@ def test_the_table_of_other_planners_is_that_of_its_rows() -> None:
     assert [row["task"] for row in rows] == list(tool["TASKS"])
     page = tool["PAGE"].read_text(encoding="utf-8")
     assert renewed(page, "planners", tool["table"](rows)) == page
+
+
+def test_the_table_of_footprints_is_that_of_its_rows() -> None:
+    rows = json.loads(
+        (STUDIES / "docs" / "data" / "footprints.json").read_text("utf-8")
+    )
+    text = (STUDIES / "docs" / "footprints.md").read_text(encoding="utf-8")
+    table = page([Errors(**row) for row in rows])
+    assert renewed(text, "footprints", table) == text
+    assert len({row["engine"] for row in rows}) == 6
+    assert len({row["footprint"] for row in rows}) == 5
 
 
 def test_the_finger_of_the_page_keeps_what_it_pushes(

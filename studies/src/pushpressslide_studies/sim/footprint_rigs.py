@@ -41,7 +41,6 @@ from pushpressslide.sim.convert import planar_pose_from_positions, planar_twist
 from pushpressslide.sim.plane import add_plane
 from pushpressslide.sim.scenes import mesh_size
 from pushpressslide.sim.surfaces import touched_shapes
-from pushpressslide_studies.bench.footprint_laws import base_center
 
 MASS = 1.0
 """Mass [kg] of every body."""
@@ -68,7 +67,7 @@ class DrakeRig:
         plant, graph = AddMultibodyPlantSceneGraph(builder, self.period)
         solve_contacts(plant)
         half = 0.5 * shape.height
-        x, y = base_center(shape)
+        x, y = shape.centroid
         self._center = np.array([x, y, -half])
         central = SpatialInertia(
             MASS, [0.0, 0.0, 0.0], UnitInertia(*solid_moments(shape))
@@ -152,7 +151,7 @@ class MujocoRig:
         floor = world.add_geom(name="floor", type=plane, size=[0.0, 0.0, 1.0])
         body = world.add_body(name="object", pos=[0.0, 0.0, half])
         body.add_freejoint()
-        x, y = base_center(shape)
+        x, y = shape.centroid
         body.explicitinertial = True
         body.mass = MASS
         body.ipos = [x, y, -half]
