@@ -6,8 +6,7 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.core import margins
-from pushpressslide.core.errors import InfeasibleTaskError
-from pushpressslide.core.plan import Contact
+from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import Robot
 
 LONGEST = margins.ARM.longest_reaction
@@ -15,15 +14,25 @@ PERIOD = 0.008  # [s] of the commands
 INTERFACES = ["position", "velocity"]
 
 
-def late(name: str, reaction: float, interface: str = "position") -> pps.Task:
+def late_task(name: str, reaction: float, interface: str = "position") -> pps.Task:
     """A shipped task for one arm with a ``reaction`` [s]."""
-    changes = {
-        "robots.0.interface": interface,
-        "robots.0.rate": 1.0 / PERIOD,
-        "robots.0.lag": 0.6 * (reaction - PERIOD),
-        "robots.0.delay": 0.4 * (reaction - PERIOD),
-    }
-    return pps.load_task(name, changes)
+    return pps.load_task(
+        name,
+        {
+            "robots.0.interface": interface,
+            "robots.0.rate": 1.0 / PERIOD,
+            "robots.0.lag": 0.6 * (reaction - PERIOD),
+            "robots.0.delay": 0.4 * (reaction - PERIOD),
+        },
+    )
+
+
+def refusals(task: pps.Task, mode: str) -> list[Refusal]:
+    """Refusals of a mode that is not possible, those of its loops left out."""
+    choices = [choice for choice in pps.select(task) if choice.mode == mode]
+    found = [choice.refusal for choice in choices if choice.refusal is not None]
+    assert len(found) == len(choices) > 0
+    return [refusal for refusal in found if refusal.code != "loop"]
 
 
 def test_the_reaction_is_period_delay_and_lag() -> None:
@@ -34,16 +43,35 @@ def test_the_reaction_is_period_delay_and_lag() -> None:
 
 
 @pytest.mark.parametrize("interface", INTERFACES)
-@pytest.mark.parametrize("model", ["panda", "hand"])
 def test_a_press_beyond_the_longest_reaction_is_refused_with_both_figures(
-    model: str, interface: str
+    interface: str,
 ) -> None:
-    task = late("press-slide", LONGEST + 0.01, interface)
-    robot = pps.load_task("press-slide", {"robots.0.model": model}).robots[0]
-    press = pps.plan("press-slide").contacts[0]
-    assert isinstance(press, Contact)
-    scene = task.believed().scene if hasattr(task, "believed") else task
-    del robot, scene
-    with pytest.raises(InfeasibleTaskError, match="allows at most") as caught:
-        pps.plan(task, mode="press_slide")
-    assert f"{LONGEST + 0.01:.3f} s" in str(caught.value)
+    task = late_task("press-slide", LONGEST + 0.01, interface)
+    found = refusals(task, "press_slide")
+    assert found
+    for refusal in found:
+        assert refusal.code == "late_arm"
+        assert refusal.figure == pytest.approx(LONGEST + 0.01)
+        assert refusal.allowed == LONGEST
+        assert refusal.unit == "s"
+
+
+@pytest.mark.parametrize("interface", INTERFACES)
+def test_a_press_within_it_is_planned(interface: str) -> None:
+    task = late_task("press-slide", LONGEST - 0.001, interface)
+    assert pps.plan(task).contacts[0].load > 0.0
+
+
+def test_a_free_tip_is_refused_likewise() -> None:
+    robot = {"model": "hand", "interface": "position", "lag": LONGEST}
+    task = pps.load_task("press-slide", {"robots": [robot]})
+    codes = {refusal.code for refusal in refusals(task, "press_slide")}
+    assert codes == {"late_arm"}
+
+
+@pytest.mark.parametrize("interface", INTERFACES)
+def test_an_arm_too_late_for_a_press_still_pushes(interface: str) -> None:
+    task = late_task("rear-push-rear", LONGEST + 0.01, interface)
+    record = pps.run(task, engine="planar")
+    assert record.success, record.reason_text
+    assert record.figures["final_position_error"] < 5e-3
