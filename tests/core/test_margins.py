@@ -41,7 +41,7 @@ def test_every_margin_has_its_reason() -> None:
 
 def test_every_margin_of_the_arm_has_a_unit_and_is_positive() -> None:
     for one in fields(ARM):
-        assert one.metadata["unit"] in ("m", "s", "N", "m/s", "1/s", "1")
+        assert one.metadata["unit"] in ("m", "s", "N", "m/s", "N/m", "1/s", "1")
         assert getattr(ARM, one.name) > 0.0
 
 
