@@ -5,16 +5,22 @@ import math
 import numpy as np
 import pytest
 
-from pushpressslide.arms.lag import LaggingServo
+from pushpressslide.arms.lag import LaggingServo, robot_servo
+from pushpressslide.core.task import Robot
 
 DT = 0.004
 TICKS = 1000
 
 
 def response(
-    commands: np.ndarray, rate: float, delay: float, lag: float, dt: float = DT
+    commands: np.ndarray,
+    rate: float,
+    delay: float,
+    lag: float,
+    dt: float = DT,
+    interpolates: bool = False,
 ) -> np.ndarray:
-    servo = LaggingServo(np.zeros(1), rate, delay, lag, dt)
+    servo = LaggingServo(np.zeros(1), rate, delay, lag, dt, interpolates=interpolates)
     return np.array([servo.step(np.array([one]))[0] for one in commands])
 
 
@@ -62,6 +68,34 @@ def test_a_ramp_is_followed_behind_by_delay_and_lag() -> None:
     behind = (ramp[-1] - values[-1]) / speed
     # what a tick's command is obeyed during the tick
     assert behind == pytest.approx(delay + lag, abs=DT)
+
+
+@pytest.mark.parametrize(("rate", "every"), [(125.0, 2), (50.0, 5), (20.0, 12)])
+def test_positions_are_joined_by_straight_lines(rate: float, every: int) -> None:
+    ramp = np.arange(0.0, 241.0)
+    held, joined = (
+        response(ramp, rate, 0.008, 0.0, interpolates=one) for one in (False, True)
+    )
+    # a ramp stays a ramp, later than by the delay alone: by a period less a tick
+    steady = np.diff(joined)[2 + 2 * every :]
+    np.testing.assert_allclose(steady, 1.0)
+    assert ramp[-1] - joined[-1] == pytest.approx(2 + every - 1)
+    assert np.diff(held).max() == pytest.approx(every)
+
+
+def test_a_step_is_reached_within_a_period() -> None:
+    values = response(np.ones(30), 50.0, 0.008, 0.0, interpolates=True)
+    np.testing.assert_allclose(values[:7], [0.0, 0.0, 0.2, 0.4, 0.6, 0.8, 1.0])
+    np.testing.assert_allclose(values[7:], 1.0)
+
+
+def test_a_robot_that_takes_positions_has_them_joined() -> None:
+    ramp = np.arange(0.0, 50.0)
+    for interface, jump in (("position", 1.0), ("velocity", 5.0)):
+        robot = Robot("panda", interface=interface, rate=50.0)
+        servo = robot_servo(robot, np.zeros(1), DT)
+        values = np.array([servo.step(np.array([one]))[0] for one in ramp])
+        assert np.diff(values).max() == pytest.approx(jump)
 
 
 def test_the_answer_does_not_depend_on_the_tick() -> None:

@@ -144,6 +144,15 @@ def test_late_arms_push_and_press(name: str, engine: str, interface: str) -> Non
         assert_touches_are_soft(record)
 
 
+@pytest.mark.parametrize("interface", ["position", "velocity"])
+def test_twenty_commands_a_second_are_enough_for_a_push(interface: str) -> None:
+    """Joints that jumped from command to command would be stopped as running away."""
+    pytest.importorskip("mujoco")
+    settings = ("rate=20", "lag=0.02", "delay=0.008")
+    task = late_task("rear-push-rear", interface, settings)
+    assert_reached(pps.run(task, engine="mujoco"), 5e-3)
+
+
 def test_an_arm_that_takes_torques_has_no_delays() -> None:
     """The fields of a servo change nothing for it."""
     plain = pps.run("rear-push-rear", engine="planar")

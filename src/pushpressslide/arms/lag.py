@@ -8,19 +8,33 @@ from collections import deque
 import numpy as np
 
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.scene import Robot
 
 
 class LaggingServo:
     """First-order lag behind commands that arrive late."""
 
     def __init__(
-        self, start: Array, rate: float, delay: float, lag: float, dt: float
+        self,
+        start: Array,
+        rate: float,
+        delay: float,
+        lag: float,
+        dt: float,
+        *,
+        interpolates: bool = False,
     ) -> None:
         """Rest at ``start`` (n,), with ticks of ``dt`` [s]. Commands are taken at a
         ``rate`` [Hz], obeyed after a ``delay`` [s] and followed with a ``lag`` [s].
+
+        With ``interpolates`` the servo goes from one command to the next in a straight
+        line over the time between them, as makers do with positions.
         """
         self.output = np.array(start, dtype=float)  # (n,) as reached
         self._target = self.output.copy()
+        self._aim = self.output.copy()  # (n,) on its way to the target
+        self._interpolates = interpolates
+        self._left = 0  # ticks to the target
         self._gain = 1.0 if lag <= 0.0 else -math.expm1(-dt / lag)
         self._delay = max(0, round(delay / dt))  # ticks
         self._every = max(1, round(1.0 / (rate * dt)))  # ticks
@@ -33,6 +47,20 @@ class LaggingServo:
             self._waiting.append((self._tick + self._delay, np.array(command)))
         while self._waiting and self._waiting[0][0] <= self._tick:
             _, self._target = self._waiting.popleft()
+            self._left = self._every if self._interpolates else 1
         self._tick += 1
-        self.output = self.output + self._gain * (self._target - self.output)
+        if self._left > 0:
+            self._aim = self._aim + (self._target - self._aim) / self._left
+            self._left -= 1
+        self.output = self.output + self._gain * (self._aim - self.output)
         return self.output
+
+
+def robot_servo(robot: Robot, start: Array, dt: float) -> LaggingServo:
+    """Servo of a robot with ticks of ``dt`` [s]. ``start`` (n,) is the first position,
+    or the first velocity if the robot takes velocities.
+    """
+    takes_positions = robot.interface == "position"
+    return LaggingServo(
+        start, robot.rate, robot.delay, robot.lag, dt, interpolates=takes_positions
+    )

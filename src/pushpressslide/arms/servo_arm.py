@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from pushpressslide.arms.joint_arm import JointArm
-from pushpressslide.arms.lag import LaggingServo
+from pushpressslide.arms.lag import LaggingServo, robot_servo
 from pushpressslide.arms.model import ArmModel, Drives, PositionDrives
 from pushpressslide.control.cell import Applied, Interface
 from pushpressslide.control.joint_reference import path_reference
@@ -79,7 +79,7 @@ class ServoArm(JointArm):
         self._reached = start.copy()
         robot = self._robot
         first = start if robot.interface == "position" else self._velocity
-        self._servo = LaggingServo(first, robot.rate, robot.delay, robot.lag, period)
+        self._servo = robot_servo(robot, first, period)
 
     def send(self, command: ArmCommand) -> Applied:
         """Command joint positions or velocities, and drive the motors by one tick."""

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from pushpressslide.arms.lag import LaggingServo
+from pushpressslide.arms.lag import robot_servo
 from pushpressslide.control.cell import Applied, ArmState, Interface, TipAlone
 from pushpressslide.core import margins
 from pushpressslide.core.control import ArmCommand, TipCommand, Vector3
@@ -31,8 +31,7 @@ class ServoTip(TipAlone):
         self._place = start.copy()  # (3,) [m] as commanded
         self._reached = start.copy()  # (3,) [m] by the servo
         first = start if robot.interface == "position" else np.zeros(3)
-        period = physics.period
-        self._servo = LaggingServo(first, robot.rate, robot.delay, robot.lag, period)
+        self._servo = robot_servo(robot, first, physics.period)
 
     def read(self) -> ArmState:
         """Position, velocity, and the force of the previous tick."""
