@@ -239,3 +239,14 @@ def test_the_process_refuses_with_status_two_and_one_line(args: list[str]) -> No
     assert done.stdout == ""
     assert len(done.stderr.splitlines()) == 1
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("command", ["plan", "run"])
+def test_an_arm_too_late_for_a_press_is_refused_with_the_figures(
+    command: str, refusal: Refusal
+) -> None:
+    servo = ("interface=position", "lag=0.2", "delay=0.05")
+    sets = [word for one in servo for word in ("--set", f"robots.0.{one}")]
+    line = refusal(command, "press-slide", *sets)
+    assert "after 0.254 s" in line
+    assert "a press allows at most" in line

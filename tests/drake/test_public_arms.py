@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import RobotFileError
 from pushpressslide.core.scene import Robot, Tip
 from pushpressslide.robots.arm_files import arm_kinematics
+from pushpressslide.sim.arm_model import DrakeArmModel
 
 PublicFile = Callable[[str, str], Path]
 
@@ -102,6 +104,43 @@ def test_an_arm_without_masses_is_refused_in_one_line(public_file: PublicFile) -
     with pytest.raises(RobotFileError, match="'panda_link1', mass: 0 kg") as caught:
         arm_kinematics(robot)
     assert "\n" not in str(caught.value)
+
+
+def largest_difference(one: Array, other: Array) -> float:
+    """Largest difference of two arrays, relative to the largest number in them."""
+    return float(np.abs(one - other).max() / np.abs(other).max())
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("file", READ, ids=map(named, READ))
+def test_a_public_arm_in_mujoco_is_the_arm_in_drake(
+    public_file: PublicFile, file: File
+) -> None:
+    pytest.importorskip("mujoco")
+    from pushpressslide.mujoco_sim.arm_model import MujocoArmModel
+
+    robot = Robot(str(public_file(*file[:2])), (0.1, 0.2, 0.3), 0.4, tip=Tip(file.link))
+    models = (MujocoArmModel(robot), DrakeArmModel(robot))
+    facts = models[0].facts
+    rng = np.random.default_rng(5)
+    for _ in range(10):
+        q = facts.lower + rng.random(facts.size) * (facts.upper - facts.lower)
+        x = np.concatenate([q, rng.normal(size=facts.size)])
+        ours, theirs = (model.state_at(x) for model in models)
+        for name in ("M", "bias", "J", "rotation"):
+            pair = (getattr(ours, name), getattr(theirs, name))
+            assert largest_difference(*pair) < 1e-9, name
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("file", [UR5E, XARM7], ids=map(named, [UR5E, XARM7]))
+def test_a_public_arm_pushes_in_mujoco(public_file: PublicFile, file: File) -> None:
+    pytest.importorskip("mujoco")
+    robot = {"model": str(public_file(*file[:2])), "tip": {"link": file.link}}
+    record = pps.run("rear-push-rear", engine="mujoco", overrides={"robots": [robot]})
+    assert record.success, record.reason_text
+    assert record.figures["final_position_error"] < 2e-3
+    assert record.figures["final_yaw_error"] < np.radians(1.0)
 
 
 @pytest.mark.long

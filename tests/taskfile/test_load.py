@@ -105,6 +105,10 @@ def task_dicts(draw: st.DrawFn) -> dict[str, Any]:
                 "model": draw(st.sampled_from(["hand", "hand", "panda"])),
                 "base": {"yaw_deg": draw(angles)},
                 "tip_radius": draw(sizes) / 3,
+                "interface": draw(st.sampled_from(["torque", "velocity", "position"])),
+                "rate": draw(reals(20, 2000)),
+                "lag": draw(reals(0, 0.5)),
+                "delay": draw(reals(0, 0.5)),
             }
         ],
         "obstacles": [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -46,6 +46,19 @@ class Drives(Protocol):
 
     def drive(self, torque: Array) -> None:
         """Apply joint torques (n,) [N m] until the next call."""
+
+
+@runtime_checkable
+class PositionDrives(Drives, Protocol):
+    """Drives with position loops of their own."""
+
+    def follow(self, arm: ArmDynamics, start: Array, speed: Array) -> Array:
+        """Let the joints follow positions that are ``start`` (n,) [rad] now and change
+        by ``speed`` (n,) [rad/s] until the next call.
+
+        Returns the torques (n,) [N m] applied last. The joints of ``arm`` must be the
+        last ones read.
+        """
 
 
 def at_rest(q: Array) -> Array:

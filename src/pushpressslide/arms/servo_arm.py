@@ -10,7 +10,7 @@ import numpy as np
 
 from pushpressslide.arms.joint_arm import JointArm
 from pushpressslide.arms.lag import LaggingServo
-from pushpressslide.arms.model import ArmModel, Drives
+from pushpressslide.arms.model import ArmModel, Drives, PositionDrives
 from pushpressslide.control.cell import Applied, Interface
 from pushpressslide.control.joint_reference import path_reference
 from pushpressslide.core.arrays import Array
@@ -26,7 +26,7 @@ from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.execution.admittance import Admittance
 from pushpressslide.execution.impedance import rotation_error
 from pushpressslide.execution.joint_velocity import JointVelocities
-from pushpressslide.execution.torque import limited
+from pushpressslide.execution.torque import LimitedTorque, limited
 from pushpressslide.robots.tool import ToolAttitude
 
 SERVO_RATE = 80.0
@@ -58,6 +58,9 @@ class ServoArm(JointArm):
         self._position = np.zeros(0)  # (n,) [rad] as commanded
         self._velocity = np.zeros(0)  # (n,) [rad/s] as commanded
         self._reached = np.zeros(0)  # (n,) [rad] by the servo
+        self._loops: PositionDrives | None = None
+        if robot.interface == "position" and isinstance(drives, PositionDrives):
+            self._loops = drives
 
     def follow(
         self,
@@ -131,7 +134,7 @@ class ServoArm(JointArm):
 
     def _drive(self) -> None:
         """Drive the motors: the servo reacts late to the commands, and the motors follow
-        it, whatever the tip touches.
+        it.
         """
         servo = self._servo
         assert servo is not None
@@ -142,16 +145,32 @@ class ServoArm(JointArm):
         else:
             self._reached = before + dt * servo.step(self._velocity)
         speed = (self._reached - before) / dt
+        loops = self._loops
+        if loops is None:
+            self.limited = self._within_effort(self._torque(speed))
+            self.drives.drive(self.limited.torque)
+        else:
+            torque = loops.follow(self.state, before, speed)
+            self.limited = self._within_effort(torque)
+
+    def _torque(self, speed: Array) -> Array:
+        """Torques (n,) [N m] with which the joints follow the servo at its ``speed``
+        (n,) [rad/s], whatever the tip touches.
+        """
         state = self.state
         spring = SERVO_RATE**2 * (self._reached - state.q)
         damper = 2.0 * SERVO_RATE * (speed - state.v)
         force = np.array(self.frame.direction(self.tip.force))
-        torque = state.bias + state.M @ (spring + damper) + state.J[3:].T @ force
-        # the maker's own loop is quicker than its limit of commanded torque rates
+        out: Array = state.bias + state.M @ (spring + damper) + state.J[3:].T @ force
+        return out
+
+    def _within_effort(self, torque: Array) -> LimitedTorque:
+        """``torque`` (n,) [N m] within the effort limits. Its rate is free: the maker's
+        own loop is quicker than the limit of commanded torque rates.
+        """
         effort = tuple(self.model.facts.effort_limit.tolist())
         free = (math.inf,) * len(effort)
-        self.limited = limited(torque, self.last_torque(), effort, free)
-        self.drives.drive(self.limited.torque)
+        return limited(torque, self.last_torque(), effort, free)
 
 
 def joint_arm(

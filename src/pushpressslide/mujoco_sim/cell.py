@@ -31,6 +31,7 @@ from pushpressslide.core.state import WorldState
 from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.execution.arm import ArmDynamics
 from pushpressslide.mujoco_sim.arm_model import MujocoArmModel
+from pushpressslide.mujoco_sim.position_loops import PositionLoops
 from pushpressslide.mujoco_sim.scene import MujocoScene, build_scene, time_step
 
 FALLEN = "the object has fallen over the edge of support.region"
@@ -293,6 +294,7 @@ class MujocoDrives:
         self._index = index
         self._joints = physics.scene.joints[index]
         self._freedoms = physics.scene.freedoms[index]
+        self._loops: PositionLoops | None = None
 
     @property
     def time(self) -> float:
@@ -311,3 +313,13 @@ class MujocoDrives:
     def drive(self, torque: Array) -> None:
         """Apply joint torques (n,) [N m] until the next call."""
         self._physics.state.qfrc_applied[self._freedoms] = torque
+
+    def follow(self, arm: ArmDynamics, start: Array, speed: Array) -> Array:
+        """Let the joints follow positions, as ``arms.model.PositionDrives.follow``."""
+        state = self._physics.state
+        if self._loops is None:
+            names = self._physics.scene.arms[self._index]
+            self._loops = PositionLoops(self._physics.model, names, arm.M)
+        before = state.qfrc_applied[self._freedoms] + self._loops.force(state)
+        self.drive(self._loops.lead(state, arm.bias, start, speed))
+        return before

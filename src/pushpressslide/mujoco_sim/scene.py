@@ -28,6 +28,7 @@ from pushpressslide.mechanics.surface_friction import SurfaceFrictions, pair_fri
 from pushpressslide.mujoco_sim.arm_bodies import ArmNames, add_arm, quaternion
 from pushpressslide.mujoco_sim.contact import STEPS, Contacts, set_solver, sink
 from pushpressslide.mujoco_sim.feet import feet_of
+from pushpressslide.mujoco_sim.position_loops import add_position_loops
 from pushpressslide.mujoco_sim.shapes import UNTOUCHED, add_solid
 
 FOOT = 4e-3
@@ -254,6 +255,8 @@ class _Builder:
         torsion = margins.PATCH
         for index, robot in enumerate(self.task.robots):
             arm = add_arm(self.spec, robot, index)
+            if robot.interface == "position":
+                add_position_loops(self.spec, arm.joints)
             self.arms.append(arm)
             lever = torsion * robot.tip_radius
             sphere = (arm.sphere,)
