@@ -382,7 +382,7 @@ def test_times_of_a_tick_are_in_ms_beside_the_period(run, tmp_path):
     text = write_report([save(run, tmp_path / "run")]).read_text()
     total = text[text.index("All of a tick, median") :][:200]
     assert "0.030 ms" in total
-    assert "period 10 ms" in total
+    assert "period 4 ms" in total
 
 
 def test_bodies_that_move_and_their_goals_are_in_view_and_not_drawn_as_lines(run):

@@ -3,9 +3,8 @@
 MuJoCo's friction rows are dampers with a time constant. A row that is quick compared
 with the run loads a foot the more, the faster it slips; a row that is slow compared
 with the acceleration of its foot points beside the slip. Both errors vanish together
-if the feet are soft (a small impedance) and their friction rows slow: with the figures
-below they are under 0.3 % at 50 mm/s. A high ``impratio`` keeps a body at rest from
-creeping.
+if the feet are soft (a small impedance) and their friction rows slow. A high
+``impratio`` keeps a body at rest from creeping.
 """
 
 from __future__ import annotations

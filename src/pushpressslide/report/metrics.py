@@ -91,7 +91,7 @@ def installed_versions() -> dict[str, str | None]:
     installed.
     """
     out: dict[str, str | None] = {"python": platform.python_version()}
-    for name in ("pushpressslide", "drake", "numpy"):
+    for name in ("pushpressslide", "drake", "mujoco", "numpy"):
         try:
             out[name] = metadata.version(name)
         except metadata.PackageNotFoundError:
@@ -105,6 +105,7 @@ def _time_figures(record: Record) -> dict[str, Any]:
         "realtime_factor": _realtime_factor(record),
         "wall_time": record.wall_time,
         "time_step": record.meta.get("time_step"),
+        "control_period": record.plan.task.motion.control_period,
         "tick_us": _tick_times(record),
         "late_ticks": _late_ticks(record),
     }

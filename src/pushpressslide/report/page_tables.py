@@ -176,7 +176,7 @@ CONTACT_ROWS: tuple[Row, ...] = (
 )
 KINDS = {"side": "push on a side", "top": "press on top"}
 
-PERIOD = "time_step"  # [s] of control
+PERIOD = "control_period"  # [s]
 ASKED = {
     "final_position_error": "tolerance.position",
     "final_yaw_error": "tolerance.yaw",

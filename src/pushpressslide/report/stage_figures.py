@@ -71,7 +71,8 @@ def staged_result(
     for a single motion are given only with its stage.
     """
     out: dict[str, Any] = dict.fromkeys(results[0])
-    for name in ("schema", "engine", "seed", "time_step", "versions"):
+    same = ("schema", "engine", "seed", "time_step", "control_period", "versions")
+    for name in same:
         out[name] = results[0][name]
     out |= _combined(results)
     bodies = _bodies(task, runs)
