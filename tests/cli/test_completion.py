@@ -61,7 +61,7 @@ def test_a_task_is_a_shipped_one_a_yaml_file_or_a_folder_on_the_way(
         ("pps run rear-push-l", ["rear-push-left"]),
         ("pps show swa", ["swap"]),
         ("pps plan post --mode press_s", ["press_slide"]),
-        ("pps run post --engine ", ["drake", "planar"]),
+        ("pps run post --engine ", ["drake", "mujoco", "planar"]),
     ],
 )
 def test_the_shell_is_offered(line: str, expected: list[str], tmp_path: Path) -> None:
@@ -79,7 +79,7 @@ def test_completion_is_installed_by_the_command(tmp_path: Path) -> None:
     ("command", "names"),
     [
         ("run", complete.mode_names()),
-        ("run", ("drake|planar", "generated|drake_models")),
+        ("run", ("drake|mujoco|planar", "generated|drake_models")),
     ],
 )
 def test_help_names_the_choices(command: str, names: list[str], tmp_path: Path) -> None:

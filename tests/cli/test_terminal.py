@@ -110,7 +110,7 @@ def test_a_text_is_one_line_in_a_file_and_whole_words_on_a_terminal(
 def test_a_wrong_choice_of_an_option_names_the_choices(refusal: Refusal) -> None:
     line = refusal("run", "rear-push-rear", "--engine", "foo")
     assert line == (
-        "pps: Invalid value for '--engine': 'foo' is not one of 'drake', 'planar'."
+        "pps: Invalid value for '--engine': 'foo' is not one of 'drake', 'mujoco', 'planar'."
     )
 
 

@@ -35,6 +35,7 @@ EXPONENTS = {
 }
 """Powers of k and m by which a margin in a unit scales; newtons scale with m."""
 EXPONENTS["N"] = (0.0, 1)
+EXPONENTS["N/m"] = (-1.0, 1)
 TASKS = (
     "rear-push-rear",
     "press-slide",

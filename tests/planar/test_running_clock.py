@@ -16,7 +16,8 @@ from pushpressslide.control.run_loop import RunOptions, run_loop
 from pushpressslide.core import margins
 from pushpressslide.core.control import Commands, TipCommand
 from pushpressslide.core.record import Record
-from pushpressslide.planar.physics import PlanarPhysics, PlanarTip, planar_cell
+from pushpressslide.planar.cell import PlanarTip, planar_cell
+from pushpressslide.planar.physics import PlanarPhysics
 from pushpressslide.selection.placement_planner import PlacementPlanner
 
 PLANNING = 2.0  # [s] of the cell's time, that a plan takes

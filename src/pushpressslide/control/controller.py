@@ -466,8 +466,8 @@ def _made_touches(
             query.sensing.felt_force,
             query.sensing.seen_motion,
             NormalForceRegulator(f_max=query.limits.normal_force),
-            query.scene.robots[contact.arm].reaction,
             _sunk(into),
+            query.scene.robots[contact.arm].reaction,
         )
         for contact in first.contacts
     )

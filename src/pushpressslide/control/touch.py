@@ -61,9 +61,9 @@ class TipTouch:
     threshold: float  # [N] force above which a contact is detected
     min_displacement: float  # [m] smallest displacement of an object that is detected
     regulator: NormalForceRegulator
-    reaction: float = 0.0  # [s] until the arm follows a command
     # [m] lower than it rests on top, at which a pressing tip has slid off
     sunk: float = margins.ARM.sunk
+    reaction: float = 0.0  # [s] until the arm follows a command
 
     def speed(self, contact: Contact) -> float:
         """Speed [m/s] of the advance. An arm that reacts late is slower: until the touch
