@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from pushpressslide.taskfile.load import shipped_tasks
+from pushpressslide_studies.bench.engine_table import EngineRun, table
 from pushpressslide_studies.bench.footprints import Errors, page
 from pushpressslide_studies.paper.documents import renewed, summary_of
 
@@ -60,8 +62,8 @@ def test_the_table_of_footprints_is_that_of_its_rows() -> None:
         (STUDIES / "docs" / "data" / "footprints.json").read_text("utf-8")
     )
     text = (STUDIES / "docs" / "footprints.md").read_text(encoding="utf-8")
-    table = page([Errors(**row) for row in rows])
-    assert renewed(text, "footprints", table) == text
+    tables = page([Errors(**row) for row in rows])
+    assert renewed(text, "footprints", tables) == text
     assert len({row["engine"] for row in rows}) == 6
     assert len({row["footprint"] for row in rows}) == 5
 
@@ -73,3 +75,12 @@ def test_the_finger_of_the_page_keeps_what_it_pushes(
     example = page.split("```python\n")[1].split("```")[0]
     exec(compile(example, "stable-push", "exec"), {})
     assert capsys.readouterr().out.startswith("True ")
+
+
+def test_the_table_of_engines_is_that_of_its_rows() -> None:
+    rows = json.loads((STUDIES / "docs" / "data" / "engines.json").read_text("utf-8"))
+    runs = [EngineRun(**row) for row in rows["runs"]]
+    text = (STUDIES / "docs" / "engines.md").read_text(encoding="utf-8")
+    assert renewed(text, "engines", table(runs)) == text
+    assert {run.task for run in runs} == set(shipped_tasks())
+    assert len(runs) == 3 * len(shipped_tasks())
