@@ -69,19 +69,19 @@ def _cell(run: EngineRun) -> str:
     return text if run.reached else f"missed: {text}"
 
 
-def _of(runs: Iterable[EngineRun], engine: str) -> list[EngineRun]:
+def _runs_in(runs: Iterable[EngineRun], engine: str) -> list[EngineRun]:
     return [run for run in runs if run.engine == engine]
 
 
 def _reached(runs: Sequence[EngineRun]) -> Iterator[str]:
     """Number of reached goals of each engine."""
     for engine in ENGINES:
-        own = _of(runs, engine)
+        own = _runs_in(runs, engine)
         yield f"{sum(run.reached for run in own)} of {len(own)}"
 
 
 def _paces(runs: Sequence[EngineRun]) -> Iterator[str]:
     """Median pace of each engine."""
     for engine in ENGINES:
-        paces = sorted(run.pace for run in _of(runs, engine))
+        paces = sorted(run.pace for run in _runs_in(runs, engine))
         yield f"{paces[len(paces) // 2]:.2f} s"
