@@ -8,10 +8,16 @@ import numpy as np
 
 from pushpressslide.arms.model import ArmModel, Drives
 from pushpressslide.control.cell import Applied, ArmState, Driverless, Interface
+from pushpressslide.control.joint_reference import path_reference
 from pushpressslide.control.limits import ArmLimits, ArmReading
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
-from pushpressslide.core.control import ArmCommand, TipState
+from pushpressslide.core.control import (
+    ArmCommand,
+    JointCommand,
+    TipCommand,
+    TipState,
+)
 from pushpressslide.core.plan import JointPath
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.execution.arm import ArmDynamics
@@ -59,6 +65,11 @@ class JointArm(Driverless, ABC):
         self.attitude = attitude
         self.period = period
         self.frame = frame
+        self._take_path()
+
+    @abstractmethod
+    def _take_path(self) -> None:
+        """Prepare to be driven along the path just taken."""
 
     def read(self) -> ArmState:
         """Joint state, and the tip's position, velocity and force derived from it."""
@@ -90,10 +101,24 @@ class JointArm(Driverless, ABC):
         """
         return self.state.bias if self.limited is None else self.limited.torque
 
-    def take_posture(self, posture: Array) -> None:
-        """Set the reference to ``posture`` (n,) [rad], and note its change, which may
-        be large after a replan.
+    def take_free_motion(self, command: JointCommand | None) -> JointCommand:
+        """Set the reference to that of a free motion. None: rest at the start of the
+        path along the contact.
         """
+        self.rate = np.zeros(0)
+        if command is None:
+            start = path_reference(self.path, 0.0)
+            command = JointCommand(start, np.zeros_like(start))
+        self.reference = command.position
+        return command
+
+    def take_posture(self, command: TipCommand) -> None:
+        """Set the reference to the posture of a tip command, and note its change, which
+        may be large after a replan.
+        """
+        posture = command.posture
+        if posture is None:
+            posture = path_reference(self.path, command.progress)
         if len(self.rate) == 0:
             self.rate = np.zeros_like(posture)
         if len(self.reference) == 0:

@@ -56,6 +56,30 @@ class LaggingServo:
         return self.output
 
 
+class RobotServo:
+    """Positions that a robot's servo reaches by commands of the robot's interface."""
+
+    def __init__(self, robot: Robot, start: Array, dt: float) -> None:
+        """Rest at ``start`` (n,), with ticks of ``dt`` [s]."""
+        self.reached = np.array(start, dtype=float)  # (n,)
+        self._takes_positions = robot.interface == "position"
+        self._dt = dt
+        first = start if self._takes_positions else np.zeros_like(start)
+        self._servo = robot_servo(robot, first, dt)
+
+    def step(self, position: Array, velocity: Array) -> Array:
+        """Mean velocity (n,) of the servo in a tick, under a commanded ``position`` (n,)
+        or, by the interface, ``velocity`` (n,).
+        """
+        before = self.reached
+        if self._takes_positions:
+            self.reached = self._servo.step(position)
+        else:
+            self.reached = before + self._dt * self._servo.step(velocity)
+        out: Array = (self.reached - before) / self._dt
+        return out
+
+
 def robot_servo(robot: Robot, start: Array, dt: float) -> LaggingServo:
     """Servo of a robot with ticks of ``dt`` [s]. ``start`` (n,) is the first position,
     or the first velocity if the robot takes velocities.

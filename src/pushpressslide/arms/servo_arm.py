@@ -9,25 +9,20 @@ import math
 import numpy as np
 
 from pushpressslide.arms.joint_arm import JointArm
-from pushpressslide.arms.lag import LaggingServo, robot_servo
+from pushpressslide.arms.lag import RobotServo
 from pushpressslide.arms.model import ArmModel, Drives, PositionDrives
 from pushpressslide.control.cell import Applied, Interface
-from pushpressslide.control.joint_reference import path_reference
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import (
     ArmCommand,
     BrakeCommand,
-    JointCommand,
     TipCommand,
 )
-from pushpressslide.core.plan import JointPath
 from pushpressslide.core.scene import Robot
-from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.execution.admittance import Admittance
 from pushpressslide.execution.impedance import rotation_error
 from pushpressslide.execution.joint_velocity import JointVelocities
 from pushpressslide.execution.torque import LimitedTorque, limited
-from pushpressslide.robots.tool import ToolAttitude
 
 SERVO_RATE = 80.0
 """Natural frequency [rad/s] with which the motors follow the servo: as high as control
@@ -54,32 +49,22 @@ class ServoArm(JointArm):
         self._admittance = Admittance(robot.reaction)
         facts = model.facts
         self._joints = JointVelocities(facts.lower, facts.upper, facts.velocity_limit)
-        self._servo: LaggingServo | None = None
+        self._effort = tuple(facts.effort_limit.tolist())  # (n,) [N m]
+        self._servo: RobotServo | None = None
         self._position = np.zeros(0)  # (n,) [rad] as commanded
         self._velocity = np.zeros(0)  # (n,) [rad/s] as commanded
-        self._reached = np.zeros(0)  # (n,) [rad] by the servo
         self._loops: PositionDrives | None = None
         if robot.interface == "position" and isinstance(drives, PositionDrives):
             self._loops = drives
 
-    def follow(
-        self,
-        path: JointPath,
-        attitude: ToolAttitude,
-        period: float,
-        frame: SupportFrame = TABLE,
-    ) -> None:
-        """Take a joint path, as ``JointArm.follow``. The first one is begun at rest."""
-        super().follow(path, attitude, period, frame)
+    def _take_path(self) -> None:
+        """Begin the first path at rest."""
         if self._servo is not None:
             return
-        start: Array = path.approach[0]
+        start: Array = self.path.approach[0]
         self._position = start.copy()
         self._velocity = np.zeros_like(start)
-        self._reached = start.copy()
-        robot = self._robot
-        first = start if robot.interface == "position" else self._velocity
-        self._servo = robot_servo(robot, first, period)
+        self._servo = RobotServo(self._robot, start, self.period)
 
     def send(self, command: ArmCommand) -> Applied:
         """Command joint positions or velocities, and drive the motors by one tick."""
@@ -102,27 +87,18 @@ class ServoArm(JointArm):
             return np.zeros_like(self._velocity)
         if isinstance(command, TipCommand):
             return self._of_tip(command)
-        self.rate = np.zeros(0)
-        if command is None:
-            start = path_reference(self.path, 0.0)
-            command = JointCommand(start, np.zeros_like(start))
-        self.reference = command.position
+        free = self.take_free_motion(command)
         if self.interface == "velocity":
-            out: Array = command.velocity + PATH_RATE * (
-                command.position - self.state.q
-            )
+            out: Array = free.velocity + PATH_RATE * (free.position - self.state.q)
             return out
-        # what is commanded now is reached after the reaction time
-        ahead = command.position + self._robot.reaction * command.velocity
+        # the position that is commanded now is reached after the reaction time
+        ahead = free.position + self._robot.reaction * free.velocity
         out = (ahead - self._position) / self.period
         return out
 
     def _of_tip(self, command: TipCommand) -> Array:
         """Wanted joint velocities (n,) [rad/s] that execute a tip command."""
-        posture = command.posture
-        if posture is None:
-            posture = path_reference(self.path, command.progress)
-        self.take_posture(posture)
+        self.take_posture(command)
         state = self.state
         tip = self.frame.direction(self._admittance.velocity(command, self.tip))
         yaw = command.tool_yaw + self.path.tool_yaw_offset
@@ -138,27 +114,22 @@ class ServoArm(JointArm):
         """
         servo = self._servo
         assert servo is not None
-        dt = self.period
-        before = self._reached
-        if self.interface == "position":
-            self._reached = servo.step(self._position)
-        else:
-            self._reached = before + dt * servo.step(self._velocity)
-        speed = (self._reached - before) / dt
+        before = servo.reached
+        speed = servo.step(self._position, self._velocity)
         loops = self._loops
         if loops is None:
-            self.limited = self._within_effort(self._torque(speed))
+            self.limited = self._within_effort(self._torque(servo.reached, speed))
             self.drives.drive(self.limited.torque)
         else:
             torque = loops.follow(self.state, before, speed)
             self.limited = self._within_effort(torque)
 
-    def _torque(self, speed: Array) -> Array:
-        """Torques (n,) [N m] with which the joints follow the servo at its ``speed``
-        (n,) [rad/s], whatever the tip touches.
+    def _torque(self, reached: Array, speed: Array) -> Array:
+        """Torques (n,) [N m] with which the joints follow the servo, which has
+        ``reached`` (n,) [rad] at a ``speed`` (n,) [rad/s], whatever the tip touches.
         """
         state = self.state
-        spring = SERVO_RATE**2 * (self._reached - state.q)
+        spring = SERVO_RATE**2 * (reached - state.q)
         damper = 2.0 * SERVO_RATE * (speed - state.v)
         force = np.array(self.frame.direction(self.tip.force))
         out: Array = state.bias + state.M @ (spring + damper) + state.J[3:].T @ force
@@ -168,19 +139,5 @@ class ServoArm(JointArm):
         """``torque`` (n,) [N m] within the effort limits. Its rate is free: the maker's
         own loop is quicker than the limit of commanded torque rates.
         """
-        effort = tuple(self.model.facts.effort_limit.tolist())
-        free = (math.inf,) * len(effort)
-        return limited(torque, self.last_torque(), effort, free)
-
-
-def joint_arm(
-    robot: Robot, model: ArmModel, drives: Drives, joint_stiffness: float = 0.0
-) -> JointArm:
-    """Arm with a robot's interface. ``joint_stiffness`` [N m/rad] is that of
-    ``control.execution.Execution``, for torques only.
-    """
-    from pushpressslide.arms.torque_arm import TorqueArm
-
-    if robot.interface == "torque":
-        return TorqueArm(model, drives, joint_stiffness)
-    return ServoArm(model, drives, robot)
+        free = (math.inf,) * len(self._effort)
+        return limited(torque, self.last_torque(), self._effort, free)

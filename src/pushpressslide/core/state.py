@@ -47,8 +47,8 @@ class WorldState:
     held_contacts: HeldContacts | None = None  # None: the arms have let go
     speeds: tuple[Joints, ...] = ()  # [rad/s] of the joints; empty: at rest
     tips: tuple[Vector3, ...] = ()  # [m] centre of each; empty: as they come
-    # quaternion (w, x, y, z) and position [m] in Drake's world, (7,), of the same
-    # bodies; empty without Drake
+    # quaternion (w, x, y, z) and position [m] in the world, (7,), of the same
+    # bodies; empty in an engine without space
     spatial: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
     @property

@@ -11,9 +11,9 @@ import numpy as np
 
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
-from pushpressslide.core.scene import MODELS
 from pushpressslide.core.task import Robot
-from pushpressslide.robots.arm_files import robot_facts, rod_length
+from pushpressslide.mujoco_sim.shapes import UNTOUCHED
+from pushpressslide.robots.arm_files import mounts_tip, robot_facts, rod_length
 from pushpressslide.robots.facts import (
     TIP,
     TIP_MASS,
@@ -83,7 +83,7 @@ def _add_joint(body: Any, joint: JointFacts, prefix: str) -> None:
         name=prefix + joint.name,
         type=kinds.mjJNT_HINGE if turns else kinds.mjJNT_SLIDE,
         axis=list(joint.axis),
-        armature=joint.rotor_inertia * joint.gear_ratio**2,
+        armature=joint.armature,
         damping=joint.damping,
     )
     limits = (joint.lower, joint.upper)
@@ -115,16 +115,14 @@ def _add_tip(flange: Any, robot: Robot, prefix: str) -> str:
     """
     name = prefix + TIP
     length = rod_length(robot)
-    mass = TIP_MASS if robot.model in MODELS or robot.tip is not None else 0.0
+    mass = TIP_MASS if mounts_tip(robot) else 0.0
     radius = robot.tip_radius
     tip = flange.add_body(name=name, pos=[0.0, 0.0, length])
-    untouched = {"contype": 0, "conaffinity": 0}
     tip.add_geom(
         name=prefix + "tip_sphere",
         type=mujoco.mjtGeom.mjGEOM_SPHERE,
         size=[radius, 0.0, 0.0],
-        mass=mass / 3.0,
-        **untouched,
+        **(UNTOUCHED | {"mass": mass / 3.0}),
     )
     if length > 0.0:
         tip.add_geom(
@@ -132,7 +130,6 @@ def _add_tip(flange: Any, robot: Robot, prefix: str) -> str:
             type=mujoco.mjtGeom.mjGEOM_CYLINDER,
             size=[margins.rod_radius(radius), 0.5 * length, 0.0],
             pos=[0.0, 0.0, -0.5 * length],
-            mass=2.0 / 3.0 * mass,
-            **untouched,
+            **(UNTOUCHED | {"mass": 2.0 / 3.0 * mass}),
         )
     return name

@@ -1,6 +1,4 @@
-"""MuJoCo's simulation as a cell: torque-driven arms, and the quantities that only a
-simulator knows.
-"""
+"""MuJoCo's simulation as a cell: arms, and the quantities that only a simulator knows."""
 
 from __future__ import annotations
 
@@ -12,13 +10,11 @@ from typing import Any, NamedTuple
 import mujoco
 import numpy as np
 
+from pushpressslide.arms.arm_cell import arm_cell, joint_arm, lost_object
 from pushpressslide.arms.joint_arm import JointArm
-from pushpressslide.arms.model import at_rest
 from pushpressslide.arms.paths.joint_path import ArmPath
 from pushpressslide.arms.paths.library import ArmLibrary
 from pushpressslide.arms.placements import ArmPlacements
-from pushpressslide.arms.servo_arm import joint_arm
-from pushpressslide.control.approach import SETTLE
 from pushpressslide.control.cell import Cell, Truth
 from pushpressslide.control.knocker import NAME as BALL
 from pushpressslide.control.knocker import Knocker
@@ -27,6 +23,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.spatial_pose import planar_pose_of, x_axis_of
 from pushpressslide.core.state import WorldState
 from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.execution.arm import ArmDynamics
@@ -34,9 +31,6 @@ from pushpressslide.mujoco_sim.arm_model import MujocoArmModel
 from pushpressslide.mujoco_sim.position_loops import PositionLoops
 from pushpressslide.mujoco_sim.scene import MujocoScene, build_scene, time_step
 
-FALLEN = "the object has fallen over the edge of support.region"
-FAR = 2.0
-"""Distance [m] from start and goal beyond which the simulation has diverged."""
 NEVER = -1.0
 """Margin [m] of a pair that makes no contact."""
 
@@ -68,26 +62,7 @@ def mujoco_cell(
         for i, robot in enumerate(query.scene.robots)
     ]
     placements = ArmPlacements(library, arms, paths)
-    postures = None if start is None else [np.array(q) for q in start.joints]
-    placements.begin_placement(query, postures)
-    physics.put(arms, start)
-    physics.facts.update(_path_facts(paths))
-    physics.facts["start_tips"] = [
-        arm.model.state_at(at_rest(arm.path.approach[-1])).position for arm in arms
-    ]
-    return Cell("mujoco", physics, arms, physics, placements, physics)
-
-
-def _path_facts(paths: Sequence[tuple[ArmPath, ...]]) -> dict[str, Any]:
-    """Facts of the planned joint paths of all placements."""
-    every = [path for placement in paths for path, _ in placement]
-    first = max(float(path.approach_time[-1]) for path, _ in paths[0])
-    return {
-        "joint_margin_planned": min(path.joint_margin for path in every),
-        "condition_planned": max(path.condition for path in every),
-        "clearance_planned": min(path.clearance for path in every),
-        "approach_time": first + SETTLE,
-    }
+    return arm_cell("mujoco", physics, arms, placements, paths, query, start)
 
 
 class _Instant(NamedTuple):
@@ -176,10 +151,10 @@ class MujocoPhysics:
     def advance(self) -> None:
         """Simulate one control period."""
         self._before = self.now
-        self._ticks += 1
         self._region.update(self.state)
         if self._knocker is not None:
             self._knock(self._knocker)
+        self._ticks += 1
         mujoco.mj_step(self.model, self.state, self._steps)
         self.now = self._look()
 
@@ -188,8 +163,7 @@ class MujocoPhysics:
         first, freedom = self.scene.position(BALL), self.scene.velocity(BALL)
         place = self.state.qpos[first : first + 3].copy()
         speed = self.state.qvel[freedom : freedom + 3].copy()
-        start = self.time - self._period
-        force = knocker.force(place, speed, self.now.X_WG, start)
+        force = knocker.force(place, speed, self.now.X_WG, self.time)
         self.state.qfrc_applied[freedom : freedom + 3] = force
 
     def failure(self) -> str | None:
@@ -198,14 +172,11 @@ class MujocoPhysics:
         The object was far away or had fallen at the start of the last tick.
         """
         q, pose, _ = self._before
-        off = min(math.dist(pose.position, end.position) for end in self._ends)
-        if not math.isfinite(float(q.sum())) or off > FAR:
-            return f"the object is at ({pose.x:.2f}, {pose.y:.2f})"
+        height = None
         if self._region.limited:
             px, py, pz = q[self._body : self._body + 3].tolist()
-            if self.frame.coordinates((px, py, pz))[2] < 0.0:
-                return f"{FALLEN} at ({pose.x:.2f}, {pose.y:.2f})"
-        return None
+            height = self.frame.coordinates((px, py, pz))[2]
+        return lost_object(float(q.sum()), pose, self._ends, height)
 
     def tip_force(self, arm: int) -> Vector3:
         """Force [N] of an arm's tip ON what it touches, world axes."""
@@ -240,10 +211,7 @@ class MujocoPhysics:
 def planar_pose(q: Sequence[float], frame: SupportFrame) -> Pose2:
     """Planar pose of a free body's positions: x, y, z [m], and its quaternion."""
     px, py, pz, w, x, y, z = q
-    x_axis = (1.0 - 2.0 * (y * y + z * z), 2.0 * (w * z + x * y), 2.0 * (x * z - w * y))
-    ax, ay, _ = frame.components(x_axis)
-    x, y, _ = frame.coordinates((px, py, pz))
-    return Pose2(x, y, math.atan2(ay, ax))
+    return planar_pose_of((px, py, pz), x_axis_of((w, x, y, z)), frame)
 
 
 class _Region:

@@ -16,10 +16,10 @@ from pushpressslide.control.knocker import NAME as BALL
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.constants import GRAVITY
-from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Plan
-from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.pose import Pose2
 from pushpressslide.core.slabs import slabs
+from pushpressslide.core.spatial_pose import spatial_axes
 from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.core.task import ObjectModel, Obstacle, Support, Task
 from pushpressslide.geometry.inertia import solid_center, solid_moments
@@ -29,10 +29,8 @@ from pushpressslide.mujoco_sim.arm_bodies import ArmNames, add_arm, quaternion
 from pushpressslide.mujoco_sim.contact import STEPS, Contacts, set_solver, sink
 from pushpressslide.mujoco_sim.feet import feet_of
 from pushpressslide.mujoco_sim.position_loops import add_position_loops
-from pushpressslide.mujoco_sim.shapes import UNTOUCHED, add_solid
+from pushpressslide.mujoco_sim.shapes import FOOT, UNTOUCHED, add_feet, add_solid
 
-FOOT = 4e-3
-"""Radius [m] of a foot's sphere."""
 PROUD = 1.5e-3
 """Distance [m] by which the feet stand out from a base, on a support with an opening:
 the base itself touches nothing but the sides of the opening.
@@ -220,20 +218,13 @@ class _Builder:
     ) -> tuple[tuple[str, ...], Array]:
         """Add the feet of a body. Returns the names of their pairs, and their points."""
         feet = feet_of(shape)
-        up = self.frame.handedness
-        level = -up * (0.5 * shape.height + self.proud - FOOT)
-        pairs = []
-        for i, ((x, y), share) in enumerate(zip(*feet, strict=True)):
-            foot = f"{name}_foot_{i}"
-            body.add_geom(
-                name=foot,
-                type=mujoco.mjtGeom.mjGEOM_SPHERE,
-                size=[FOOT, 0.0, 0.0],
-                pos=[x, y, level],
-                **UNTOUCHED,
-            )
-            for ground in self.ground:
-                pairs.append(self.contacts.stand(ground, foot, float(share), friction))
+        level = -self.frame.handedness * (0.5 * shape.height + self.proud - FOOT)
+        names = add_feet(body, f"{name}_foot", feet.points, level)
+        pairs = [
+            self.contacts.stand(ground, foot, share, friction)
+            for foot, share in zip(names, feet.shares.tolist(), strict=True)
+            for ground in self.ground
+        ]
         return tuple(pairs), feet.points
 
     def add_obstacle(self, obstacle: Obstacle) -> None:
@@ -252,13 +243,12 @@ class _Builder:
 
     def add_arms(self) -> None:
         """Add all robots. Only their tips touch."""
-        torsion = margins.PATCH
         for index, robot in enumerate(self.task.robots):
             arm = add_arm(self.spec, robot, index)
             if robot.interface == "position":
                 add_position_loops(self.spec, arm.joints)
             self.arms.append(arm)
-            lever = torsion * robot.tip_radius
+            lever = margins.PATCH * robot.tip_radius
             sphere = (arm.sphere,)
             tip = self.frictions.tip
             on_support = pair_friction(tip, self.frictions.support)
@@ -276,9 +266,7 @@ class _Builder:
             name=BALL,
             type=mujoco.mjtGeom.mjGEOM_SPHERE,
             size=[RADIUS, 0.0, 0.0],
-            mass=MASS,
-            contype=0,
-            conaffinity=0,
+            **(UNTOUCHED | {"mass": MASS}),
         )
         friction = pair_friction(self.frictions.object, FRICTION)
         self.contacts.touch([BALL], self.bodies["object"].parts, friction)
@@ -315,11 +303,6 @@ def _place(pose: Pose2, height: float, frame: SupportFrame) -> dict[str, Any]:
     """Position [m] and quaternion in the world of a planar pose at a height [m]. The z
     axis points up on a table and into a wall.
     """
-    c = math.cos(pose.yaw)
-    s = math.sin(pose.yaw)
-    x = frame.direction((c, s, 0.0))
-    y = frame.direction((-s, c, 0.0))
-    R = np.column_stack([x, y, frame.spin_axis])
-    place: Point = pose.position
-    point: Vector3 = (place[0], place[1], height)
+    R = np.column_stack(spatial_axes(pose.yaw, frame))
+    point = (pose.x, pose.y, height)
     return {"pos": list(frame.point(point)), "quat": quaternion(R)}

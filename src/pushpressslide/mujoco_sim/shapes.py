@@ -16,6 +16,8 @@ from pushpressslide.geometry.pieces import convex_pieces
 from pushpressslide.geometry.shape import Shape
 from pushpressslide.geometry.shapes import Box, Cylinder
 
+FOOT = 4e-3
+"""Radius [m] of a foot's sphere."""
 UNTOUCHED = {"contype": 0, "conaffinity": 0, "mass": 0.0}
 """Of every geom: pairs alone make contact, and bodies have masses of their own."""
 
@@ -46,6 +48,24 @@ def add_solid(
         )
         names.append(part)
     return tuple(names)
+
+
+def add_feet(body: Any, name: str, points: Array, level: float) -> list[str]:
+    """Add a sphere at each of ``points`` (n, 2) [m] to a body, with its centre at z =
+    ``level`` [m], and return the names.
+    """
+    names = []
+    for i, (x, y) in enumerate(points.tolist()):
+        foot = f"{name}_{i}"
+        body.add_geom(
+            name=foot,
+            type=mujoco.mjtGeom.mjGEOM_SPHERE,
+            size=[FOOT, 0.0, 0.0],
+            pos=[x, y, level],
+            **UNTOUCHED,
+        )
+        names.append(foot)
+    return names
 
 
 def _parts(shape: Shape) -> list[Array]:

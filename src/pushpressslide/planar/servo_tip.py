@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from pushpressslide.arms.lag import robot_servo
+from pushpressslide.arms.lag import RobotServo
 from pushpressslide.control.cell import Applied, ArmState, Interface, TipAlone
 from pushpressslide.core import margins
 from pushpressslide.core.control import ArmCommand, TipCommand, Vector3
@@ -29,9 +29,7 @@ class ServoTip(TipAlone):
         self._admittance = Admittance(robot.reaction)
         start = np.array(physics.now.tips[index].position)
         self._place = start.copy()  # (3,) [m] as commanded
-        self._reached = start.copy()  # (3,) [m] by the servo
-        first = start if robot.interface == "position" else np.zeros(3)
-        self._servo = robot_servo(robot, first, physics.period)
+        self._servo = RobotServo(robot, start, physics.period)
 
     def read(self) -> ArmState:
         """Position, velocity, and the force of the previous tick."""
@@ -45,13 +43,9 @@ class ServoTip(TipAlone):
             tip = self._physics.now.tips[self._index]
             velocity = np.array(self._admittance.velocity(command, tip))
         self._place = self._place + dt * velocity
-        before = self._reached
-        if self.interface == "position":
-            self._reached = self._servo.step(self._place)
-        else:
-            self._reached = before + dt * self._servo.step(velocity)
-        speed = (self._reached - before) / dt
-        self._physics.commands[self._index] = _held_place(self._reached, speed)
+        speed = self._servo.step(self._place, velocity)
+        held = _held_place(self._servo.reached, speed)
+        self._physics.commands[self._index] = held
         return Applied()
 
 

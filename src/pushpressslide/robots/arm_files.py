@@ -91,8 +91,12 @@ def rod_length(robot: Robot) -> float:
     """Length [m] of the rod between flange and tip. For a file with a tip frame, the
     rod is part of the file.
     """
-    own = robot.model in MODELS or robot.tip is not None
-    return robot.tip_length if own else 0.0
+    return robot.tip_length if mounts_tip(robot) else 0.0
+
+
+def mounts_tip(robot: Robot) -> bool:
+    """Whether rod and tip are added to a robot. A file with a tip frame contains them."""
+    return robot.model in MODELS or robot.tip is not None
 
 
 @lru_cache(maxsize=32)

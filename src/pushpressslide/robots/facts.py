@@ -95,6 +95,13 @@ class JointFacts:
     rotor_inertia: float = 0.0  # [kg m^2] at the motor ([kg] of a slide)
     damping: float = 0.0  # [N m s/rad] or [N s/m]
 
+    @property
+    def armature(self) -> float:
+        """Rotor inertia reflected to the joint, [kg m^2], or [kg] for a slide: that of
+        the motor times gear ratio^2.
+        """
+        return self.rotor_inertia * self.gear_ratio**2
+
 
 @dataclass(frozen=True)
 class Capsule:
@@ -191,7 +198,7 @@ class RobotFacts:
         """Rotor inertias (n,) reflected to the joints, [kg m^2], or [kg] for slides:
         the inertia on the motor side times the square of the gear ratio.
         """
-        return np.array([j.rotor_inertia * j.gear_ratio**2 for j in self.moving])
+        return np.array([j.armature for j in self.moving])
 
 
 def _triple(values: Any) -> tuple[float, float, float]:

@@ -4,7 +4,6 @@ only a simulator knows.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NamedTuple
@@ -14,12 +13,10 @@ from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
+from pushpressslide.arms.arm_cell import arm_cell, joint_arm, lost_object
 from pushpressslide.arms.joint_arm import JointArm
-from pushpressslide.arms.model import at_rest
 from pushpressslide.arms.paths.joint_path import ArmPath
 from pushpressslide.arms.placements import ArmPlacements
-from pushpressslide.arms.servo_arm import joint_arm
-from pushpressslide.control.approach import SETTLE
 from pushpressslide.control.cell import Cell, Truth
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.arrays import Array
@@ -32,9 +29,6 @@ from pushpressslide.sim.arm_library import DRAKE
 from pushpressslide.sim.arm_model import DrakeArmModel
 from pushpressslide.sim.convert import planar_pose_from_positions, planar_twist
 from pushpressslide.sim.station import Station
-
-FALLEN = "the object has fallen over the edge of support.region"
-FAR = 2.0  # [m] from start and goal: the simulation has diverged
 
 
 def drake_cell(
@@ -65,26 +59,8 @@ def drake_cell(
         for i, robot in enumerate(query.scene.robots)
     ]
     placements = ArmPlacements(DRAKE, arms, paths, station.scene.bounds)
-    postures = None if start is None else [np.array(q) for q in start.joints]
-    placements.begin_placement(query, postures)
-    physics.put(arms, start)
-    physics.facts.update(_path_facts(paths), models=models)
-    physics.facts["start_tips"] = [
-        arm.model.state_at(at_rest(arm.path.approach[-1])).position for arm in arms
-    ]
-    return Cell("drake", physics, arms, physics, placements, physics)
-
-
-def _path_facts(paths: Sequence[tuple[ArmPath, ...]]) -> dict[str, Any]:
-    """Facts about the planned joint paths of all placements."""
-    every = [path for placement in paths for path, _ in placement]
-    first = max(float(path.approach_time[-1]) for path, _ in paths[0])
-    return {
-        "joint_margin_planned": min(path.joint_margin for path in every),
-        "condition_planned": max(path.condition for path in every),
-        "clearance_planned": min(path.clearance for path in every),
-        "approach_time": first + SETTLE,
-    }
+    physics.facts["models"] = models
+    return arm_cell("drake", physics, arms, placements, paths, query, start)
 
 
 class DrakePhysics:
@@ -195,14 +171,12 @@ class DrakePhysics:
         simulator has reported a failure.
         """
         x, pose = self._before
-        off = min(math.dist(pose.position, end.position) for end in self._ends)
-        if not math.isfinite(sum(x)) or off > FAR:
-            return f"the object is at ({pose.x:.2f}, {pose.y:.2f})"
+        height = None
         if self._edged:
             px, py, pz = x[self._body + 4 : self._body + 7]
-            if self.frame.coordinates((px, py, pz))[2] < 0.0:
-                return f"{FALLEN} at ({pose.x:.2f}, {pose.y:.2f})"
-        return self._failure
+            height = self.frame.coordinates((px, py, pz))[2]
+        lost = lost_object(sum(x), pose, self._ends, height)
+        return lost or self._failure
 
     def observe(self) -> Truth:
         """True state of the last completed tick."""

@@ -6,7 +6,6 @@ support's frame (core/support_frame.py), which on a table is the world frame.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -17,6 +16,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.slabs import Slab
+from pushpressslide.core.spatial_pose import planar_pose_of, spatial_axes, x_axis_of
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 
 
@@ -28,11 +28,7 @@ def rigid_transform(
     The x and y axes are those of the planar pose. The z axis points up on a table, and
     into the wall on a wall.
     """
-    c = math.cos(pose.yaw)
-    s = math.sin(pose.yaw)
-    x = frame.direction((c, s, 0.0))
-    y = frame.direction((-s, c, 0.0))
-    R = RotationMatrix(np.column_stack([x, y, frame.spin_axis]))
+    R = RotationMatrix(np.column_stack(spatial_axes(pose.yaw, frame)))
     return RigidTransform(R, frame.point((pose.x, pose.y, z)))
 
 
@@ -40,7 +36,7 @@ def planar_pose(X: RigidTransform, frame: SupportFrame = TABLE) -> Pose2:
     """Planar pose of a spatial pose: x and y of the origin, and yaw of the x axis."""
     px, py, pz = X.translation().tolist()
     ax, ay, az = X.rotation().col(0).tolist()
-    return _planar((px, py, pz), (ax, ay, az), frame)
+    return planar_pose_of((px, py, pz), (ax, ay, az), frame)
 
 
 def planar_pose_from_positions(
@@ -50,14 +46,7 @@ def planar_pose_from_positions(
     x, y, z [m].
     """
     w, x, y, z, px, py, pz = q
-    axis = (1.0 - 2.0 * (y * y + z * z), 2.0 * (w * z + x * y), 2.0 * (x * z - w * y))
-    return _planar((px, py, pz), axis, frame)
-
-
-def _planar(position: Vector3, x_axis: Vector3, frame: SupportFrame) -> Pose2:
-    x, y, _ = frame.coordinates(position)
-    ax, ay, _ = frame.components(x_axis)
-    return Pose2(x, y, math.atan2(ay, ax))
+    return planar_pose_of((px, py, pz), x_axis_of((w, x, y, z)), frame)
 
 
 def planar_twist(V: Sequence[float], frame: SupportFrame = TABLE) -> Vector3:

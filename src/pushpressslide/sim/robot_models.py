@@ -35,9 +35,8 @@ from pushpressslide.core.errors import (
     TaskError,
     path_value,
 )
-from pushpressslide.core.scene import MODELS
 from pushpressslide.core.task import Robot
-from pushpressslide.robots.arm_files import robot_facts, rod_length
+from pushpressslide.robots.arm_files import mounts_tip, robot_facts, rod_length
 from pushpressslide.robots.facts import TIP, TIP_MASS, RobotFacts
 from pushpressslide.robots.urdf import urdf_text
 from pushpressslide.sim.link_shapes import add_shapes
@@ -130,7 +129,7 @@ def add_robot(
     base = _weld_base(plant, robot, facts, instance)
     length = rod_length(robot)
     inertia = SpatialInertia.Zero()  # a file with a tip frame contains its tip
-    if robot.model in MODELS or robot.tip is not None:
+    if mounts_tip(robot):
         inertia = _tip_inertia(length, robot.tip_radius)
     tip = _add_tip(plant, instance, facts, length, inertia)
     geometry = None

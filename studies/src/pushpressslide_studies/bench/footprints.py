@@ -24,6 +24,7 @@ from pushpressslide_studies.bench.footprint_laws import (
     planar_law,
     pushed_twist,
 )
+from pushpressslide_studies.sim.footprint_body import FRICTION, MASS
 
 FOOTPRINTS: dict[str, Shape] = {
     "square": Box((0.15, 0.15, 0.15)),
@@ -74,8 +75,6 @@ INTEGRAL = 0.01
 """Time constant [s] of the integral of its error."""
 HELD = 0.8
 """Force, as a share of the friction, under which a body should rest."""
-MASS = 1.0  # [kg]
-FRICTION = 0.3
 
 
 class Rig(Protocol):

@@ -35,19 +35,14 @@ from pushpressslide.geometry.shapes import Shape
 from pushpressslide.mechanics.surface_friction import OBJECT_FRICTION, partner_friction
 from pushpressslide.mujoco_sim.contact import Contacts, set_solver
 from pushpressslide.mujoco_sim.feet import feet_of
-from pushpressslide.mujoco_sim.shapes import add_solid
+from pushpressslide.mujoco_sim.shapes import FOOT, add_feet, add_solid
 from pushpressslide.sim.contact import solve_contacts
 from pushpressslide.sim.convert import planar_pose_from_positions, planar_twist
 from pushpressslide.sim.plane import add_plane
 from pushpressslide.sim.scenes import mesh_size
 from pushpressslide.sim.surfaces import touched_shapes
+from pushpressslide_studies.sim.footprint_body import FRICTION, MASS
 
-MASS = 1.0
-"""Mass [kg] of every body."""
-FRICTION = 0.3
-"""Friction of its base."""
-FOOT = 4e-3
-"""Radius [m] of a foot."""
 DRAKE_STEP = 4e-3
 """Step [s] of Drake, as in a run."""
 MUJOCO_STEP = 1e-3
@@ -200,16 +195,7 @@ class MujocoRig:
 
 def _add_feet(spec: Any, body: Any, shape: Shape, period: float) -> None:
     contacts = Contacts(spec, period)
-    level = FOOT - 0.5 * shape.height
     feet = feet_of(shape)
-    for i, ((x, y), share) in enumerate(zip(*feet, strict=True)):
-        body.add_geom(
-            name=f"foot_{i}",
-            type=mujoco.mjtGeom.mjGEOM_SPHERE,
-            size=[FOOT, 0.0, 0.0],
-            pos=[x, y, level],
-            contype=0,
-            conaffinity=0,
-            mass=0.0,
-        )
-        contacts.stand("floor", f"foot_{i}", float(share), FRICTION)
+    names = add_feet(body, "foot", feet.points, FOOT - 0.5 * shape.height)
+    for foot, share in zip(names, feet.shares.tolist(), strict=True):
+        contacts.stand("floor", foot, share, FRICTION)

@@ -1,0 +1,104 @@
+"""The cell of arms in a simulator with bodies in space."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+from pushpressslide.arms.joint_arm import JointArm
+from pushpressslide.arms.model import ArmModel, Drives, at_rest
+from pushpressslide.arms.paths.joint_path import ArmPath
+from pushpressslide.arms.placements import ArmPlacements
+from pushpressslide.arms.servo_arm import ServoArm
+from pushpressslide.arms.torque_arm import TorqueArm
+from pushpressslide.control.approach import SETTLE
+from pushpressslide.control.cell import Cell, Clock, Truth
+from pushpressslide.control.tracker import ObjectTracker
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.query import MotionQuery
+from pushpressslide.core.scene import Robot
+from pushpressslide.core.state import WorldState
+
+FALLEN = "the object has fallen over the edge of support.region"
+FAR = 2.0
+"""Distance [m] from start and goal beyond which the simulation has diverged."""
+
+
+class ArmPhysics(Clock, ObjectTracker, Protocol):
+    """Simulated physics of bodies and arms, with the true state."""
+
+    facts: dict[str, Any]
+
+    def put(self, arms: Sequence[JointArm], start: WorldState | None) -> None:
+        """Put ``arms`` at the start of their joint paths, or arms and bodies as in
+        ``start``.
+        """
+
+    def observe(self) -> Truth:
+        """True state of the last completed tick."""
+
+
+def arm_cell(
+    name: str,
+    physics: ArmPhysics,
+    arms: Sequence[JointArm],
+    placements: ArmPlacements,
+    paths: Sequence[tuple[ArmPath, ...]],
+    query: MotionQuery,
+    start: WorldState | None,
+) -> Cell:
+    """Cell of an engine of the given name, with its arms at the start of the first of
+    ``paths``, or with arms and bodies as in ``start``.
+    """
+    postures = None if start is None else [np.array(q) for q in start.joints]
+    placements.begin_placement(query, postures)
+    physics.put(arms, start)
+    physics.facts.update(_path_facts(paths))
+    physics.facts["start_tips"] = [
+        arm.model.state_at(at_rest(arm.path.approach[-1])).position for arm in arms
+    ]
+    return Cell(name, physics, arms, physics, placements, physics)
+
+
+def _path_facts(paths: Sequence[tuple[ArmPath, ...]]) -> dict[str, Any]:
+    """Facts about the planned joint paths of all placements."""
+    every = [path for placement in paths for path, _ in placement]
+    first = max(float(path.approach_time[-1]) for path, _ in paths[0])
+    return {
+        "joint_margin_planned": min(path.joint_margin for path in every),
+        "condition_planned": max(path.condition for path in every),
+        "clearance_planned": min(path.clearance for path in every),
+        "approach_time": first + SETTLE,
+    }
+
+
+def joint_arm(
+    robot: Robot, model: ArmModel, drives: Drives, joint_stiffness: float = 0.0
+) -> JointArm:
+    """Arm with a robot's interface. ``joint_stiffness`` [N m/rad] is that of
+    ``control.execution.Execution``, for torques only.
+    """
+    if robot.interface == "torque":
+        return TorqueArm(model, drives, joint_stiffness)
+    return ServoArm(model, drives, robot)
+
+
+def lost_object(
+    total: float, X_WG: Pose2, ends: Sequence[Pose2], height: float | None
+) -> str | None:
+    """Reason why a simulation cannot continue with an object at X_WG, or None.
+
+    ``total`` is the sum of the state, which is not finite if the simulation has
+    diverged; ``ends`` are the object's start and goal. ``height`` [m] above the support
+    is None if the support has no edge.
+    """
+    place = f"({X_WG.x:.2f}, {X_WG.y:.2f})"
+    off = min(math.dist(X_WG.position, end.position) for end in ends)
+    if not math.isfinite(total) or off > FAR:
+        return f"the object is at {place}"
+    if height is not None and height < 0.0:
+        return f"{FALLEN} at {place}"
+    return None
