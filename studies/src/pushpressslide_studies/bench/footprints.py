@@ -24,7 +24,7 @@ from pushpressslide_studies.bench.footprint_laws import (
     planar_law,
     pushed_twist,
 )
-from pushpressslide_studies.sim.footprint_body import FRICTION, MASS
+from pushpressslide_studies.footprint_body import FRICTION, MASS
 
 FOOTPRINTS: dict[str, Shape] = {
     "square": Box((0.15, 0.15, 0.15)),

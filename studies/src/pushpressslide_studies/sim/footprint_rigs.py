@@ -41,7 +41,7 @@ from pushpressslide.sim.convert import planar_pose_from_positions, planar_twist
 from pushpressslide.sim.plane import add_plane
 from pushpressslide.sim.scenes import mesh_size
 from pushpressslide.sim.surfaces import touched_shapes
-from pushpressslide_studies.sim.footprint_body import FRICTION, MASS
+from pushpressslide_studies.footprint_body import FRICTION, MASS
 
 DRAKE_STEP = 4e-3
 """Step [s] of Drake, as in a run."""
