@@ -166,7 +166,7 @@ _HOMES = {
     "Robot": "core.scene.Robot",
     "RunLoop": "control.run_loop.RunLoop",
     "RunOptions": "control.run_loop.RunOptions",
-    "Sensing": "core.motion.Sensing",
+    "Sensing": "core.sensing.Sensing",
     "SimulationError": "core.errors.SimulationError",
     "Support": "core.scene.Support",
     "Task": "core.task.Task",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -200,3 +201,15 @@ def test_a_delay_is_rounded_to_ticks(delay: float, ticks: int) -> None:
     line: DelayLine[int] = DelayLine(delay, PERIOD)
     out = [line.through(i) for i in range(6)]
     assert out == [max(i - ticks, 0) for i in range(6)]
+
+
+def test_a_sensor_that_is_full_clips_and_one_that_drops_repeats() -> None:
+    for one in seen(Sensing(force_noise=3.0, force_range=5.0), 200):
+        assert max(abs(v) for v in one.tips[0].force) <= 5.0
+    lost = Sensing(force_noise=1.0, tip_noise=1e-3, force_dropout=0.3, tip_dropout=0.6)
+    tips = [one.tips[0] for one in seen(lost, 2000)]
+    pairs = list(pairwise(tips))
+    same_force = sum(a.force == b.force for a, b in pairs) / len(pairs)
+    same_place = sum(a.position == b.position for a, b in pairs) / len(pairs)
+    assert same_force == pytest.approx(0.3, abs=0.04)
+    assert same_place == pytest.approx(0.6, abs=0.04)

@@ -14,9 +14,9 @@ from pushpressslide.control.correction import touched_point
 from pushpressslide.control.following import BoundLaws, Prediction
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import Measurement, TipState
-from pushpressslide.core.motion import Sensing
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.query import MotionQuery
+from pushpressslide.core.sensing import Sensing
 from pushpressslide.core.twist_path import integrate
 from pushpressslide.core.wrench import Twist
 from pushpressslide.identification.center import CenterState

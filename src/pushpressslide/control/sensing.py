@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -12,13 +11,12 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
+from pushpressslide.control.camera import Camera
 from pushpressslide.control.cell import Applied, Arm, ArmState, Cell, Truth
 from pushpressslide.control.limits import ArmLimits
-from pushpressslide.control.tracker import ObjectTracker, StampedPose
 from pushpressslide.core.control import ArmCommand, TipState, Vector3
 from pushpressslide.core.plan import JointPath
-from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Sensing
+from pushpressslide.core.sensing import Sensing
 
 T = TypeVar("T")
 
@@ -37,56 +35,6 @@ class DelayLine(Generic[T]):
         """Put ``value`` in, and return the delayed value."""
         self._line.append(value)
         return self._line[0]
-
-
-class SensedTracker:
-    """A tracker with sensor faults: poses are noisy, biased and late, and some are
-    missing.
-    """
-
-    def __init__(
-        self,
-        tracker: ObjectTracker,
-        sensing: Sensing,
-        random: np.random.Generator,
-        dt: float,
-    ) -> None:
-        """Set up the delay line. ``dt`` [s] is the control period."""
-        self.truth = Pose2()  # X_WG as last read
-        self._tracker = tracker
-        self._sensing = sensing
-        self._random = random
-        self._line: DelayLine[StampedPose | None] = DelayLine(sensing.delay_of_pose, dt)
-        self._seen = False  # whether anything ever was
-        self._last = math.nan  # [s] stamp of what was read last
-        self._out: StampedPose | None = None  # what that came to
-
-    def read(self) -> StampedPose | None:
-        """Delayed, noisy pose. Two readings at one time give the same pose."""
-        pose = self._tracker.read()
-        if pose is None:
-            return None
-        if pose.time != self._last:
-            self.truth = pose.X_WG
-            self._last = pose.time
-            self._out = self._line.through(self._noisy(pose))
-        return self._out
-
-    def _noisy(self, pose: StampedPose) -> StampedPose | None:
-        s = self._sensing
-        x, y, yaw = (float(v) for v in self._random.normal(size=3))
-        dropped = float(self._random.random()) < s.pose_dropout
-        if dropped and self._seen:
-            return None
-        self._seen = True
-        bias_x, bias_y = s.position_bias
-        X_WG = pose.X_WG
-        measured = Pose2(
-            X_WG.x + bias_x + s.position_noise * x,
-            X_WG.y + bias_y + s.position_noise * y,
-            X_WG.yaw + s.yaw_bias + s.yaw_noise * yaw,
-        )
-        return StampedPose(pose.time, measured)
 
 
 class SensedArm:
@@ -111,6 +59,7 @@ class SensedArm:
         self.truth: TipState  # as last read
         self._sensing = sensing
         self._tip_random, self._force_random = streams
+        self._losses = [stream.spawn(1)[0] for stream in streams]
         self._tips: DelayLine[TipState] = DelayLine(sensing.delay_of_tips, dt)
         self._forces: DelayLine[Vector3] = DelayLine(sensing.delay_of_force, dt)
         self._out: ArmState | None = None  # what was read last
@@ -140,8 +89,14 @@ class SensedArm:
         if out is not None and out.time == state.time:
             return out
         self.truth = state.tip
+        s = self._sensing
         tip = self._tips.through(self._tip(state.tip))
         force = self._forces.through(self._force(state.tip.force))
+        lost_tip, lost_force = (float(one.random()) for one in self._losses)
+        if out is not None and lost_tip < s.tip_dropout:
+            tip = out.tip
+        if out is not None and lost_force < s.force_dropout:
+            force = out.tip.force
         self._out = state._replace(tip=replace(tip, force=force))
         return self._out
 
@@ -157,7 +112,11 @@ class SensedArm:
     def _force(self, force: Vector3) -> Vector3:
         s = self._sensing
         noise = s.force_noise * self._force_random.normal(size=3)
-        return _perturbed(force, s.force_bias, noise)
+        measured = _perturbed(force, s.force_bias, noise)
+        if s.force_range is None:
+            return measured
+        x, y, z = (min(max(v, -s.force_range), s.force_range) for v in measured)
+        return (x, y, z)
 
 
 class SensedTruth:
@@ -165,7 +124,7 @@ class SensedTruth:
 
     facts: Mapping[str, Any] = {}
 
-    def __init__(self, tracker: SensedTracker, arms: Sequence[SensedArm]) -> None:
+    def __init__(self, tracker: Camera, arms: Sequence[SensedArm]) -> None:
         """Wrap a tracker and arms."""
         self._tracker = tracker
         self._arms = arms
@@ -185,7 +144,7 @@ def sensed(cell: Cell, sensing: Sensing, seed: int, dt: float) -> Cell:
     if sensing == Sensing():
         return cell
     pose, tips, forces = np.random.default_rng(seed).spawn(3)
-    tracker = SensedTracker(cell.tracker, sensing, pose, dt)
+    tracker = Camera(cell.tracker, sensing, pose, dt)
     arms = [SensedArm(arm, sensing, (tips, forces), dt) for arm in cell.arms]
     witness = cell.witness or SensedTruth(tracker, arms)
     return replace(cell, tracker=tracker, arms=arms, witness=witness)

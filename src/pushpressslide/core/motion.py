@@ -12,7 +12,6 @@ from typing import Literal
 
 from pushpressslide.core import margins
 from pushpressslide.core.checks import check_fields
-from pushpressslide.core.control import Vector3
 from pushpressslide.core.field_spec import documented, field_spec, setting
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.scene import ARM_NAMES, ArmName
@@ -114,83 +113,6 @@ class Limits:
         regulator's ripple.
         """
         return PLANNED_SHARE * self.normal_force
-
-
-@documented
-@dataclass(frozen=True, slots=True)
-class Sensing:
-    """Imperfections of the sensors: of the object's pose, of the tips' positions (from
-    the joints), and of the contact forces. Noise is white, with a new sample in every
-    control period.
-    """
-
-    position_noise: float = setting(
-        0.0, "standard deviation of the object's x and y", "m", "[0, 0.1]"
-    )
-    yaw_noise: float = setting(
-        0.0, "standard deviation of the object's yaw", "deg", "[0, 45]"
-    )
-    tip_noise: float = setting(
-        0.0, "standard deviation of a tip's position, each axis", "m", "[0, 0.01]"
-    )
-    force_noise: float = setting(
-        0.0, "standard deviation of a contact force, each axis", "N", "[0, 100]"
-    )
-    position_bias: Point = setting(
-        (0.0, 0.0), "constant error of the object's x and y", "m", "[-0.1, 0.1]"
-    )
-    yaw_bias: float = setting(
-        0.0, "constant error of the object's yaw", "deg", "[-45, 45]"
-    )
-    tip_bias: Vector3 = setting(
-        (0.0, 0.0, 0.0), "constant error of every tip's position", "m", "[-0.01, 0.01]"
-    )
-    force_bias: Vector3 = setting(
-        (0.0, 0.0, 0.0), "constant error of every contact force", "N", "[-20, 20]"
-    )
-    delay: float = setting(0.0, "delay of every sensor", "s", "[0, 1]")
-    pose_delay: float | None = setting(
-        None, "delay of the object's pose; null: `delay`", "s", "[0, 1]"
-    )
-    tip_delay: float | None = setting(
-        None, "delay of the tips' positions; null: `delay`", "s", "[0, 1]"
-    )
-    force_delay: float | None = setting(
-        None, "delay of the contact forces; null: `delay`", "s", "[0, 1]"
-    )
-    pose_dropout: float = setting(
-        0.0,
-        "probability that a control period has no measured pose of the object",
-        within="[0, 0.95]",
-    )
-
-    def __post_init__(self) -> None:
-        check_fields(self)
-
-    @property
-    def felt_force(self) -> float:
-        """Normal force [N] above which a contact is detected."""
-        return max(margins.ARM.felt_force, margins.FELT_SIGMAS * self.force_noise)
-
-    @property
-    def seen_motion(self) -> float:
-        """Displacement [m] above which an object's motion is detected."""
-        return max(margins.ARM.slid, margins.FELT_SIGMAS * self.position_noise)
-
-    @property
-    def delay_of_pose(self) -> float:
-        """Delay [s] of the object's pose."""
-        return self.delay if self.pose_delay is None else self.pose_delay
-
-    @property
-    def delay_of_tips(self) -> float:
-        """Delay [s] of the tips' positions."""
-        return self.delay if self.tip_delay is None else self.tip_delay
-
-    @property
-    def delay_of_force(self) -> float:
-        """Delay [s] of the contact forces."""
-        return self.delay if self.force_delay is None else self.force_delay
 
 
 @documented

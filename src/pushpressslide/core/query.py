@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from pushpressslide.core.motion import Limits, Motion, Sensing, Tolerance, ToolUse
+from pushpressslide.core.motion import Limits, Motion, Tolerance, ToolUse
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.scene import ObjectModel, Obstacle, Scene
+from pushpressslide.core.sensing import Sensing
 
 Ends = tuple[Pose2, Pose2]
 """Poses of an object at the start and at the goal of a motion."""

@@ -19,7 +19,6 @@ from pushpressslide.core.field_spec import FRICTIONS, documented, field_spec, se
 from pushpressslide.core.motion import ON_THE_WAY
 from pushpressslide.core.motion import Limits as Limits
 from pushpressslide.core.motion import Motion as Motion
-from pushpressslide.core.motion import Sensing as Sensing
 from pushpressslide.core.motion import Tolerance as Tolerance
 from pushpressslide.core.motion import ToolUse as ToolUse
 from pushpressslide.core.pose import Point, Pose2
@@ -32,6 +31,7 @@ from pushpressslide.core.scene import Robot as Robot
 from pushpressslide.core.scene import Scene as Scene
 from pushpressslide.core.scene import Support as Support
 from pushpressslide.core.scene import assumption as assumption
+from pushpressslide.core.sensing import Sensing as Sensing
 from pushpressslide.core.state import WorldState
 from pushpressslide.geometry.shapes import Box as Box
 from pushpressslide.geometry.shapes import Compound as Compound

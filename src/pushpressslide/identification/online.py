@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from pushpressslide.core.motion import Sensing
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.sensing import Sensing
 from pushpressslide.core.twist_path import screw
 
 # [s] shortest interval for a twist: short compared with a turn

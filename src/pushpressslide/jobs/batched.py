@@ -25,9 +25,9 @@ from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.errors import PushPressSlideError
-from pushpressslide.core.motion import Sensing
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Plan
+from pushpressslide.core.sensing import Sensing
 from pushpressslide.core.task import Task
 from pushpressslide.geometry.sides import FlatSide
 from pushpressslide.jobs.engines import EngineName, engine_named

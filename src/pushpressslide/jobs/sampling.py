@@ -10,8 +10,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from pushpressslide.core.errors import PushPressSlideError, TaskError
-from pushpressslide.core.motion import Sensing
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.sensing import Sensing
 from pushpressslide.core.task import (
     Belief,
     Box,

@@ -17,10 +17,11 @@ from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.core.bodies import OBJECT, SET_DOWN, in_stage, start_state
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.knock import Knock
-from pushpressslide.core.motion import Sensing, Tolerance
+from pushpressslide.core.motion import Tolerance
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
+from pushpressslide.core.sensing import Sensing
 from pushpressslide.core.state import Joints, WorldState
 from pushpressslide.core.task import Belief, Obstacle, Task
 from pushpressslide.jobs.engines import ArmOptions, engine_named
