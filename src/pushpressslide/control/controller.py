@@ -125,6 +125,7 @@ class Controller:
         self.X_BG = self.X_GB.inverse()
         self.robots = query.scene.robots
         self.estimator = estimator(query)
+        self.longest_blind = query.sensing.longest_blind
         self.kept_arms = self.placement.kept_arms
         self.touches = _made_touches(query, first, gap, self.placement.entry)
         self.law = _law(query, execution, self.placement)
@@ -237,7 +238,11 @@ class Controller:
         estimate, estimator = self.estimator.step(state.estimator, observation)
         X_WG = estimate.X_WG
         dt = time - state.estimate.time
-        instant = Instant(time, dt, X_WG, X_WG.compose(self.X_GB), tips)
+        blind = self.placement.looks and estimate.age > self.longest_blind
+        rests = blind or state.watches.looked is not None
+        instant = Instant(time, dt, X_WG, X_WG.compose(self.X_GB), tips, rests)
+        if blind and phase.name == "move":
+            following = following.delayed(dt)
         estimated = ControllerState(
             phase, following, estimate, estimator, state.adaptation, state.watches
         )
@@ -302,13 +307,15 @@ class Controller:
         """Filtered X_WG at the last tick."""
         return state.estimate.X_WG.compose(self.X_GB).compose(self.X_BG)
 
-    def missed(self, pose: Pose2) -> Ending | None:
+    def missed(self, state: ControllerState, pose: Pose2) -> Ending | None:
         """Ending of a placement whose goal is missed by an object at ``pose``, X_WG.
-        None if the goal is reached.
+        None if the goal is reached, as far as the estimate in ``state`` is sure.
         """
         goal = self.placement.last.goal
         tolerance = self.placement.last.tolerance
-        if share_of_tolerance(pose, goal, tolerance) < margins.RETRY_ABOVE:
+        unsure = self.placement.unsure(state.estimate.spread)
+        above = margins.retry_above(margins.RETRY_ABOVE, unsure)
+        if share_of_tolerance(pose, goal, tolerance) < above:
             return None
         off = math.dist(pose.position, goal.position)
         turned = math.degrees(abs(wrap_angle(pose.yaw - goal.yaw)))
@@ -372,6 +379,7 @@ class Controller:
         commands = decision.commands
         watches = state.watches
         lost = missing(felt, contacts, decision.allocation.normals)
+        lost = lost and not instant.rests
         if lost != (watches.lost is not None):
             watches = watches._replace(lost=instant.time if lost else None)
         adaptation = state.adaptation.step(
@@ -420,6 +428,8 @@ class Controller:
         over = elapsed > _rest(phase) + ramp_time(margins.ARM.retreat) + 0.3
         if failed and elapsed < margins.ARM.longest_stop:
             over = over and _at_rest(instant.tips, contacts)
+        if elapsed < margins.ARM.longest_look:
+            over = over and self.placement.unsure(state.estimate.spread) < margins.SURE
         name: Phase = "done" if over else "release"
         return PhaseStep(commands, state._replace(phase=phase._replace(name=name)))
 
@@ -468,6 +478,7 @@ def _made_touches(
             NormalForceRegulator(f_max=query.limits.normal_force),
             _sunk(into),
             query.scene.robots[contact.arm].reaction,
+            query.sensing.felt_samples,
         )
         for contact in first.contacts
     )

@@ -12,9 +12,10 @@ from typing import Any, NamedTuple, Protocol
 
 from pushpressslide.control.correction import touched_point
 from pushpressslide.control.following import BoundLaws, Prediction
+from pushpressslide.control.pose_filter import Advance, FilterState, PoseFilter
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import Measurement, TipState
-from pushpressslide.core.pose import Pose2
+from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.sensing import Sensing
 from pushpressslide.core.twist_path import integrate
@@ -42,7 +43,9 @@ class Estimate(NamedTuple):
     X_WG: Pose2
     twist: Twist = NO_TWIST  # in B
     parameters: ParameterEstimates = NOTHING  # rho only where it is identified now
-    age: float = 0.0  # [s] of the last pose that was measured
+    age: float = 0.0  # [s] of the last pose that was measured, and used
+    # standard deviations [m], [rad] of the pose
+    spread: tuple[float, float] = (0.0, 0.0)
 
 
 class Observation(NamedTuple):
@@ -79,6 +82,31 @@ class EstimatorState(NamedTuple):
     axle: AxleState = AxleState()  # state of the virtual axle's identification
     center: CenterState = CenterState()  # the same of the CoM
     estimates: ParameterEstimates = NOTHING  # estimates from all of these
+    filtered: Filtered | None = None  # None: poses are used as they come
+
+
+class Filtered(NamedTuple):
+    """A filter of the pose with its state."""
+
+    filter: PoseFilter
+    state: FilterState
+    tip: Point  # [m] of the first contact at the last tick
+
+    @property
+    def X_WG(self) -> Pose2:
+        """The pose now."""
+        return self.filter.pose(self.state.present)
+
+    def step(self, observation: Observation, dt: float) -> Filtered:
+        """The filter after a tick of ``dt`` [s]."""
+        tip = _first_tip(observation)
+        advance = Advance(observation.time, dt)
+        if observation.driven:
+            moved = (tip[0] - self.tip[0], tip[1] - self.tip[1])
+            turn = observation.commanded_twist.w * dt
+            advance = Advance(observation.time, dt, moved, turn, True)
+        state = self.filter.step(self.state, advance, observation.pose)
+        return Filtered(self.filter, state, tip)
 
 
 class ObjectEstimator:
@@ -91,6 +119,8 @@ class ObjectEstimator:
         self._X_GB = query.X_GB
         self._X_BG = self._X_GB.inverse()
         self._gain = pose_gain(query.sensing)
+        self._sensing = query.sensing
+        self._radius = query.scene.body.radius
 
     def start(self, pose: StampedPose) -> EstimatorState:
         """State without identified parameters."""
@@ -102,7 +132,16 @@ class ObjectEstimator:
         """Estimate at a tick, and the next state."""
         time = observation.time
         pose = observation.pose or state.pose
-        X_WG = self._pose(state, observation)
+        filtered = None
+        used = pose.time
+        spread = (0.0, 0.0)
+        if self._sensing.every_pose:
+            X_WG = self._pose(state, observation)
+        else:
+            filtered = self._filtered(state, observation)
+            X_WG = filtered.X_WG
+            used = filtered.state.used
+            spread = filtered.filter.spread(filtered.state)
         predicted = observation.prediction
         axle = state.axle
         center = state.center
@@ -114,11 +153,22 @@ class ObjectEstimator:
             axle, center = _identified(axle, center, X_WB, observation)
         if observation.driven or predicted is not state.prediction:
             found = _estimates(predicted, axle, center)
-        age = time - pose.time
-        estimate = Estimate(time, X_WG, observation.commanded_twist, found, age)
+        twist = observation.commanded_twist
+        estimate = Estimate(time, X_WG, twist, found, time - used, spread)
         return estimate, EstimatorState(
-            pose, time, X_WG, predicted, axle, center, found
+            pose, time, X_WG, predicted, axle, center, found, filtered
         )
+
+    def _filtered(self, state: EstimatorState, observation: Observation) -> Filtered:
+        """The filter after a tick. It starts at the first tick of a placement."""
+        if state.filtered is not None:
+            return state.filtered.step(observation, observation.time - state.time)
+        contact = observation.binding.segment.contacts[0]
+        own = PoseFilter.of(
+            self._sensing, self._X_GB.apply(contact.point), self._radius
+        )
+        started = own.start(state.pose, state.pose.pictures)
+        return Filtered(own, started, _first_tip(observation))
 
     def _pose(self, state: EstimatorState, observation: Observation) -> Pose2:
         """X_WG predicted from the motion since the last tick.
@@ -162,8 +212,17 @@ def stamped(measurement: Measurement) -> StampedPose:
     """
     time = measurement.pose_time
     return StampedPose(
-        measurement.time if time is None else time, measurement.object_pose
+        measurement.time if time is None else time,
+        measurement.object_pose,
+        measurement.pictures,
     )
+
+
+def _first_tip(observation: Observation) -> Point:
+    """Place [m] of the tip at the first contact."""
+    contact = observation.binding.segment.contacts[0]
+    x, y, _ = observation.tips[contact.arm].position
+    return (x, y)
 
 
 def _carried_over(

@@ -68,7 +68,7 @@ class Law:
         X_WB = instant.X_WB
         binding = following.binding
         segment = binding.segment
-        speed = self.speed(following, instant.time)
+        speed = 0.0 if instant.rests else self.speed(following, instant.time)
         if self.pace is not None:
             speed = min(speed, self.pace.speed_at(following.joint_progress(X_WB)))
 
@@ -82,6 +82,8 @@ class Law:
 
         twist = guidance.twist
         gain = adaptation.force_gain(self.force_gain, segment.drive.max_friction)
+        if instant.rests and not self.waits:
+            gain *= margins.RESTING_PUSH
         speeds = self._entry_speeds(instant, tips)
         holds = self._holds(following, allocation)
         points = binding.tip_points

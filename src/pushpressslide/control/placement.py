@@ -49,6 +49,7 @@ class Placement:
         # to the end of the run, since nothing else carries the object at its goal
         self.holds = final and not self.scene.carried(self.last.goal)
         self.waits = self.entry is not None or self.holds
+        self.looks = not self.query.sensing.every_pose
         # nothing but a retry can mend a miss
         self.reaches_far = self.waits or self.query.motion.recoveries == 0
         self.kept_arms: frozenset[int] = frozenset()
@@ -73,6 +74,14 @@ class Placement:
         """Control laws bound to a segment."""
         query = self.queries[segment.leg]
         return bind_laws(self.scene, segment, self._tracker(query, segment))
+
+    def unsure(self, spread: tuple[float, float]) -> float:
+        """Standard deviations ``spread`` [m], [rad] of a pose, as a share of the last
+        goal's tolerances.
+        """
+        tolerance = self.last.tolerance
+        place, yaw = spread
+        return max(place / tolerance.position, yaw / tolerance.yaw)
 
 
 def share_of_tolerance(pose: Pose2, goal: Pose2, tolerance: Tolerance) -> float:

@@ -34,6 +34,7 @@ from pushpressslide.control.estimator import Estimator, ObjectEstimator
 from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.joint_pace import joint_pace
 from pushpressslide.control.limits import ArmReading, Guard
+from pushpressslide.control.looking import RestingPose
 from pushpressslide.control.recording import Recorder, Tick
 from pushpressslide.control.recovery import RECOVERABLE, planned_anew, restart
 from pushpressslide.control.sensing import sensed
@@ -46,6 +47,7 @@ from pushpressslide.control.state import (
 )
 from pushpressslide.control.stopping import JointWatch, Stop, StopLevel
 from pushpressslide.control.supervisor import Moment, Settled
+from pushpressslide.control.tare import Tare
 from pushpressslide.control.tracker import ObjectTracker, StampedPose
 from pushpressslide.control.watches import Watch
 from pushpressslide.core import margins
@@ -171,6 +173,8 @@ class RunLoop:
         self.breaches: list[dict[str, Any]] = []  # all of them, with their times [s]
         self.stopping: Stop | None = None  # since then
         self.recorder = Recorder(plan)
+        self.tare = Tare(arms)
+        self.resting = RestingPose()  # of the object, during an approach
         self.watches = (self._finished, *watches, self._failed, self._stopped)
         self.ticks = 0
         self.placements = plan.by_placement
@@ -240,7 +244,8 @@ class RunLoop:
         if pose is not None:
             self.tracked = pose
         measured = self.tracked
-        tips = tuple(state.tip for state in states)
+        self.raw = [state.tip for state in states]
+        tips = self.tare.removed(self.raw)
         joints = [state.joints for state in states if state.joints is not None]
         measurement = Measurement(
             time, measured.X_WG, tips, pose is not None, measured.time
@@ -322,15 +327,34 @@ class RunLoop:
         if self.holding is not None:
             return self.holding, self.log
         if measurement.time < self.approach.arrival:
+            self._learn_at_rest(measurement)
             return self.approach.step(measurement.time)
         if self.state is None:
-            self.state = self.controller.init(measurement, self.approach.held)
+            looked = self._looked(measurement)
+            self.state = self.controller.init(looked, self.approach.held)
         if self.state.phase.name == "release" and self.guard.near_joint_limit(readings):
             self.state = self.controller.halted(self.state, measurement)
         step = self.controller.step(self.state, measurement)
         self.state = step.state
         self.event = step.event
         return step.commands, step.log
+
+    def _learn_at_rest(self, measurement: Measurement) -> None:
+        """Learn the object's pose and the zeros of the forces from a tick of the
+        approach.
+        """
+        self.tare.add(self.raw, [command is None for command in self.approach.held])
+        if measurement.pose_seen:
+            self.resting.add(self.tracked)
+
+    def _looked(self, measurement: Measurement) -> Measurement:
+        """The measurement with the pose from all pictures of the approach, unless every
+        picture is right.
+        """
+        if self.plan.task.sensing.every_pose:
+            return measurement
+        middle = self.resting.middle(self.tracked)
+        return replace(measurement, object_pose=middle.X_WG, pictures=middle.pictures)
 
     def _supervise(self, commands: Commands, measurement: Measurement) -> None:
         """Decide on the event of this tick, if there is one. ``commands`` are those
@@ -442,6 +466,7 @@ class RunLoop:
         if own and paths and len(limits) == len(paths):
             self.controller.keep_pace(joint_pace(paths, limits))
         self.state = None
+        self.resting = RestingPose()
         self.expected = self._expected(time)
 
     def _expected(self, time: float) -> float:
@@ -506,7 +531,8 @@ class RunLoop:
         have not drawn back.
         """
         if ending.code == "goal_reached":
-            return self.controller.missed(pose)
+            assert self.state is not None
+            return self.controller.missed(self.state, pose)
         return ending if ending.code in RECOVERABLE else None
 
     def _restart(self, pose: Pose2) -> Restart:

@@ -59,7 +59,7 @@ class TipMemory(NamedTuple):
     regulator: NormalForceState = NormalForceState()
     velocity: Point | None = None  # [m/s] world, as last commanded in this phase
     turn: float = 0.0  # [rad/s] of the tool, the same
-    mean_force: float | None = None  # [N] mean of the last measurements in this phase
+    mean_force: Vector3 | None = None  # [N] mean of the last measurements in this phase
     height: float | None = None  # [m] at which a pushing tip is held, in this phase
     # [N] along the support, world, as last commanded to a pressing tip in this phase
     drag: Point = (0.0, 0.0)
@@ -95,6 +95,9 @@ class Watches(NamedTuple):
     replanned: float = 0.0  # [s] of the last replan
     retouches: int = 0
     retries: int = 0
+    looked: float | None = (
+        None  # [s] since when an object that has arrived is looked at
+    )
 
 
 class PhaseState(NamedTuple):
@@ -154,6 +157,8 @@ class Instant(NamedTuple):
     X_WG: Pose2  # of the object, as estimated
     X_WB: Pose2  # the same
     tips: tuple[TipState, ...]  # as measured
+    # whether the tips stand still, for lack of pictures or to look at the object
+    rests: bool = False
 
     def context(self, contact: Contact, tool_yaw: float, progress: float) -> TipContext:
         """Input of the laws of the tip at a ``contact``.
@@ -203,6 +208,14 @@ def contact_yaw(contact: Contact, X_WB: Pose2) -> float:
 def pressed(force: Vector3, direction: Vector3) -> float:
     """Normal force [N] of a tip whose force on the object is ``force``."""
     return force[0] * direction[0] + force[1] * direction[1] + force[2] * direction[2]
+
+
+def averaged(mean: Vector3 | None, force: Vector3, samples: int) -> Vector3:
+    """Mean of a force after another measurement of it, over about as many ``samples``."""
+    if mean is None or samples == 1:
+        return force
+    x, y, z = (m + (f - m) / samples for m, f in zip(mean, force, strict=True))
+    return (x, y, z)
 
 
 def by_arm(
@@ -268,7 +281,7 @@ def enter_phase(
         )
         for m, c in zip(state.phase.tips, contacts, strict=True)
     )
-    watches = state.watches
+    watches = state.watches._replace(looked=None)
     if name != "touch":
         watches = watches._replace(lost=None)
     phase = PhaseState(name, now.time, memories, failure=failure)

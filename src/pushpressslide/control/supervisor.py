@@ -104,12 +104,23 @@ class Supervisor:
 
     def _watched(self, moment: Moment) -> Moment:
         """The given moment with its stall watch updated."""
-        still = self._still(moment.state, moment.instant)
         watches = moment.state.watches
-        if still is not watches.still:
-            state = moment.state._replace(watches=watches._replace(still=still))
-            moment = moment._replace(state=state)
+        still = self._still(moment.state, moment.instant)
+        looked = self._looked(moment)
+        if still is not watches.still or looked != watches.looked:
+            watches = watches._replace(still=still, looked=looked)
+            moment = moment._replace(state=moment.state._replace(watches=watches))
         return moment
+
+    def _looked(self, moment: Moment) -> float | None:
+        """Time [s] since when an object that has arrived is looked at. None elsewhere."""
+        following = moment.state.following
+        if not self.placement.looks or following.ahead:
+            return None
+        since = moment.state.watches.looked
+        if since is None and following.left <= margins.ARM.stop:
+            since = moment.instant.time
+        return since
 
     def astray(self, moment: Moment) -> bool:
         """The tracking point is too far off its path."""
@@ -146,8 +157,16 @@ class Supervisor:
         return self._next_segment(moment.state, ahead, moment.instant)
 
     def arrived(self, moment: Moment) -> bool:
-        """The last segment is over."""
-        return self._arrived(moment.state.following, moment.instant)
+        """The last segment is over, and the object has been looked at."""
+        arrived = self._arrived(moment.state.following, moment.instant)
+        return arrived and self._sure(moment)
+
+    def _sure(self, moment: Moment) -> bool:
+        """Whether the pose of an object that has arrived is known well enough."""
+        since = moment.state.watches.looked
+        if since is None or moment.instant.time - since > margins.ARM.longest_look:
+            return True
+        return self.placement.unsure(moment.state.estimate.spread) < margins.SURE
 
     def end(self, moment: Moment) -> ControllerState:
         """Retry if the goal is missed. Otherwise let go, unless the arms carry the
@@ -240,7 +259,7 @@ class Supervisor:
         None while the object may rest (under pure force control, or waiting at the
         goal).
         """
-        if self.placement.waits or not self.servo:
+        if self.placement.waits or not self.servo or instant.rests:
             return None
         still = state.watches.still
         if still is not None and still.since >= state.phase.since:
@@ -393,6 +412,7 @@ class Supervisor:
         above = margins.RETRY_ABOVE
         if self.placement.entry is not None:
             above = margins.RETRY_ABOVE_SEATED
+        above = margins.retry_above(above, self.placement.unsure(state.estimate.spread))
         if off < above or state.watches.retries == RETRIES:
             return ()
         segment = following.binding.segment
@@ -467,7 +487,9 @@ class Supervisor:
             joint_start=joint_start,
             rho=before.rho,
         )
-        watches = state.watches._replace(replanned=instant.time, retries=retries)
+        watches = state.watches._replace(
+            replanned=instant.time, retries=retries, looked=None
+        )
         return state._replace(following=following, watches=watches)
 
     def _led_on(

@@ -12,6 +12,7 @@ from pushpressslide.control.state import (
     SERVO_CAP,
     TipContext,
     TipMemory,
+    averaged,
     contact_yaw,
     pressed,
     sunk,
@@ -106,7 +107,7 @@ class TipMover:
             margins.KEPT_SHARE * self.threshold,
             (1.0 - margins.LOSS_SHARE) * contact.load,
         )
-        return max(1, math.ceil((margins.LOSS_SIGMAS * self.noise / drop) ** 2))
+        return math.ceil(0.5 * ((margins.LOSS_SIGMAS * self.noise / drop) ** 2 + 1.0))
 
     def holds(
         self, planned: Sequence[Contact], normals: Sequence[float]
@@ -131,15 +132,14 @@ class TipMover:
         tip = context.tip
         direction = contact.direction(X_WB)
         normal_force = pressed(tip.force, direction)
-        mean = memory.mean_force
-        if mean is None:
-            mean = normal_force
-        mean += (normal_force - mean) / self.samples(contact)
+        samples = self.samples(contact)
+        mean = averaged(memory.mean_force, tip.force, samples)
+        mean_normal = pressed(mean, direction)
         radius = self.radii[contact.arm]
         felt = Felt(
-            mean < self._loss_threshold(contact)
+            mean_normal < self._loss_threshold(contact)
             or sunk(contact, tip, radius, self.sunk),
-            self._utilisation(tip.force, direction, normal_force),
+            self._utilisation(mean, direction, mean_normal, samples),
         )
         force = X_WB.rotate(task.force)
         velocity, (ax, ay) = self._motion(memory, context, task)
@@ -155,9 +155,7 @@ class TipMover:
         vx, vy = velocity
         if task.hold is not None:
             speed = math.hypot(vx, vy)
-            back_x, back_y = _reseating_velocity(
-                context, task.hold, normal_force, speed
-            )
+            back_x, back_y = _reseating_velocity(context, task.hold, mean_normal, speed)
             vx += back_x
             vy += back_y
         command = TipCommand(
@@ -214,15 +212,18 @@ class TipMover:
         )
 
     def _utilisation(
-        self, force: Vector3, normal: Vector3, normal_force: float
+        self, force: Vector3, normal: Vector3, normal_force: float, samples: int
     ) -> float:
-        """Friction utilisation of a ``force`` on the object with ``normal_force`` [N]
-        along its ``normal``.
+        """Least friction utilisation, as far as a mean ``force`` of ``samples`` tells.
+
+        ``normal_force`` [N] is its part along the ``normal``.
         """
         shear = math.hypot(
             force[0] - normal_force * normal[0], force[1] - normal_force * normal[1]
         )
-        return shear / (self.friction * max(normal_force, self.threshold))
+        doubt = margins.DOUBT * self.noise / math.sqrt(2.0 * samples - 1.0)
+        least = max(shear - doubt, 0.0)
+        return least / (self.friction * max(normal_force, self.threshold))
 
     def _motion(
         self, memory: TipMemory, context: TipContext, task: TipTask

@@ -17,6 +17,7 @@ from pushpressslide.control.state import (
     SERVO_CAP,
     TipContext,
     TipMemory,
+    averaged,
     between,
     contact_yaw,
     pressed,
@@ -64,6 +65,7 @@ class TipTouch:
     # [m] lower than it rests on top, at which a pressing tip has slid off
     sunk: float = margins.ARM.sunk
     reaction: float = 0.0  # [s] until the arm follows a command
+    samples: int = 1  # measurements of the force that are averaged
 
     def speed(self, contact: Contact) -> float:
         """Speed [m/s] of the advance. An arm that reacts late is slower: until the touch
@@ -116,7 +118,9 @@ class TipTouch:
         least = self.threshold
         if memory.felt is not None:
             least *= margins.KEPT_SHARE
-        here = pressed(context.tip.force, n) > least or self._pushes(context, found)
+        mean = averaged(memory.mean_force, context.tip.force, self.samples)
+        memory = memory._replace(mean_force=mean)
+        here = pressed(mean, n) > least or self._pushes(context, found)
         memory = _felt(memory, here, context, depth)
         if memory.resumed == context.time:
             return TouchStep(held_at(context, context.tip.position), memory, False)

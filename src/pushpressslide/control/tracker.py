@@ -12,6 +12,7 @@ class StampedPose(NamedTuple):
 
     time: float  # [s]
     X_WG: Pose2
+    pictures: int = 1  # of an object at rest, of which it is the middle
 
 
 class ObjectTracker(Protocol):

@@ -41,6 +41,7 @@ class Measurement:
     # False: the camera missed this tick, and ``object_pose`` is the last one seen
     pose_seen: bool = True
     pose_time: float | None = None  # [s] time of that pose; None: now
+    pictures: int = 1  # of an object at rest, of which the pose is the middle
 
 
 @dataclass(frozen=True, slots=True)

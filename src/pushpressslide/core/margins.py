@@ -298,9 +298,13 @@ smaller force is advanced: it would leave its face as soon as the object turns a
 more than planned.
 """
 FELT_SIGMAS = 4.0
-"""Force above which a contact is detected, in standard deviations of the sensor's
-noise.
+"""Force above which a contact is detected, in standard deviations of the mean that is
+compared.
 """
+FELT_SAMPLES = 25
+"""Largest number of measurements in that mean: 0.1 s at 250 Hz."""
+SEEN_TIME = 1.0
+"""Time [s] of whose pictures the mean tells whether an object has moved."""
 LOSS_SIGMAS = 6.0
 """Distance between the mean forces of a kept contact and a lost contact, in standard
 deviations. It allows one false loss in 10^9 measurements.
@@ -330,6 +334,20 @@ RETRY_ABOVE_SEATED = 0.3
 """``RETRY_ABOVE`` for a goal in an opening. The fall into the opening pushes the object
 off its path.
 """
+BLIND_PICTURES = 3.0
+"""Number of missing pictures of the object after which the arms wait."""
+BLIND = 0.3
+"""Least time [s] without a picture after which they do, beyond a picture's usual age."""
+RESTING_PUSH = 0.2
+"""Force with which tips stay at an object that is to rest, as a share of the force that
+moves it.
+"""
+SURE = 0.2
+"""Standard deviation of a pose, in shares of the goal's tolerances, with which the
+object need not be looked at any longer.
+"""
+DOUBT = 2.0
+"""Standard deviations by which an error has to stay within the goal's tolerances."""
 TOOL_ASIDE = 0.2
 """Largest distance of a tool from the line of its straight push, as a share of
 ``tolerance.position``.
@@ -366,6 +384,8 @@ class ArmMargins:
     """Time that a placement takes without its motion: transfer, touch and release."""
     felt_force: float = field(default=0.05, metadata={"unit": "N"})
     """Contact force that a sensor without noise detects with certainty."""
+    longest_look: float = field(default=3.0, metadata={"unit": "s"})
+    """Longest look at an object that has arrived."""
     least_friction: float = field(default=0.5, metadata={"unit": "N"})
     """Smallest support friction of an object pushed by two tips. Below it a single tip
     can push the object away from the other tip.
@@ -568,6 +588,15 @@ def drag_ratio(measured: float, expected: float) -> float:
     """Ratio of the ``measured`` to the ``expected`` drag [N], clipped to ``DRAG``."""
     least, most = DRAG
     return min(max(measured / expected, least), most)
+
+
+def retry_above(share: float, unsure: float) -> float:
+    """Share of the goal's tolerances above which an estimated error triggers a retry.
+
+    ``share`` is that of an error known exactly, ``unsure`` the standard deviation of
+    the estimate in shares of the tolerances.
+    """
+    return max(share - DOUBT * unsure, 0.5 * share)
 
 
 def longest(detour: tuple[float, float], left: float, radius: float) -> float:

@@ -6,6 +6,7 @@ file.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from pushpressslide.core import margins
@@ -120,13 +121,24 @@ class Sensing:
 
     @property
     def felt_force(self) -> float:
-        """Normal force [N] above which a contact is detected."""
-        return max(margins.ARM.felt_force, margins.FELT_SIGMAS * self.force_noise)
+        """Mean normal force [N] above which a contact is detected."""
+        noise = self.force_noise / math.sqrt(2.0 * self.felt_samples - 1.0)
+        return max(margins.ARM.felt_force, margins.FELT_SIGMAS * noise)
+
+    @property
+    def felt_samples(self) -> int:
+        """Number of measurements of a force that are averaged to detect a contact: as
+        many as the noise needs, up to ``margins.FELT_SAMPLES``.
+        """
+        noise = margins.FELT_SIGMAS * self.force_noise / margins.ARM.felt_force
+        return min(margins.FELT_SAMPLES, math.ceil(0.5 * (noise * noise + 1.0)))
 
     @property
     def seen_motion(self) -> float:
         """Displacement [m] above which an object's motion is detected."""
-        return max(margins.ARM.slid, margins.FELT_SIGMAS * self.position_noise)
+        pictures = 1.0 if self.every_pose else margins.SEEN_TIME * self.picture_rate
+        noise = self.position_noise / math.sqrt(max(pictures, 1.0))
+        return max(margins.ARM.slid, margins.FELT_SIGMAS * noise)
 
     @property
     def delay_of_pose(self) -> float:
@@ -148,3 +160,30 @@ class Sensing:
         """Largest age [s] of a pose that arrives in time, until the next one does."""
         between = 0.0 if self.pose_rate is None else 1.0 / self.pose_rate
         return self.delay_of_pose + self.pose_jitter + between
+
+    @property
+    def picture_rate(self) -> float:
+        """Pictures per second; those of a usual control period without a stated rate."""
+        return self.pose_rate or 250.0
+
+    @property
+    def every_pose(self) -> bool:
+        """Whether every control period has a present pose, wrong by white noise and a
+        bias at most.
+        """
+        faults = (
+            self.delay_of_pose,
+            self.pose_jitter,
+            self.pose_dropout,
+            self.noise_time,
+            self.position_drift,
+            self.outlier_rate,
+            self.freeze,
+        )
+        return self.pose_rate is None and not any(faults)
+
+    @property
+    def longest_blind(self) -> float:
+        """Time [s] without a usable picture after which the arms wait."""
+        between = 0.0 if self.pose_rate is None else 1.0 / self.pose_rate
+        return self.oldest_pose + max(margins.BLIND_PICTURES * between, margins.BLIND)

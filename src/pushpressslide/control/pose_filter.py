@@ -1,0 +1,247 @@
+"""Filter of the object's pose: predicted by the motion of a tip, corrected by pictures at
+their own time.
+
+The state is the place of a body-fixed point C at the first contact, the yaw, and two
+errors of the prediction: turn per path of C, and the share of the tip's motion that C
+does not follow. C moves with the tip while the contact sticks, however the object
+turns, so that an unknown turn does not spoil its place. Pictures that do not fit are
+ignored, unless three in a row agree with each other.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from pushpressslide.control.tracker import StampedPose
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.pose import Point, Pose2, wrap_angle
+from pushpressslide.core.sensing import Sensing
+
+# standard deviations of a pose without stated noise
+LEAST_NOISE = 2e-4  # [m]
+LEAST_YAW_NOISE = math.radians(0.08)
+# growth of the uncertainty with the square root of time
+DISTURBED = (1.5e-3, math.radians(1.0))  # [m], [rad] in 1 s, while tips touch or let go
+STILL = (2e-4, math.radians(0.1))  # the same of an object that is held
+# growth with the square root of the tip's path
+SLIPPED = (4.5e-3, math.radians(2.2))  # [m], [rad] in 1 m
+CURVE = 0.5
+"""Standard deviation of the turn per path, times the radius of the object."""
+CURVE_LENGTH = 0.1  # [m] of path after which it may be another
+SLIP = 0.15
+"""Standard deviation of the share of its motion by which a tip slips."""
+SLIP_LENGTH = 0.05  # [m] of path after which it may be another
+GATE = 25.0
+"""Squared Mahalanobis distance of a picture above which it does not fit (3 degrees of
+freedom; exceeded by one in 65,000).
+"""
+STRANGERS = 3
+"""Number of pictures in a row that do not fit but agree, and then replace the estimate."""
+
+
+class Advance(NamedTuple):
+    """Predicted motion of the object in a tick."""
+
+    time: float  # [s] at its end
+    dt: float  # [s]
+    tip: Point = (0.0, 0.0)  # [m] displacement of the tip, world
+    turn: float = 0.0  # [rad] of the object, as commanded
+    driven: bool = False  # whether the tip drives the object
+
+
+class Mean(NamedTuple):
+    """Estimated place of C, yaw, and errors of the prediction."""
+
+    x: float  # [m]
+    y: float  # [m]
+    yaw: float  # [rad]
+    curve: float = 0.0  # [rad/m]
+    slip: float = 0.0
+
+    def after(self, advance: Advance) -> Mean:
+        """The mean after a predicted motion."""
+        dx, dy = advance.tip
+        kept = 1.0 - self.slip
+        yaw = self.yaw + kept * advance.turn + self.curve * math.hypot(dx, dy)
+        return Mean(self.x + kept * dx, self.y + kept * dy, yaw, self.curve, self.slip)
+
+
+class FilterState(NamedTuple):
+    """State of the filter between ticks."""
+
+    pose: StampedPose  # the last picture, used or not
+    used: float  # [s] stamp of the last one that was used
+    mean: Mean  # at that time
+    covariance: Array  # (5, 5) the same
+    present: Mean  # now
+    advances: tuple[Advance, ...] = ()  # since then
+    strangers: tuple[Pose2, ...] = ()  # the last pictures, if they do not fit
+
+
+@dataclass(frozen=True)
+class PoseFilter:
+    """Filter of the pose of one object through one camera."""
+
+    point: Point  # [m] p_GC
+    radius: float  # [m] of the object
+    noise: Array  # (3,) standard deviations of a picture's x, y [m] and yaw [rad]
+
+    @classmethod
+    def of(cls, sensing: Sensing, point: Point, radius: float) -> PoseFilter:
+        """Filter for the camera of ``sensing``."""
+        pictures = sensing.noise_time * (sensing.pose_rate or 100.0)
+        correlated = math.sqrt(1.0 + 2.0 * pictures)
+        place = correlated * max(sensing.position_noise, LEAST_NOISE)
+        yaw = correlated * max(sensing.yaw_noise, LEAST_YAW_NOISE)
+        return cls(point, radius, np.array((place, place, yaw)))
+
+    def start(self, pose: StampedPose, pictures: int = 1) -> FilterState:
+        """State with the object at the mean ``pose`` of a number of ``pictures``."""
+        mean = self._mean_at(pose.X_WG)
+        return FilterState(
+            pose, pose.time, mean, self._prior(pose.X_WG, pictures), mean
+        )
+
+    def pose(self, mean: Mean) -> Pose2:
+        """X_WG of a ``mean``."""
+        x, y = Pose2(0.0, 0.0, mean.yaw).rotate(self.point)
+        return Pose2(mean.x - x, mean.y - y, mean.yaw)
+
+    def spread(self, state: FilterState) -> tuple[float, float]:
+        """Standard deviations [m], [rad] of the place of G and of the yaw."""
+        lx, ly = Pose2(0.0, 0.0, state.mean.yaw).rotate(self.point)
+        H = _jacobian(lx, ly)
+        P = H @ state.covariance @ H.T
+        return math.sqrt(0.5 * float(P[0, 0] + P[1, 1])), math.sqrt(float(P[2, 2]))
+
+    def step(
+        self, state: FilterState, advance: Advance, picture: StampedPose | None
+    ) -> FilterState:
+        """State after a tick, and after a ``picture`` if one has arrived.
+
+        A picture that is not newer than the last one used, or equal to the last one, is
+        no news.
+        """
+        advances = (*state.advances, advance)
+        present = state.present.after(advance)
+        state = state._replace(advances=advances, present=present)
+        if picture is None or picture.time <= state.used:
+            return state
+        frozen = picture.X_WG == state.pose.X_WG
+        state = state._replace(pose=picture)
+        return state if frozen else self._corrected(state, picture)
+
+    def _corrected(self, state: FilterState, picture: StampedPose) -> FilterState:
+        """State after a picture that is used, or remembered as one that does not fit."""
+        before = [one for one in state.advances if one.time <= picture.time + 1e-9]
+        after = state.advances[len(before) :]
+        mean, P = self._predicted(state.mean, state.covariance, before)
+        X = picture.X_WG
+        lx, ly = Pose2(0.0, 0.0, mean.yaw).rotate(self.point)
+        H = _jacobian(lx, ly)
+        expected = self.pose(mean)
+        error = np.array(
+            (X.x - expected.x, X.y - expected.y, wrap_angle(X.yaw - expected.yaw))
+        )
+        S = H @ P @ H.T + np.diag(self.noise**2)
+        if float(error @ np.linalg.solve(S, error)) > GATE:
+            return self._doubted(state, picture, after)
+        gain = np.linalg.solve(S, H @ P).T
+        corrected = Mean(*(np.array(mean) + gain @ error).tolist())
+        P = P - gain @ S @ gain.T
+        return state._replace(
+            used=picture.time,
+            mean=corrected,
+            covariance=0.5 * (P + P.T),
+            present=_led(corrected, after),
+            advances=after,
+            strangers=(),
+        )
+
+    def _doubted(
+        self, state: FilterState, picture: StampedPose, after: tuple[Advance, ...]
+    ) -> FilterState:
+        """State after a picture that does not fit."""
+        X = picture.X_WG
+        wide = 6.0 * self.noise + np.array((0.01, 0.01, math.radians(5.0)))
+        strangers = (*state.strangers, X)
+        for other in state.strangers:
+            off = (X.x - other.x, X.y - other.y, wrap_angle(X.yaw - other.yaw))
+            if (np.abs(off) > wide).any():
+                strangers = (X,)
+        if len(strangers) < STRANGERS:
+            return state._replace(strangers=strangers)
+        mean = self._mean_at(X)
+        return FilterState(
+            picture,
+            picture.time,
+            mean,
+            self._prior(X, 1),
+            _led(mean, after),
+            after,
+        )
+
+    def _predicted(
+        self, mean: Mean, P: Array, advances: list[Advance]
+    ) -> tuple[Mean, Array]:
+        """Mean and covariance after ``advances``."""
+        dx = math.fsum(one.tip[0] for one in advances)
+        dy = math.fsum(one.tip[1] for one in advances)
+        path = math.fsum(math.hypot(*one.tip) for one in advances)
+        turn = math.fsum(one.turn for one in advances)
+        F = np.eye(5)
+        F[:3, 4] = (-dx, -dy, -turn)
+        F[2, 3] = path
+        grown = np.diag(self._growth(advances, path))
+        out: Array = F @ P @ F.T + grown
+        return _led(mean, advances), out
+
+    def _growth(self, advances: list[Advance], path: float) -> Array:
+        """Growth (5,) of the variances over ``advances``, along a ``path`` [m]."""
+        growth = np.zeros(5)
+        for one in advances:
+            place, yaw = STILL if one.driven else DISTURBED
+            growth[:2] += place * place * one.dt
+            growth[2] += yaw * yaw * one.dt
+        place, yaw = SLIPPED
+        growth[:2] += place * place * path
+        growth[2] += yaw * yaw * path
+        growth[3] = (CURVE / self.radius) ** 2 * path / CURVE_LENGTH
+        growth[4] = SLIP * SLIP * path / SLIP_LENGTH
+        return growth
+
+    def _mean_at(self, X_WG: Pose2) -> Mean:
+        x, y = X_WG.apply(self.point)
+        return Mean(x, y, X_WG.yaw)
+
+    def _prior(self, X_WG: Pose2, pictures: int) -> Array:
+        """Covariance (5, 5) after a number of ``pictures`` of an object at rest."""
+        lx, ly = X_WG.rotate(self.point)
+        to_C = np.array(((1.0, 0.0, -ly), (0.0, 1.0, lx), (0.0, 0.0, 1.0)))
+        P = np.zeros((5, 5))
+        P[:3, :3] = to_C @ np.diag(self.noise**2 / pictures) @ to_C.T
+        P[3, 3] = (CURVE / self.radius) ** 2
+        P[4, 4] = SLIP * SLIP
+        return P
+
+
+def _jacobian(lx: float, ly: float) -> Array:
+    """Derivative (3, 5) of G's pose with respect to the state.
+
+    C is at ``lx``, ``ly`` [m] from G, in world axes.
+    """
+    H = np.zeros((3, 5))
+    H[0, 0] = H[1, 1] = H[2, 2] = 1.0
+    H[0, 2] = ly
+    H[1, 2] = -lx
+    return H
+
+
+def _led(mean: Mean, advances: list[Advance] | tuple[Advance, ...]) -> Mean:
+    for advance in advances:
+        mean = mean.after(advance)
+    return mean

@@ -1,0 +1,38 @@
+"""Zero of the force sensors, found while the tips touch nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from pushpressslide.core.control import TipState, Vector3
+
+
+class Tare:
+    """The mean force of each sensor without contact, and what is measured beyond it."""
+
+    def __init__(self, arms: int) -> None:
+        """Start without measurements of any arm."""
+        self._sums: list[Vector3] = [(0.0, 0.0, 0.0)] * arms
+        self._counts = [0] * arms
+
+    def add(self, tips: Sequence[TipState], free: Sequence[bool]) -> None:
+        """Take the measured forces of the tips that are ``free``."""
+        for arm, (tip, alone) in enumerate(zip(tips, free, strict=True)):
+            if alone:
+                x, y, z = self._sums[arm]
+                fx, fy, fz = tip.force
+                self._sums[arm] = (x + fx, y + fy, z + fz)
+                self._counts[arm] += 1
+
+    def removed(self, tips: Sequence[TipState]) -> tuple[TipState, ...]:
+        """The ``tips`` without the mean force that they measure in the air."""
+        return tuple(self._removed(arm, tip) for arm, tip in enumerate(tips))
+
+    def _removed(self, arm: int, tip: TipState) -> TipState:
+        total = self._sums[arm]
+        if total == (0.0, 0.0, 0.0):
+            return tip
+        count = self._counts[arm]
+        x, y, z = (f - zero / count for f, zero in zip(tip.force, total, strict=True))
+        return replace(tip, force=(x, y, z))
