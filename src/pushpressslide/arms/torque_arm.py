@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from pushpressslide.arms.command_line import CommandLine
 from pushpressslide.arms.joint_arm import JointArm
 from pushpressslide.arms.model import ArmModel, Drives, at_rest
 from pushpressslide.control.cell import Applied, Interface
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import (
     ArmCommand,
     BrakeCommand,
@@ -20,13 +22,18 @@ class TorqueArm(JointArm):
     interface: Interface = "torque"
 
     def __init__(
-        self, model: ArmModel, drives: Drives, joint_stiffness: float = 0.0
+        self,
+        model: ArmModel,
+        drives: Drives,
+        joint_stiffness: float = 0.0,
+        line: CommandLine[Array] | None = None,
     ) -> None:
         """Build the arm from a model. ``joint_stiffness`` [N m/rad] is that of
-        ``control.execution.Execution``.
+        ``control.execution.Execution``. Torques come through ``line``, if there is one.
         """
         super().__init__(model, drives)
         self._stiffness = joint_stiffness
+        self._line = line
 
     def _take_path(self) -> None:
         facts = self.model.facts
@@ -46,7 +53,10 @@ class TorqueArm(JointArm):
         """Apply the torque that executes a command, at the last measured state."""
         limited = self._limited_torque(command)
         self.limited = limited
-        self.drives.drive(limited.torque)
+        torque = limited.torque
+        if self._line is not None:
+            torque = self._line.through(torque)
+        self.drives.drive(torque)
         return Applied(
             limited.torque, self.reference, limited.share, limited.rate_share
         )
