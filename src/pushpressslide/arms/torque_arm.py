@@ -38,11 +38,10 @@ class TorqueArm(JointArm):
         self._stiffness = joint_stiffness
         self._line = line
         self._observer = TorqueErrorObserver(model.facts.effort_limit)
-        self._sent = False  # whether a torque acts since the last reading
+        self._sent = 0.0  # [s] when the present torque was sent
 
     def _take_path(self) -> None:
         facts = self.model.facts
-        self._observer.dt = self.period
         self._executor = ArmExecutor(
             facts.lower,
             facts.upper,
@@ -58,9 +57,7 @@ class TorqueArm(JointArm):
     def read(self) -> ArmState:
         """Joint state, and the tip's position, velocity and force derived from it."""
         out = super().read()
-        if self._sent:
-            self._observer.observe(self.state)
-            self._sent = False
+        self._observer.observe(self.state, out.time - self._sent)
         return out
 
     def send(self, command: ArmCommand) -> Applied:
@@ -70,7 +67,7 @@ class TorqueArm(JointArm):
         torque = limited.torque
         force = np.array(self.frame.direction(self.tip.force))
         self._observer.acted(self.state, torque, force)
-        self._sent = True
+        self._sent = self.drives.time
         if self._line is not None:
             torque = self._line.through(torque)
         self.drives.drive(torque)

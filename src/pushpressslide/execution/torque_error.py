@@ -30,7 +30,6 @@ class TorqueErrorObserver:
     """
 
     effort: Array  # (n,) [N m]
-    dt: float = 0.0  # [s] of a tick
     estimate: Array = field(init=False)  # (n,) [N m] acting along the joints
     awake: bool = False
     _before: ArmDynamics | None = None  # at the last tick
@@ -40,16 +39,17 @@ class TorqueErrorObserver:
         self.estimate = np.zeros(len(self.effort))
         self._known = np.zeros(len(self.effort))
 
-    def observe(self, arm: ArmDynamics) -> None:
-        """Take the joints' velocity after a tick, which the torques of ``acted`` have
-        changed.
+    def observe(self, arm: ArmDynamics, elapsed: float) -> None:
+        """Take the joints' velocity ``elapsed`` [s] after the torques of ``acted`` began
+        to change it.
         """
         before = self._before
-        if before is None:
+        if before is None or elapsed <= 0.0:
             return
-        momentum = before.M @ (arm.v - before.v)
-        error = momentum / self.dt - self._known
-        self.estimate += self.dt / FILTER_TIME * (error - self.estimate)
+        error = before.M @ (arm.v - before.v) / elapsed - self._known
+        share = min(1.0, elapsed / FILTER_TIME)
+        self.estimate += share * (error - self.estimate)
+        self._before = None
         if not self.awake:
             self.awake = bool((abs(self.estimate) > RESOLUTION * self.effort).any())
 
