@@ -53,9 +53,9 @@ def joint_faults(
 
 
 def dry_friction(
-    arm: ArmDynamics, torque: Array, force: Vector3, most: Array, dt: float
+    arm: ArmDynamics, torque: Array, force: Vector3, limits: Array, dt: float
 ) -> Array:
-    """Torques (n,) [N m], within +-``most`` (n,) [N m], with which dry friction acts on
+    """Torques (n,) [N m], within +-``limits`` (n,) [N m], with which dry friction acts on
     the joints in a tick of ``dt`` [s].
 
     They take as much of the joints' energy as they can: each stops its joint, or is at
@@ -66,9 +66,9 @@ def dry_friction(
     free = torque - arm.bias - arm.J[3:].T @ np.array(force)
     speed = arm.v + dt * (mobility @ free)
     own = np.diag(mobility)
-    friction = np.zeros_like(most)
+    friction = np.zeros_like(limits)
     for _ in range(SWEEPS):
-        for j, limit in enumerate(most.tolist()):
+        for j, limit in enumerate(limits.tolist()):
             stopping = friction[j] - speed[j] / (dt * own[j])
             change = min(max(stopping, -limit), limit) - friction[j]
             friction[j] += change
