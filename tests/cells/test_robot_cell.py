@@ -9,13 +9,16 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 import pushpressslide as pps
 from pushpressslide.control.cell import Applied, ArmState, Cell, TipAlone
 from pushpressslide.control.limits import JUMP
-from pushpressslide.control.run_loop import RunOptions, run_loop
+from pushpressslide.control.run_loop import RunLoop, RunOptions, run_loop
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import ArmCommand, Commands, TipCommand
+from pushpressslide.core.errors import TaskError
+from pushpressslide.core.truth import Truth
 from pushpressslide.planar.physics import PlanarPhysics
 
 RATE = 1000.0  # [Hz] of the robot's own clock
@@ -152,6 +155,12 @@ def test_the_robot_holds_while_a_recovery_is_planned() -> None:
     assert steps[after].max() < JUMP
     held = steps[after] == 0.0  # tick by tick
     assert np.count_nonzero(held) > 5
+
+
+def test_a_truth_of_simulated_arms_is_refused() -> None:
+    task = replace(PLAN.task, truth=Truth(command_delay=0.004))
+    with pytest.raises(TaskError, match=r"truth\.command_delay: 0\.004"):
+        RunLoop(cell_of(Robot()), replace(PLAN, task=task))
 
 
 def test_an_arm_is_disconnected_from_a_run_that_breaks() -> None:

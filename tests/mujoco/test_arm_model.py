@@ -6,6 +6,7 @@ import pytest
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.scene import MODELS
 from pushpressslide.core.task import Robot
+from pushpressslide.core.truth import Truth
 from pushpressslide.execution.arm import ArmDynamics
 from pushpressslide.mujoco_sim.arm_model import MujocoArmModel
 from pushpressslide.sim.arm_model import DrakeArmModel
@@ -38,6 +39,15 @@ def test_mass_matrix_bias_and_kinematics_are_those_of_drake(name: str) -> None:
     robot = Robot(name, (0.1, 0.2, 0.3), 0.4, tip_radius=0.015, tip_length=0.12)
     model = MujocoArmModel(robot)
     drake = DrakeArmModel(robot)
+    for x in states(model):
+        assert_same(model.state_at(x), drake.state_at(x))
+
+
+def test_an_arm_that_differs_from_its_robot_is_the_same_in_both() -> None:
+    truth = Truth((0.01, -0.02), 0.03, (1e-3, 2e-3, 3e-3), 0.0, 1.2, 0.0, 0.1)
+    robot = Robot("panda", (0.1, 0.2, 0.3), 0.4)
+    model = MujocoArmModel(robot, truth)
+    drake = DrakeArmModel(robot, truth)
     for x in states(model):
         assert_same(model.state_at(x), drake.state_at(x))
 

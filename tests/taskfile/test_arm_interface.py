@@ -63,3 +63,18 @@ def test_a_wrong_value_is_refused_with_what_is_allowed(
     assert f"robots[0].{field}" in message
     assert allowed in message
     assert "\n" not in message
+
+
+def test_an_arm_without_torques_has_no_errors_of_them() -> None:
+    truth = {"arm_base_yaw_deg": 0.5, "encoder_bias_deg": 0.1, "torque_scale": 0.1}
+    data = with_robot(SERVO) | {"truth": truth}
+    with pytest.raises(TaskError) as caught:
+        task_from_data(data, "test")
+    assert str(caught.value) == (
+        "test: truth.torque_scale: 0.1 is not allowed; "
+        "allowed with robots[0].interface velocity: 0.0"
+    )
+    whole = task_from_data(with_robot({}) | {"truth": truth}, "test").truth
+    data["truth"].pop("torque_scale")
+    assert task_from_data(data, "test").truth == whole.for_servos()
+    assert whole.encoder_bias == pytest.approx(0.1 * 0.0174533, rel=1e-5)

@@ -9,17 +9,14 @@ from typing import Any, Protocol
 import numpy as np
 
 from pushpressslide.arms.joint_arm import JointArm
-from pushpressslide.arms.model import ArmModel, Drives, at_rest
+from pushpressslide.arms.model import at_rest
 from pushpressslide.arms.paths.joint_path import ArmPath
 from pushpressslide.arms.placements import ArmPlacements
-from pushpressslide.arms.servo_arm import ServoArm
-from pushpressslide.arms.torque_arm import TorqueArm
 from pushpressslide.control.approach import SETTLE
 from pushpressslide.control.cell import Cell, Clock, Truth
 from pushpressslide.control.tracker import ObjectTracker
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.query import MotionQuery
-from pushpressslide.core.scene import Robot
 from pushpressslide.core.state import WorldState
 
 FALLEN = "the object has fallen over the edge of support.region"
@@ -73,17 +70,6 @@ def _path_facts(paths: Sequence[tuple[ArmPath, ...]]) -> dict[str, Any]:
         "clearance_planned": min(path.clearance for path in every),
         "approach_time": first + SETTLE,
     }
-
-
-def joint_arm(
-    robot: Robot, model: ArmModel, drives: Drives, joint_stiffness: float = 0.0
-) -> JointArm:
-    """Arm with a robot's interface. ``joint_stiffness`` [N m/rad] is that of
-    ``control.execution.Execution``, for torques only.
-    """
-    if robot.interface == "torque":
-        return TorqueArm(model, drives, joint_stiffness)
-    return ServoArm(model, drives, robot)
 
 
 def lost_object(

@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
+from pushpressslide.arms.faults import FaultyDrives
 from pushpressslide.arms.model import ArmModel, Drives
 from pushpressslide.control.cell import Applied, ArmState, Driverless, Interface
 from pushpressslide.control.joint_reference import path_reference
@@ -17,6 +18,7 @@ from pushpressslide.core.control import (
     JointCommand,
     TipCommand,
     TipState,
+    Vector3,
 )
 from pushpressslide.core.plan import JointPath
 from pushpressslide.core.support_frame import TABLE, SupportFrame
@@ -75,13 +77,27 @@ class JointArm(Driverless, ABC):
         """Joint state, and the tip's position, velocity and force derived from it."""
         state = self.model.state_at(self.drives.joints())
         self.state = state
-        frame = self.frame
-        self.tip = TipState(
-            frame.coordinates(state.position),
-            frame.components(state.velocity),
-            frame.components(self.drives.tip_force(state)),
-        )
+        self.tip = tip_state(state, self.drives.tip_force(state), self.frame)
         return ArmState(self.drives.time, self.tip, self._reading())
+
+    @property
+    def true_tip(self) -> TipState:
+        """The tip where it really was at the last reading."""
+        drives = self.drives
+        if not isinstance(drives, FaultyDrives):
+            return self.tip
+        return tip_state(drives.state, drives.force, self.frame)
+
+    @property
+    def start(self) -> Array:
+        """True joint positions (n,) [rad] where the encoders show the start of the
+        path.
+        """
+        first: Array = self.path.approach[0]
+        drives = self.drives
+        if not isinstance(drives, FaultyDrives):
+            return first
+        return first - drives.encoder_bias
 
     @abstractmethod
     def send(self, command: ArmCommand) -> Applied:
@@ -129,6 +145,15 @@ class JointArm(Driverless, ABC):
         change = np.minimum(np.maximum(wanted, -upper), upper)
         self.rate = self.rate + dt / RATE_TIME * (change - self.rate)
         self.reference = self.reference + dt * change
+
+
+def tip_state(arm: ArmDynamics, force: Vector3, frame: SupportFrame) -> TipState:
+    """State of an arm's tip in a support's frame. ``force`` [N] is in world axes."""
+    return TipState(
+        frame.coordinates(arm.position),
+        frame.components(arm.velocity),
+        frame.components(force),
+    )
 
 
 def arm_limits(facts: RobotFacts) -> ArmLimits:

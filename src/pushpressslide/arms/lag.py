@@ -7,6 +7,7 @@ from collections import deque
 
 import numpy as np
 
+from pushpressslide.arms.command_line import CommandLine
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.scene import Robot
 
@@ -59,8 +60,17 @@ class LaggingServo:
 class RobotServo:
     """Positions that a robot's servo reaches by commands of the robot's interface."""
 
-    def __init__(self, robot: Robot, start: Array, dt: float) -> None:
-        """Rest at ``start`` (n,), with ticks of ``dt`` [s]."""
+    def __init__(
+        self,
+        robot: Robot,
+        start: Array,
+        dt: float,
+        line: CommandLine[tuple[Array, Array]] | None = None,
+    ) -> None:
+        """Rest at ``start`` (n,), with ticks of ``dt`` [s]. Commands come through
+        ``line``, if there is one.
+        """
+        self._line = line
         self.reached = np.array(start, dtype=float)  # (n,)
         self._takes_positions = robot.interface == "position"
         self._dt = dt
@@ -71,6 +81,8 @@ class RobotServo:
         """Mean velocity (n,) of the servo in a tick, under a commanded ``position`` (n,)
         or, by the interface, ``velocity`` (n,).
         """
+        if self._line is not None:
+            position, velocity = self._line.through((position, velocity))
         before = self.reached
         if self._takes_positions:
             self.reached = self._servo.step(position)

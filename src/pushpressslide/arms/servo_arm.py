@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 
+from pushpressslide.arms.command_line import CommandLine
 from pushpressslide.arms.joint_arm import JointArm
 from pushpressslide.arms.lag import RobotServo
 from pushpressslide.arms.model import ArmModel, Drives, PositionDrives
@@ -41,11 +42,20 @@ the reaction time explains.
 class ServoArm(JointArm):
     """An arm that takes positions or velocities at its own rate."""
 
-    def __init__(self, model: ArmModel, drives: Drives, robot: Robot) -> None:
-        """Build the arm from a model. ``robot`` has its interface and its delays."""
+    def __init__(
+        self,
+        model: ArmModel,
+        drives: Drives,
+        robot: Robot,
+        line: CommandLine[tuple[Array, Array]] | None = None,
+    ) -> None:
+        """Build the arm from a model. ``robot`` has its interface and its delays.
+        Commands come through ``line``, if there is one.
+        """
         super().__init__(model, drives)
         self.interface: Interface = robot.interface
         self._robot = robot
+        self._line = line
         self._admittance = Admittance(robot.reaction)
         facts = model.facts
         self._joints = JointVelocities(facts.lower, facts.upper, facts.velocity_limit)
@@ -64,7 +74,7 @@ class ServoArm(JointArm):
         start: Array = self.path.approach[0]
         self._position = start.copy()
         self._velocity = np.zeros_like(start)
-        self._servo = RobotServo(self._robot, start, self.period)
+        self._servo = RobotServo(self._robot, start, self.period, self._line)
 
     def send(self, command: ArmCommand) -> Applied:
         """Command joint positions or velocities, and drive the motors by one tick."""

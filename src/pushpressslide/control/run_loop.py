@@ -68,6 +68,7 @@ from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.record import Ending, Record
 from pushpressslide.core.state import WorldState
 from pushpressslide.core.task import Restart
+from pushpressslide.core.truth import EXACT, refuse_truth
 from pushpressslide.identification.parameter_estimates import NOTHING
 from pushpressslide.planning.side_contacts import before_contacts
 
@@ -153,6 +154,9 @@ class RunLoop:
         arms = len(query.scene.robots)
         if cell.clock.simulated:
             cell = sensed(cell, query.sensing, options.seed, period)
+        else:
+            source = plan.task.source or plan.task.name
+            refuse_truth(plan.task.truth, EXACT, source, "with real arms")
         self.plan = plan
         self.cell = cell
         self.tracker = cell.tracker

@@ -33,6 +33,8 @@ from pushpressslide.core.scene import Support as Support
 from pushpressslide.core.scene import assumption as assumption
 from pushpressslide.core.sensing import Sensing as Sensing
 from pushpressslide.core.state import WorldState
+from pushpressslide.core.truth import EXACT
+from pushpressslide.core.truth import Truth as Truth
 from pushpressslide.geometry.shapes import Box as Box
 from pushpressslide.geometry.shapes import Compound as Compound
 from pushpressslide.geometry.shapes import Cylinder as Cylinder
@@ -172,6 +174,9 @@ class Task:
     )
     sensing: Sensing = setting(
         Sensing(), "noise and delay of the controller's measurements"
+    )
+    truth: Truth = setting(
+        EXACT, "how the real arms differ from the controller's model of them"
     )
     motion: Motion = setting(Motion(), "how the object is moved")
     description: str = setting("", "one line, shown by `pps tasks`")

@@ -29,6 +29,7 @@ from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.sensing import Sensing
 from pushpressslide.core.task import Task
+from pushpressslide.core.truth import EXACT
 from pushpressslide.geometry.sides import FlatSide
 from pushpressslide.jobs.engines import EngineName, engine_named
 from pushpressslide.jobs.rows import Row
@@ -174,6 +175,8 @@ def _pushed_car(plan: Plan) -> tuple[RearSteerDrive, ArcPath]:
     poses = Sensing(position_noise=sensing.position_noise, yaw_noise=sensing.yaw_noise)
     if sensing != poses:
         raise _refused("sensing other than noise of poses", "noise of poses")
+    if task.truth != EXACT:
+        raise _refused("truth", "arms that are as believed")
     drive = segment.drive
     path = segment.path
     assert isinstance(drive, RearSteerDrive)

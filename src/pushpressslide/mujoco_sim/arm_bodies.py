@@ -12,6 +12,7 @@ import numpy as np
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Robot
+from pushpressslide.core.truth import EXACT, Truth
 from pushpressslide.mujoco_sim.shapes import UNTOUCHED
 from pushpressslide.robots.arm_files import mounts_tip, robot_facts, rod_length
 from pushpressslide.robots.facts import (
@@ -22,6 +23,7 @@ from pushpressslide.robots.facts import (
     RobotFacts,
     rotation_from_rpy,
 )
+from pushpressslide.robots.true_arm import tip_center, true_facts, true_robot
 
 LEAST_INERTIA = 1e-12
 """Inertia [kg m^2] that a link without any is given: MuJoCo refuses zero."""
@@ -39,12 +41,13 @@ class ArmNames:
     sphere: str  # geom that touches
 
 
-def add_arm(spec: Any, robot: Robot, index: int) -> ArmNames:
+def add_arm(spec: Any, robot: Robot, index: int, truth: Truth = EXACT) -> ArmNames:
     """Add robot number ``index`` to a specification, with its base fixed in the world.
 
-    Raises as ``robots.arm_files.robot_facts``.
+    The arm differs from the robot by ``truth``. Raises as ``robots.arm_files.robot_facts``.
     """
-    facts = robot_facts(robot)
+    robot = true_robot(robot, truth)
+    facts = true_facts(robot_facts(robot), truth)
     prefix = f"robot_{index}_"
     links = {link.name: link for link in facts.links}
     turn = quaternion(rotation_from_rpy((0.0, 0.0, robot.base_yaw)))
@@ -63,7 +66,7 @@ def add_arm(spec: Any, robot: Robot, index: int) -> ArmNames:
         if moves:
             _add_joint(body, joint, prefix)
         _add_inertia(body, links.get(joint.child, LinkFacts(joint.child)), moves)
-    tip = _add_tip(bodies[facts.flange], robot, prefix)
+    tip = _add_tip(bodies[facts.flange], robot, prefix, truth)
     names = tuple(prefix + joint.name for joint in facts.moving)
     return ArmNames(facts, names, tip, prefix + "tip_sphere")
 
@@ -107,7 +110,7 @@ def _add_inertia(body: Any, link: LinkFacts, moves: bool) -> None:
     body.fullinertia = inertia[rows, columns]
 
 
-def _add_tip(flange: Any, robot: Robot, prefix: str) -> str:
+def _add_tip(flange: Any, robot: Robot, prefix: str, truth: Truth) -> str:
     """Add the tip's body with rod and sphere, and return its name.
 
     The rod has two thirds of the mass, the sphere one third. A tip that comes from the
@@ -115,9 +118,9 @@ def _add_tip(flange: Any, robot: Robot, prefix: str) -> str:
     """
     name = prefix + TIP
     length = rod_length(robot)
-    mass = TIP_MASS if mounts_tip(robot) else 0.0
+    mass = truth.link_mass * TIP_MASS if mounts_tip(robot) else 0.0
     radius = robot.tip_radius
-    tip = flange.add_body(name=name, pos=[0.0, 0.0, length])
+    tip = flange.add_body(name=name, pos=tip_center(length, truth))
     tip.add_geom(
         name=prefix + "tip_sphere",
         type=mujoco.mjtGeom.mjGEOM_SPHERE,

@@ -8,6 +8,7 @@ import numpy as np
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.task import Robot
+from pushpressslide.core.truth import EXACT, Truth
 from pushpressslide.execution.arm import ArmDynamics
 from pushpressslide.mujoco_sim.arm_bodies import add_arm
 from pushpressslide.robots.facts import RobotFacts
@@ -16,12 +17,12 @@ from pushpressslide.robots.facts import RobotFacts
 class MujocoArmModel:
     """MuJoCo's model of an arm, as ``arms.model.ArmModel``."""
 
-    def __init__(self, robot: Robot) -> None:
-        """Build the arm's own model."""
+    def __init__(self, robot: Robot, truth: Truth = EXACT) -> None:
+        """Build the arm's own model. The arm differs from ``robot`` by ``truth``."""
         spec = mujoco.MjSpec()
         spec.compiler.degree = False
         spec.option.gravity = [0.0, 0.0, -GRAVITY]
-        names = add_arm(spec, robot, 0)
+        names = add_arm(spec, robot, 0, truth)
         self.facts: RobotFacts = names.facts
         self.compiled = model = spec.compile()
         self._at = mujoco.MjData(model)

@@ -10,14 +10,16 @@ from typing import Any, NamedTuple
 import mujoco
 import numpy as np
 
-from pushpressslide.arms.arm_cell import arm_cell, joint_arm, lost_object
+from pushpressslide.arms.arm_cell import arm_cell, lost_object
 from pushpressslide.arms.joint_arm import JointArm
+from pushpressslide.arms.joint_arms import joint_arms
 from pushpressslide.arms.paths.joint_path import ArmPath
 from pushpressslide.arms.paths.library import ArmLibrary
 from pushpressslide.arms.placements import ArmPlacements
 from pushpressslide.control.cell import Cell, Truth
 from pushpressslide.control.knocker import NAME as BALL
 from pushpressslide.control.knocker import Knocker
+from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
@@ -39,30 +41,25 @@ def mujoco_cell(
     plan: Plan,
     library: ArmLibrary,
     paths: Sequence[tuple[ArmPath, ...]],
-    start: WorldState | None = None,
+    options: RunOptions | None = None,
     *,
     step: float | None = None,
-    joint_stiffness: float = 0.0,
     knocker: Knocker | None = None,
 ) -> Cell:
     """Cell with the arms at the start of the first of ``paths``, or with arms and
-    bodies as in ``start``.
+    bodies in the state in which a run with these ``options`` begins.
 
     There is one set of joint paths for each placement; ``library`` plans those of
-    recoveries. ``step`` [s] is the physics step, ``joint_stiffness`` [N m/rad] is as in
-    ``control.execution.Execution``. ``knocker`` disturbs the object.
+    recoveries. ``step`` [s] is the physics step. ``knocker`` disturbs the object.
     """
+    options = options or RunOptions()
     query = plan.query
     scene = build_scene(plan, step or time_step(plan), knocker)
     physics = MujocoPhysics(plan, scene, knocker)
-    arms = [
-        joint_arm(
-            robot, MujocoArmModel(robot), MujocoDrives(physics, i), joint_stiffness
-        )
-        for i, robot in enumerate(query.scene.robots)
-    ]
+    drives = [MujocoDrives(physics, i) for i in range(len(scene.arms))]
+    arms = joint_arms(plan, MujocoArmModel, drives, options)
     placements = ArmPlacements(library, arms, paths)
-    return arm_cell("mujoco", physics, arms, placements, paths, query, start)
+    return arm_cell("mujoco", physics, arms, placements, paths, query, options.begin)
 
 
 class _Instant(NamedTuple):
@@ -116,7 +113,7 @@ class MujocoPhysics:
         """
         state = self.state
         for i, arm in enumerate(arms):
-            state.qpos[self.scene.joints[i]] = arm.path.approach[0]
+            state.qpos[self.scene.joints[i]] = arm.start
         if start is not None:
             for i, speed in enumerate(start.speeds):
                 state.qvel[self.scene.freedoms[i]] = speed
@@ -195,7 +192,7 @@ class MujocoPhysics:
     def observe(self) -> Truth:
         """True state of the last completed tick."""
         before = self._before
-        tips = tuple(arm.tip for arm in self._arms)
+        tips = tuple(arm.true_tip for arm in self._arms)
         return Truth(
             before.X_WG, tips, before.twist, extras=partial(self._poses, before.q)
         )

@@ -36,9 +36,8 @@ def run(
         plan,
         library,
         paths,
-        options.begin,
+        options,
         step=time_step,
-        joint_stiffness=options.execution.joint_stiffness,
         knocker=knocker,
     )
     record = run_loop(cell, plan, options)

@@ -244,7 +244,7 @@ class _Builder:
     def add_arms(self) -> None:
         """Add all robots. Only their tips touch."""
         for index, robot in enumerate(self.task.robots):
-            arm = add_arm(self.spec, robot, index)
+            arm = add_arm(self.spec, robot, index, self.task.truth)
             if robot.interface == "position":
                 add_position_loops(self.spec, arm.joints)
             self.arms.append(arm)

@@ -2,21 +2,43 @@
 
 from __future__ import annotations
 
+from pushpressslide.arms.command_line import CommandLine, random_streams
 from pushpressslide.control.cell import Applied, Arm, ArmState, Cell, TipAlone
+from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.core.control import ArmCommand, TipCommand
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.scene import Robot
-from pushpressslide.core.state import WorldState
+from pushpressslide.core.truth import EXACT, Truth, refuse_truth
+from pushpressslide.planar.misplaced_tip import MisplacedTip, misplacement
 from pushpressslide.planar.physics import PlanarPhysics
 from pushpressslide.planar.servo_tip import ServoTip
 
 
-def planar_cell(plan: Plan, start: WorldState | None = None) -> Cell:
+def planar_cell(plan: Plan, options: RunOptions | None = None) -> Cell:
     """Cell with the object of ``plan`` at its true start, and the tips before their
-    contacts or at the positions in the start state of the run.
+    contacts or at the positions in the state in which a run with these ``options``
+    begins.
+
+    Raises TaskError for a ``truth`` of joints.
     """
-    physics = PlanarPhysics(plan, start)
-    tips = [_tip(physics, i, robot) for i, robot in enumerate(plan.task.robots)]
+    options = options or RunOptions()
+    task = plan.task
+    where = "with engine planar, which has no joints"
+    refuse_truth(task.truth, task.truth.for_tips(), task.source or task.name, where)
+    physics = PlanarPhysics(plan, options.begin)
+    scene = plan.query.scene
+    frame = scene.support.frame
+    places = [misplacement(task.truth, base, frame) for base in scene.bases]
+    exact = task.truth == EXACT
+    if options.begin is None and not exact:
+        starts = zip(places, physics.now.tips, strict=True)
+        physics.put(place.tip(tip) for place, tip in starts)
+    tips = [_tip(physics, i, robot) for i, robot in enumerate(task.robots)]
+    if not exact:
+        lines = [
+            _line(task.truth, i, options.seed, physics.period) for i in range(len(tips))
+        ]
+        tips = list(map(MisplacedTip, tips, places, lines))
     return Cell("planar", physics, tips, physics, physics, physics)
 
 
@@ -25,6 +47,11 @@ def _tip(physics: PlanarPhysics, index: int, robot: Robot) -> Arm:
     if robot.interface == "torque":
         return PlanarTip(physics, index)
     return ServoTip(physics, index, robot)
+
+
+def _line(truth: Truth, arm: int, seed: int, dt: float) -> CommandLine[ArmCommand]:
+    *_, commands = random_streams(seed, arm)
+    return CommandLine(truth, commands, dt)
 
 
 class PlanarTip(TipAlone):

@@ -17,5 +17,4 @@ def run(plan: Plan, options: RunOptions | None = None) -> Record:
     is deterministic for a given seed. Movable obstacles are not modelled: the object
     passes through them.
     """
-    start = None if options is None else options.begin
-    return run_loop(planar_cell(plan, start), plan, options)
+    return run_loop(planar_cell(plan, options), plan, options)

@@ -6,12 +6,12 @@ robot would measure.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from pushpressslide.control.cell import Truth
 from pushpressslide.control.tracker import StampedPose
-from pushpressslide.core.control import TipCommand
+from pushpressslide.core.control import TipCommand, TipState
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.state import WorldState
 from pushpressslide.planar.world import World, resting
@@ -42,12 +42,17 @@ class PlanarPhysics:
         self._world = World(task, plan.contacts, self.period)
         gap = before_contacts(query.scene, query.motion, plan.contacts)
         self.now = self._world.start(plan.true_start, query.start, gap)
-        if start is not None:
-            self.now = self.now._replace(tips=tuple(map(resting, start.tips)))
         self._before = self.now  # one tick ago
+        if start is not None:
+            self.put(map(resting, start.tips))
         self._X_WG = self.now.X_WB.compose(self._X_BG)
         self._X_WG_before = self._X_WG
         self._tipping = 0.0  # [s] since when the load is off the base
+
+    def put(self, tips: Iterable[TipState]) -> None:
+        """Begin with the tips in these states."""
+        self.now = self.now._replace(tips=tuple(tips))
+        self._before = self.now
 
     def read(self) -> StampedPose:
         """The object's pose."""

@@ -8,6 +8,7 @@ from pydrake.multibody.tree import JacobianWrtVariable, MultibodyForces
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Robot
+from pushpressslide.core.truth import EXACT, Truth
 from pushpressslide.execution.arm import ArmDynamics
 from pushpressslide.robots.facts import RobotFacts
 from pushpressslide.sim.robot_models import add_robot
@@ -16,10 +17,12 @@ from pushpressslide.sim.robot_models import add_robot
 class DrakeArmModel:
     """Drake's model of an arm, as ``arms.model.ArmModel``."""
 
-    def __init__(self, robot: Robot, *, models: str = "generated") -> None:
-        """Build the arm's own plant."""
+    def __init__(
+        self, robot: Robot, truth: Truth = EXACT, *, models: str = "generated"
+    ) -> None:
+        """Build the arm's own plant. The arm differs from ``robot`` by ``truth``."""
         plant = MultibodyPlant(0.0)
-        self.instance = add_robot(plant, robot, 0, models=models)
+        self.instance = add_robot(plant, robot, 0, models=models, truth=truth)
         plant.Finalize()
         self._plant = plant
         self._context = plant.CreateDefaultContext()

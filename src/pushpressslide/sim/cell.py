@@ -13,11 +13,13 @@ from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
-from pushpressslide.arms.arm_cell import arm_cell, joint_arm, lost_object
+from pushpressslide.arms.arm_cell import arm_cell, lost_object
 from pushpressslide.arms.joint_arm import JointArm
+from pushpressslide.arms.joint_arms import joint_arms
 from pushpressslide.arms.paths.joint_path import ArmPath
 from pushpressslide.arms.placements import ArmPlacements
 from pushpressslide.control.cell import Cell, Truth
+from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
@@ -36,31 +38,24 @@ def drake_cell(
     station: Station,
     paths: Sequence[tuple[ArmPath, ...]],
     models: str = "generated",
-    start: WorldState | None = None,
+    options: RunOptions | None = None,
     spare: Callable[[], Station] | None = None,
-    joint_stiffness: float = 0.0,
 ) -> Cell:
     """Cell with the arms of ``station`` at the start of the first of ``paths``, or with
-    arms and bodies as in ``start``.
+    arms and bodies in the state in which a run with these ``options`` begins.
 
     There is one set of joint paths for each placement. ``spare`` makes a station that
-    takes over if the solver of ``station`` does not converge. ``joint_stiffness`` [N
-    m/rad] is as in ``control.execution.Execution``.
+    takes over if the solver of ``station`` does not converge.
     """
+    options = options or RunOptions()
     query = plan.query
     physics = DrakePhysics(plan, station, spare)
-    arms = [
-        joint_arm(
-            robot,
-            DrakeArmModel(robot, models=models),
-            DrakeDrives(physics, i),
-            joint_stiffness,
-        )
-        for i, robot in enumerate(query.scene.robots)
-    ]
+    drives = [DrakeDrives(physics, i) for i in range(len(station.scene.robots))]
+    make_model = partial(DrakeArmModel, models=models)
+    arms = joint_arms(plan, make_model, drives, options)
     placements = ArmPlacements(DRAKE, arms, paths, station.scene.bounds)
     physics.facts["models"] = models
-    return arm_cell("drake", physics, arms, placements, paths, query, start)
+    return arm_cell("drake", physics, arms, placements, paths, query, options.begin)
 
 
 class DrakePhysics:
@@ -110,7 +105,7 @@ class DrakePhysics:
         context = station.plant_context
         instances = [robot.model_instance for robot in station.scene.robots]
         for instance, arm in zip(instances, arms, strict=True):
-            plant.SetPositions(context, instance, arm.path.approach[0])
+            plant.SetPositions(context, instance, arm.start)
         if start is not None:
             for instance, speed in zip(instances, start.speeds, strict=True):
                 plant.SetVelocities(context, instance, np.array(speed))
@@ -183,7 +178,7 @@ class DrakePhysics:
         x, pose = self._before
         start = self._body_velocity
         twist = planar_twist(x[start : start + 6], self.frame)
-        tips = tuple(arm.tip for arm in self._arms)
+        tips = tuple(arm.true_tip for arm in self._arms)
         return Truth(pose, tips, twist, extras=partial(self._body_poses, x))
 
     def _body_poses(self, x: Sequence[float]) -> dict[str, Any]:

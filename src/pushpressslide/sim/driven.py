@@ -14,6 +14,7 @@ from pushpressslide.arms.paths.clearance import LOOK
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
+from pushpressslide.robots.true_arm import true_robot
 from pushpressslide.sim.clearance import DrakeClearance
 from pushpressslide.sim.convert import transform_from_positions
 from pushpressslide.sim.outline import arm_capsules
@@ -36,7 +37,7 @@ def clearance_driven(record: Record) -> tuple[float, str]:
     is negative if two shapes intersect. The distance between the object and a tip in
     contact does not count.
     """
-    plan = record.plan
+    plan = _truly_placed(record.plan)
     times = record.arrays["time"]
     if not len(times):
         return LOOK, "nothing was recorded"
@@ -76,6 +77,13 @@ def clearance_driven(record: Record) -> tuple[float, str]:
                 least = near
                 pair = f"arms {j} and {i}"
     return least, pair
+
+
+def _truly_placed(plan: Plan) -> Plan:
+    """A plan with the bases where they really stand."""
+    task = plan.task
+    robots = tuple(true_robot(robot, task.truth) for robot in task.robots)
+    return replace(plan, task=replace(task, robots=robots))
 
 
 def _touching(plan: Plan) -> list[frozenset[int]]:

@@ -45,10 +45,7 @@ def run(
     spare = None
     if view is None and knock is None:  # neither can be handed over
         spare = partial(Station, plan, models=models, time_step=step, convex=True)
-    stiffness = options.execution.joint_stiffness
-    cell = drake_cell(
-        plan, station, paths, models, options.begin, spare, joint_stiffness=stiffness
-    )
+    cell = drake_cell(plan, station, paths, models, options, spare)
     record = with_clearance(run_loop(cell, plan, options))
     body = station.scene.knocker
     return record if body is None else with_knock(record, body.motion)

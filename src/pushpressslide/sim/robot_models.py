@@ -5,7 +5,7 @@ Drake's own, or from a file.
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pydrake.geometry import (
@@ -29,6 +29,7 @@ from pydrake.multibody.tree import (
 )
 
 from pushpressslide.core import margins
+from pushpressslide.core.control import Vector3
 from pushpressslide.core.errors import (
     PushPressSlideError,
     RobotFileError,
@@ -36,8 +37,10 @@ from pushpressslide.core.errors import (
     path_value,
 )
 from pushpressslide.core.task import Robot
+from pushpressslide.core.truth import EXACT, Truth, refuse_truth
 from pushpressslide.robots.arm_files import mounts_tip, robot_facts, rod_length
 from pushpressslide.robots.facts import TIP, TIP_MASS, RobotFacts
+from pushpressslide.robots.true_arm import tip_center, true_facts, true_robot
 from pushpressslide.robots.urdf import urdf_text
 from pushpressslide.sim.link_shapes import add_shapes
 
@@ -111,6 +114,7 @@ def add_robot(
     collision: bool = False,
     models: str = "generated",
     source: str = "task",
+    truth: Truth = EXACT,
 ) -> RobotInstance:
     """Add the task's robot number ``index`` to a plant that is not finalized, with its
     base welded in place.
@@ -119,19 +123,22 @@ def add_robot(
     touches nothing. ``collision`` also registers capsules around the links of generated
     models, without hydroelastic properties, for distance queries in a plant that is not
     simulated. ``models`` is "generated" or "drake_models". ``source`` is the task file,
-    for messages.
+    for messages. The arm differs from the robot by ``truth``.
 
     Raises TaskError if the model, its file or its tip frame cannot be used.
     """
     field = _ModelField(source, index, robot.model)
-    facts = _facts(robot, field)
-    instance = _add_model(plant, field, facts, models, collision)
+    robot = true_robot(robot, truth)
+    facts = true_facts(_facts(robot, field), truth)
+    instance = _add_model(plant, field, facts, models, collision, truth)
     base = _weld_base(plant, robot, facts, instance)
     length = rod_length(robot)
     inertia = SpatialInertia.Zero()  # a file with a tip frame contains its tip
     if mounts_tip(robot):
-        inertia = _tip_inertia(length, robot.tip_radius)
-    tip = _add_tip(plant, instance, facts, length, inertia)
+        mass = truth.link_mass * TIP_MASS
+        inertia = _tip_inertia(mass, length, robot.tip_radius)
+    center = tip_center(length, truth)
+    tip = _add_tip(plant, instance, facts, center, inertia)
     geometry = None
     if plant.geometry_source_is_registered():
         if collision and tip_properties is None:
@@ -174,6 +181,7 @@ def _add_model(
     facts: RobotFacts,
     models: str,
     collision: bool,
+    truth: Truth,
 ) -> ModelInstanceIndex:
     """Add the links and joints of a model, from its source."""
     if models not in ("generated", "drake_models"):
@@ -182,6 +190,8 @@ def _add_model(
     parser = Parser(plant, model_name_prefix=f"robot_{field.index}")
     parser.SetAutoRenaming(True)
     if models == "drake_models" and field.model in DRAKE_MODELS:
+        own = replace(truth, link_mass=1.0, viscous_friction=0.0)
+        refuse_truth(truth, own, field.source, "with models drake_models")
         return _add_drake_model(parser, field)
     try:
         (instance,) = parser.AddModelsFromString(urdf_text(facts, collision), "urdf")
@@ -237,24 +247,24 @@ def _add_tip(
     plant: MultibodyPlant,
     instance: ModelInstanceIndex,
     facts: RobotFacts,
-    length: float,
+    center: Vector3,
     inertia: SpatialInertia,
 ) -> RigidBody:
-    """Weld the tip's body to the flange, at ``length`` [m] along the flange's z axis."""
+    """Weld the tip's body to the flange, with its ``center`` [m] in the flange's frame."""
     flange, X_FlangeF = _flange(plant, instance, facts)
-    X_FT = X_FlangeF @ RigidTransform([0.0, 0.0, length])
+    X_FT = X_FlangeF @ RigidTransform(center)
     tip = plant.AddRigidBody(TIP, instance, inertia)
     plant.AddJoint(WeldJoint(TIP_JOINT, flange, tip.body_frame(), X_FT))
     return tip
 
 
-def _tip_inertia(length: float, radius: float) -> SpatialInertia:
+def _tip_inertia(mass: float, length: float, radius: float) -> SpatialInertia:
     """Inertia of sphere and rod about the sphere's centre, in the axes of the tip.
 
-    The rod has two thirds of the mass, the sphere one third.
+    The rod has two thirds of the ``mass`` [kg], the sphere one third.
     """
-    rod = TIP_MASS * 2.0 / 3.0
-    ball = TIP_MASS / 3.0
+    rod = mass * 2.0 / 3.0
+    ball = mass / 3.0
     thick = margins.rod_radius(radius)
     cylinder = UnitInertia.SolidCylinder(thick, length, [0.0, 0.0, 1.0])
     unit = cylinder.ShiftFromCenterOfMass([0.0, 0.0, 0.5 * length])

@@ -184,6 +184,7 @@ def build_scene(
             tip_properties=tip_properties(robot, frictions),
             models=models,
             source=task.source or task.name,
+            truth=task.truth,
         )
         for index, robot in enumerate(task.robots)
     )

@@ -22,6 +22,7 @@ from pushpressslide.core.scene import (
 )
 from pushpressslide.core.slips import warn_of_slip
 from pushpressslide.core.task import ObjectModel, Obstacle, Robot, Task
+from pushpressslide.core.truth import refuse_truth
 from pushpressslide.selection.tool_use import tool_use
 from pushpressslide.taskfile.checks import check, wall_faults
 from pushpressslide.taskfile.dump import dump_task, task_data
@@ -220,6 +221,10 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
     refuse(source, _workspace_faults(plain["limits"]["workspace"] or {}))
     task = _task(plain, values, source)
     _warn_of_masses(task)
+    for i, robot in enumerate(task.robots):
+        if robot.interface != "torque":
+            where = f"with robots[{i}].interface {robot.interface}"
+            refuse_truth(task.truth, task.truth.for_servos(), source, where)
     refuse(source, wall_faults(task.scene, task.start, task.goal))
     true_start = task.true_start
     rests = not task.legs and task.tolerance.holds(true_start, task.goal)

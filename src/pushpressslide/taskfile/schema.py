@@ -49,6 +49,7 @@ _ORDER = (
     "belief",
     "start_error",
     "sensing",
+    "truth",
     "motion",
     "legs",
 )
