@@ -44,6 +44,9 @@ FREE_RATE = 15.0  # [1/s] of the joint tracking in free space
 # [s] in which a tip comes to its reference's velocity, however much it weighs: an arm
 # that is nearly stretched weighs hundreds of kilograms along itself, and coasts on
 SERVO_TIME = 0.03
+# [s] in which the moment fades that keeps the tool's attitude while a tip catches up: a
+# tip that catches up needs it for a few SERVO_TIMEs, and it tilts a tip that is held back
+HELD_BACK = 10.0 * SERVO_TIME
 BRAKE_SHARE = 0.4  # share of a joint's speed that a braking arm loses in a tick
 # of a momentum times the rate of a torque, the square of the braking torque that can be
 # taken back until the joint rests: 2, less what a tick's delay costs
@@ -115,6 +118,7 @@ class ArmExecutor:
     _posture: Gains = field(init=False)
     _tracking: Gains = field(init=False)
     _share: PostureShare | None = None  # share of the joints at the last update
+    _lasting: Array = field(init=False)  # (3,) [N m] lasting part of that moment
 
     def __post_init__(self) -> None:
         self._torque_limits = tuple(self.effort.tolist())
@@ -131,6 +135,7 @@ class ArmExecutor:
         viscosity = JOINT_DAMPING * math.sqrt(self.joint_stiffness)
         self._tracking = gains(self.joint_stiffness, viscosity, self.dt)
         self._spin_axis = self.frame.spin_axis
+        self._lasting = np.zeros(3)
 
     def free(
         self, arm: ArmDynamics, q_ref: Array, v_ref: Array, previous: Array
@@ -295,20 +300,18 @@ class ArmExecutor:
         wrench: Array = inertia @ (np.array(spin + moved) - arm.drift)
         damping = min(command.damping[:2])
         led = any(command.stiffness[:2])
+        caught = np.zeros(6)
         if damping > 0.0 and command.catches_up and not led:
-            self._catch_up(wrench, inertia, damping, command, velocity)
-        return wrench
+            caught = self._catch_up(inertia, damping, command, velocity)
+        self._lasting += self.dt / HELD_BACK * (caught[:3] - self._lasting)
+        caught[:3] -= self._lasting
+        return wrench + caught
 
     def _catch_up(
-        self,
-        total: Array,
-        inertia: Array,
-        damping: float,
-        command: TipCommand,
-        velocity: Vector3,
-    ) -> None:
-        """Add to the ``total`` wrench (6,), in world axes, a wrench that brings the tip
-        to its reference's velocity within ``SERVO_TIME``.
+        self, inertia: Array, damping: float, command: TipCommand, velocity: Vector3
+    ) -> Array:
+        """Wrench (6,), in world axes, that brings the tip to its reference's velocity
+        within ``SERVO_TIME``.
 
         It applies only to tips without stiffness. ``inertia`` (6, 6) and ``velocity``
         [m/s] are those of the tip; ``damping`` [N s/m] is that of the damper. Together
@@ -327,7 +330,7 @@ class ArmExecutor:
         light, heavy, toward = _principal(xx, xy, yy)
         along = _left(heavy, damping)
         if along == 0.0:
-            return
+            return np.zeros(6)
         across = _left(light, damping)
         ex = command.velocity[0] - velocity[0]
         ey = command.velocity[1] - velocity[1]
@@ -340,7 +343,7 @@ class ArmExecutor:
         slack = max(0.0, command.servo_cap - damping * math.hypot(ex, ey))
         if size > slack:
             wrench *= slack / size
-        total += wrench
+        return wrench
 
 
 def _times(factor: float, v: Vector3) -> Vector3:
