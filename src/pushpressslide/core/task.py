@@ -16,6 +16,7 @@ from functools import cached_property
 from pushpressslide.core.checks import check_fields
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.field_spec import FRICTIONS, documented, field_spec, setting
+from pushpressslide.core.knock import Knock
 from pushpressslide.core.motion import ON_THE_WAY
 from pushpressslide.core.motion import Limits as Limits
 from pushpressslide.core.motion import Motion as Motion
@@ -174,6 +175,12 @@ class Task:
         Sensing(), "noise and delay of the controller's measurements"
     )
     motion: Motion = setting(Motion(), "how the object is moved")
+    disturbances: tuple[Knock, ...] = setting(
+        (),
+        "knocks of the object in a simulation, each as {time: 12, push: {force: [5, 0], "
+        "duration: 0.3}} or {share: 0.4, ball: {side: left}}",
+        count=(0, 64),
+    )
     description: str = setting("", "one line, shown by `pps tasks`")
     # its file, for messages
     source: str = field(default="", compare=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pushpressslide.control.cell import Applied, Arm, ArmState, Cell, TipAlone
 from pushpressslide.core.control import ArmCommand, TipCommand
+from pushpressslide.core.errors import TaskError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.scene import Robot
 from pushpressslide.core.state import WorldState
@@ -15,6 +16,11 @@ def planar_cell(plan: Plan, start: WorldState | None = None) -> Cell:
     """Cell with the object of ``plan`` at its true start, and the tips before their
     contacts or at the positions in the start state of the run.
     """
+    for i, knock in enumerate(plan.task.disturbances):
+        if knock.ball is not None:
+            source = plan.task.source or plan.task.name
+            allowed = "allowed on engine planar: push"
+            raise TaskError(source, f"disturbances[{i}].ball", knock.ball.side, allowed)
     physics = PlanarPhysics(plan, start)
     tips = [_tip(physics, i, robot) for i, robot in enumerate(plan.task.robots)]
     return Cell("planar", physics, tips, physics, physics, physics)

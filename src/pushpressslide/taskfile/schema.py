@@ -51,6 +51,7 @@ _ORDER = (
     "sensing",
     "motion",
     "legs",
+    "disturbances",
 )
 """Fields of the whole file, in the order in which they are written. Others follow."""
 
