@@ -44,8 +44,8 @@ FREE_RATE = 15.0  # [1/s] of the joint tracking in free space
 # [s] in which a tip comes to its reference's velocity, however much it weighs: an arm
 # that is nearly stretched weighs hundreds of kilograms along itself, and coasts on
 SERVO_TIME = 0.03
-# [s] in which the moment fades that keeps the tool's attitude while a tip catches up: a
-# tip that catches up needs it for a few SERVO_TIMEs, and it tilts a tip that is held back
+# [s] in which catching up fades that does not help: it takes a few SERVO_TIMEs, and the
+# moment that keeps a tool's attitude meanwhile tilts a tool whose tip is held back
 HELD_BACK = 10.0 * SERVO_TIME
 BRAKE_SHARE = 0.4  # share of a joint's speed that a braking arm loses in a tick
 # of a momentum times the rate of a torque, the square of the braking torque that can be
@@ -118,7 +118,10 @@ class ArmExecutor:
     _posture: Gains = field(init=False)
     _tracking: Gains = field(init=False)
     _share: PostureShare | None = None  # share of the joints at the last update
-    _lasting: Array = field(init=False)  # (3,) [N m] lasting part of that moment
+    _persisting: Point = (
+        0.0,
+        0.0,
+    )  # [m/s^2] mean acceleration to catch up, see HELD_BACK
 
     def __post_init__(self) -> None:
         self._torque_limits = tuple(self.effort.tolist())
@@ -135,7 +138,6 @@ class ArmExecutor:
         viscosity = JOINT_DAMPING * math.sqrt(self.joint_stiffness)
         self._tracking = gains(self.joint_stiffness, viscosity, self.dt)
         self._spin_axis = self.frame.spin_axis
-        self._lasting = np.zeros(3)
 
     def free(
         self, arm: ArmDynamics, q_ref: Array, v_ref: Array, previous: Array
@@ -300,18 +302,22 @@ class ArmExecutor:
         wrench: Array = inertia @ (np.array(spin + moved) - arm.drift)
         damping = min(command.damping[:2])
         led = any(command.stiffness[:2])
-        caught = np.zeros(6)
         if damping > 0.0 and command.catches_up and not led:
-            caught = self._catch_up(inertia, damping, command, velocity)
-        self._lasting += self.dt / HELD_BACK * (caught[:3] - self._lasting)
-        caught[:3] -= self._lasting
-        return wrench + caught
+            self._catch_up(wrench, inertia, damping, command, velocity)
+        else:
+            self._persisting = (0.0, 0.0)
+        return wrench
 
     def _catch_up(
-        self, inertia: Array, damping: float, command: TipCommand, velocity: Vector3
-    ) -> Array:
-        """Wrench (6,), in world axes, that brings the tip to its reference's velocity
-        within ``SERVO_TIME``.
+        self,
+        total: Array,
+        inertia: Array,
+        damping: float,
+        command: TipCommand,
+        velocity: Vector3,
+    ) -> None:
+        """Add to the ``total`` wrench (6,), in world axes, a wrench that brings the tip
+        to its reference's velocity within ``SERVO_TIME``.
 
         It applies only to tips without stiffness. ``inertia`` (6, 6) and ``velocity``
         [m/s] are those of the tip; ``damping`` [N s/m] is that of the damper. Together
@@ -330,7 +336,8 @@ class ArmExecutor:
         light, heavy, toward = _principal(xx, xy, yy)
         along = _left(heavy, damping)
         if along == 0.0:
-            return np.zeros(6)
+            self._persisting = (0.0, 0.0)
+            return
         across = _left(light, damping)
         ex = command.velocity[0] - velocity[0]
         ey = command.velocity[1] - velocity[1]
@@ -338,12 +345,23 @@ class ArmExecutor:
         part = (along - across) * (c * ex + s * ey)
         ax = (across * ex + part * c) / SERVO_TIME
         ay = (across * ey + part * s) / SERVO_TIME
-        wrench: Array = wrenches @ (ax, ay)
+        left = self._unheld(ax, ay)
+        wrench: Array = left * (wrenches @ (ax, ay))
         size = math.hypot(*wrench[3:].tolist())
         slack = max(0.0, command.servo_cap - damping * math.hypot(ex, ey))
         if size > slack:
             wrench *= slack / size
-        return wrench
+        total += wrench
+
+    def _unheld(self, ax: float, ay: float) -> float:
+        """Share left of an acceleration [m/s^2] to catch up, after what lasts of it."""
+        lx, ly = self._persisting
+        fresh = self.dt / HELD_BACK
+        self._persisting = (lx + fresh * (ax - lx), ly + fresh * (ay - ly))
+        size = ax * ax + ay * ay
+        if size == 0.0:
+            return 1.0
+        return 1.0 - min(1.0, max(0.0, (lx * ax + ly * ay) / size))
 
 
 def _times(factor: float, v: Vector3) -> Vector3:
