@@ -177,8 +177,7 @@ class Task:
     motion: Motion = setting(Motion(), "how the object is moved")
     disturbances: tuple[Knock, ...] = setting(
         (),
-        "knocks of the object in a simulation, each as {time: 12, push: {force: [5, 0], "
-        "duration: 0.3}} or {share: 0.4, ball: {side: left}}",
+        "simulated knocks, each as {time: 9, push: {force: [5, 0], duration: 0.3}}",
         count=(0, 64),
     )
     description: str = setting("", "one line, shown by `pps tasks`")
