@@ -58,7 +58,6 @@ def test_the_object_is_moved_by_the_ball_and_by_nothing_before() -> None:
     assert math.hypot(*gone[:2]) > 0.005
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("engine", ["drake", "mujoco"])
 def test_a_force_moves_a_free_object_as_newton_says(engine: str) -> None:
     """While the arms are on their way, with nothing at the object but its support."""
