@@ -29,6 +29,7 @@ from pushpressslide.control.supervisor import (
     RETRIES,
     TRANSITIONS,
     Moment,
+    Settled,
     Supervisor,
 )
 from pushpressslide.core import margins
@@ -43,6 +44,7 @@ ZERO = (0.0, 0.0, 0.0)
 PUSH = "rear-push-rear"
 PRESS = "press-slide"
 TWO = "press-slide-car"  # of two segments
+BOTH = "parallel-push"  # by two arms
 
 
 @cache
@@ -60,10 +62,11 @@ def moment(name: str, X_WG: Pose2 | None = None) -> Moment:
     pose = X_WG or query.start
     X_WB = pose.compose(query.X_GB)
     radius = query.scene.robots[0].tip_radius
-    (contact,) = made.segments[0].contacts
-    tip = TipState(tip_position(contact, X_WB, radius), ZERO, ZERO)
-    state = made.init(Measurement(BEGAN, pose, (tip,)))
-    instant = Instant(TIME, 0.004, pose, X_WB, (tip,))
+    contacts = sorted(made.segments[0].contacts, key=lambda contact: contact.arm)
+    places = [tip_position(contact, X_WB, radius) for contact in contacts]
+    tips = tuple(TipState(place, ZERO, ZERO) for place in places)
+    state = made.init(Measurement(BEGAN, pose, tips))
+    instant = Instant(TIME, 0.004, pose, X_WB, tips)
     state = enter_phase(state, "move", instant._replace(time=BEGAN))
     following = state.following.begun(BEGAN)._replace(clock_start=BEGAN)
     segment = following.segment
@@ -101,6 +104,19 @@ def slipped(of: Moment, way: float) -> Moment:
     return of._replace(contact_points=((x - way * ny, y + way * nx),))
 
 
+def pushing(of: Moment, share: float) -> Moment:
+    """Return a tick at which the tips push ahead with a ``share`` of the object's
+    friction.
+    """
+    segment = of.state.following.segment
+    force = share * segment.drive.max_friction / len(of.instant.tips)
+    x, y, _ = segment.contacts[0].direction(of.instant.X_WB)
+    tips = tuple(
+        replace(tip, force=(force * x, force * y, 0.0)) for tip in of.instant.tips
+    )
+    return of._replace(instant=of.instant._replace(tips=tips))
+
+
 def after(name: str, of: Moment) -> tuple[str, ControllerState]:
     """Return the event that holds first, and the state that it leads to."""
     supervisor = controller(name).supervisor
@@ -115,6 +131,35 @@ def test_the_page_has_the_table_in_its_order() -> None:
         rows.append(f"| {number} | {row.event} | {when[:-1]} | {then[:-1]} |")
     print("\n".join(rows))  # noqa: T201 with pytest -s, the table
     assert "\n".join(rows) in PAGE.read_text("utf-8")
+
+
+def test_two_pushes_that_another_body_pushes_back_hold_until_it_is_gone() -> None:
+    supervisor = controller(BOTH).supervisor
+    long_since = TIME - margins.ARM.settle_time - 0.01
+    resisted = watching(pushing(moment(BOTH), 3.0), resisted=long_since)
+    event, held = after(BOTH, resisted)
+    assert event == "resisted"
+    assert held.phase.name == "touch"
+    places = [memory.held_command.position for memory in held.phase.tips]
+    assert places == [tip.position for tip in resisted.instant.tips]
+    still_there = Settled(held, resisted.instant)
+    assert supervisor.step(still_there) is held
+    assert not supervisor.plans(still_there)
+    gone = Settled(held, pushing(resisted, 1.0).instant)
+    assert supervisor.step(gone).phase.name == "move"
+    later = resisted.instant._replace(time=TIME + margins.ARM.stall_time)
+    assert supervisor.step(Settled(held, later)).phase.name == "move"
+
+
+def test_the_friction_of_the_object_is_no_other_body() -> None:
+    long_since = TIME - margins.ARM.settle_time - 0.01
+    usual = watching(pushing(moment(BOTH), 1.5), resisted=long_since)
+    state = controller(BOTH).supervisor.step(usual)
+    assert state.phase.name == "move"
+    assert state.watches.resisted is None
+    # a short one is none either
+    short = watching(pushing(moment(BOTH), 3.0), resisted=TIME - 0.1)
+    assert after(BOTH, short)[0] == "otherwise"
 
 
 def test_no_row_is_there_twice() -> None:

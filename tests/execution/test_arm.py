@@ -14,6 +14,7 @@ from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.execution.arm import (
     BRAKE_SHARE,
     FREE_RATE,
+    HELD_BACK,
     JOINT_DAMPING,
     POSTURE_DAMPING,
     POSTURE_STIFFNESS,
@@ -536,3 +537,29 @@ def test_all_torques_stay_inside_their_limits_and_change_no_faster() -> None:
     ):
         assert (np.abs(limited.torque - previous) < RATE * TICK + 1e-9).all()
         assert limited.rate_share > 1.0
+
+
+def test_a_tip_that_is_held_back_does_not_tilt_its_tool() -> None:
+    """Its velocity never comes: the moment for that acceleration fades, and only the
+    damper pushes.
+    """
+    damping = 100.0
+    tick = 0.004
+    arm = heavy(1)
+    command = replace(
+        NOTHING,
+        velocity=(0.1, 0.05, 0.0),
+        damping=(damping, damping, 0.0),
+        catches_up=True,
+    )
+    damped = wrench(executor(dt=tick), arm, replace(command, catches_up=False))
+    one = executor(dt=tick)
+    first = wrench(one, arm, command) - damped
+    assert np.abs(first[:3]).max() > 0.1  # of a mass coupled to the tool's rotation
+    for _ in range(round(10.0 * HELD_BACK / tick)):
+        wrench(one, arm, command)
+    assert wrench(one, arm, command) == pytest.approx(damped, abs=1e-3)
+    # as soon as it moves on it catches up again, whichever way
+    back = replace(command, velocity=(-0.1, -0.05, 0.0))
+    slowed = wrench(executor(dt=tick), arm, replace(back, catches_up=False))
+    assert wrench(one, arm, back) - slowed == pytest.approx(-first, rel=1e-6)

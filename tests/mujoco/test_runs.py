@@ -7,7 +7,7 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.core.errors import TaskError
-from pushpressslide.core.knock import Knock
+from pushpressslide.core.knock import Ball, Knock
 from pushpressslide.core.record import Record
 from pushpressslide.jobs.engines import ENGINES, ArmOptions
 from pushpressslide.jobs.run import run as run_plan
@@ -60,8 +60,9 @@ def test_another_body_is_pushed_along() -> None:
 
 
 def test_a_knocked_object_is_brought_to_its_goal() -> None:
-    task = pps.load_task("press-slide")
-    _, record, _ = simulate(task, engine="mujoco", knock=Knock(0.5, 1))
+    knocks = (Knock(share=0.5, ball=Ball("left")),)
+    task = replace(pps.load_task("press-slide"), disturbances=knocks)
+    _, record, _ = simulate(task, engine="mujoco")
     assert pps.result(record)["success"], record.reason_text
     assert 0.01 < record.meta["knocked"]["moved"] < 0.05
 

@@ -1,8 +1,7 @@
 """A force-driven ball that disturbs the object during contact.
 
-It touches nothing but the object, and waits out of sight. When the object has covered
-the share of its path set by the disturbance, the ball flies to its side, pushes it
-aside at low height, and leaves. The object moves by its contact force alone.
+It touches nothing but the object, and waits out of sight. When its knock is due, the
+ball flies to the object's side, pushes it aside at low height, and leaves. The object moves by its contact force alone.
 """
 
 from __future__ import annotations
@@ -14,13 +13,12 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
+from pushpressslide.control.disturbance import ball_of, is_due
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.constants import GRAVITY
-from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.record import Record
-from pushpressslide.planning.free_space import displacement
 
 RADIUS = 0.02  # [m]
 MASS = 0.5  # [kg]
@@ -56,9 +54,13 @@ class Knocked:
 class Knocker:
     """The motion of the ball."""
 
-    def __init__(self, knock: Knock, plan: Plan) -> None:
-        """Let the ball wait beside the object of ``plan``."""
+    def __init__(self, plan: Plan) -> None:
+        """Let the ball wait beside the object of ``plan``, whose task has a ball."""
+        knock = ball_of(plan.task)
+        assert knock is not None
+        assert knock.ball is not None
         self.knock = knock
+        self.ball = knock.ball
         self.plan = plan
         self.knocked: Knocked | None = None
         self._strongest = STRENGTH * _hold(plan)  # [N]
@@ -95,7 +97,8 @@ class Knocker:
 
     def _decide(self, place: Array, pose: Pose2, t: float) -> None:
         """Enter the next phase when it is due."""
-        if self._phase == "waiting" and self._share(pose) >= self.knock.share:
+        task = self.plan.task
+        if self._phase == "waiting" and is_due(self.knock, task, pose, t):
             self._enter_phase("coming", t)
         elif self._phase == "coming":
             if float(np.linalg.norm(self._errand(pose) - place)) < NEAR:
@@ -119,9 +122,9 @@ class Knocker:
         x, y = before.rotate(self._inward)
         along = (pose.x - before.x - vx * dt) * x + (pose.y - before.y - vy * dt) * y
         turned = abs(wrap_angle(pose.yaw - before.yaw - w * dt))
-        knock = self.knock
-        enough = along >= knock.moved or (
-            turned >= knock.turned and along >= 0.5 * knock.moved
+        ball = self.ball
+        enough = along >= ball.moved or (
+            turned >= ball.turned and along >= 0.5 * ball.moved
         )
         if enough or t - self._since > LONGEST:
             self.knocked = Knocked(self._since, along, turned)
@@ -143,13 +146,6 @@ class Knocker:
         self._phase = phase
         self._since = t
 
-    def _share(self, pose: Pose2) -> float:
-        """Fraction of the direct path that the object has covered."""
-        task = self.plan.task
-        shape = task.object.shape
-        whole = displacement(shape, task.true_start, task.goal)
-        return displacement(shape, task.true_start, pose) / whole
-
     def _aim(self) -> tuple[Point, Point]:
         """A spot in G [m] next to the centre of mass on the long side that is farthest
         from all contacts, and the side's inward normal.
@@ -170,10 +166,11 @@ class Knocker:
         length = float(np.linalg.norm(b - a))
         along = (b - a) / length
         inward = np.array([-along[1], along[0]])
-        knock = self.knock
-        lever = knock.turned / knock.moved * GYRATION * task.object.radius**2
+        ball = self.ball
+        lever = ball.turned / ball.moved * GYRATION * task.object.radius**2
         # the farther along the side, counter-clockwise, the more it turns to the right
-        beside = -knock.side * min(lever, BESIDE * 0.5 * length)
+        toward = -1.0 if ball.side == "left" else 1.0
+        beside = toward * min(lever, BESIDE * 0.5 * length)
         foot = float((np.array(task.object.center_of_mass) - a) @ along)
         spot = a + min(max(foot + beside, EDGE), length - EDGE) * along
         return (float(spot[0]), float(spot[1])), (float(inward[0]), float(inward[1]))

@@ -61,7 +61,7 @@ from pushpressslide.core.control import (
     TipCommands,
     TipState,
 )
-from pushpressslide.core.errors import InfeasibleTaskError
+from pushpressslide.core.errors import InfeasibleTaskError, Shown, TaskError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.query import MotionQuery
@@ -152,6 +152,11 @@ class RunLoop:
         query = plan.query
         period = query.motion.control_period
         arms = len(query.scene.robots)
+        if plan.task.disturbances and not cell.clock.simulated:
+            source = plan.task.source or plan.task.name
+            count = len(plan.task.disturbances)
+            allowed = f"allowed on a robot: []; a {cell.name} has no knocks"
+            raise TaskError(source, "disturbances", Shown(f"{count} knocks"), allowed)
         if cell.clock.simulated:
             cell = sensed(cell, query.sensing, options.seed, period)
         else:

@@ -93,6 +93,7 @@ class Watches(NamedTuple):
     losses: ContactLosses | None = None
     still: StallWatch | None = None  # where the object was when it last moved
     replanned: float = 0.0  # [s] of the last replan
+    resisted: float | None = None  # [s] since when another body pushes back
     retouches: int = 0
     retries: int = 0
     looked: float | None = (

@@ -32,6 +32,7 @@ from pushpressslide.control.state import (
     estimates,
     ramp_time,
 )
+from pushpressslide.control.touch import held_at
 from pushpressslide.core import margins
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import ArcPath
@@ -87,13 +88,17 @@ class Supervisor:
     def step(self, event: Moment | Settled) -> ControllerState:
         """State after an event. During the motion, the first row that holds decides."""
         if isinstance(event, Settled):
+            if self._held_back(event):
+                return event.state
             return self._begin_motion(event.state, event.instant)
         moment = self._watched(event)
         return self._row(moment).act(self, moment)
 
     def plans(self, event: Moment | Settled) -> bool:
         """Whether the action of ``event`` may take longer than a tick."""
-        return isinstance(event, Settled) or self._row(self._watched(event)).plans
+        if isinstance(event, Settled):
+            return not self._held_back(event)
+        return self._row(self._watched(event)).plans
 
     def _row(self, moment: Moment) -> Transition:
         """The first row whose event holds."""
@@ -103,12 +108,18 @@ class Supervisor:
         raise AssertionError("the last row always holds")
 
     def _watched(self, moment: Moment) -> Moment:
-        """The given moment with its stall watch updated."""
+        """The given moment with its watches updated."""
         watches = moment.state.watches
         still = self._still(moment.state, moment.instant)
         looked = self._looked(moment)
-        if still is not watches.still or looked != watches.looked:
-            watches = watches._replace(still=still, looked=looked)
+        resisted = None
+        if self._pushes_back(moment.state, moment.instant):
+            resisted = watches.resisted
+            if resisted is None:
+                resisted = moment.instant.time
+        seen = (looked, resisted)
+        if still is not watches.still or seen != (watches.looked, watches.resisted):
+            watches = watches._replace(still=still, looked=looked, resisted=resisted)
             moment = moment._replace(state=moment.state._replace(watches=watches))
         return moment
 
@@ -203,6 +214,33 @@ class Supervisor:
         again = enter_phase(state, "touch", moment.instant)
         return again._replace(phase=again.phase._replace(align=False))
 
+    def resisted(self, moment: Moment) -> bool:
+        """Two pushes have met far more force than friction for a touch's time."""
+        since = moment.state.watches.resisted
+        return since is not None and (
+            moment.instant.time - since > margins.ARM.settle_time
+            and moment.state.watches.retouches < RETOUCHES
+        )
+
+    def hold(self, moment: Moment) -> ControllerState:
+        """Hold the tips until the force is gone, and replan."""
+        instant = moment.instant
+        following = moment.state.following
+        watches = moment.state.watches
+        watches = watches._replace(
+            lost=instant.time, resisted=None, retouches=watches.retouches + 1
+        )
+        state = moment.state._replace(watches=watches)
+        held = enter_phase(state, "touch", instant)
+        progress = following.joint_progress(instant.X_WB)
+        tips = []
+        contacts = following.binding.segment.contacts
+        for contact, memory in zip(contacts, held.phase.tips, strict=True):
+            context = instant.context(contact, instant.X_WG.yaw, progress)
+            command = held_at(context, context.tip.position)
+            tips.append(memory._replace(held_command=command))
+        return held._replace(phase=held.phase._replace(tips=tuple(tips), align=False))
+
     def crept(self, moment: Moment) -> bool:
         """A press has crept, and enough path is left to correct it."""
         planned = self.placement.segments[0].contacts
@@ -243,6 +281,32 @@ class Supervisor:
     def _may_retouch(self, moment: Moment) -> bool:
         enough = moment.left > margins.ARM.retouch
         return enough and moment.state.watches.retouches < RETOUCHES
+
+    def _held_back(self, event: Settled) -> bool:
+        """Whether tips that hold are still pushed back, and may wait."""
+        phase = event.state.phase
+        holds = any(tip.held_command is not None for tip in phase.tips)
+        waits = event.instant.time - phase.since < margins.ARM.stall_time
+        return holds and waits and self._pushes_back(event.state, event.instant)
+
+    def _pushes_back(self, state: ControllerState, instant: Instant) -> bool:
+        """Whether two pushing tips push with much more than the object's friction."""
+        placement = self.placement
+        segment = state.following.binding.segment
+        contacts = segment.contacts
+        pushes = len(contacts) > 1 and all(c.kind == "side" for c in contacts)
+        query = placement.queries[segment.leg]
+        if not pushes or placement.waits or any(query.scene.weight_along):
+            return False
+        if query.may_push or query.tool is not None:
+            return False
+        tips = [instant.tips[contact.arm] for contact in contacts]
+        total = math.hypot(
+            math.fsum(tip.force[0] for tip in tips),
+            math.fsum(tip.force[1] for tip in tips),
+        )
+        felt = query.sensing.felt_force
+        return total > margins.RESISTED * segment.drive.max_friction + felt
 
     def _losses(self, moment: Moment) -> ContactLosses:
         """Number of contact losses here, this one included."""
@@ -571,6 +635,7 @@ TRANSITIONS: tuple[Transition, ...] = (
     Transition(Supervisor.arrived, Supervisor.end, plans=True),
     Transition(Supervisor.lost_for_good, Supervisor.stop_lost),
     Transition(Supervisor.lost, Supervisor.touch_again),
+    Transition(Supervisor.resisted, Supervisor.hold),
     Transition(Supervisor.crept, Supervisor.touch_harder),
     Transition(Supervisor.slid, Supervisor.touch_planned),
     Transition(Supervisor.missing, Supervisor.wait),

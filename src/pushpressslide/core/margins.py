@@ -312,6 +312,11 @@ deviations. It allows one false loss in 10^9 measurements.
 FLOOR_SPEED = 0.12
 """Smallest speed before the goal is reached, as a share of ``motion.speed``."""
 
+RESISTED = 2.0
+"""Resultant of two pushes above which another body pushes back, in units of the
+friction that holds the object: twice leaves room for what is believed of friction and
+mass.
+"""
 STALL = 0.05
 """Mean speed below which an object counts as standing still, as a share of
 ``motion.speed``.

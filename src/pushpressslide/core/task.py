@@ -16,6 +16,7 @@ from functools import cached_property
 from pushpressslide.core.checks import check_fields
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.field_spec import FRICTIONS, documented, field_spec, setting
+from pushpressslide.core.knock import Knock
 from pushpressslide.core.motion import ON_THE_WAY
 from pushpressslide.core.motion import Limits as Limits
 from pushpressslide.core.motion import Motion as Motion
@@ -179,6 +180,11 @@ class Task:
         EXACT, "how the real arms differ from the controller's model of them"
     )
     motion: Motion = setting(Motion(), "how the object is moved")
+    disturbances: tuple[Knock, ...] = setting(
+        (),
+        "simulated knocks, each as {time: 9, push: {force: [5, 0], duration: 0.3}}",
+        count=(0, 64),
+    )
     description: str = setting("", "one line, shown by `pps tasks`")
     # its file, for messages
     source: str = field(default="", compare=False)

@@ -44,6 +44,9 @@ FREE_RATE = 15.0  # [1/s] of the joint tracking in free space
 # [s] in which a tip comes to its reference's velocity, however much it weighs: an arm
 # that is nearly stretched weighs hundreds of kilograms along itself, and coasts on
 SERVO_TIME = 0.03
+# [s] in which catching up fades that does not help: it takes a few SERVO_TIMEs, and the
+# moment that keeps a tool's attitude meanwhile tilts a tool whose tip is held back
+HELD_BACK = 10.0 * SERVO_TIME
 BRAKE_SHARE = 0.4  # share of a joint's speed that a braking arm loses in a tick
 # of a momentum times the rate of a torque, the square of the braking torque that can be
 # taken back until the joint rests: 2, less what a tick's delay costs
@@ -115,6 +118,10 @@ class ArmExecutor:
     _posture: Gains = field(init=False)
     _tracking: Gains = field(init=False)
     _share: PostureShare | None = None  # share of the joints at the last update
+    _persisting: Point = (
+        0.0,
+        0.0,
+    )  # [m/s^2] mean acceleration to catch up, see HELD_BACK
 
     def __post_init__(self) -> None:
         self._torque_limits = tuple(self.effort.tolist())
@@ -297,6 +304,8 @@ class ArmExecutor:
         led = any(command.stiffness[:2])
         if damping > 0.0 and command.catches_up and not led:
             self._catch_up(wrench, inertia, damping, command, velocity)
+        else:
+            self._persisting = (0.0, 0.0)
         return wrench
 
     def _catch_up(
@@ -327,6 +336,7 @@ class ArmExecutor:
         light, heavy, toward = _principal(xx, xy, yy)
         along = _left(heavy, damping)
         if along == 0.0:
+            self._persisting = (0.0, 0.0)
             return
         across = _left(light, damping)
         ex = command.velocity[0] - velocity[0]
@@ -335,12 +345,23 @@ class ArmExecutor:
         part = (along - across) * (c * ex + s * ey)
         ax = (across * ex + part * c) / SERVO_TIME
         ay = (across * ey + part * s) / SERVO_TIME
-        wrench: Array = wrenches @ (ax, ay)
+        left = self._unheld(ax, ay)
+        wrench: Array = left * (wrenches @ (ax, ay))
         size = math.hypot(*wrench[3:].tolist())
         slack = max(0.0, command.servo_cap - damping * math.hypot(ex, ey))
         if size > slack:
             wrench *= slack / size
         total += wrench
+
+    def _unheld(self, ax: float, ay: float) -> float:
+        """Share left of an acceleration [m/s^2] to catch up, after what lasts of it."""
+        lx, ly = self._persisting
+        fresh = self.dt / HELD_BACK
+        self._persisting = (lx + fresh * (ax - lx), ly + fresh * (ay - ly))
+        size = ax * ax + ay * ay
+        if size == 0.0:
+            return 1.0
+        return 1.0 - min(1.0, max(0.0, (lx * ax + ly * ay) / size))
 
 
 def _times(factor: float, v: Vector3) -> Vector3:

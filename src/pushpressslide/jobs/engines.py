@@ -19,7 +19,6 @@ from pushpressslide.taskfile.place import nearest
 if TYPE_CHECKING:
     from pushpressslide.arms.paths.joint_path import ArmPath
     from pushpressslide.control.run_loop import RunOptions
-    from pushpressslide.core.knock import Knock
     from pushpressslide.core.plan import Plan
     from pushpressslide.core.pose import Pose2
     from pushpressslide.core.record import Record
@@ -52,7 +51,6 @@ class ArmOptions:
     # called with the address of a page that shows the run
     live: Callable[[str], None] | None = None
     video: bool = False  # also write an animation
-    knock: Knock | None = None  # another body that pushes the object aside
     # drawn in a replay instead of the object's goal: shapes at poses X_WG
     goals: Sequence[tuple[Shape, Pose2]] = ()
 
@@ -113,14 +111,7 @@ class _Drake:
             from pushpressslide.view.drake.live import LiveView
 
             view = LiveView(plan, arms.live)
-        return run(
-            plan,
-            options,
-            paths=arms.paths,
-            models=arms.models,
-            view=view,
-            knock=arms.knock,
-        )
+        return run(plan, options, paths=arms.paths, models=arms.models, view=view)
 
     def write_replay(
         self, runs: Sequence[StageRun], record: Record, out: Path, arms: ArmOptions
@@ -169,7 +160,7 @@ class _Mujoco(_Drake):
             allowed = "allowed with engine mujoco: generated"
             raise TaskError(source, "models", arms.models, allowed)
         paths = joint_paths_of(plan) if arms.paths is None else arms.paths
-        return with_clearance(run(plan, DRAKE, paths, options, knock=arms.knock))
+        return with_clearance(run(plan, DRAKE, paths, options))
 
 
 class _Planar:

@@ -18,7 +18,6 @@ from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.control.tracker import ObjectTracker
 from pushpressslide.core.bodies import goal_places
 from pushpressslide.core.errors import TaskError
-from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.record import Figures, Record
@@ -47,7 +46,6 @@ def simulate(
     force: bool = False,
     models: str = "generated",
     monitor: Monitor | None = None,
-    knock: Knock | None = None,
     execution: Execution = USUAL,
 ) -> tuple[Plan, Record, list[Choice]]:
     """Select, plan and run a task with one goal. Return the plan, the record and all
@@ -55,13 +53,12 @@ def simulate(
 
     Skipped choices give the reason. On an engine with arms a choice also needs a joint
     path; the first choice that has one is run. With ``force``, the best choice that has
-    a path is run even if it is infeasible. With ``knock``, another body pushes the
-    object aside, on an engine with arms. ``execution`` may change the laws. Raises
+    a path is run even if it is infeasible. ``execution`` may change the laws. Raises
     InfeasibleTaskError if the task is infeasible.
     """
     monitor = monitor or Monitor()
     loop = RunOptions(execution=execution)
-    options = StageOptions(engine, seed, force, models, monitor, knock, loop)
+    options = StageOptions(engine, seed, force, models, monitor, loop)
     runner = StageRunner(task, options)
     (run,) = runner.run()
     return run.plan, run.record, list(run.choices)

@@ -14,7 +14,7 @@ import numpy as np
 
 from pushpressslide.core.errors import InfeasibleTaskError, SimulationError
 from pushpressslide.core.footprint import overlap_area
-from pushpressslide.core.knock import Knock
+from pushpressslide.core.knock import Ball, Knock
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.cluttered import cluttered_task, started_task
@@ -75,7 +75,8 @@ def sample_task(task: Task, options: SweepOptions, index: int) -> Task:
     if options.vary == "truth":
         return varied_task(task, index, options.seed)
     if options.vary == "knocks":
-        return replace(task, name=f"{task.name}-knocked-{options.seed}-{index:03d}")
+        name = f"{task.name}-knocked-{options.seed}-{index:03d}"
+        return replace(task, name=name, disturbances=(_knock(options, index),))
     if options.vary == "start":
         return started_task(task, index, options.seed)
     if options.draw == "cluttered":
@@ -97,10 +98,7 @@ def run_sample(task: Task, options: SweepOptions, index: int) -> Row:
         row["task"] = sample.name
         with _at_most(options.sample_time):
             plan, record, choices = simulate(
-                sample,
-                engine=options.engine,
-                seed=options.seed,
-                knock=_knock(options, index),
+                sample, engine=options.engine, seed=options.seed
             )
     except InfeasibleTaskError as error:
         return {**row, "status": "refused", "reason": str(error)}
@@ -112,12 +110,11 @@ def run_sample(task: Task, options: SweepOptions, index: int) -> Row:
     return {**row, **figures, "choice": chosen[0].reason if chosen else ""}
 
 
-def _knock(options: SweepOptions, index: int) -> Knock | None:
-    """Disturbance of a sample's object, or None."""
-    if options.vary != "knocks":
-        return None
+def _knock(options: SweepOptions, index: int) -> Knock:
+    """Disturbance of a sample's object."""
     rng = np.random.default_rng([options.seed, index])
-    return Knock(float(rng.uniform(*KNOCKED)), int(rng.choice([-1, 1])))
+    share = float(rng.uniform(*KNOCKED))
+    return Knock(share=share, ball=Ball("left" if rng.choice([-1, 1]) > 0 else "right"))
 
 
 def run_forced(task: Task, options: SweepOptions, index: int, rank: int) -> Row:

@@ -16,7 +16,6 @@ import numpy as np
 from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.core.bodies import OBJECT, SET_DOWN, in_stage, start_state
 from pushpressslide.core.errors import InfeasibleTaskError
-from pushpressslide.core.knock import Knock
 from pushpressslide.core.motion import Tolerance
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
@@ -57,7 +56,6 @@ class StageOptions:
     force: bool = False
     models: str = "generated"  # of the robots
     monitor: Monitor = field(default_factory=Monitor)
-    knock: Knock | None = None  # another body that pushes the object aside
     # options of the run loop; seed, progress and stop are set for each stage
     loop: RunOptions = field(default_factory=RunOptions)
 
@@ -220,7 +218,6 @@ class StageRunner:
                     self.options.models,
                     preparation.paths,
                     monitor.live,
-                    knock=self.options.knock,
                 ),
             )
         return replace(record, meta={**record.meta, **planned.solution.notes})

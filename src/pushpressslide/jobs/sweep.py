@@ -16,7 +16,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any, Literal
 
-from pushpressslide.core.errors import PushPressSlideError, TaskError
+from pushpressslide.core.errors import PushPressSlideError, Shown, TaskError
 from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.jobs.cluster import cluster
@@ -98,6 +98,13 @@ def sweep(
         raise TaskError(task.source or task.name, "goals", bodies, reason)
     if options.batched:
         _check_batched(options)
+        if task.disturbances:
+            raise TaskError(
+                task.source or task.name,
+                "disturbances",
+                Shown("given"),
+                "allowed with --batched: []",
+            )
     else:
         engine_named(options.engine)
     sample_task(task, options, 0)

@@ -17,6 +17,7 @@ from pushpressslide.arms.paths.joint_path import ArmPath
 from pushpressslide.arms.paths.library import ArmLibrary
 from pushpressslide.arms.placements import ArmPlacements
 from pushpressslide.control.cell import Cell, Truth
+from pushpressslide.control.disturbance import Pushes
 from pushpressslide.control.knocker import NAME as BALL
 from pushpressslide.control.knocker import Knocker
 from pushpressslide.control.run_loop import RunOptions
@@ -81,6 +82,7 @@ class MujocoPhysics:
         """Put the bodies of a scene at the start of a run."""
         self._knocker = knocker
         task = plan.task
+        self._pushes = Pushes(task)
         motion = plan.query.motion
         self.scene = scene
         self.model = scene.model
@@ -104,6 +106,8 @@ class MujocoPhysics:
             "control_period": self._period,
             "mujoco": mujoco.__version__,
         }
+        if self._pushes:
+            self.facts["pushed"] = self._pushes.times
         self._ticks = 0
         self._force = np.zeros(6)
 
@@ -151,6 +155,8 @@ class MujocoPhysics:
         self._region.update(self.state)
         if self._knocker is not None:
             self._knock(self._knocker)
+        if self._pushes:
+            self._push(self._pushes)
         self._ticks += 1
         mujoco.mj_step(self.model, self.state, self._steps)
         self.now = self._look()
@@ -162,6 +168,13 @@ class MujocoPhysics:
         speed = self.state.qvel[freedom : freedom + 3].copy()
         force = knocker.force(place, speed, self.now.X_WG, self.time)
         self.state.qfrc_applied[freedom : freedom + 3] = force
+
+    def _push(self, pushes: Pushes) -> None:
+        """Apply the pushes at the object's centre of mass, at the start of a tick."""
+        fx, fy, moment = pushes.wrench(self.now.X_WG, self.time)
+        body = self.model.body("object").id
+        about = [moment * axis for axis in self.frame.spin_axis]
+        self.state.xfrc_applied[body] = (*self.frame.direction((fx, fy, 0.0)), *about)
 
     def failure(self) -> str | None:
         """Reason that the simulation cannot continue, or None.

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 from pushpressslide.arms.paths.joint_path import ArmPath
 from pushpressslide.arms.paths.library import ArmLibrary
+from pushpressslide.control.disturbance import ball_of
 from pushpressslide.control.knocker import Knocker, with_knock
 from pushpressslide.control.run_loop import RunOptions, run_loop
-from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.mujoco_sim.cell import mujoco_cell
@@ -21,17 +21,16 @@ def run(
     options: RunOptions | None = None,
     *,
     time_step: float | None = None,
-    knock: Knock | None = None,
 ) -> Record:
     """Run ``plan`` in MuJoCo and return its record, deterministic for a seed.
 
     ``paths`` are the joint paths of each placement; ``library`` plans those of
     recoveries. ``time_step`` [s] is the physics step (default: by the object's mass).
-    ``knock``: another body pushes the object aside; ``knocked`` in the record's meta
-    holds the displacement.
+    If a ball disturbs the object, ``knocked`` in the record's meta holds the
+    displacement.
     """
     options = options or RunOptions()
-    knocker = None if knock is None else Knocker(knock, plan)
+    knocker = None if ball_of(plan.task) is None else Knocker(plan)
     cell = mujoco_cell(
         plan,
         library,

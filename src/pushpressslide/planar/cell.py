@@ -6,8 +6,10 @@ from pushpressslide.arms.command_line import CommandLine, random_streams
 from pushpressslide.control.cell import Applied, Arm, ArmState, Cell, TipAlone
 from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.core.control import ArmCommand, TipCommand
+from pushpressslide.core.errors import TaskError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.scene import Robot
+from pushpressslide.core.task import Task
 from pushpressslide.core.truth import EXACT, Truth, refuse_truth
 from pushpressslide.planar.misplaced_tip import MisplacedTip, misplacement
 from pushpressslide.planar.physics import PlanarPhysics
@@ -25,6 +27,7 @@ def planar_cell(plan: Plan, options: RunOptions | None = None) -> Cell:
     task = plan.task
     where = "with engine planar, which has no joints"
     refuse_truth(task.truth, task.truth.for_tips(), task.source or task.name, where)
+    _refuse_balls(task)
     physics = PlanarPhysics(plan, options.begin)
     scene = plan.query.scene
     frame = scene.support.frame
@@ -40,6 +43,16 @@ def planar_cell(plan: Plan, options: RunOptions | None = None) -> Cell:
         ]
         tips = list(map(MisplacedTip, tips, places, lines))
     return Cell("planar", physics, tips, physics, physics, physics)
+
+
+def _refuse_balls(task: Task) -> None:
+    """Raise TaskError for a disturbance by a ball, which needs a third dimension."""
+    for i, knock in enumerate(task.disturbances):
+        if knock.ball is not None:
+            allowed = "allowed on engine planar: push"
+            source = task.source or task.name
+            field = f"disturbances[{i}].ball"
+            raise TaskError(source, field, knock.ball.side, allowed)
 
 
 def _tip(physics: PlanarPhysics, index: int, robot: Robot) -> Arm:

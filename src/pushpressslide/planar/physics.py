@@ -6,10 +6,11 @@ robot would measure.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Any
 
 from pushpressslide.control.cell import Truth
+from pushpressslide.control.disturbance import Pushes
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import TipCommand, TipState
 from pushpressslide.core.plan import Plan
@@ -33,7 +34,10 @@ class PlanarPhysics:
         task = plan.task
         query = plan.query
         self.time = 0.0  # [s]
-        self.facts: Mapping[str, Any] = {"time_step": query.motion.control_period}
+        self.facts: dict[str, Any] = {"time_step": query.motion.control_period}
+        self._pushes = Pushes(task)
+        if self._pushes:
+            self.facts["pushed"] = self._pushes.times
         # for each tip, until another one takes its place
         self.commands: list[TipCommand | None] = [None] * len(task.robots)
         self.period = query.motion.control_period  # [s]
@@ -62,7 +66,10 @@ class PlanarPhysics:
         """Advance by one control period."""
         self._before = self.now
         self._X_WG_before = self._X_WG
-        self.now = self._world.step(self.now, self.commands)
+        pushed = None
+        if self._pushes:
+            pushed = self._pushes.wrench(self._X_WG, self.time)
+        self.now = self._world.step(self.now, self.commands, pushed)
         self._X_WG = self.now.X_WB.compose(self._X_BG)
         self.time = self.time + self.period
         self._tipping = self._tipping + self.period if self.now.tipping else 0.0

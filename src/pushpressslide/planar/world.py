@@ -17,6 +17,7 @@ from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, Pose2, in_axis
 from pushpressslide.core.task import Task
 from pushpressslide.core.wrench import Twist
+from pushpressslide.geometry.inertia import solid_moments
 from pushpressslide.kernels.tip_step import (
     Motion,
     carried_body,
@@ -101,7 +102,7 @@ class _Reach(NamedTuple):
 class World:
     """True state of a task's object on its support, and of the tips.
 
-    The object has no inertia and the tips have no mass: a tip exerts the force that its
+    The object has no inertia unless it is pushed, and the tips have no mass: a tip exerts the force that its
     command demands at the tip's velocity. The cap of the tip's servo is ignored, since
     it only limits the effect of an arm's inertia. A tip touches at a point, and its
     friction acts in the plane. The object passes through obstacles, except that a fixed
@@ -155,9 +156,15 @@ class World:
         )
 
     def step(
-        self, state: WorldState, commands: Sequence[TipCommand | None]
+        self,
+        state: WorldState,
+        commands: Sequence[TipCommand | None],
+        pushed: Vector3 | None = None,
     ) -> WorldState:
         """State after one tick.
+
+        With ``pushed``, a force [N] and moment [N m] at the centre of mass, the object
+        has inertia in this tick.
 
         A tip without a command stays in place. A tip without a contact is at its
         commanded position and touches nothing.
@@ -176,6 +183,8 @@ class World:
         mu = self.task.contact_friction
         touching = [reach.touching(cop, mu, self.dt) for reach in reaches]
         acting: list[ObjectContact] = [t for t in touching if t is not None]
+        if pushed is not None:
+            acting += self._inertia(state, axis, cop, pushed)
         vx, vy, w = REST
         held = (mu + self.task.support.friction) * load > math.hypot(*self.weight)
         if held:
@@ -205,6 +214,29 @@ class World:
             statuses[arm] = response.status
         twist = Twist(vx, vy, w, cop)
         return WorldState(Pose2(*X_after), tuple(tips), tuple(statuses), twist, tipping)
+
+    def _inertia(
+        self, state: WorldState, axis: Point, cop: Point, pushed: Vector3
+    ) -> list[TopContact]:
+        """The object's inertia, pushed at its centre, as two masses of half its mass.
+
+        A mass m that moved at v takes the force m (v' - v) / dt to move at v'
+        (implicit Euler). ``axis`` is the direction of B's x axis, ``cop`` [m] in B.
+        """
+        body = self.task.object
+        arm = math.sqrt(solid_moments(body.shape)[2])  # [m]
+        mass = 0.5 * body.mass / self.dt
+        fx, fy = in_axis(axis, (pushed[0], pushed[1]))
+        masses = []
+        for place in (arm, -arm):
+            before = state.twist.moved_to((place, 0.0))
+            force = (
+                0.5 * fx + mass * before.vx,
+                0.5 * fy + 0.5 * pushed[2] / place + mass * before.vy,
+            )
+            law = TipLaw((1.0, 0.0), force, (mass, mass))
+            masses.append(TopContact((place - cop[0], -cop[1]), law, math.inf))
+        return masses
 
     def _tip_after(
         self,

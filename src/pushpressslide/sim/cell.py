@@ -93,6 +93,9 @@ class DrakePhysics:
             "time_step": plant.time_step(),
             "control_period": self._period,
         }
+        disturbances = station.scene.disturbances
+        if disturbances is not None and disturbances.pushes:
+            self.facts["pushed"] = disturbances.pushes.times
         self._ticks = 0
         self._failure: str | None = None
 

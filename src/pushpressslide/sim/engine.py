@@ -8,7 +8,6 @@ from functools import partial
 from pushpressslide.arms.paths.joint_path import ArmPath
 from pushpressslide.control.knocker import with_knock
 from pushpressslide.control.run_loop import RunOptions, run_loop
-from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.sim.arm_library import joint_paths_of
@@ -25,7 +24,6 @@ def run(
     models: str = "generated",
     time_step: float | None = None,
     view: LiveView | None = None,
-    knock: Knock | None = None,
 ) -> Record:
     """Run ``plan`` in the hydroelastic simulation and return its record.
 
@@ -33,19 +31,19 @@ def run(
     the joint paths of each placement, if they are already planned. Otherwise they are
     planned, and InfeasibleTaskError is raised before anything moves if an arm has none.
     ``models`` names the robot models; ``time_step`` [s] is the physics step (by default
-    that of the task). ``view`` shows the run in real time. With ``knock`` another body
-    pushes the object aside, and ``knocked`` in the record's meta contains the
-    displacement.
+    that of the task). ``view`` shows the run in real time. If a ball disturbs the
+    object, ``knocked`` in the record's meta contains the displacement.
     """
     if paths is None:
         paths = joint_paths_of(plan)
     step = time_step or plan.query.motion.time_step
-    station = Station(plan, models=models, time_step=step, view=view, knock=knock)
+    station = Station(plan, models=models, time_step=step, view=view)
     options = options or RunOptions()
     spare = None
-    if view is None and knock is None:  # neither can be handed over
+    disturbances = station.scene.disturbances
+    if view is None and disturbances is None:  # neither can be handed over
         spare = partial(Station, plan, models=models, time_step=step, convex=True)
     cell = drake_cell(plan, station, paths, models, options, spare)
     record = with_clearance(run_loop(cell, plan, options))
-    body = station.scene.knocker
-    return record if body is None else with_knock(record, body.motion)
+    ball = None if disturbances is None else disturbances.ball
+    return record if ball is None else with_knock(record, ball.motion)

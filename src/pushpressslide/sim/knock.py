@@ -1,4 +1,4 @@
-"""The ball of ``control.knocker`` in a plant of Drake."""
+"""The disturbances of a task in a plant of Drake."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlan
 from pydrake.multibody.tree import BodyIndex, RigidBody, SpatialInertia
 from pydrake.systems.framework import Context, DiagramBuilder
 
+from pushpressslide.control.disturbance import Pushes, ball_of
 from pushpressslide.control.knocker import FRICTION, MASS, NAME, RADIUS, Knocker
-from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.sim.surfaces import rigid_properties
@@ -24,9 +24,9 @@ from pushpressslide.sim.surfaces import rigid_properties
 class KnockerBody:
     """The ball as a body of a plant."""
 
-    def __init__(self, plant: MultibodyPlant, knock: Knock, plan: Plan) -> None:
+    def __init__(self, plant: MultibodyPlant, plan: Plan) -> None:
         """Add the ball to a plant that is not finalized."""
-        self.motion = Knocker(knock, plan)
+        self.motion = Knocker(plan)
         self._body = _add_ball(plant)
         X = RigidTransform(self.motion.start)
         plant.SetDefaultFloatingBaseBodyPose(self._body, X)
@@ -46,18 +46,17 @@ class KnockerBody:
             CollisionFilterDeclaration().ExcludeBetween(ball, others)
         )
 
-    def connect(self, builder: DiagramBuilder, plant: MultibodyPlant) -> None:
-        """Export the input port of the force."""
-        builder.ExportInput(plant.get_applied_spatial_force_input_port(), NAME)
+    def connect(self, plant: MultibodyPlant) -> None:
+        """Find the ball in the state of a finalized plant."""
         self._start = self._body.floating_positions_start()
         self._speed = (
             plant.num_positions() + self._body.floating_velocities_start_in_v()
         )
 
-    def step(
-        self, port: Any, context: Context, x: Sequence[float], pose: Pose2, t: float
-    ) -> None:
-        """Write the force for the next control period.
+    def force(
+        self, x: Sequence[float], pose: Pose2, t: float
+    ) -> ExternallyAppliedSpatialForce:
+        """Force on the ball for the next control period.
 
         ``x`` is the plant's state, ``pose`` the object's X_WG.
         """
@@ -67,7 +66,54 @@ class KnockerBody:
         applied.body_index = self._body.index()
         force = self.motion.force(place, velocity, pose, t)
         applied.F_Bq_W = SpatialForce(np.zeros(3), force)
-        port.FixValue(context, Value[list[ExternallyAppliedSpatialForce]]([applied]))
+        return applied
+
+
+class Disturbances:
+    """The ball and the pushes of a task, at an input port of a plant."""
+
+    def __init__(self, plant: MultibodyPlant, plan: Plan, moving: RigidBody) -> None:
+        """Add what is needed to a plant that is not finalized. ``moving`` is the
+        object.
+        """
+        self.pushes = Pushes(plan.task)
+        self.ball = None if ball_of(plan.task) is None else KnockerBody(plant, plan)
+        self._frame = plan.task.support.frame
+        self._moving = moving
+
+    def connect(
+        self, builder: DiagramBuilder, plant: MultibodyPlant, graph: SceneGraph
+    ) -> None:
+        """Export the input port of the forces on a finalized plant."""
+        builder.ExportInput(plant.get_applied_spatial_force_input_port(), NAME)
+        if self.ball is not None:
+            self.ball.touch_only(plant, graph, self._moving)
+            self.ball.connect(plant)
+
+    def step(
+        self, port: Any, context: Context, x: Sequence[float], pose: Pose2, t: float
+    ) -> None:
+        """Write the forces for the next control period.
+
+        ``x`` is the plant's state, ``pose`` the object's X_WG.
+        """
+        applied = []
+        if self.ball is not None:
+            applied.append(self.ball.force(x, pose, t))
+        if self.pushes:
+            applied.append(self._push(pose, t))
+        port.FixValue(context, Value[list[ExternallyAppliedSpatialForce]](applied))
+
+    def _push(self, pose: Pose2, t: float) -> ExternallyAppliedSpatialForce:
+        """Force of the pushes at the object's centre of mass."""
+        fx, fy, moment = self.pushes.wrench(pose, t)
+        applied = ExternallyAppliedSpatialForce()
+        applied.body_index = self._moving.index()
+        applied.p_BoBq_B = self._moving.default_com()
+        about = moment * np.array(self._frame.spin_axis)
+        force = self._frame.direction((fx, fy, 0.0))
+        applied.F_Bq_W = SpatialForce(about, np.array(force))
+        return applied
 
 
 def _add_ball(plant: MultibodyPlant) -> RigidBody:

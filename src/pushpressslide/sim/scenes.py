@@ -36,7 +36,6 @@ from pydrake.systems.framework import DiagramBuilder
 
 from pushpressslide.arms.paths.placements import reached_bounds
 from pushpressslide.core import task as model
-from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.slabs import slabs
 from pushpressslide.core.support_frame import TABLE, SupportFrame
@@ -45,7 +44,7 @@ from pushpressslide.geometry.polygon import counter_clockwise
 from pushpressslide.mechanics.surface_friction import SurfaceFrictions
 from pushpressslide.sim.contact import solve_contacts
 from pushpressslide.sim.convert import rigid_transform, slab_pose
-from pushpressslide.sim.knock import KnockerBody
+from pushpressslide.sim.knock import Disturbances
 from pushpressslide.sim.plane import Plane, add_plane
 from pushpressslide.sim.robot_models import RobotInstance, add_robot
 from pushpressslide.sim.surfaces import (
@@ -87,7 +86,7 @@ class DrakeScene:
     bodies: dict[str, RigidBody]  # movable obstacles, by name
     robots: tuple[RobotInstance, ...]
     bounds: Bounds | None  # [m] of the support's surface, where it has any
-    knocker: KnockerBody | None = None
+    disturbances: Disturbances | None = None
 
 
 def rest_height(body: model.ObjectModel) -> float:
@@ -149,13 +148,11 @@ def build_scene(
     *,
     models: str = "generated",
     time_step: float | None = None,
-    knock: Knock | None = None,
     convex: bool = False,
 ) -> DrakeScene:
     """Scene of a plan's task.
 
-    With ``knock`` it includes a body that disturbs the object. ``convex`` selects the
-    solver that always converges.
+    ``convex`` selects the solver that always converges.
 
     The plant is finalized; the builder is not built yet, so that systems can be added.
     """
@@ -188,16 +185,17 @@ def build_scene(
         )
         for index, robot in enumerate(task.robots)
     )
-    knocker = None if knock is None else KnockerBody(plant, knock, plan)
+    disturbances = None
+    if task.disturbances:
+        disturbances = Disturbances(plant, plan, object_body)
     plant.Finalize()
     _let_only_tips_touch(plant, scene_graph, robots)
     if plane is not None:
         plane.let_bases_stand(plant, scene_graph)
-    if knocker is not None:
-        knocker.touch_only(plant, scene_graph, object_body)
-        knocker.connect(builder, plant)
+    if disturbances is not None:
+        disturbances.connect(builder, plant, scene_graph)
     return DrakeScene(
-        builder, plant, scene_graph, object_body, bodies, robots, bounds, knocker
+        builder, plant, scene_graph, object_body, bodies, robots, bounds, disturbances
     )
 
 

@@ -17,7 +17,6 @@ from pydrake.systems.framework import DiagramBuilder
 from pushpressslide.control.knocker import NAME
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
-from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.execution.arm import ArmDynamics
@@ -46,16 +45,15 @@ class Station:
         models: str = "generated",
         time_step: float | None = None,
         view: LiveView | None = None,
-        knock: Knock | None = None,
         convex: bool = False,
     ) -> None:
         """Build the scene of ``plan``'s task with the object at its TRUE start.
 
-        ``view`` shows the scene while it is simulated, ``knock`` disturbs the object,
-        and ``convex`` is as in ``solve_contacts``.
+        ``view`` shows the scene while it is simulated, ``convex`` is as in
+        ``solve_contacts``.
         """
         self.scene = build_scene(
-            plan, models=models, time_step=time_step, knock=knock, convex=convex
+            plan, models=models, time_step=time_step, convex=convex
         )
         self.plant = self.scene.plant
         self._export_ports()
@@ -100,13 +98,13 @@ class Station:
             builder.ExportInput(torque, f"joint_torque_{i}")
 
     def disturb(self, x: Sequence[float], pose: Pose2, time: float) -> None:
-        """Apply the disturbance for one control period. ``x`` is the plant's state,
+        """Apply the disturbances for one control period. ``x`` is the plant's state,
         ``pose`` the object's X_WG.
         """
-        knocker = self.scene.knocker
-        if knocker is not None:
+        disturbances = self.scene.disturbances
+        if disturbances is not None:
             port = self.diagram.GetInputPort(NAME)
-            knocker.step(port, self.context, x, pose, time)
+            disturbances.step(port, self.context, x, pose, time)
 
     def put(self, bodies: Mapping[str, tuple[float, ...]]) -> None:
         """Set the poses of bodies by name: "object", or movable obstacles.

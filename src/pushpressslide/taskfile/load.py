@@ -25,6 +25,7 @@ from pushpressslide.core.task import ObjectModel, Obstacle, Robot, Task
 from pushpressslide.core.truth import refuse_truth
 from pushpressslide.selection.tool_use import tool_use
 from pushpressslide.taskfile.checks import check, wall_faults
+from pushpressslide.taskfile.disturbances import disturbance_faults
 from pushpressslide.taskfile.dump import dump_task, task_data
 from pushpressslide.taskfile.goals import check_goals, goals_faults
 from pushpressslide.taskfile.gone import without_gone
@@ -218,6 +219,7 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
         refuse(source, _model_faults(robot, folder, f"robots[{i}]"))
     refuse(source, support_faults(plain["support"]))
     refuse(source, leg_faults(plain))
+    refuse(source, disturbance_faults(plain))
     refuse(source, _workspace_faults(plain["limits"]["workspace"] or {}))
     task = _task(plain, values, source)
     _warn_of_masses(task)

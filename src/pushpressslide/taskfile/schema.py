@@ -52,6 +52,7 @@ _ORDER = (
     "truth",
     "motion",
     "legs",
+    "disturbances",
 )
 """Fields of the whole file, in the order in which they are written. Others follow."""
 
