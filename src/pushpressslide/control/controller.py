@@ -72,6 +72,7 @@ from pushpressslide.planning.side_contacts import room_before
 
 Commands = tuple[TipCommand | None, ...]
 NO_TIMES = (0.0, 0.0)
+LETTING_GO = 0.5  # [s] for which tips that draw back may still move the object
 
 
 class Step(NamedTuple):
@@ -234,13 +235,15 @@ class Controller:
             tips,
             following.binding,
             following.prediction,
+            _disturbs(phase, time),
         )
         estimate, estimator = self.estimator.step(state.estimator, observation)
         X_WG = estimate.X_WG
         dt = time - state.estimate.time
         blind = self.placement.looks and estimate.age > self.longest_blind
         rests = blind or state.watches.looked is not None
-        instant = Instant(time, dt, X_WG, X_WG.compose(self.X_GB), tips, rests)
+        pace = 0.0 if rests else self.placement.pace(estimate.spread)
+        instant = Instant(time, dt, X_WG, X_WG.compose(self.X_GB), tips, pace)
         if blind and phase.name == "move":
             following = following.delayed(dt)
         estimated = ControllerState(
@@ -298,6 +301,22 @@ class Controller:
                 measurement.tips[contact.arm].force, direction
             )
         return forces
+
+    def untouched(self, state: ControllerState) -> tuple[int, ...]:
+        """Arms whose tips have not yet advanced to the object in this placement."""
+        phase = state.phase
+        if (
+            phase.name != "touch"
+            or not phase.align
+            or state.following.began is not None
+        ):
+            return ()
+        contacts = state.following.binding.segment.contacts
+        return tuple(
+            contact.arm
+            for contact, memory in zip(contacts, phase.tips, strict=True)
+            if memory.advance_start is None and memory.held_command is None
+        )
 
     def keep_pace(self, pace: JointPace | None) -> None:
         """Follow paths no faster than ``pace``."""
@@ -479,6 +498,7 @@ def _made_touches(
             _sunk(into),
             query.scene.robots[contact.arm].reaction,
             query.sensing.felt_samples,
+            0.0 if query.sensing.sure else margins.ARM.first_look,
         )
         for contact in first.contacts
     )
@@ -487,14 +507,16 @@ def _made_touches(
 def _law(query: MotionQuery, execution: Execution, placement: Placement) -> Law:
     """Algorithm 1 with the parameters of a query."""
     into = placement.entry
+    drag = placement.segments[0].drive.max_friction
     mover = TipMover(
         query.motion.servo_damping if execution.servo else 0.0,
         query.scene.contact_friction,
-        query.sensing.felt_force,
+        min(query.sensing.felt_force, max(drag, margins.ARM.felt_force)),
         query.sensing.force_noise,
         NormalForceRegulator(f_max=query.limits.normal_force),
         tuple(robot.tip_radius for robot in query.scene.robots),
         _sunk(into),
+        query.sensing.felt_samples,
     )
     # the servo and its additions; an experiment without them commands the force alone
     servo = execution.servo and execution.force_gain is None
@@ -544,6 +566,15 @@ def _way_back(phase: PhaseState, time: float) -> WayBack:
     u = _ramp_back(phase, time)
     duration = ramp_time(margins.ARM.retreat)
     return WayBack(share, smooth_rate(u) / duration, smooth_change(u) / duration**2)
+
+
+def _disturbs(phase: PhaseState, time: float) -> bool:
+    """Whether tips touch or let go of the object at a ``time`` [s]."""
+    if phase.name == "release":
+        return time - phase.since < _rest(phase) + LETTING_GO
+    if phase.name != "touch":
+        return False
+    return any(memory.advance_start is not None for memory in phase.tips)
 
 
 def _at_rest(tips: Sequence[TipState], contacts: Sequence[Contact]) -> bool:

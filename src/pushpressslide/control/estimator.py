@@ -58,6 +58,7 @@ class Observation(NamedTuple):
     tips: tuple[TipState, ...]  # as measured
     binding: BoundLaws  # the followed segment with its laws
     prediction: Prediction  # prediction of the plan
+    disturbed: bool = False  # whether tips touch or let go of the object
 
 
 class Estimator(Protocol):
@@ -100,11 +101,11 @@ class Filtered(NamedTuple):
     def step(self, observation: Observation, dt: float) -> Filtered:
         """The filter after a tick of ``dt`` [s]."""
         tip = _first_tip(observation)
-        advance = Advance(observation.time, dt)
+        advance = Advance(observation.time, dt, disturbed=observation.disturbed)
         if observation.driven:
             moved = (tip[0] - self.tip[0], tip[1] - self.tip[1])
             turn = observation.commanded_twist.w * dt
-            advance = Advance(observation.time, dt, moved, turn, True)
+            advance = advance._replace(tip=moved, turn=turn)
         state = self.filter.step(self.state, advance, observation.pose)
         return Filtered(self.filter, state, tip)
 

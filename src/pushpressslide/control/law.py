@@ -68,7 +68,9 @@ class Law:
         X_WB = instant.X_WB
         binding = following.binding
         segment = binding.segment
-        speed = 0.0 if instant.rests else self.speed(following, instant.time)
+        speed = self.speed(following, instant.time)
+        if instant.pace < 1.0:
+            speed *= instant.pace
         if self.pace is not None:
             speed = min(speed, self.pace.speed_at(following.joint_progress(X_WB)))
 

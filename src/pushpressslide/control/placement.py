@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pushpressslide.control.correction import Replanner
 from pushpressslide.control.following import BoundLaws, bind_laws
 from pushpressslide.control.insertion import insertion_of
+from pushpressslide.core import margins
 from pushpressslide.core.motion import Tolerance
 from pushpressslide.core.plan import Plan, Segment, arms_kept
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
@@ -74,6 +75,16 @@ class Placement:
         """Control laws bound to a segment."""
         query = self.queries[segment.leg]
         return bind_laws(self.scene, segment, self._tracker(query, segment))
+
+    def pace(self, spread: tuple[float, float]) -> float:
+        """Share of the planned speed at which an object may be led whose pose is known
+        with the standard deviations ``spread`` [m], [rad]: a slower one shows itself in
+        more pictures.
+        """
+        unsure = self.unsure(spread)
+        if unsure <= margins.PACED:
+            return 1.0
+        return max(margins.PACED / unsure, margins.SLOWEST)
 
     def unsure(self, spread: tuple[float, float]) -> float:
         """Standard deviations ``spread`` [m], [rad] of a pose, as a share of the last

@@ -25,13 +25,13 @@ from pushpressslide.core.sensing import Sensing
 LEAST_NOISE = 2e-4  # [m]
 LEAST_YAW_NOISE = math.radians(0.08)
 # growth of the uncertainty with the square root of time
-DISTURBED = (1.5e-3, math.radians(1.0))  # [m], [rad] in 1 s, while tips touch or let go
-STILL = (2e-4, math.radians(0.1))  # the same of an object that is held
+DISTURBED = (1e-3, math.radians(0.5))  # [m], [rad] in 1 s, while tips touch or let go
+STILL = (2e-4, math.radians(0.1))  # the same of an object that is held, or left alone
 # growth with the square root of the tip's path
 SLIPPED = (4.5e-3, math.radians(2.2))  # [m], [rad] in 1 m
-CURVE = 0.5
+CURVE = 0.2
 """Standard deviation of the turn per path, times the radius of the object."""
-CURVE_LENGTH = 0.1  # [m] of path after which it may be another
+CURVE_LENGTH = 0.4  # [m] of path after which it may be another
 SLIP = 0.15
 """Standard deviation of the share of its motion by which a tip slips."""
 SLIP_LENGTH = 0.05  # [m] of path after which it may be another
@@ -50,7 +50,7 @@ class Advance(NamedTuple):
     dt: float  # [s]
     tip: Point = (0.0, 0.0)  # [m] displacement of the tip, world
     turn: float = 0.0  # [rad] of the object, as commanded
-    driven: bool = False  # whether the tip drives the object
+    disturbed: bool = False  # whether tips may move it besides
 
 
 class Mean(NamedTuple):
@@ -204,7 +204,7 @@ class PoseFilter:
         """Growth (5,) of the variances over ``advances``, along a ``path`` [m]."""
         growth = np.zeros(5)
         for one in advances:
-            place, yaw = STILL if one.driven else DISTURBED
+            place, yaw = DISTURBED if one.disturbed else STILL
             growth[:2] += place * place * one.dt
             growth[2] += yaw * yaw * one.dt
         place, yaw = SLIPPED

@@ -60,6 +60,7 @@ class TipMemory(NamedTuple):
     velocity: Point | None = None  # [m/s] world, as last commanded in this phase
     turn: float = 0.0  # [rad/s] of the tool, the same
     mean_force: Vector3 | None = None  # [N] mean of the last measurements in this phase
+    kept_force: Vector3 | None = None  # [N] the same over more, that tells a loss
     height: float | None = None  # [m] at which a pushing tip is held, in this phase
     # [N] along the support, world, as last commanded to a pressing tip in this phase
     drag: Point = (0.0, 0.0)
@@ -158,8 +159,13 @@ class Instant(NamedTuple):
     X_WG: Pose2  # of the object, as estimated
     X_WB: Pose2  # the same
     tips: tuple[TipState, ...]  # as measured
-    # whether the tips stand still, for lack of pictures or to look at the object
-    rests: bool = False
+    # share of the planned speed; 0: the tips stand still, to look or for lack of pictures
+    pace: float = 1.0
+
+    @property
+    def rests(self) -> bool:
+        """Whether the tips stand still."""
+        return self.pace == 0.0
 
     def context(self, contact: Contact, tool_yaw: float, progress: float) -> TipContext:
         """Input of the laws of the tip at a ``contact``.

@@ -329,7 +329,8 @@ class Supervisor:
         if still is not None and still.since >= state.phase.since:
             path = self._distance_from(still.pose, instant.X_WB)
             speed = state.following.binding.segment.profile.speed
-            if path < margins.STALL * speed * margins.ARM.stall_time:
+            slowly = instant.pace * speed
+            if path < margins.STALL * slowly * margins.ARM.stall_time:
                 return still
         return StallWatch(instant.X_WB, instant.time)
 

@@ -93,6 +93,7 @@ class TipMover:
     radii: tuple[float, ...]  # [m] of the robots' tips
     # [m] lower than it rests on top, at which a pressing tip has slid off
     sunk: float = margins.ARM.sunk
+    felt_samples: int = 1  # measurements of a force that are averaged
 
     def samples(self, contact: Contact) -> int:
         """Number of measurements of the normal force that are averaged to detect a loss
@@ -132,14 +133,14 @@ class TipMover:
         tip = context.tip
         direction = contact.direction(X_WB)
         normal_force = pressed(tip.force, direction)
-        samples = self.samples(contact)
-        mean = averaged(memory.mean_force, tip.force, samples)
+        mean = averaged(memory.mean_force, tip.force, self.felt_samples)
         mean_normal = pressed(mean, direction)
+        kept = averaged(memory.kept_force, tip.force, self.samples(contact))
         radius = self.radii[contact.arm]
         felt = Felt(
-            mean_normal < self._loss_threshold(contact)
+            pressed(kept, direction) < self._loss_threshold(contact)
             or sunk(contact, tip, radius, self.sunk),
-            self._utilisation(mean, direction, mean_normal, samples),
+            self._utilisation(mean, direction, mean_normal),
         )
         force = X_WB.rotate(task.force)
         velocity, (ax, ay) = self._motion(memory, context, task)
@@ -174,6 +175,7 @@ class TipMover:
             catches_up=task.entry_speed is None,  # one that drops in may hold nothing
         )
         memory = memory._replace(velocity=velocity, turn=turn, mean_force=mean)
+        memory = memory._replace(kept_force=kept)
         return command, memory, felt
 
     def _along_height(
@@ -212,16 +214,16 @@ class TipMover:
         )
 
     def _utilisation(
-        self, force: Vector3, normal: Vector3, normal_force: float, samples: int
+        self, force: Vector3, normal: Vector3, normal_force: float
     ) -> float:
-        """Least friction utilisation, as far as a mean ``force`` of ``samples`` tells.
+        """Least friction utilisation, as far as the mean ``force`` tells.
 
         ``normal_force`` [N] is its part along the ``normal``.
         """
         shear = math.hypot(
             force[0] - normal_force * normal[0], force[1] - normal_force * normal[1]
         )
-        doubt = margins.DOUBT * self.noise / math.sqrt(2.0 * samples - 1.0)
+        doubt = margins.DOUBT * self.noise / math.sqrt(2.0 * self.felt_samples - 1.0)
         least = max(shear - doubt, 0.0)
         return least / (self.friction * max(normal_force, self.threshold))
 

@@ -66,6 +66,7 @@ class TipTouch:
     sunk: float = margins.ARM.sunk
     reaction: float = 0.0  # [s] until the arm follows a command
     samples: int = 1  # measurements of the force that are averaged
+    look: float = 0.0  # [s] in which noisy sensors are averaged before the advance
 
     def speed(self, contact: Contact) -> float:
         """Speed [m/s] of the advance. An arm that reacts late is slower: until the touch
@@ -84,7 +85,7 @@ class TipTouch:
         before = tip_position(
             contact, memory.advance_start or X_WB, self.radius, self.gap
         )
-        return ramp_time(math.dist(before, memory.start)) + 0.1
+        return ramp_time(math.dist(before, memory.start)) + 0.1 + self.look
 
     def step(
         self, memory: TipMemory, context: TipContext, elapsed: float, aligned: float

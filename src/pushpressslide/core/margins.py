@@ -347,6 +347,12 @@ RESTING_PUSH = 0.2
 """Force with which tips stay at an object that is to rest, as a share of the force that
 moves it.
 """
+PACED = 0.15
+"""Standard deviation of a pose, in shares of the goal's tolerances, above which an object
+is led more slowly.
+"""
+SLOWEST = 0.4
+"""Smallest share of the planned speed for that reason."""
 SURE = 0.2
 """Standard deviation of a pose, in shares of the goal's tolerances, with which the
 object need not be looked at any longer.
@@ -389,6 +395,8 @@ class ArmMargins:
     """Time that a placement takes without its motion: transfer, touch and release."""
     felt_force: float = field(default=0.05, metadata={"unit": "N"})
     """Contact force that a sensor without noise detects with certainty."""
+    first_look: float = field(default=1.0, metadata={"unit": "s"})
+    """Time before a touch in which noisy poses and forces are averaged."""
     longest_look: float = field(default=3.0, metadata={"unit": "s"})
     """Longest look at an object that has arrived."""
     least_friction: float = field(default=0.5, metadata={"unit": "N"})
@@ -601,7 +609,7 @@ def retry_above(share: float, unsure: float) -> float:
     ``share`` is that of an error known exactly, ``unsure`` the standard deviation of
     the estimate in shares of the tolerances.
     """
-    return max(share - DOUBT * unsure, 0.5 * share)
+    return max(share - unsure, 0.5 * share)
 
 
 def longest(detour: tuple[float, float], left: float, radius: float) -> float:

@@ -569,6 +569,11 @@ class Scene:
         """Friction utilisations of a press that holds a point, the best first."""
         return tuple(self.sure * use for use in margins.PIN_USES)
 
+    @property
+    def most_friction(self) -> float:
+        """Largest friction coefficient of the support that the belief allows."""
+        return self.support.friction * (1.0 + self.friction_error)
+
     def max_friction(self, press: float = 0.0) -> float:
         """Friction [N] of the support against straight sliding, with a ``press`` [N] on
         top.

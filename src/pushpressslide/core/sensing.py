@@ -183,6 +183,11 @@ class Sensing:
         return self.pose_rate is None and not any(faults)
 
     @property
+    def sure(self) -> bool:
+        """Whether a single pose and a single force say where and what they are."""
+        return self.every_pose and self.force_noise == 0.0 and not any(self.force_bias)
+
+    @property
     def longest_blind(self) -> float:
         """Time [s] without a usable picture after which the arms wait."""
         between = 0.0 if self.pose_rate is None else 1.0 / self.pose_rate

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields, replace
+from typing import Literal
 
 from pushpressslide.core.checks import check_fields
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.field_spec import documented, setting
 from pushpressslide.core.pose import Point
+
+TierName = Literal["tier1", "tier2", "tier3"]
+"""A world that differs from the belief by stated amounts: jobs/tiers.py."""
 
 
 @documented
@@ -19,6 +23,11 @@ class Truth:
     are drawn for each joint with the run's seed. Of a slide, a radian is a metre.
     """
 
+    tier: TierName | None = setting(
+        None,
+        "a whole world drawn by the run's seed, in place of `belief`, `sensing` and all "
+        "fields of `truth`; `truth: tier2` for short",
+    )
     arm_base: Point = setting(
         (0.0, 0.0),
         "true position of each base minus the believed one, along the world's x and y",

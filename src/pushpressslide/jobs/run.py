@@ -24,12 +24,13 @@ from pushpressslide.core.record import Figures, Record
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.ask import AnyTask, checked
 from pushpressslide.jobs.engines import DEFAULT, ArmOptions, engine_named
+from pushpressslide.jobs.hopes import hopeful_runner
 from pushpressslide.jobs.interrupt import Interrupt, Interrupted
 from pushpressslide.jobs.monitor import Monitor as Monitor
 from pushpressslide.jobs.monitor import Output as Output
 from pushpressslide.jobs.monitor import interrupted
 from pushpressslide.jobs.remedy import remedies_named
-from pushpressslide.jobs.stages import Done, StageOptions, StageRunner
+from pushpressslide.jobs.stages import Done, StageOptions
 from pushpressslide.report.at_rest import record_at_rest
 from pushpressslide.report.files import OLDER_STAGES, save_run
 from pushpressslide.report.stages import StageRun
@@ -59,7 +60,7 @@ def simulate(
     monitor = monitor or Monitor()
     loop = RunOptions(execution=execution)
     options = StageOptions(engine, seed, force, models, monitor, loop)
-    runner = StageRunner(task, options)
+    runner = hopeful_runner(task, options)
     (run,) = runner.run()
     return run.plan, run.record, list(run.choices)
 
@@ -130,7 +131,7 @@ def run(
     monitor = Monitor(progress)
     options = StageOptions(engine, seed, models=models, monitor=monitor, loop=loop)
     with remedies_named(task):
-        runner = StageRunner(task, options)
+        runner = hopeful_runner(task, options)
     for _ in runner.run():
         pass
     done = runner.done()
@@ -184,7 +185,7 @@ def run_task(
     loop = RunOptions(execution=execution)
     options = StageOptions(engine, seed, force, models, monitor, loop=loop)
     with remedies_named(task):
-        runner = StageRunner(task, options)
+        runner = hopeful_runner(task, options)
     if out is not None:
         clear(out.folder)
     for _ in runner.run():

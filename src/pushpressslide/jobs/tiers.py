@@ -16,6 +16,7 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.scene import Belief
 from pushpressslide.core.sensing import Sensing
 from pushpressslide.core.task import Task
+from pushpressslide.core.truth import EXACT, Truth
 
 Factors = tuple[float, float]
 """Smallest and largest ratio of the true value to the believed one."""
@@ -40,6 +41,7 @@ class Tier:
     sensing: Sensing
     position_bias: float = 0.0  # [m] length of the bias of the object's position
     force_bias: float = 0.0  # [N] length of the bias of the forces
+    arm: Truth = EXACT  # sizes of the arms' errors, whose signs are drawn
 
 
 TIERS = MappingProxyType(
@@ -74,6 +76,14 @@ TIERS = MappingProxyType(
             ),
             position_bias=1e-3,
             force_bias=0.3,
+            arm=Truth(
+                arm_base=(3e-3, 0.0),
+                tip_offset=(2e-3, 0.0, 0.0),
+                link_mass=1.1,
+                coulomb_friction=0.02,
+                viscous_friction=0.02,
+                torque_scale=0.05,
+            ),
         ),
         "tier3": Tier(
             (0.5, 2.0),
@@ -92,22 +102,59 @@ TIERS = MappingProxyType(
             ),
             position_bias=2e-3,
             force_bias=1.0,
+            arm=Truth(
+                arm_base=(5e-3, 0.0),
+                arm_base_yaw=math.radians(0.5),
+                tip_offset=(3e-3, 0.0, 0.0),
+                link_mass=1.2,
+                coulomb_friction=0.02,
+                viscous_friction=0.02,
+                torque_scale=0.1,
+            ),
         ),
     }
 )
 
 
-def drawn_world(task: Task, tier: str, seed: int) -> Task:
-    """The ``task`` with the belief and the sensors of a ``tier``."""
+def drawn_world(task: Task, seed: int, engine: str) -> Task:
+    """The ``task`` in the world of its tier, if it names one: belief, sensors and arms.
+
+    Errors that the ``engine`` or the arms do not have are left out.
+    """
+    tier = task.truth.tier
+    if tier is None:
+        return task
     amounts = TIERS[tier]
-    rng = np.random.default_rng([seed, int(tier[-1])])
+    rng = np.random.default_rng([seed, *tier.encode()])
     belief = _belief(task, amounts, rng)
     x, y = _direction(rng)
     bias = (amounts.position_bias * x, amounts.position_bias * y)
     force = rng.normal(size=3)
     fx, fy, fz = (amounts.force_bias * force / np.linalg.norm(force)).tolist()
     sensing = replace(amounts.sensing, position_bias=bias, force_bias=(fx, fy, fz))
-    return replace(task, belief=belief, sensing=sensing)
+    truth = _truth(amounts.arm, rng)
+    if engine == "planar":
+        truth = truth.for_tips()
+    elif any(robot.interface != "torque" for robot in task.robots):
+        truth = truth.for_servos()
+    return replace(task, belief=belief, sensing=sensing, truth=truth)
+
+
+def _truth(sizes: Truth, rng: np.random.Generator) -> Truth:
+    """Errors of the arms of the given ``sizes``, in directions drawn at random."""
+    x, y = _direction(rng)
+    base = math.hypot(*sizes.arm_base)
+    direction = rng.normal(size=3)
+    offset = math.hypot(*sizes.tip_offset) * direction / np.linalg.norm(direction)
+    tip_x, tip_y, tip_z = offset.tolist()
+    yaw, lighter = rng.choice((-1.0, 1.0), size=2).tolist()
+    return replace(
+        sizes,
+        arm_base=(base * x, base * y),
+        arm_base_yaw=yaw * sizes.arm_base_yaw,
+        tip_offset=(tip_x, tip_y, tip_z),
+        link_mass=1.0 + lighter * (sizes.link_mass - 1.0),
+    )
 
 
 def _belief(task: Task, tier: Tier, rng: np.random.Generator) -> Belief:
@@ -123,6 +170,8 @@ def _belief(task: Task, tier: Tier, rng: np.random.Generator) -> Belief:
         task.object.mass / mass,
         _center(task, tier.center * size, rng),
         task.belief.rho,
+        min(0.5, tier.support[1] - 1.0),
+        tier.center * size,
     )
 
 

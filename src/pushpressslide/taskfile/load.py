@@ -201,7 +201,10 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
     Raises:
         TaskError: as :func:`load_task`.
     """
-    plain = _plain(without_gone(data, source, ran=False), Place(source))
+    data = without_gone(data, source, ran=False)
+    if isinstance(data.get("truth"), str):
+        data = {**data, "truth": {"tier": data["truth"]}}
+    plain = _plain(data, Place(source))
     folder = Path(source).parent
     refuse(source, shape_faults("object.shape", plain["object"]["shape"]))
     refuse(source, mass_faults(plain["object"]))

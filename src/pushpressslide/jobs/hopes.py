@@ -1,0 +1,62 @@
+"""Beliefs that a task's uncertainty allows, for tasks that the stated one makes
+infeasible.
+
+A motion that only might fail is tried: a recovery can mend it, a refusal cannot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from pushpressslide.core.errors import InfeasibleTaskError
+from pushpressslide.core.scene import Belief
+from pushpressslide.core.task import Task
+from pushpressslide.jobs.stages import StageOptions, StageRunner
+from pushpressslide.jobs.tiers import drawn_world
+
+MOST_FRICTION = 1.9
+
+
+def hopes(task: Task) -> Iterator[Task]:
+    """Yield the task as it is, without its uncertainties, and with the most favourable
+    frictions and mass that they allow.
+    """
+    yield task
+    belief = task.belief
+    if belief.friction_error == 0.0 and belief.center_error == 0.0:
+        return
+    plain = replace(belief, friction_error=0.0, center_error=0.0)
+    yield replace(task, belief=plain)
+    yield replace(task, belief=_favourable(task, belief.friction_error))
+
+
+def _favourable(task: Task, error: float) -> Belief:
+    """Belief in less drag and more grip, by a share ``error``."""
+    full = task.full_belief
+    assert full.support_friction is not None
+    assert full.contact_friction is not None
+    assert full.mass is not None
+    return replace(
+        task.belief,
+        support_friction=(1.0 - error) * full.support_friction,
+        contact_friction=min((1.0 + error) * full.contact_friction, MOST_FRICTION),
+        mass=(1.0 - error) * full.mass,
+        friction_error=0.0,
+        center_error=0.0,
+    )
+
+
+def hopeful_runner(task: Task, options: StageOptions) -> StageRunner:
+    """Runner of the first of ``hopes`` that is feasible, in the world of the task's tier.
+
+    Raises InfeasibleTaskError, that of the task as it is, if none is.
+    """
+    refused: InfeasibleTaskError | None = None
+    for hope in hopes(drawn_world(task, options.seed, options.engine)):
+        try:
+            return StageRunner(hope, options)
+        except InfeasibleTaskError as error:
+            refused = refused or error
+    assert refused is not None
+    raise refused
