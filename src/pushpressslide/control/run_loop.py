@@ -218,7 +218,7 @@ class RunLoop:
             self._hand_over(tick, measurement)
         ended = self._ending(tick)
         if ended is not None and not self._recovers(ended, tick, measurement):
-            return ended
+            return self._verified(ended)
         self._report(tick.time)
         return None
 
@@ -537,6 +537,14 @@ class RunLoop:
         self._note(time, reason)
         self._resume(plan, held_commands)
         return True
+
+    def _verified(self, ending: Ending) -> Ending:
+        """The ``ending``, or a missed goal if faulty sensors show that it is."""
+        sensed = not self.plan.task.sensing.every_pose
+        if ending.code != "goal_reached" or not sensed or self.state is None:
+            return ending
+        pose = self.controller.filtered_pose(self.state)
+        return self.controller.missed(self.state, pose) or ending
 
     def _retriable_ending(self, ending: Ending, pose: Pose2) -> Ending | None:
         """Failure from which the run can recover. None if it cannot, or if the arms

@@ -169,8 +169,9 @@ class Supervisor:
 
     def arrived(self, moment: Moment) -> bool:
         """The last segment is over, and the object has been looked at."""
-        arrived = self._arrived(moment.state.following, moment.instant)
-        return arrived and self._sure(moment)
+        if not self.placement.looks or self.placement.waits:
+            return self._arrived(moment.state.following, moment.instant)
+        return moment.state.watches.looked is not None and self._sure(moment)
 
     def _sure(self, moment: Moment) -> bool:
         """Whether the pose of an object that has arrived is known well enough."""
@@ -254,7 +255,9 @@ class Supervisor:
     def slid(self, moment: Moment) -> bool:
         """A push has slid along its face, and enough path is left to correct it."""
         contacts = moment.state.following.segment.contacts
-        slid = side_slide(contacts, moment.contact_points) > margins.ARM.retouch
+        place, _ = moment.state.estimate.spread
+        allowed = margins.ARM.retouch + margins.DOUBT * place
+        slid = side_slide(contacts, moment.contact_points) > allowed
         return slid and self._may_retouch(moment)
 
     def touch_planned(self, moment: Moment) -> ControllerState:
