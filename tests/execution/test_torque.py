@@ -17,6 +17,7 @@ from pushpressslide.execution.torque import (
     joint_torque,
     kept_inside,
     limited,
+    steady_share,
     task_inertia,
     unfelt,
     yielding,
@@ -231,6 +232,31 @@ def test_a_damper_brings_an_inertia_nearer_to_rest_and_not_past_it(
     after = speed + period * float(torque[0]) / inertia
     share = period * damping / inertia  # that a damper held constant would take
     assert after == pytest.approx(speed * max(0.0, 1.0 - share), abs=1e-9)
+
+
+@pytest.mark.parametrize("late", range(5))
+def test_a_late_damper_stops_a_light_inertia_and_twice_its_share_swings(
+    late: int,
+) -> None:
+    most = steady_share(late)
+    impedance = Impedance(np.array([-14.0]), np.array([[0.004 * 14.0]]))
+    inertia = 1e-3
+    torque = held_for_a_tick(impedance, np.array([[inertia]]), most)
+    assert -0.004 * torque[0] / inertia == pytest.approx(most)
+    left = [late_speeds(factor * most, late) for factor in (1.0, 1.98, 2.02)]
+    assert left[0] < 1e-6
+    assert left[1] < 0.5
+    assert left[2] > 2.0
+
+
+def late_speeds(share: float, late: int) -> float:
+    """Largest of the last speeds after one of 1, of which a damper takes a ``share`` in
+    each tick, ``late``.
+    """
+    speeds = [1.0] * (late + 1)
+    for _ in range(300 * (late + 1)):
+        speeds.append(speeds[-1] - share * speeds[-1 - late])
+    return max(abs(speed) for speed in speeds[-10 * (late + 1) :])
 
 
 @pytest.mark.parametrize("seed", range(5))

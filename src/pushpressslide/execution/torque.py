@@ -5,6 +5,7 @@ Paper, eq. 26; docs/mechanics.md, section 11.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -76,7 +77,17 @@ def gains(stiffness: float, damping: float, period: float) -> Gains:
     return Gains(stiffness, damping, period * (damping + period * stiffness))
 
 
-def held_for_a_tick(impedance: Impedance, M: Array) -> Array:
+def steady_share(late: int) -> float:
+    """Share of a speed that a damper may take in a tick, if its torque acts a number of
+    ticks ``late``.
+
+    It is half of the share 2 sin(pi / (2 (2 d + 1))) at which the speed would swing for
+    ever after d ticks. (Of v_(k+1) = v_k - x v_(k-d), a root reaches the unit circle.)
+    """
+    return math.sin(math.pi / (2 * (2 * late + 1)))
+
+
+def held_for_a_tick(impedance: Impedance, M: Array, most: float = 1.0) -> Array:
     """Torque (n,) [N m] of springs and dampers, held constant for a tick, on an arm of
     mass matrix ``M`` (n, n).
 
@@ -86,9 +97,12 @@ def held_for_a_tick(impedance: Impedance, M: Array) -> Array:
     would reverse and gain energy. The torque is then divided by x, so that it just
     stops the motion. If x is below 1, as on a heavy arm that an object holds back, the
     torque is unchanged. (The implicit Euler method, 1 / (1 + x), lets that arm lag by a
-    quarter more.) Springs add h^2 K / m to x.
+    quarter more.) Springs add h^2 K / m to x. A torque that acts late may take only
+    ``most`` of a speed in a tick (``steady_share``).
     """
     torque, added = impedance
+    if most < 1.0:
+        added = added / most
     _, exceeded = dpotrf(M - added)  # definite where every x is below 1
     if not exceeded:
         return torque
