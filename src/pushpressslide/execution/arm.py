@@ -149,7 +149,7 @@ class ArmExecutor:
         """Torques that track joints in free space. ``previous`` (n,) [N m] are those of
         the previous tick.
         """
-        rate = min(FREE_RATE, 0.25 * self._most / self.dt)
+        rate = min(FREE_RATE, 0.5 * self._most / self.dt)
         tau = joint_torque(arm.M, arm.bias, arm.q, arm.v, q_ref, v_ref, rate)
         return limited(tau, previous, self._torque_limits, self._most_change)
 
@@ -167,7 +167,8 @@ class ArmExecutor:
         left = np.maximum(self.effort - np.abs(weight), 0.0)
         in_time = np.sqrt(TAKEN_BACK * self.rate * size)
         braking = float(np.min(np.minimum(left, in_time) / size))
-        tau = weight - min(BRAKE_SHARE * self._most / self.dt, braking) * momentum
+        share = min(BRAKE_SHARE, self._most)
+        tau = weight - min(share / self.dt, braking) * momentum
         return limited(tau, previous, self._torque_limits, self._most_change)
 
     def contact(
