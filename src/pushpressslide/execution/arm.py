@@ -119,7 +119,7 @@ class ArmExecutor:
     _turning: Vector3 = field(init=False)  # [kg m^2] that these add, about each axis
     _posture: Gains = field(init=False)
     _tracking: Gains = field(init=False)
-    _most: float = field(init=False)  # share of a speed that a tick may take
+    _largest_share: float = field(init=False)  # share of a speed that a tick may take
     _share: PostureShare | None = None  # share of the joints at the last update
     _persisting: Point = (
         0.0,
@@ -129,7 +129,7 @@ class ArmExecutor:
     def __post_init__(self) -> None:
         self._torque_limits = tuple(self.effort.tolist())
         self._most_change = tuple((self.rate * self.dt).tolist())
-        self._most = steady_share(round(self.delay / self.dt))
+        self._largest_share = steady_share(round(self.delay / self.dt))
         self._axes = np.array(self.frame.axes)
         self._upright = bool(self._axes[2, 2] == 1.0)
         self._flat = bool((self._axes == np.eye(3)).all())
@@ -149,7 +149,7 @@ class ArmExecutor:
         """Torques that track joints in free space. ``previous`` (n,) [N m] are those of
         the previous tick.
         """
-        rate = min(FREE_RATE, 0.5 * self._most / self.dt)
+        rate = min(FREE_RATE, 0.5 * self._largest_share / self.dt)
         tau = joint_torque(arm.M, arm.bias, arm.q, arm.v, q_ref, v_ref, rate)
         return limited(tau, previous, self._torque_limits, self._most_change)
 
@@ -167,7 +167,7 @@ class ArmExecutor:
         left = np.maximum(self.effort - np.abs(weight), 0.0)
         in_time = np.sqrt(TAKEN_BACK * self.rate * size)
         braking = float(np.min(np.minimum(left, in_time) / size))
-        share = min(BRAKE_SHARE, self._most)
+        share = min(BRAKE_SHARE, self._largest_share)
         tau = weight - min(share / self.dt, braking) * momentum
         return limited(tau, previous, self._torque_limits, self._most_change)
 
@@ -202,7 +202,7 @@ class ArmExecutor:
         wrench = self._inertial(arm, command, velocity)
         wrench[3:] += self.frame.direction(command.force)
         tau = arm.bias + arm.J.T @ wrench
-        tau += held_for_a_tick(Impedance(torque, added), arm.M, self._most)
+        tau += held_for_a_tick(Impedance(torque, added), arm.M, self._largest_share)
         return limited(tau, previous, self._torque_limits, self._most_change)
 
     def _of_tip(

@@ -88,24 +88,24 @@ def steady_share(late: int) -> float:
     return math.sin(math.pi / (2 * (2 * (late + 1) + 1)))
 
 
-def held_for_a_tick(impedance: Impedance, M: Array, most: float) -> Array:
+def held_for_a_tick(impedance: Impedance, M: Array, largest_share: float) -> Array:
     """Torque (n,) [N m] of springs and dampers, held constant for a tick, on an arm of
     mass matrix ``M`` (n, n).
 
     The dampers define decoupled motions of the arm, each with a damper D and an inertia
     m. During a tick of length h, a constant torque would change the speed of such a
     motion by the fraction x = h D / m. For a light joint x may be above 1: the motion
-    would reverse and gain energy. If x is above ``most`` (``steady_share``), the torque
-    is multiplied by most / x. If it is below, as on a heavy arm that an object holds
+    would reverse and gain energy. If x is above the ``largest_share`` (``steady_share``), the
+    torque is multiplied by share / x. If it is below, as on a heavy arm that an object holds
     back, the torque is unchanged. (The implicit Euler method, 1 / (1 + x), lets that
     arm lag by a quarter more.) Springs add h^2 K / m to x.
     """
     torque, added = impedance
-    added = added / most
-    _, exceeded = dpotrf(M - added)  # definite where every x is below most
+    added = added / largest_share
+    _, exceeded = dpotrf(M - added)  # definite where every x is below the share
     if not exceeded:
         return torque
-    # x / most, and the motions V: V^T M V = 1, V^T (h D + h^2 K) V = diag(x)
+    # x / share, and the motions V: V^T M V = 1, V^T (h D + h^2 K) V = diag(x)
     taken, motions, failed = dsygv(added, M)
     if failed:  # of no arm's inertia
         return M @ np.linalg.solve(M + added, torque)
