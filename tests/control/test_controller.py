@@ -196,7 +196,7 @@ def test_a_goal_is_missed_by_nearly_its_tolerance(
         goal.y,
         goal.yaw + turned * task.tolerance.yaw,
     )
-    ending = made(PUSH).missed(pose)
+    ending = made(PUSH).missed(touching(PUSH), pose)
     assert (ending is not None) == missed
     if ending is not None:
         off = 1e3 * moved * task.tolerance.position

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
-from pushpressslide.control.cell import Applied, Truth
+from pushpressslide.control.cell import Applied, TrueState
 from pushpressslide.control.limits import ArmReading
 from pushpressslide.control.recording import PATH_SAMPLES, Recorder, Tick
 from pushpressslide.core.control import ControlLog, Thought, TipState
@@ -32,7 +32,7 @@ def tick(time: float, X_WG: Pose2, applied: Applied | None = None) -> Tick:
     joints = ()
     if applied is not None:
         joints = ((ArmReading(np.zeros(2), np.zeros(2)), applied),) * 2
-    truth = Truth(X_WG, (tip, tip))
+    truth = TrueState(X_WG, (tip, tip))
     return Tick(time, truth, (None, None), log, None, joints, (0.0,) * 4)
 
 

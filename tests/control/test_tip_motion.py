@@ -9,7 +9,7 @@ from itertools import pairwise
 import pytest
 
 from pushpressslide.control.insertion import braking
-from pushpressslide.control.state import TipContext, TipMemory
+from pushpressslide.control.state import TipContext, TipMemory, averaged
 from pushpressslide.control.tip_motion import (
     HEIGHT_EASING,
     HEIGHT_SLACK,
@@ -257,25 +257,38 @@ def test_noise_is_averaged_over_as_many_measurements_as_it_takes() -> None:
         if contact is PRESS:
             drop = (1.0 - margins.LOSS_SHARE) * 40.0
         sure = margins.LOSS_SIGMAS * 0.05
-        assert sure / math.sqrt(count) <= drop * (1.0 + 1e-9)
-        assert count == 1 or sure / math.sqrt(count - 1) > drop
+        # a running mean of weights 1/n has the variance of 2 n - 1 measurements
+        assert sure / math.sqrt(2 * count - 1) <= drop * (1.0 + 1e-9)
+        assert count == 1 or sure / math.sqrt(2 * count - 3) > drop
     assert mover(0.0).samples(PUSH) == 1
     assert mover(1e-6).samples(PRESS) == 1
+
+
+def test_the_running_mean_has_the_variance_of_as_many_measurements() -> None:
+    count = 5
+    mean = averaged(None, (0.0, 0.0, 0.0), count)
+    weights = []
+    for k in range(200):  # the response to one measurement, ever later
+        mean = averaged(mean, (1.0 if k == 0 else 0.0, 0.0, 0.0), count)
+        weights.append(mean[0])
+    assert math.fsum(weights) == pytest.approx(1.0)
+    squares = math.fsum(w * w for w in weights)
+    assert squares == pytest.approx(1.0 / (2 * count - 1))
 
 
 def test_a_loss_is_judged_by_the_mean_of_what_is_measured() -> None:
     made = mover(0.05)
     count = made.samples(PUSH)
     assert count > 3
-    memory = start(PUSH)
-    _, memory, felt = made.step(memory, at(PUSH, (1.0, 0.0, 0.0)), task(PUSH))
-    assert memory.mean_force == pytest.approx(1.0)
-    _, memory, felt = made.step(memory, at(PUSH), task(PUSH))
-    assert memory.mean_force == pytest.approx(1.0 - 1.0 / count)
-    assert not felt.lost
-    for _ in range(4 * count):
+    push = 1.0
+    _, memory, _ = made.step(start(PUSH), at(PUSH, (push, 0.0, 0.0)), task(PUSH))
+    least = margins.KEPT_SHARE * 0.2
+    ticks = math.ceil(math.log(least / push) / math.log(1.0 - 1.0 / count))
+    lost = []
+    for _ in range(2 * ticks):
         _, memory, felt = made.step(memory, at(PUSH), task(PUSH))
-    assert felt.lost
+        lost.append(felt.lost)
+    assert lost == [False] * (ticks - 1) + [True] * (ticks + 1)
 
 
 def test_the_friction_that_is_used_is_shear_over_what_the_normal_allows() -> None:

@@ -12,7 +12,7 @@ from pushpressslide.control.cell import (
     Cell,
     Driverless,
     Interface,
-    Truth,
+    TrueState,
 )
 from pushpressslide.control.limits import ArmLimits, ArmReading
 from pushpressslide.control.tracker import StampedPose
@@ -81,12 +81,12 @@ class _Whole:
     def failure(self) -> str | None:
         return self.plant.diverged()
 
-    def observe(self) -> Truth:
+    def observe(self) -> TrueState:
         assert self._passed is not None
         row = self.plant.row()
         truth = self._passed
         forces = row.tip_forces
-        return Truth(
+        return TrueState(
             truth.object_pose, truth.tips, row.object_twist, forces, row.extras
         )
 

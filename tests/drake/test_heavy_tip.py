@@ -23,6 +23,7 @@ from pushpressslide.execution.torque import (
     Impedance,
     gains,
     held_for_a_tick,
+    steady_share,
     task_inertia,
     unfelt,
 )
@@ -92,7 +93,8 @@ def damped(state: ArmDynamics, force: np.ndarray, share: float = 1.0) -> np.ndar
     posture = gains(POSTURE_STIFFNESS, POSTURE_DAMPING, PERIOD).added
     J = state.J
     growth = J.T @ added @ J + posture * unfelt(J, J @ J.T).damper
-    return held_for_a_tick(Impedance(J[3:].T @ force, growth), state.M)
+    impedance = Impedance(J[3:].T @ force, growth)
+    return held_for_a_tick(impedance, state.M, steady_share(0))
 
 
 def radial(state: ArmDynamics) -> tuple[np.ndarray, float]:

@@ -67,7 +67,7 @@ def test_an_arm_that_runs_away_is_stopped_before_it_touches_anything(
     if factor > 0.0 and "panda" in robot:
         pytest.skip("its joints are heavy enough for that law")
     monkeypatch.setattr(
-        execution, "held_for_a_tick", lambda impedance, M: factor * impedance.torque
+        execution, "held_for_a_tick", lambda impedance, *_: factor * impedance.torque
     )
     record = run("rear-push-rear", robot, *NEAR)
     # one that passes its speed limit on the way breaks that first

@@ -17,6 +17,7 @@ from pushpressslide.execution.torque import (
     joint_torque,
     kept_inside,
     limited,
+    steady_share,
     task_inertia,
     unfelt,
     yielding,
@@ -227,10 +228,36 @@ def test_a_damper_brings_an_inertia_nearer_to_rest_and_not_past_it(
     damping = 14.0
     speed = 2.0
     impedance = Impedance(np.array([-damping * speed]), np.array([[period * damping]]))
-    torque = held_for_a_tick(impedance, np.array([[inertia]]))
+    most = 0.8
+    torque = held_for_a_tick(impedance, np.array([[inertia]]), most)
     after = speed + period * float(torque[0]) / inertia
     share = period * damping / inertia  # that a damper held constant would take
-    assert after == pytest.approx(speed * max(0.0, 1.0 - share), abs=1e-9)
+    assert after == pytest.approx(speed * (1.0 - min(share, most)), abs=1e-9)
+
+
+@pytest.mark.parametrize("late", range(5))
+def test_a_damper_stops_a_light_inertia_also_two_ticks_later_than_believed(
+    late: int,
+) -> None:
+    most = steady_share(late)
+    impedance = Impedance(np.array([-14.0]), np.array([[0.004 * 14.0]]))
+    inertia = 1e-3
+    torque = held_for_a_tick(impedance, np.array([[inertia]]), most)
+    assert -0.004 * torque[0] / inertia == pytest.approx(most)
+    for more in (0, 1, 2):
+        assert late_speeds(most, late + more) < 0.1
+    assert late_speeds(1.98 * most, late + 1) < 0.5
+    assert late_speeds(2.02 * most, late + 1) > 2.0
+
+
+def late_speeds(share: float, late: int) -> float:
+    """Largest of the last speeds after one of 1, of which a damper takes a ``share`` in
+    each tick, ``late``.
+    """
+    speeds = [1.0] * (late + 1)
+    for _ in range(300 * (late + 1)):
+        speeds.append(speeds[-1] - share * speeds[-1 - late])
+    return max(abs(speed) for speed in speeds[-10 * (late + 1) :])
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -242,7 +269,7 @@ def test_springs_and_dampers_at_the_end_of_a_tick_never_act_harder(seed: int) ->
     J = jacobian(seed)
     added = J.T @ J
     torque = J.T @ rng.normal(size=6)
-    at_end = held_for_a_tick(Impedance(torque, added), M)
+    at_end = held_for_a_tick(Impedance(torque, added), M, 1.0)
     given = at_end @ np.linalg.solve(M, at_end)
     assert given < (1.0 + 1e-9) * torque @ np.linalg.solve(M, torque)
     assert at_end @ np.linalg.solve(M, torque) > 0.0

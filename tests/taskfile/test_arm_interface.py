@@ -6,6 +6,7 @@ import pytest
 import yaml
 
 import pushpressslide as pps
+from pushpressslide.core import margins
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.task import Robot
 from pushpressslide.taskfile.load import dump_task, task_from_data
@@ -63,6 +64,14 @@ def test_a_wrong_value_is_refused_with_what_is_allowed(
     assert f"robots[0].{field}" in message
     assert allowed in message
     assert "\n" not in message
+
+
+def test_torques_are_late_by_a_few_ticks_at_most() -> None:
+    latest = margins.LATEST_TORQUE
+    (robot,) = task_from_data(with_robot({"delay": latest}), "test").robots
+    assert robot.delay == latest
+    with pytest.raises(TaskError, match=r"robots\[0\]\.delay: 0\.02 .*0\.016"):
+        task_from_data(with_robot({"delay": 0.02}), "test")
 
 
 def test_an_arm_without_torques_has_no_errors_of_them() -> None:

@@ -13,7 +13,7 @@ from pushpressslide.arms.model import at_rest
 from pushpressslide.arms.paths.joint_path import ArmPath
 from pushpressslide.arms.placements import ArmPlacements
 from pushpressslide.control.approach import SETTLE
-from pushpressslide.control.cell import Cell, Clock, Truth
+from pushpressslide.control.cell import Cell, Clock, TrueState
 from pushpressslide.control.tracker import ObjectTracker
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.query import MotionQuery
@@ -34,7 +34,7 @@ class ArmPhysics(Clock, ObjectTracker, Protocol):
         ``start``.
         """
 
-    def observe(self) -> Truth:
+    def observe(self) -> TrueState:
         """True state of the last completed tick."""
 
 

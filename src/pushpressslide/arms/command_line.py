@@ -22,9 +22,17 @@ def random_streams(seed: int, arm: int) -> list[np.random.Generator]:
 class CommandLine(Generic[T]):
     """Commands that arrive late. In place of a lost one the last one is repeated."""
 
-    def __init__(self, truth: Truth, random: np.random.Generator, dt: float) -> None:
-        """Delay by the ``command_delay`` of ``truth``, in ticks of ``dt`` [s]."""
-        self._line: DelayLine[T] = DelayLine(truth.command_delay, dt)
+    def __init__(
+        self,
+        truth: Truth,
+        random: np.random.Generator,
+        dt: float,
+        known_delay: float = 0.0,
+    ) -> None:
+        """Delay by the ``command_delay`` of ``truth``, in ticks of ``dt`` [s], after the
+        ``known_delay`` [s].
+        """
+        self._line: DelayLine[T] = DelayLine(known_delay + truth.command_delay, dt)
         self._missed = truth.missed_ticks
         self._random = random
         self._last: T | None = None

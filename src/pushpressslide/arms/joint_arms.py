@@ -42,10 +42,12 @@ def joint_arms(
             effort = model.facts.effort_limit
             faults = joint_faults(truth, effort, encoders, motors)
             own = _faulty(own, make_model(robot, truth), faults, dt)
-        line: CommandLine[Any] = CommandLine(truth, commands, dt)
+        line: CommandLine[Any]
         if robot.interface == "torque":
-            arms.append(TorqueArm(model, own, stiffness, line))
-        else:
+            line = CommandLine(truth, commands, dt, robot.delay)
+            arms.append(TorqueArm(model, own, stiffness, line, robot.delay))
+        else:  # whose servo has the known delay
+            line = CommandLine(truth, commands, dt)
             arms.append(ServoArm(model, own, robot, line))
     return arms
 

@@ -8,6 +8,7 @@ from pushpressslide.arms.command_line import CommandLine
 from pushpressslide.arms.joint_arm import JointArm
 from pushpressslide.arms.model import ArmModel, Drives, at_rest
 from pushpressslide.control.cell import Applied, ArmState, Interface
+from pushpressslide.control.sensing import DelayLine
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import (
     ArmCommand,
@@ -30,13 +31,16 @@ class TorqueArm(JointArm):
         drives: Drives,
         joint_stiffness: float = 0.0,
         line: CommandLine[Array] | None = None,
+        delay: float = 0.0,
     ) -> None:
         """Build the arm from a model. ``joint_stiffness`` [N m/rad] is that of
-        ``control.execution.Execution``. Torques come through ``line``, if there is one.
+        ``control.execution.Execution``. Torques come through ``line``, if there is one,
+        and are believed to act ``delay`` [s] late.
         """
         super().__init__(model, drives)
         self._stiffness = joint_stiffness
         self._line = line
+        self._delay = delay
         self._observer = TorqueErrorObserver(model.facts.effort_limit)
         self._sent = 0.0  # [s] when the present torque was sent
 
@@ -52,7 +56,9 @@ class TorqueArm(JointArm):
             self._stiffness,
             self.period,
             self.frame,
+            self._delay,
         )
+        self._acting: DelayLine[Array] = DelayLine(self._delay, self.period)
 
     def read(self) -> ArmState:
         """Joint state, and the tip's position, velocity and force derived from it."""
@@ -66,7 +72,7 @@ class TorqueArm(JointArm):
         self.limited = limited
         torque = limited.torque
         force = np.array(self.frame.direction(self.tip.force))
-        self._observer.acted(self.state, torque, force)
+        self._observer.acted(self.state, self._acting.through(torque), force)
         self._sent = self.drives.time
         if self._line is not None:
             torque = self._line.through(torque)

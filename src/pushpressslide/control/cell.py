@@ -97,7 +97,7 @@ class Clock(Protocol):
         """Reason why the run cannot go on, or None."""
 
 
-class Truth(NamedTuple):
+class TrueState(NamedTuple):
     """True state at a tick, for the record. It contains more than a robot can measure."""
 
     X_WG: Pose2  # of the object as the tick began
@@ -118,7 +118,7 @@ class Witness(Protocol):
     def facts(self) -> Mapping[str, Any]:
         """Facts about the whole run."""
 
-    def observe(self) -> Truth:
+    def observe(self) -> TrueState:
         """True state of the last completed tick."""
 
 

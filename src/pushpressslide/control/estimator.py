@@ -165,7 +165,7 @@ class ObjectEstimator:
         if state.filtered is not None:
             return state.filtered.step(observation, observation.time - state.time)
         contact = observation.binding.segment.contacts[0]
-        own = PoseFilter.of(
+        own = PoseFilter.for_sensing(
             self._sensing, self._X_GB.apply(contact.point), self._radius
         )
         started = own.start(state.pose, state.pose.pictures)

@@ -91,7 +91,7 @@ class PoseFilter:
     noise: Array  # (3,) standard deviations of a picture's x, y [m] and yaw [rad]
 
     @classmethod
-    def of(cls, sensing: Sensing, point: Point, radius: float) -> PoseFilter:
+    def for_sensing(cls, sensing: Sensing, point: Point, radius: float) -> PoseFilter:
         """Filter for the camera of ``sensing``."""
         pictures = sensing.noise_time * (sensing.pose_rate or 100.0)
         correlated = math.sqrt(1.0 + 2.0 * pictures)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pushpressslide.control.cell import Applied, Truth
+from pushpressslide.control.cell import Applied, TrueState
 from pushpressslide.control.limits import ArmReading
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import (
@@ -36,7 +36,7 @@ class Tick(NamedTuple):
     """One pass of the run loop: true state, belief, commands and applied values."""
 
     time: float  # [s] at its start
-    truth: Truth
+    truth: TrueState
     commands: Commands  # as given, before any disturbance
     log: ControlLog
     # the segment that was followed, as planned when it began; None before the first
@@ -229,7 +229,7 @@ def _twists(ticks: Sequence[Tick]) -> Column:
     return twists
 
 
-def _forces(truth: Truth) -> tuple[Vector3, ...]:
+def _forces(truth: TrueState) -> tuple[Vector3, ...]:
     """Mean force of each tip during a tick."""
     if truth.forces is not None:
         return truth.forces

@@ -28,7 +28,7 @@ from pushpressslide.control.approach import (
     free_tip,
     tip_path,
 )
-from pushpressslide.control.cell import Applied, Cell, Truth
+from pushpressslide.control.cell import Applied, Cell, TrueState
 from pushpressslide.control.controller import Controller
 from pushpressslide.control.estimator import Estimator, ObjectEstimator
 from pushpressslide.control.execution import USUAL, Execution
@@ -321,14 +321,14 @@ class RunLoop:
         arms = zip(self.cell.arms, commands, strict=True)
         return [arm.send(command) for arm, command in arms]
 
-    def _truth(self, measurement: Measurement) -> Truth:
+    def _truth(self, measurement: Measurement) -> TrueState:
         """State of the completed tick for the record: the true state if there is a
         witness, otherwise the measured state.
         """
         witness = self.cell.witness
         if witness is not None:
             return witness.observe()
-        return Truth(measurement.object_pose, measurement.tips)
+        return TrueState(measurement.object_pose, measurement.tips)
 
     def _decide(
         self, measurement: Measurement, readings: Sequence[ArmReading]

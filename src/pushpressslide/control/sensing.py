@@ -12,7 +12,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from pushpressslide.control.camera import Camera
-from pushpressslide.control.cell import Applied, Arm, ArmState, Cell, Truth
+from pushpressslide.control.cell import Applied, Arm, ArmState, Cell, TrueState
 from pushpressslide.control.limits import ArmLimits
 from pushpressslide.core.control import ArmCommand, TipState, Vector3
 from pushpressslide.core.plan import JointPath
@@ -129,9 +129,9 @@ class SensedTruth:
         self._tracker = tracker
         self._arms = arms
 
-    def observe(self) -> Truth:
+    def observe(self) -> TrueState:
         """True pose and tips at the last reading."""
-        return Truth(self._tracker.truth, tuple(arm.truth for arm in self._arms))
+        return TrueState(self._tracker.truth, tuple(arm.truth for arm in self._arms))
 
 
 def sensed(cell: Cell, sensing: Sensing, seed: int, dt: float) -> Cell:

@@ -339,6 +339,10 @@ RETRY_ABOVE_SEATED = 0.3
 """``RETRY_ABOVE`` for a goal in an opening. The fall into the opening pushes the object
 off its path.
 """
+LATEST_TORQUE = 0.016
+"""Longest delay [s] of an arm that takes torques: the dampers that keep its joints inside
+their limits outlast the springs there by 1/60 s.
+"""
 BLIND_PICTURES = 3.0
 """Number of missing pictures of the object after which the arms wait."""
 BLIND = 0.3

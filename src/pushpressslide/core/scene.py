@@ -365,7 +365,11 @@ class Robot:
         "[0, 0.5]",
     )
     delay: float = setting(
-        0.0, "time until it begins to obey a command, likewise", "s", "[0, 0.5]"
+        0.0,
+        "time until it begins to obey a command, as its controller knows; of an arm that "
+        "takes torques at most 0.016 s, in engines with arms",
+        "s",
+        "[0, 0.5]",
     )
     packages: tuple[str, ...] = setting(
         (), "folders of the packages that contain a model's meshes", count=(0, 16)

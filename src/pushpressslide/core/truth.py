@@ -73,7 +73,8 @@ class Truth:
     )
     command_delay: float = setting(
         0.0,
-        "time until a command reaches the arm, rounded to control periods",
+        "time until a command reaches the arm, beyond its `delay`, rounded to control "
+        "periods",
         "s",
         "[0, 0.2]",
     )

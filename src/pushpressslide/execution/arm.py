@@ -26,6 +26,7 @@ from pushpressslide.execution.torque import (
     kept_inside,
     limited,
     near_limit,
+    steady_share,
     task_inertia,
     unfelt,
     yielding,
@@ -101,6 +102,7 @@ class ArmExecutor:
     joint_stiffness: float  # [N m/rad] of the joint-tracking term; 0 switches it off
     dt: float  # [s]
     frame: SupportFrame = TABLE  # of the commands
+    delay: float = 0.0  # [s] until a torque acts
     _torque_limits: tuple[float, ...] = field(init=False)  # (n,) [N m] of a torque
     # (n,) [N m] largest change of a torque in a tick
     _most_change: tuple[float, ...] = field(init=False)
@@ -117,6 +119,7 @@ class ArmExecutor:
     _turning: Vector3 = field(init=False)  # [kg m^2] that these add, about each axis
     _posture: Gains = field(init=False)
     _tracking: Gains = field(init=False)
+    _largest_share: float = field(init=False)  # share of a speed that a tick may take
     _share: PostureShare | None = None  # share of the joints at the last update
     _persisting: Point = (
         0.0,
@@ -126,6 +129,7 @@ class ArmExecutor:
     def __post_init__(self) -> None:
         self._torque_limits = tuple(self.effort.tolist())
         self._most_change = tuple((self.rate * self.dt).tolist())
+        self._largest_share = steady_share(round(self.delay / self.dt))
         self._axes = np.array(self.frame.axes)
         self._upright = bool(self._axes[2, 2] == 1.0)
         self._flat = bool((self._axes == np.eye(3)).all())
@@ -145,7 +149,7 @@ class ArmExecutor:
         """Torques that track joints in free space. ``previous`` (n,) [N m] are those of
         the previous tick.
         """
-        rate = min(FREE_RATE, 0.25 / self.dt)
+        rate = min(FREE_RATE, 0.5 * self._largest_share / self.dt)
         tau = joint_torque(arm.M, arm.bias, arm.q, arm.v, q_ref, v_ref, rate)
         return limited(tau, previous, self._torque_limits, self._most_change)
 
@@ -163,7 +167,8 @@ class ArmExecutor:
         left = np.maximum(self.effort - np.abs(weight), 0.0)
         in_time = np.sqrt(TAKEN_BACK * self.rate * size)
         braking = float(np.min(np.minimum(left, in_time) / size))
-        tau = weight - min(BRAKE_SHARE / self.dt, braking) * momentum
+        share = min(BRAKE_SHARE, self._largest_share)
+        tau = weight - min(share / self.dt, braking) * momentum
         return limited(tau, previous, self._torque_limits, self._most_change)
 
     def contact(
@@ -197,7 +202,7 @@ class ArmExecutor:
         wrench = self._inertial(arm, command, velocity)
         wrench[3:] += self.frame.direction(command.force)
         tau = arm.bias + arm.J.T @ wrench
-        tau += held_for_a_tick(Impedance(torque, added), arm.M)
+        tau += held_for_a_tick(Impedance(torque, added), arm.M, self._largest_share)
         return limited(tau, previous, self._torque_limits, self._most_change)
 
     def _of_tip(

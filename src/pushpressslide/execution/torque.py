@@ -5,6 +5,7 @@ Paper, eq. 26; docs/mechanics.md, section 11.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -76,23 +77,35 @@ def gains(stiffness: float, damping: float, period: float) -> Gains:
     return Gains(stiffness, damping, period * (damping + period * stiffness))
 
 
-def held_for_a_tick(impedance: Impedance, M: Array) -> Array:
+def steady_share(late: int) -> float:
+    """Share of a speed that a damper may take in a tick, if its torque is believed to act
+    a number of ticks ``late``.
+
+    A speed swings for ever if the damper acts d ticks late and takes the share 2 sin(pi /
+    (2 (2 d + 1))). (Of v_(k+1) = v_k - x v_(k-d), a root reaches the unit circle.) This
+    is half of that share for one tick more than is believed, and is stable for two more.
+    """
+    return math.sin(math.pi / (2 * (2 * (late + 1) + 1)))
+
+
+def held_for_a_tick(impedance: Impedance, M: Array, largest_share: float) -> Array:
     """Torque (n,) [N m] of springs and dampers, held constant for a tick, on an arm of
     mass matrix ``M`` (n, n).
 
     The dampers define decoupled motions of the arm, each with a damper D and an inertia
     m. During a tick of length h, a constant torque would change the speed of such a
     motion by the fraction x = h D / m. For a light joint x may be above 1: the motion
-    would reverse and gain energy. The torque is then divided by x, so that it just
-    stops the motion. If x is below 1, as on a heavy arm that an object holds back, the
-    torque is unchanged. (The implicit Euler method, 1 / (1 + x), lets that arm lag by a
-    quarter more.) Springs add h^2 K / m to x.
+    would reverse and gain energy. If x is above the ``largest_share`` (``steady_share``), the
+    torque is multiplied by share / x. If it is below, as on a heavy arm that an object holds
+    back, the torque is unchanged. (The implicit Euler method, 1 / (1 + x), lets that
+    arm lag by a quarter more.) Springs add h^2 K / m to x.
     """
     torque, added = impedance
-    _, exceeded = dpotrf(M - added)  # definite where every x is below 1
+    added = added / largest_share
+    _, exceeded = dpotrf(M - added)  # definite where every x is below the share
     if not exceeded:
         return torque
-    # x, and the motions, in columns V: V^T M V = 1, V^T (h D + h^2 K) V = diag(x)
+    # x / share, and the motions V: V^T M V = 1, V^T (h D + h^2 K) V = diag(x)
     taken, motions, failed = dsygv(added, M)
     if failed:  # of no arm's inertia
         return M @ np.linalg.solve(M + added, torque)

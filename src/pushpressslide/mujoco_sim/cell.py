@@ -16,7 +16,7 @@ from pushpressslide.arms.joint_arms import joint_arms
 from pushpressslide.arms.paths.joint_path import ArmPath
 from pushpressslide.arms.paths.library import ArmLibrary
 from pushpressslide.arms.placements import ArmPlacements
-from pushpressslide.control.cell import Cell, Truth
+from pushpressslide.control.cell import Cell, TrueState
 from pushpressslide.control.disturbance import Pushes
 from pushpressslide.control.knocker import NAME as BALL
 from pushpressslide.control.knocker import Knocker
@@ -202,11 +202,11 @@ class MujocoPhysics:
         fx, fy, fz = total.tolist()
         return (fx, fy, fz)
 
-    def observe(self) -> Truth:
+    def observe(self) -> TrueState:
         """True state of the last completed tick."""
         before = self._before
         tips = tuple(arm.true_tip for arm in self._arms)
-        return Truth(
+        return TrueState(
             before.X_WG, tips, before.twist, extras=partial(self._poses, before.q)
         )
 

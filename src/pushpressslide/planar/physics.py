@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from pushpressslide.control.cell import Truth
+from pushpressslide.control.cell import TrueState
 from pushpressslide.control.disturbance import Pushes
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import TipCommand, TipState
@@ -74,12 +74,12 @@ class PlanarPhysics:
         self.time = self.time + self.period
         self._tipping = self._tipping + self.period if self.now.tipping else 0.0
 
-    def observe(self) -> Truth:
+    def observe(self) -> TrueState:
         """True state of the last completed tick."""
         before = self._before
         twist = self.now.twist.moved_to(self._X_BG.position)
         velocity = before.X_WB.rotate((twist.vx, twist.vy))
-        return Truth(
+        return TrueState(
             self._X_WG_before,
             before.tips,
             (*velocity, twist.w),

@@ -18,7 +18,7 @@ from pushpressslide.arms.joint_arm import JointArm
 from pushpressslide.arms.joint_arms import joint_arms
 from pushpressslide.arms.paths.joint_path import ArmPath
 from pushpressslide.arms.placements import ArmPlacements
-from pushpressslide.control.cell import Cell, Truth
+from pushpressslide.control.cell import Cell, TrueState
 from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.arrays import Array
@@ -176,13 +176,13 @@ class DrakePhysics:
         lost = lost_object(sum(x), pose, self._ends, height)
         return lost or self._failure
 
-    def observe(self) -> Truth:
+    def observe(self) -> TrueState:
         """True state of the last completed tick."""
         x, pose = self._before
         start = self._body_velocity
         twist = planar_twist(x[start : start + 6], self.frame)
         tips = tuple(arm.true_tip for arm in self._arms)
-        return Truth(pose, tips, twist, extras=partial(self._body_poses, x))
+        return TrueState(pose, tips, twist, extras=partial(self._body_poses, x))
 
     def _body_poses(self, x: Sequence[float]) -> dict[str, Any]:
         """Rows of the arrays that only this simulation records, for the state ``x``."""

@@ -12,6 +12,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from pushpressslide.core import margins
 from pushpressslide.core.errors import Shown, TaskError, path_value
 from pushpressslide.core.pose import Point
 from pushpressslide.core.scene import (
@@ -230,6 +231,9 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
         if robot.interface != "torque":
             where = f"with robots[{i}].interface {robot.interface}"
             refuse_truth(task.truth, task.truth.for_servos(), source, where)
+        elif robot.delay > margins.LATEST_TORQUE:
+            allowed = f"allowed with interface torque: [0, {margins.LATEST_TORQUE:g}] s"
+            raise TaskError(source, f"robots[{i}].delay", robot.delay, allowed)
     refuse(source, wall_faults(task.scene, task.start, task.goal))
     true_start = task.true_start
     rests = not task.legs and task.tolerance.holds(true_start, task.goal)

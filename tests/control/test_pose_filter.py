@@ -1,0 +1,224 @@
+"""The filter of the object's pose: late, wrong, repeated and noisy pictures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+from pushpressslide.control.camera import Camera
+from pushpressslide.control.pose_filter import (
+    STRANGERS,
+    Advance,
+    FilterState,
+    Mean,
+    PoseFilter,
+)
+from pushpressslide.control.tracker import StampedPose
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.pose import Pose2, wrap_angle
+from pushpressslide.core.sensing import Sensing
+
+PERIOD = 0.004
+SPEED = 0.05  # [m/s] of the tip
+RADIUS = 0.1
+POINT = (-0.07, 0.02)
+NOISY = Sensing(
+    position_noise=1e-3, yaw_noise=math.radians(0.5), pose_rate=30.0, pose_delay=0.08
+)
+FILTER = PoseFilter.for_sensing(NOISY, POINT, RADIUS)
+
+
+def advances(count: int, turn: float = 0.0) -> Iterator[Advance]:
+    """Ticks in which a tip leads the object along a slow curve."""
+    for i in range(1, count + 1):
+        heading = 0.3 * i * PERIOD
+        path = SPEED * PERIOD
+        tip = (path * math.cos(heading), path * math.sin(heading))
+        yield Advance(i * PERIOD, PERIOD, tip, turn)
+
+
+def start(mean: Mean | None = None) -> FilterState:
+    pose = FILTER.pose(mean or Mean(0.0, 0.0, 0.4))
+    return FILTER.start(StampedPose(0.0, pose))
+
+
+def followed(turn: float, seconds: float) -> tuple[FilterState, Mean]:
+    """State after pictures without errors of an object that turns by ``turn`` [rad/m],
+    and its true state.
+    """
+    true = Mean(0.0, 0.0, 0.4, turn)
+    state = start(true)
+    for i, advance in enumerate(advances(round(seconds / PERIOD)), start=1):
+        true = true.after(advance)
+        seen = StampedPose(advance.time, FILTER.pose(true)) if i % 8 == 0 else None
+        state = FILTER.step(state, advance, seen)
+    return state, true
+
+
+def off(pose: Pose2, by: float) -> Pose2:
+    return Pose2(pose.x + by, pose.y - by, pose.yaw + 0.5)
+
+
+@pytest.mark.parametrize("late", [1, 5, 30])
+def test_late_pictures_count_at_their_own_time(late: int) -> None:
+    """In the end the estimate is that of timely pictures."""
+    ticks = list(advances(200))
+    random = np.random.default_rng(3)
+    true = Mean(0.0, 0.0, 0.4, 1.0)
+    taken = {}
+    for i, advance in enumerate(ticks[:-late]):
+        true = true.after(advance)
+        if i % 8 == 0:
+            x, y, yaw = (FILTER.noise * random.normal(size=3)).tolist()
+            pose = FILTER.pose(true._replace(yaw=true.yaw + yaw))
+            taken[i] = StampedPose(
+                advance.time, Pose2(pose.x + x, pose.y + y, pose.yaw)
+            )
+    timely = start()
+    delayed = timely
+    for i, advance in enumerate(ticks):
+        timely = FILTER.step(timely, advance, taken.get(i))
+        delayed = FILTER.step(delayed, advance, taken.get(i - late))
+    assert delayed.present == pytest.approx(timely.present, abs=1e-12)
+    assert delayed.used == timely.used
+    np.testing.assert_allclose(delayed.covariance, timely.covariance, atol=1e-15)
+
+
+def test_a_picture_that_does_not_fit_does_not_move_the_estimate() -> None:
+    state, true = followed(0.0, 1.0)
+    advance = Advance(1.0 + PERIOD, PERIOD)
+    outlier = StampedPose(advance.time, off(FILTER.pose(true), 0.05))
+    after = FILTER.step(state, advance, outlier)
+    assert after.present == FILTER.step(state, advance, None).present
+    assert after.used == state.used
+
+
+def test_pictures_that_agree_replace_the_estimate() -> None:
+    state, true = followed(0.0, 1.0)
+    elsewhere = off(FILTER.pose(true), 0.05)
+    for i in range(1, STRANGERS + 1):
+        before = state.present
+        advance = Advance(1.0 + i * PERIOD, PERIOD)
+        seen = Pose2(elsewhere.x + 1e-4 * i, elsewhere.y, elsewhere.yaw)
+        state = FILTER.step(state, advance, StampedPose(advance.time, seen))
+        assert (state.present == before) == (i < STRANGERS)
+    there = FILTER.pose(state.present)
+    assert there.position == pytest.approx(elsewhere.position, abs=1e-3)
+
+
+def test_pictures_that_disagree_replace_nothing() -> None:
+    state, true = followed(0.0, 1.0)
+    before = state.present
+    for i in range(1, 3 * STRANGERS):
+        advance = Advance(1.0 + i * PERIOD, PERIOD)
+        elsewhere = off(FILTER.pose(true), 0.05 * (-1) ** i)
+        state = FILTER.step(state, advance, StampedPose(advance.time, elsewhere))
+    assert state.present == before
+
+
+def test_a_repeated_picture_is_no_news() -> None:
+    """Its stamp may be new: its pose still has the age of the first one."""
+    state, _ = followed(0.0, 1.0)
+    frozen = state.pose.X_WG
+    used = state.used
+    for i in range(1, 50):
+        advance = Advance(1.0 + i * PERIOD, PERIOD, (SPEED * PERIOD, 0.0))
+        alone = FILTER.step(state, advance, None).present
+        state = FILTER.step(state, advance, StampedPose(advance.time, frozen))
+        assert state.present == alone
+    assert state.used == used
+
+
+@pytest.mark.parametrize("turn", [-2.0, 1.0])
+def test_an_unknown_turn_for_each_path_is_learnt(turn: float) -> None:
+    state, true = followed(turn, 8.0)
+    assert state.mean.curve == pytest.approx(turn, rel=0.1)
+    blind = [Advance(8.0 + i * PERIOD, PERIOD, (2e-4, 0.0)) for i in range(1, 251)]
+    for advance in blind:  # 50 mm without a picture
+        true = true.after(advance)
+        state = FILTER.step(state, advance, None)
+    assert state.present.yaw == pytest.approx(true.yaw, abs=0.1 * abs(turn) * 0.05)
+
+
+def drawn(advance: Advance, true: Mean, random: np.random.Generator) -> Mean:
+    """Next state of an object that moves as the filter believes."""
+    path = math.hypot(*advance.tip)
+    growth = FILTER._growth([advance], path)
+    errors = np.sqrt(growth) * random.normal(size=5)
+    return Mean(*(np.array(true.after(advance)) + errors).tolist())
+
+
+def weighed_error(seed: int) -> float:
+    """Normalised squared error of the filter on its own model, after 2 s."""
+    random = np.random.default_rng(seed)
+    state = start()
+    P = state.covariance
+    root: Array = np.linalg.cholesky(P)
+    true = Mean(*(np.array(state.mean) + root @ random.normal(size=5)).tolist())
+    for i, advance in enumerate(advances(504, turn=2e-4), start=1):
+        true = drawn(advance, true, random)
+        seen = None
+        if i % 8 == 0:
+            pose = FILTER.pose(true)
+            x, y, yaw = (FILTER.noise * random.normal(size=3)).tolist()
+            seen = StampedPose(
+                advance.time, Pose2(pose.x + x, pose.y + y, pose.yaw + yaw)
+            )
+        state = FILTER.step(state, advance, seen)
+    error = np.array(true) - np.array(state.mean)
+    return float(error @ np.linalg.solve(state.covariance, error))
+
+
+def test_the_filter_knows_its_own_errors() -> None:
+    """The mean of squared errors over their covariance is in its 95 % band."""
+    runs = 50
+    mean = np.mean([weighed_error(seed) for seed in range(runs)])
+    lowest, highest = chi2.ppf((0.025, 0.975), 5 * runs) / runs
+    assert lowest < mean < highest
+
+
+class Led:
+    """An object that a tip leads along a curve, and that turns besides."""
+
+    def __init__(self) -> None:
+        self.time = 0.0
+        self.true = Mean(0.3, -0.1, 0.4, 1.5)
+
+    def read(self) -> StampedPose:
+        return StampedPose(self.time, FILTER.pose(self.true))
+
+
+def test_the_estimate_is_better_than_the_pictures() -> None:
+    raw = []
+    estimated = []
+    for seed in range(5):
+        led = Led()
+        camera = Camera(led, NOISY, np.random.default_rng(seed), PERIOD)
+        last = camera.read()
+        assert last is not None
+        state = FILTER.start(last)
+        for advance in advances(1500):
+            led.time = advance.time
+            led.true = led.true.after(advance)
+            seen = camera.read()
+            state = FILTER.step(state, advance, seen)
+            last = seen or last
+            true = FILTER.pose(led.true)
+            raw.append(difference(last.X_WG, true))
+            estimated.append(difference(FILTER.pose(state.present), true))
+    shares = rms(estimated) / rms(raw)
+    assert (shares < 0.7).all()
+
+
+def difference(pose: Pose2, true: Pose2) -> tuple[float, float]:
+    return (math.dist(pose.position, true.position), wrap_angle(pose.yaw - true.yaw))
+
+
+def rms(errors: list[tuple[float, float]]) -> Array:
+    """Root mean squares (2,) of errors of place [m] and yaw [rad]."""
+    out: Array = np.sqrt(np.mean(np.square(errors), axis=0))
+    return out
