@@ -41,6 +41,7 @@ from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.scene import Scene
+from pushpressslide.mechanics.squeeze import Squeeze
 from pushpressslide.modes import MODES
 from pushpressslide.rom.drives import (
     RearSteerDrive,
@@ -356,14 +357,14 @@ def _two_contacts(
     needed = _needed_wrenches(scene, segment, guides, truths, loads)
     forces = planned + (needed - planned @ maps) @ change.T
     squeeze = Squeeze(segment.contacts, forces, normals)
-    low, high, sliding = squeeze.range(truths.contact_friction)
+    low, high, sliding = squeeze.bounds(truths.contact_friction)
     excess = np.clip(0.0, low, high)
     fits = low <= high
     back = 0.0
     if all(contact.kind == "side" for contact in segment.contacts):
         back = margins.ARM.return_share * segment.profile.speed
     slid = _slid(query, segment, np.where(fits, np.abs(excess) / sliding, np.inf), back)
-    low, high, _ = squeeze.range(np.full(len(forces), believed))
+    low, high, _ = squeeze.bounds(np.full(len(forces), believed))
     return slid & (low <= high), slid & (low > high)
 
 
@@ -393,70 +394,3 @@ def _needed_wrenches(
     )
     twists = [guide.twist.moved_to((0.0, 0.0))[:3] for guide in guides]
     return surface.wrenches(np.array(twists))
-
-
-class Squeeze:
-    """Forces of two contacts, and what a squeeze between the contacts makes of them."""
-
-    def __init__(
-        self, contacts: Sequence[Contact], forces: Array, normals: Array
-    ) -> None:
-        """Take ``forces`` (n, m, 4) [N] in B, and ``normals`` (m, 2) [N] of presses."""
-        (ax, ay), (bx, by) = (contact.point for contact in contacts)
-        apart = math.hypot(bx - ax, by - ay) * math.sqrt(2.0)
-        direction = np.array([(bx - ax) / apart, (by - ay) / apart])
-        self._parts = (
-            (contacts[0], forces[..., :2], direction, normals[:, 0]),
-            (contacts[1], forces[..., 2:], -direction, normals[:, 1]),
-        )
-
-    def range(self, friction: Array) -> tuple[Array, Array, Array]:
-        """Least and largest squeeze (n, m) [N] for which both forces are in their cones
-        of ``friction`` (n,), and the share of the squeeze that acts along the slip of
-        the contact whose cone is left first.
-        """
-        first, second = (_bounds(*part, friction[:, None]) for part in self._parts)
-        low = np.maximum(first[0], second[0])
-        high = np.minimum(first[1], second[1])
-        beyond = [np.maximum(one[0], -one[1]) for one in (first, second)]
-        sliding = np.where(beyond[0] > beyond[1], first[2], second[2])
-        return low, high, sliding
-
-
-def _bounds(
-    contact: Contact, forces: Array, direction: Array, normals: Array, friction: Array
-) -> tuple[Array, Array, float]:
-    """Least and largest squeeze (n, m) for which one force is in its cone, and the
-    share of the squeeze along its slip.
-    """
-    if contact.kind == "top":
-        return _disc_bounds(forces, direction, friction * normals)
-    nx, ny = contact.normal
-    axes = np.array([(nx, -ny), (ny, nx)])
-    force = forces @ axes
-    along = direction @ axes
-    low = np.full(force.shape[:2], -np.inf)
-    high = np.full(force.shape[:2], np.inf)
-    for side in (1.0, -1.0):  # side f_t <= mu f_n
-        rest = friction * force[..., 0] - side * force[..., 1]
-        rate = side * along[1] - friction * along[0]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            bound = rest / rate
-        high = np.where(rate > 0.0, np.minimum(high, bound), high)
-        low = np.where(rate < 0.0, np.maximum(low, bound), low)
-        never = (rate == 0.0) & (rest < 0.0)
-        low = np.where(never, np.inf, low)
-    return low, high, abs(float(along[1]))
-
-
-def _disc_bounds(
-    forces: Array, direction: Array, limits: Array
-) -> tuple[Array, Array, float]:
-    """``_bounds`` of a press with a friction of ``limits`` (n, m) [N]."""
-    size = float(direction @ direction)
-    middle = -(forces @ direction) / size
-    rest = (forces**2).sum(axis=-1) - size * middle**2
-    square = (limits**2 - rest) / size
-    half = np.sqrt(np.maximum(square, 0.0))
-    low = np.where(square < 0.0, np.inf, middle - half)
-    return low, middle + half, math.sqrt(size)
