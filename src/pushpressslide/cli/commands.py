@@ -153,6 +153,14 @@ class PlanOptions:
             "JointTrajectory in .yaml; takes seconds.",
         ),
     ] = None
+    odds: Annotated[
+        bool,
+        typer.Option(
+            "--odds",
+            help="Also the chance to arrive without a recovery, over 500 truths within "
+            "the errors that the belief states, and what fails first.",
+        ),
+    ] = False
     force: Force = False
 
 
@@ -162,6 +170,7 @@ def plan(options: PlanOptions) -> None:
 
     Joint paths are planned for --trajectory alone.
     """
+    from pushpressslide.cli.odds import odds_text, plan_odds
     from pushpressslide.cli.tables import JOINT_PATHS
     from pushpressslide.jobs.remedy import remedies_named
     from pushpressslide.jobs.stages import planned_part
@@ -179,10 +188,16 @@ def plan(options: PlanOptions) -> None:
     (folder / "plan.json").unlink(missing_ok=True)  # an existing file is complete
     data, *pictures = write_plans(task, stages, folder)
     lines = [JOINT_PATHS] if file is None else _write_trajectory(task, planned, file)
+    figures = [plan_odds(stage.plan) for stage in stages] if options.odds else []
     if options.as_json:
-        print_json(stages_to_dict(task, stages))
+        made = stages_to_dict(task, stages)
+        for part, one in zip(made["stages"], figures, strict=False):
+            part["odds"] = one
+        print_json(made)
         return
     _print_stages(task, stages)
+    for one in figures:
+        print_text(odds_text(one), 4)
     for line in (*lines, *pictures, data):
         typer.echo(line)
 

@@ -219,6 +219,12 @@ class Motion:
         "m",
         "(0, 1]",
     )
+    risk: float | None = setting(
+        None,
+        "choices whose odds fall short of the best by more than this rank last, whatever "
+        "their time; null: choices rank by time alone",
+        within="(0, 1]",
+    )
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -478,6 +478,13 @@ class Belief:
         "m",
         "[0, 0.5]",
     )
+    # for odds alone
+    mass_error: float = setting(
+        0.0,
+        "share by which the mass may be wrong, up or down; only `pps plan --odds` and "
+        "`motion.risk` use it",
+        within="[0, 0.9]",
+    )
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -500,6 +507,7 @@ class Scene:
     rho: float | None = None  # [m] of the limit surface; None: that of the shape
     friction_error: float = 0.0  # relative error of both frictions
     center_error: float = 0.0  # [m] uncertainty of the centre of mass
+    mass_error: float = 0.0  # relative error of the mass
     arm: int | None = None  # the only arm that may touch the body; None: any
 
     def __post_init__(self) -> None:

@@ -210,6 +210,7 @@ class Task:
             scene.rho,
             scene.friction_error,
             scene.center_error,
+            scene.mass_error,
         )
 
     @cached_property
@@ -229,6 +230,7 @@ class Task:
             belief.rho,
             belief.friction_error,
             belief.center_error,
+            belief.mass_error,
             self.motion.only_arm,
         )
 

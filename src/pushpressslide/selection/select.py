@@ -24,6 +24,7 @@ from pushpressslide.modes import MODES
 from pushpressslide.modes.base import ENOUGH, Feasibility, Mode, ranking_key
 from pushpressslide.planning.either_arm import nearest_arms
 from pushpressslide.selection.clearance import path_refusal
+from pushpressslide.selection.odds import ranked_by_odds
 
 MANY = 3 * ENOUGH
 """Number of choices per mode that are evaluated if the first ones have no joint paths.
@@ -78,7 +79,7 @@ def placements(
         ahead = _select_leg(part, leg, enough)
         lengthened = [_lengthened(choice, ahead) for choice in groups[-1]]
         if any(choice.feasible for choice in lengthened):
-            groups[-1] = _ranked(lengthened)
+            groups[-1] = ranked_by_odds(queries, _ranked(lengthened))
             continue
         if not part.scene.carried(part.start):
             ahead = [choice.refused(choice.refusal or FALLS) for choice in ahead]
@@ -159,6 +160,8 @@ def _select(
     out: list[Choice] = []
     scene = query.scene
     arms = len(scene.arms)
+    if query.motion.risk is not None:  # the quickest may have poor odds
+        enough = max(enough, ENOUGH)
     for name in MODES if query.modes is None else query.modes:
         mode = MODES[name]
         if mode.arms > arms:
@@ -177,7 +180,7 @@ def _select(
                 out += mode.choices(
                     part, enough, Feasibility(part, _blocks(part), held_contacts)
                 )
-    return _ranked(out)
+    return ranked_by_odds((query,), _ranked(out))
 
 
 def _by_tip(query: MotionQuery, mode: Mode[Any]) -> list[MotionQuery]:
