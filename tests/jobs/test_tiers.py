@@ -1,0 +1,105 @@
+"""Worlds of the tiers, and what is tried where the stated belief refuses."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from pushpressslide.core.errors import InfeasibleTaskError, TaskError
+from pushpressslide.core.sensing import Sensing
+from pushpressslide.core.task import Task
+from pushpressslide.core.truth import EXACT, Truth
+from pushpressslide.jobs.hopes import hopeful_runner, hopes
+from pushpressslide.jobs.run import simulate
+from pushpressslide.jobs.stages import StageOptions, StageRunner
+from pushpressslide.jobs.tiers import TIERS, drawn_world
+from pushpressslide.taskfile.load import dump_task, load_task, task_from_data
+from pushpressslide.taskfile.yaml_text import parse_yaml
+
+PUSH = "rear-push-rear"
+
+
+def at_tier(name: str, task: str = PUSH) -> Task:
+    return load_task(task, [f"truth={name}"])
+
+
+def test_a_task_without_a_tier_stays_as_it_is() -> None:
+    task = load_task(PUSH)
+    assert drawn_world(task, 3, "drake") is task
+
+
+@pytest.mark.parametrize("name", list(TIERS))
+def test_the_truth_of_the_object_stays_and_beliefs_are_within_the_tier(
+    name: str,
+) -> None:
+    task = at_tier(name)
+    tier = TIERS[name]
+    ratios = []
+    for seed in range(60):
+        drawn = drawn_world(task, seed, "drake")
+        assert (drawn.object, drawn.support) == (task.object, task.support)
+        belief = drawn.belief
+        assert belief.mass is not None
+        assert belief.support_friction is not None
+        ratios.append(task.object.mass / belief.mass)
+        low, high = tier.support
+        share = task.support.friction / belief.support_friction
+        assert low - 1e-9 <= share <= high + 1e-9
+        assert math.hypot(*drawn.center_error) <= belief.center_error + 1e-12
+        bias = math.hypot(*drawn.sensing.position_bias)
+        assert bias == pytest.approx(tier.position_bias)
+    low, high = tier.mass
+    assert low <= min(ratios) < 1.0 - 0.5 * (1.0 - low)
+    assert 1.0 + 0.5 * (high - 1.0) < max(ratios) <= high
+
+
+def test_the_same_seed_draws_the_same_world() -> None:
+    task = at_tier("tier3")
+    assert drawn_world(task, 4, "drake") == drawn_world(task, 4, "drake")
+    assert drawn_world(task, 4, "drake") != drawn_world(task, 5, "drake")
+
+
+def test_what_an_engine_or_an_arm_does_not_have_is_left_out() -> None:
+    task = at_tier("tier2")
+    assert drawn_world(task, 0, "drake").truth.link_mass != 1.0
+    planar = drawn_world(task, 0, "planar").truth
+    assert planar == planar.for_tips()
+    assert planar != EXACT
+    robots = tuple(replace(one, interface="velocity") for one in task.robots)
+    servo = drawn_world(replace(task, robots=robots), 0, "drake").truth
+    assert servo == servo.for_servos()
+
+
+def test_a_file_names_a_tier_in_one_word() -> None:
+    task = at_tier("tier2")
+    assert task.truth == Truth(tier="tier2")
+    assert task_from_data(parse_yaml(dump_task(task), "again"), "again").truth == task.truth
+    with pytest.raises(TaskError, match=r"truth\.tier"):
+        at_tier("tier4")
+
+
+def test_a_refusal_within_the_errors_of_the_belief_is_tried() -> None:
+    """A press needs a grip that the belief denies and its error allows."""
+    task = load_task("press-slide", ["belief.contact_friction=0.16"])
+    with pytest.raises(InfeasibleTaskError) as refused:
+        StageRunner(task, StageOptions("planar"))
+    hopeful = replace(task, belief=replace(task.belief, friction_error=0.5))
+    assert len(list(hopes(task))) == 1
+    assert len(list(hopes(hopeful))) == 3
+    hopeful_runner(hopeful, StageOptions("planar"))
+    with pytest.raises(InfeasibleTaskError) as again:
+        hopeful_runner(task, StageOptions("planar"))
+    assert str(again.value) == str(refused.value)
+
+
+def test_a_push_arrives_in_the_second_tier() -> None:
+    plan, record, _ = simulate(at_tier("tier2"), engine="planar", seed=1)
+    assert plan.task.sensing != Sensing()
+    assert record.reason == "goal_reached"
+    x, y, yaw = record.arrays["object_pose"][-1].tolist()
+    bias_x, bias_y = plan.task.sensing.position_bias
+    goal = plan.task.goal
+    assert math.hypot(x + bias_x - goal.x, y + bias_y - goal.y) < 0.01
+    assert abs(math.remainder(yaw - goal.yaw, math.tau)) < math.radians(2.0)
