@@ -116,11 +116,12 @@ FAULTS: dict[str, Callable[[], Truth]] = {
     "masses": lambda: Truth(link_mass=1.2),
     "friction": lambda: Truth(coulomb_friction=0.03, viscous_friction=0.05),
     "motors": lambda: Truth(torque_scale=0.1),
+    "lateness": lambda: Truth(command_delay=0.008),
 }
 
 
 @pytest.mark.parametrize("fault", FAULTS)
-def test_a_push_reaches_its_goal_with_unexplained_torques(fault: str) -> None:
+def test_a_push_reaches_its_goal_with_an_arm_not_as_believed(fault: str) -> None:
     record = run_of(FAULTS[fault]())
     x, y, yaw = record.arrays["object_pose"][-1]
     goal = PLAN.task.goal

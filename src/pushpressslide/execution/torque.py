@@ -95,10 +95,11 @@ def held_for_a_tick(impedance: Impedance, M: Array, largest_share: float) -> Arr
     The dampers define decoupled motions of the arm, each with a damper D and an inertia
     m. During a tick of length h, a constant torque would change the speed of such a
     motion by the fraction x = h D / m. For a light joint x may be above 1: the motion
-    would reverse and gain energy. If x is above the ``largest_share`` (``steady_share``), the
-    torque is multiplied by share / x. If it is below, as on a heavy arm that an object holds
-    back, the torque is unchanged. (The implicit Euler method, 1 / (1 + x), lets that
-    arm lag by a quarter more.) Springs add h^2 K / m to x.
+    would reverse and gain energy. If x is above the ``largest_share``
+    (``steady_share``), the torque is multiplied by that share over x. If it is below,
+    as on a heavy arm that an object holds back, the torque is unchanged. (The implicit
+    Euler method, 1 / (1 + x), lets that arm lag by a quarter more.) Springs add h^2 K /
+    m to x.
     """
     torque, added = impedance
     added = added / largest_share
