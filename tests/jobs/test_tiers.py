@@ -75,7 +75,10 @@ def test_what_an_engine_or_an_arm_does_not_have_is_left_out() -> None:
 def test_a_file_names_a_tier_in_one_word() -> None:
     task = at_tier("tier2")
     assert task.truth == Truth(tier="tier2")
-    assert task_from_data(parse_yaml(dump_task(task), "again"), "again").truth == task.truth
+    assert (
+        task_from_data(parse_yaml(dump_task(task), "again"), "again").truth
+        == task.truth
+    )
     with pytest.raises(TaskError, match=r"truth\.tier"):
         at_tier("tier4")
 
