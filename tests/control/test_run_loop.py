@@ -182,6 +182,15 @@ class Script:
         phase = PhaseState(self.phase, measurement.time, ())
         return Line(phase, Followed(self.segments[0]))
 
+    def untouched(self, state: Line) -> tuple[int, ...]:
+        return ()
+
+    def filtered_pose(self, state: Line) -> Pose2:
+        return Pose2()
+
+    def missed(self, state: Line, pose: Pose2) -> None:
+        """Nothing is missed."""
+
     def normal_forces(self, state: Line, measurement: Measurement) -> list[float]:
         return [-tip.force[2] for tip in measurement.tips]
 
