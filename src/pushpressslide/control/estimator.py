@@ -92,6 +92,7 @@ class Filtered(NamedTuple):
     filter: PoseFilter
     state: FilterState
     tip: Point  # [m] of the first contact at the last tick
+    spread: tuple[float, float]  # [m], [rad] standard deviations of place and yaw
 
     @property
     def X_WG(self) -> Pose2:
@@ -107,7 +108,10 @@ class Filtered(NamedTuple):
             turn = observation.commanded_twist.w * dt
             advance = advance._replace(tip=moved, turn=turn)
         state = self.filter.step(self.state, advance, observation.pose)
-        return Filtered(self.filter, state, tip)
+        spread = self.spread
+        if state.covariance is not self.state.covariance:
+            spread = self.filter.spread(state)
+        return Filtered(self.filter, state, tip, spread)
 
 
 class ObjectEstimator:
@@ -142,7 +146,7 @@ class ObjectEstimator:
             filtered = self._filtered(state, observation)
             X_WG = filtered.X_WG
             used = filtered.state.used
-            spread = filtered.filter.spread(filtered.state)
+            spread = filtered.spread
         predicted = observation.prediction
         axle = state.axle
         center = state.center
@@ -168,8 +172,8 @@ class ObjectEstimator:
         own = PoseFilter.for_sensing(
             self._sensing, self._X_GB.apply(contact.point), self._radius
         )
-        started = own.start(state.pose, state.pose.pictures)
-        return Filtered(own, started, _first_tip(observation))
+        started = own.start(state.pose)
+        return Filtered(own, started, _first_tip(observation), own.spread(started))
 
     def _pose(self, state: EstimatorState, observation: Observation) -> Pose2:
         """X_WG predicted from the motion since the last tick.

@@ -1,7 +1,8 @@
 """A force-driven ball that disturbs the object during contact.
 
 It touches nothing but the object, and waits out of sight. When its knock is due, the
-ball flies to the object's side, pushes it aside at low height, and leaves. The object moves by its contact force alone.
+ball flies to the object's side, pushes it aside at low height, and leaves. The object
+moves by its contact force alone.
 """
 
 from __future__ import annotations

@@ -68,9 +68,7 @@ class Law:
         X_WB = instant.X_WB
         binding = following.binding
         segment = binding.segment
-        speed = self.speed(following, instant.time)
-        if instant.pace < 1.0:
-            speed *= instant.pace
+        speed = instant.pace * self.speed(following, instant.time)
         if self.pace is not None:
             speed = min(speed, self.pace.speed_at(following.joint_progress(X_WB)))
 

@@ -99,12 +99,11 @@ class PoseFilter:
         yaw = correlated * max(sensing.yaw_noise, LEAST_YAW_NOISE)
         return cls(point, radius, np.array((place, place, yaw)))
 
-    def start(self, pose: StampedPose, pictures: int = 1) -> FilterState:
-        """State with the object at the mean ``pose`` of a number of ``pictures``."""
+    def start(self, pose: StampedPose) -> FilterState:
+        """State with the object at ``pose``, the middle of its pictures."""
         mean = self._mean_at(pose.X_WG)
-        return FilterState(
-            pose, pose.time, mean, self._prior(pose.X_WG, pictures), mean
-        )
+        prior = self._prior(pose.X_WG, pose.pictures)
+        return FilterState(pose, pose.time, mean, prior, mean)
 
     def pose(self, mean: Mean) -> Pose2:
         """X_WG of a ``mean``."""

@@ -340,7 +340,8 @@ class RunLoop:
             return self.approach.step(measurement.time)
         if self.state is not None:
             untouched = self.controller.untouched(self.state)
-            self.tare.add(self.raw, [i in untouched for i in range(len(self.raw))])
+            if untouched:
+                self.tare.add(self.raw, [i in untouched for i in range(len(self.raw))])
         if self.state is None:
             looked = self._looked(measurement)
             self.state = self.controller.init(looked, self.approach.held)

@@ -121,10 +121,8 @@ class ArmExecutor:
     _tracking: Gains = field(init=False)
     _largest_share: float = field(init=False)  # share of a speed that a tick may take
     _share: PostureShare | None = None  # share of the joints at the last update
-    _persisting: Point = (
-        0.0,
-        0.0,
-    )  # [m/s^2] mean acceleration to catch up, see HELD_BACK
+    # [m/s^2] mean acceleration to catch up, see HELD_BACK
+    _persisting: Point = (0.0, 0.0)
 
     def __post_init__(self) -> None:
         self._torque_limits = tuple(self.effort.tolist())

@@ -13,9 +13,7 @@ from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.scene import Belief
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.stages import StageOptions, StageRunner
-from pushpressslide.jobs.tiers import drawn_world
-
-MOST_FRICTION = 1.9
+from pushpressslide.jobs.tiers import FRICTION, drawn_world
 
 
 def hopes(task: Task) -> Iterator[Task]:
@@ -34,13 +32,14 @@ def hopes(task: Task) -> Iterator[Task]:
 def _favourable(task: Task, error: float) -> Belief:
     """Belief in less drag and more grip, by a share ``error``."""
     full = task.full_belief
+    _, most = FRICTION
     assert full.support_friction is not None
     assert full.contact_friction is not None
     assert full.mass is not None
     return replace(
         task.belief,
         support_friction=(1.0 - error) * full.support_friction,
-        contact_friction=min((1.0 + error) * full.contact_friction, MOST_FRICTION),
+        contact_friction=min((1.0 + error) * full.contact_friction, most),
         mass=(1.0 - error) * full.mass,
         friction_error=0.0,
         center_error=0.0,

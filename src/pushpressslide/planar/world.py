@@ -102,9 +102,9 @@ class _Reach(NamedTuple):
 class World:
     """True state of a task's object on its support, and of the tips.
 
-    The object has no inertia unless it is pushed, and the tips have no mass: a tip exerts the force that its
-    command demands at the tip's velocity. The cap of the tip's servo is ignored, since
-    it only limits the effect of an arm's inertia. A tip touches at a point, and its
+    The object has no inertia unless it is pushed, and the tips have no mass: a tip
+    exerts the force that its command demands at the tip's velocity. The cap of the
+    tip's servo is ignored, since it only limits the effect of an arm's inertia. A tip touches at a point, and its
     friction acts in the plane. The object passes through obstacles, except that a fixed
     obstacle on a wall carries an object standing on it. An object level with an opening
     rests in it.
