@@ -23,11 +23,6 @@ class Truth:
     are drawn for each joint with the run's seed. Of a slide, a radian is a metre.
     """
 
-    tier: TierName | None = setting(
-        None,
-        "a whole world drawn by the run's seed, in place of `belief`, `sensing` and all "
-        "fields of `truth`; `truth: tier2` for short",
-    )
     arm_base: Point = setting(
         (0.0, 0.0),
         "true position of each base minus the believed one, along the world's x and y",
@@ -83,6 +78,11 @@ class Truth:
         "probability that the command of a control period does not reach the arm, which "
         "goes on with the last one",
         within="[0, 0.5]",
+    )
+    tier: TierName | None = setting(
+        None,
+        "a whole world drawn by the run's seed, in place of `belief`, `sensing` and all "
+        "fields of `truth`; `truth: tier2` for short",
     )
 
     def __post_init__(self) -> None:
