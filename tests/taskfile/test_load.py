@@ -11,6 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from pushpressslide.core.errors import TaskError
+from pushpressslide.core.margins import LATEST_TORQUE
 from pushpressslide.core.motion import Vehicle
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import (
@@ -80,6 +81,8 @@ def shapes(draw: st.DrawFn) -> dict[str, Any]:
 @st.composite
 def task_dicts(draw: st.DrawFn) -> dict[str, Any]:
     maybe = st.none() | frictions
+    interface = draw(st.sampled_from(["torque", "velocity", "position"]))
+    latest = LATEST_TORQUE if interface == "torque" else 0.5
     return {
         "name": draw(st.from_regex(r"[A-Za-z][A-Za-z0-9_.-]{0,20}", fullmatch=True)),
         "description": draw(texts),
@@ -105,10 +108,10 @@ def task_dicts(draw: st.DrawFn) -> dict[str, Any]:
                 "model": draw(st.sampled_from(["hand", "hand", "panda"])),
                 "base": {"yaw_deg": draw(angles)},
                 "tip_radius": draw(sizes) / 3,
-                "interface": draw(st.sampled_from(["torque", "velocity", "position"])),
+                "interface": interface,
                 "rate": draw(reals(20, 2000)),
                 "lag": draw(reals(0, 0.5)),
-                "delay": draw(reals(0, 0.5)),
+                "delay": draw(reals(0, latest)),
             }
         ],
         "obstacles": [
