@@ -242,7 +242,7 @@ class Controller:
         dt = time - state.estimate.time
         blind = self.placement.looks and estimate.age > self.longest_blind
         rests = blind or state.watches.looked is not None
-        pace = 0.0 if rests else self.placement.pace(estimate.spread)
+        pace = 0.0 if rests else self._pace(following, estimate)
         instant = Instant(time, dt, X_WG, X_WG.compose(self.X_GB), tips, pace)
         if blind and phase.name == "move":
             following = following.delayed(dt)
@@ -250,6 +250,12 @@ class Controller:
             phase, following, estimate, estimator, state.adaptation, state.watches
         )
         return estimated, instant
+
+    def _pace(self, following: Following, estimate: Estimate) -> float:
+        """Share of the planned speed that the estimated pose allows."""
+        ahead = (segment.path.length for segment in following.ahead)
+        left = following.left + math.fsum(ahead)
+        return self.placement.pace(estimate.spread, left)
 
     def _log(
         self, state: ControllerState, time: float, decision: Decision | None

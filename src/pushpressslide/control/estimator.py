@@ -8,6 +8,7 @@ functions of ``Estimator``.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
 
 from pushpressslide.control.correction import touched_point
@@ -15,24 +16,28 @@ from pushpressslide.control.following import BoundLaws, Prediction
 from pushpressslide.control.pose_filter import Advance, FilterState, PoseFilter
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import Measurement, TipState
-from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.plan import Segment
+from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.sensing import Sensing
 from pushpressslide.core.twist_path import integrate
 from pushpressslide.core.wrench import Twist
-from pushpressslide.identification.center import CenterState
+from pushpressslide.identification.center import SURE, CenterState
 from pushpressslide.identification.online import AxleState
 from pushpressslide.identification.parameter_estimates import (
     NOTHING,
     ParameterEstimates,
 )
 from pushpressslide.kernels.leading import corrected
+from pushpressslide.modes import MODES
 
 # [m], [rad] of noise that may remain in the object's pose: the mean of as many
 # measurements as it takes, up to 1 / LEAST_GAIN
 POSE_NOISE = 2e-4
 YAW_NOISE = math.radians(0.08)
 LEAST_GAIN = 0.1
+STEEPEST = math.atan(0.5)  # [rad] of the line to the centre of friction from the belief
+OFF_REACH = 0.15  # share by which an axle is off before it contradicts the plan
 NO_TWIST = Twist(0.0, 0.0, 0.0)
 
 
@@ -91,7 +96,7 @@ class Filtered(NamedTuple):
 
     filter: PoseFilter
     state: FilterState
-    tip: Point  # [m] of the first contact at the last tick
+    tips: tuple[Point, ...]  # [m] of the contacts at the last tick
     spread: tuple[float, float]  # [m], [rad] standard deviations of place and yaw
 
     @property
@@ -101,17 +106,46 @@ class Filtered(NamedTuple):
 
     def step(self, observation: Observation, dt: float) -> Filtered:
         """The filter after a tick of ``dt`` [s]."""
-        tip = _first_tip(observation)
+        tips = _tips(observation)
         advance = Advance(observation.time, dt, disturbed=observation.disturbed)
         if observation.driven:
-            moved = (tip[0] - self.tip[0], tip[1] - self.tip[1])
-            turn = observation.commanded_twist.w * dt
-            advance = advance._replace(tip=moved, turn=turn)
+            (x, y), (before_x, before_y) = tips[0], self.tips[0]
+            moved = (x - before_x, y - before_y)
+            advance = advance._replace(tip=moved, turn=_turn(self.tips, tips))
         state = self.filter.step(self.state, advance, observation.pose)
         spread = self.spread
         if state.covariance is not self.state.covariance:
             spread = self.filter.spread(state)
-        return Filtered(self.filter, state, tip, spread)
+        return Filtered(self.filter, state, tips, spread)
+
+    def center(self, before: CenterState, segment: Segment, X_BG: Pose2) -> CenterState:
+        """``before`` with the centre of mass where the turns of the object show it,
+        across the line from the origin of B to the only contact.
+        """
+        contacts = segment.contacts
+        if len(contacts) > 1 or contacts[0].point == (0.0, 0.0):
+            return before
+        x, y = contacts[0].point
+        angle, deviation = self.filter.line(self.state)
+        off = wrap_angle(angle + X_BG.yaw - math.atan2(y, x))
+        share = -math.tan(min(max(off, -STEEPEST), STEEPEST))
+        center = (-share * y, share * x)
+        return before._replace(center=center, off=deviation, filtered=True)
+
+    def with_reach(
+        self, found: ParameterEstimates, segment: Segment
+    ) -> ParameterEstimates:
+        """Estimates ``found`` with the distance from the contact to the axle, if it
+        contradicts that of a followed ``segment``.
+        """
+        planned = MODES[segment.mode].reach(segment)
+        if planned is None:
+            return found
+        reach, deviation = self.filter.reach(self.state)
+        allowed = max(OFF_REACH * planned, SURE * deviation)
+        if abs(reach - planned) < allowed:
+            return found
+        return found._replace(reach=reach, elsewhere=True)
 
 
 class ObjectEstimator:
@@ -126,6 +160,7 @@ class ObjectEstimator:
         self._gain = pose_gain(query.sensing)
         self._sensing = query.sensing
         self._radius = query.scene.body.radius
+        self._center_error = query.scene.center_error
 
     def start(self, pose: StampedPose) -> EstimatorState:
         """State without identified parameters."""
@@ -156,8 +191,12 @@ class ObjectEstimator:
         if observation.driven:
             X_WB = X_WG.compose(self._X_GB)
             axle, center = _identified(axle, center, X_WB, observation)
+        if filtered is not None:
+            center = filtered.center(center, observation.binding.segment, self._X_BG)
         if observation.driven or predicted is not state.prediction:
             found = _estimates(predicted, axle, center)
+            if filtered is not None:
+                found = filtered.with_reach(found, observation.binding.segment)
         twist = observation.commanded_twist
         estimate = Estimate(time, X_WG, twist, found, time - used, spread)
         return estimate, EstimatorState(
@@ -168,12 +207,20 @@ class ObjectEstimator:
         """The filter after a tick. It starts at the first tick of a placement."""
         if state.filtered is not None:
             return state.filtered.step(observation, observation.time - state.time)
-        contact = observation.binding.segment.contacts[0]
+        segment = observation.binding.segment
+        contacts = segment.contacts
+        arm, doubt = (0.0, 0.0), 0.0
+        if len(contacts) == 1:
+            arm, doubt = _turn_arm(segment, self._center_error)
         own = PoseFilter.for_sensing(
-            self._sensing, self._X_GB.apply(contact.point), self._radius
+            self._sensing,
+            self._X_GB.apply(contacts[0].point),
+            self._radius,
+            self._X_GB.rotate(arm),
+            doubt,
         )
         started = own.start(state.pose)
-        return Filtered(own, started, _first_tip(observation), own.spread(started))
+        return Filtered(own, started, _tips(observation), own.spread(started))
 
     def _pose(self, state: EstimatorState, observation: Observation) -> Pose2:
         """X_WG predicted from the motion since the last tick.
@@ -223,11 +270,34 @@ def stamped(measurement: Measurement) -> StampedPose:
     )
 
 
-def _first_tip(observation: Observation) -> Point:
-    """Place [m] of the tip at the first contact."""
-    contact = observation.binding.segment.contacts[0]
-    x, y, _ = observation.tips[contact.arm].position
-    return (x, y)
+def _tips(observation: Observation) -> tuple[Point, ...]:
+    """Places [m] of the tips at the contacts."""
+    contacts = observation.binding.segment.contacts
+    places = (observation.tips[contact.arm].position for contact in contacts)
+    return tuple((x, y) for x, y, _ in places)
+
+
+def _turn(before: Sequence[Point], now: Sequence[Point]) -> float:
+    """Turn [rad] of the line from the first tip to the second. 0 of a single tip."""
+    if len(now) == 1:
+        return 0.0
+    was, is_now = (
+        math.atan2(second[1] - first[1], second[0] - first[0])
+        for first, second, *_ in (before, now)
+    )
+    return wrap_angle(is_now - was)
+
+
+def _turn_arm(segment: Segment, center_error: float) -> tuple[Point, float]:
+    """Believed turn arm [rad/m] in B of a segment's only contact, and the standard
+    deviation that an error [m] of the centre of mass gives it.
+    """
+    drive = segment.drive
+    x, y = segment.contacts[0].point
+    lever = (x - drive.center[0], y - drive.center[1])
+    rho = drive.rho or 0.0
+    square = rho * rho + lever[0] ** 2 + lever[1] ** 2
+    return (lever[0] / square, lever[1] / square), center_error / square
 
 
 def _carried_over(
@@ -283,4 +353,6 @@ def _estimates(
         if not elsewhere:  # the plan is not contradicted
             place = followed
     rho = None if identified is None else identified.rho
-    return ParameterEstimates(identified, rho, axle.drag, place, elsewhere)
+    return ParameterEstimates(
+        identified, rho, axle.drag, place, center.off, elsewhere=elsewhere
+    )

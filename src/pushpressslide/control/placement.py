@@ -76,15 +76,15 @@ class Placement:
         query = self.queries[segment.leg]
         return bind_laws(self.scene, segment, self._tracker(query, segment))
 
-    def pace(self, spread: tuple[float, float]) -> float:
-        """Share of the planned speed at which an object may be led whose pose is known
-        with the standard deviations ``spread`` [m], [rad]: a slower one shows itself in
-        more pictures.
+    def pace(self, spread: tuple[float, float], left: float) -> float:
+        """Share of the planned speed at which an object may be led, with ``left`` [m] of
+        its way to go, whose pose is known with the standard deviations ``spread`` [m],
+        [rad]: a slower one shows itself in more pictures.
         """
         unsure = self.unsure(spread)
-        if unsure <= margins.PACED:
-            return 1.0
-        return max(margins.PACED / unsure, margins.SLOWEST)
+        near = left < margins.ARM.slow_way
+        allowed = margins.PACED if near else margins.PACED_AHEAD
+        return 1.0 if unsure <= allowed else max(allowed / unsure, margins.SLOWEST)
 
     def unsure(self, spread: tuple[float, float]) -> float:
         """Standard deviations ``spread`` [m], [rad] of a pose, as a share of the last

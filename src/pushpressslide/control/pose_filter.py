@@ -1,11 +1,14 @@
 """Filter of the object's pose: predicted by the motion of a tip, corrected by pictures at
 their own time.
 
-The state is the place of a body-fixed point C at the first contact, the yaw, and two
-errors of the prediction: turn per path of C, and the share of the tip's motion that C
-does not follow. C moves with the tip while the contact sticks, however the object
-turns, so that an unknown turn does not spoil its place. Pictures that do not fit are
-ignored, unless three in a row agree with each other.
+The state is the place of a body-fixed point C at the first contact, the yaw, the turn
+arm (a, b) and the share of the tip's motion that C does not follow. C moves with the tip
+while the contact sticks, however the object turns. Sliding on an ellipsoid of friction,
+with C at r from the centre of friction, an object turns by (r x d) / (rho^2 + r^2) while
+C moves by d (docs/mechanics.md, section 2): by a d_y - b d_x in the body's axes. So the
+pictures of a motion tell the direction from the centre of friction to the contact,
+without any force. Pictures that do not fit are ignored, unless three in a row agree with
+each other.
 """
 
 from __future__ import annotations
@@ -26,12 +29,12 @@ LEAST_NOISE = 2e-4  # [m]
 LEAST_YAW_NOISE = math.radians(0.08)
 # growth of the uncertainty with the square root of time
 DISTURBED = (1e-3, math.radians(0.5))  # [m], [rad] in 1 s, while tips touch or let go
-STILL = (2e-4, math.radians(0.1))  # the same of an object that is held, or left alone
+STILL = (1e-4, math.radians(0.03))  # the same of an object that is held, or left alone
 # growth with the square root of the tip's path
 SLIPPED = (4.5e-3, math.radians(2.2))  # [m], [rad] in 1 m
-CURVE = 0.2
-"""Standard deviation of the turn per path, times the radius of the object."""
-CURVE_LENGTH = 0.4  # [m] of path after which it may be another
+ARM = 0.2
+"""Standard deviation of the turn arm, times the radius of the object."""
+ARM_LENGTH = 0.4  # [m] of path after which it may be another
 SLIP = 0.15
 """Standard deviation of the share of its motion by which a tip slips."""
 SLIP_LENGTH = 0.05  # [m] of path after which it may be another
@@ -49,7 +52,7 @@ class Advance(NamedTuple):
     time: float  # [s] at its end
     dt: float  # [s]
     tip: Point = (0.0, 0.0)  # [m] displacement of the tip, world
-    turn: float = 0.0  # [rad] of the object, as commanded
+    turn: float = 0.0  # [rad] of the object, as several tips turn it
     disturbed: bool = False  # whether tips may move it besides
 
 
@@ -59,15 +62,25 @@ class Mean(NamedTuple):
     x: float  # [m]
     y: float  # [m]
     yaw: float  # [rad]
-    curve: float = 0.0  # [rad/m]
+    a: float = 0.0  # [rad/m] turn arm along the body's x and y
+    b: float = 0.0
     slip: float = 0.0
 
     def after(self, advance: Advance) -> Mean:
         """The mean after a predicted motion."""
-        dx, dy = advance.tip
+        wx, wy = advance.tip
+        c = math.cos(self.yaw)
+        s = math.sin(self.yaw)
+        turn = advance.turn + self.a * (c * wy - s * wx) - self.b * (c * wx + s * wy)
         kept = 1.0 - self.slip
-        yaw = self.yaw + kept * advance.turn + self.curve * math.hypot(dx, dy)
-        return Mean(self.x + kept * dx, self.y + kept * dy, yaw, self.curve, self.slip)
+        return Mean(
+            self.x + kept * wx,
+            self.y + kept * wy,
+            self.yaw + kept * turn,
+            self.a,
+            self.b,
+            self.slip,
+        )
 
 
 class FilterState(NamedTuple):
@@ -76,7 +89,7 @@ class FilterState(NamedTuple):
     pose: StampedPose  # the last picture, used or not
     used: float  # [s] stamp of the last one that was used
     mean: Mean  # at that time
-    covariance: Array  # (5, 5) the same
+    covariance: Array  # (6, 6) the same
     present: Mean  # now
     advances: tuple[Advance, ...] = ()  # since then
     strangers: tuple[Pose2, ...] = ()  # the last pictures, if they do not fit
@@ -89,15 +102,24 @@ class PoseFilter:
     point: Point  # [m] p_GC
     radius: float  # [m] of the object
     noise: Array  # (3,) standard deviations of a picture's x, y [m] and yaw [rad]
+    arm: Point = (0.0, 0.0)  # [rad/m] turn arm as believed
+    doubt: float = 0.0  # [rad/m] standard deviation of the turn arm from the belief
 
     @classmethod
-    def for_sensing(cls, sensing: Sensing, point: Point, radius: float) -> PoseFilter:
+    def for_sensing(
+        cls,
+        sensing: Sensing,
+        point: Point,
+        radius: float,
+        arm: Point = (0.0, 0.0),
+        doubt: float = 0.0,
+    ) -> PoseFilter:
         """Filter for the camera of ``sensing``."""
         pictures = sensing.noise_time * (sensing.pose_rate or 100.0)
         correlated = math.sqrt(1.0 + 2.0 * pictures)
         place = correlated * max(sensing.position_noise, LEAST_NOISE)
         yaw = correlated * max(sensing.yaw_noise, LEAST_YAW_NOISE)
-        return cls(point, radius, np.array((place, place, yaw)))
+        return cls(point, radius, np.array((place, place, yaw)), arm, doubt)
 
     def start(self, pose: StampedPose) -> FilterState:
         """State with the object at ``pose``, the middle of its pictures."""
@@ -116,6 +138,30 @@ class PoseFilter:
         H = _jacobian(lx, ly)
         P = H @ state.covariance @ H.T
         return math.sqrt(0.5 * float(P[0, 0] + P[1, 1])), math.sqrt(float(P[2, 2]))
+
+    def line(self, state: FilterState) -> tuple[float, float]:
+        """Direction [rad] in G from the centre of friction to C, and its standard
+        deviation.
+        """
+        a, b = state.mean.a, state.mean.b
+        size = math.hypot(a, b)
+        if size == 0.0:
+            return 0.0, math.inf
+        across = np.array((-b, a)) / size
+        variance = float(across @ state.covariance[3:5, 3:5] @ across)
+        return math.atan2(b, a), math.sqrt(variance) / size
+
+    def reach(self, state: FilterState) -> tuple[float, float]:
+        """Distance [m] from C to the point that moves along the line from C to the
+        centre of friction, however the object turns, and its standard deviation.
+        """
+        a, b = state.mean.a, state.mean.b
+        size = math.hypot(a, b)
+        if size == 0.0:
+            return math.inf, math.inf
+        along = np.array((a, b)) / size
+        variance = float(along @ state.covariance[3:5, 3:5] @ along)
+        return 1.0 / size, math.sqrt(variance) / (size * size)
 
     def step(
         self, state: FilterState, advance: Advance, picture: StampedPose | None
@@ -174,7 +220,7 @@ class PoseFilter:
                 strangers = (X,)
         if len(strangers) < STRANGERS:
             return state._replace(strangers=strangers)
-        mean = self._mean_at(X)
+        mean = self._mean_at(X)._replace(a=state.mean.a, b=state.mean.b)
         return FilterState(
             picture,
             picture.time,
@@ -188,20 +234,29 @@ class PoseFilter:
         self, mean: Mean, P: Array, advances: list[Advance]
     ) -> tuple[Mean, Array]:
         """Mean and covariance after ``advances``."""
-        dx = math.fsum(one.tip[0] for one in advances)
-        dy = math.fsum(one.tip[1] for one in advances)
-        path = math.fsum(math.hypot(*one.tip) for one in advances)
-        turn = math.fsum(one.turn for one in advances)
-        F = np.eye(5)
-        F[:3, 4] = (-dx, -dy, -turn)
-        F[2, 3] = path
+        x = 0.0
+        y = 0.0
+        path = 0.0
+        now = mean
+        for one in advances:
+            dx, dy = Pose2(0.0, 0.0, now.yaw).unrotate(one.tip)
+            x += dx
+            y += dy
+            path += math.hypot(dx, dy)
+            now = now.after(one)
+        kept = 1.0 - mean.slip
+        F = np.eye(6)
+        F[:3, 5] = (mean.x - now.x, mean.y - now.y, mean.yaw - now.yaw)
+        F[:3, 5] /= kept
+        F[2, 2] -= kept * (mean.a * x + mean.b * y)
+        F[2, 3:5] = (kept * y, -kept * x)
         grown = np.diag(self._growth(advances, path))
         out: Array = F @ P @ F.T + grown
-        return _led(mean, advances), out
+        return now, out
 
     def _growth(self, advances: list[Advance], path: float) -> Array:
-        """Growth (5,) of the variances over ``advances``, along a ``path`` [m]."""
-        growth = np.zeros(5)
+        """Growth (6,) of the variances over ``advances``, along a ``path`` [m]."""
+        growth = np.zeros(6)
         for one in advances:
             place, yaw = DISTURBED if one.disturbed else STILL
             growth[:2] += place * place * one.dt
@@ -209,31 +264,31 @@ class PoseFilter:
         place, yaw = SLIPPED
         growth[:2] += place * place * path
         growth[2] += yaw * yaw * path
-        growth[3] = (CURVE / self.radius) ** 2 * path / CURVE_LENGTH
-        growth[4] = SLIP * SLIP * path / SLIP_LENGTH
+        growth[3:5] = (ARM / self.radius) ** 2 * path / ARM_LENGTH
+        growth[5] = SLIP * SLIP * path / SLIP_LENGTH
         return growth
 
     def _mean_at(self, X_WG: Pose2) -> Mean:
         x, y = X_WG.apply(self.point)
-        return Mean(x, y, X_WG.yaw)
+        return Mean(x, y, X_WG.yaw, *self.arm)
 
     def _prior(self, X_WG: Pose2, pictures: int) -> Array:
-        """Covariance (5, 5) after a number of ``pictures`` of an object at rest."""
+        """Covariance (6, 6) after a number of ``pictures`` of an object at rest."""
         lx, ly = X_WG.rotate(self.point)
         to_C = np.array(((1.0, 0.0, -ly), (0.0, 1.0, lx), (0.0, 0.0, 1.0)))
-        P = np.zeros((5, 5))
+        P = np.zeros((6, 6))
         P[:3, :3] = to_C @ np.diag(self.noise**2 / pictures) @ to_C.T
-        P[3, 3] = (CURVE / self.radius) ** 2
-        P[4, 4] = SLIP * SLIP
+        P[3, 3] = P[4, 4] = (ARM / self.radius) ** 2 + self.doubt * self.doubt
+        P[5, 5] = SLIP * SLIP
         return P
 
 
 def _jacobian(lx: float, ly: float) -> Array:
-    """Derivative (3, 5) of G's pose with respect to the state.
+    """Derivative (3, 6) of G's pose with respect to the state.
 
     C is at ``lx``, ``ly`` [m] from G, in world axes.
     """
-    H = np.zeros((3, 5))
+    H = np.zeros((3, 6))
     H[0, 0] = H[1, 1] = H[2, 2] = 1.0
     H[0, 2] = ly
     H[1, 2] = -lx

@@ -95,6 +95,8 @@ class Watches(NamedTuple):
     still: StallWatch | None = None  # where the object was when it last moved
     replanned: float = 0.0  # [s] of the last replan
     resisted: float | None = None  # [s] since when another body pushes back
+    # [s] since when no path leads on from an object that turns otherwise than planned
+    mistaken: float | None = None
     retouches: int = 0
     retries: int = 0
     looked: float | None = (

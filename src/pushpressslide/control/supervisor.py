@@ -264,6 +264,21 @@ class Supervisor:
         """Touch the planned place again."""
         return self._touch_planned_place(moment.state, moment.instant, crept=False)
 
+    def mistaken(self, moment: Moment) -> bool:
+        """The object turns otherwise than planned, and no path leads on."""
+        since = moment.state.watches.mistaken
+        return since is not None and (
+            moment.instant.time - since > margins.ARM.mistaken_time
+        )
+
+    def stop_mistaken(self, moment: Moment) -> ControllerState:
+        """Stop: goal missed."""
+        found = estimates(moment.state).center
+        followed = moment.state.following.prediction.followed_center
+        aside = math.dist(found, followed)
+        text = f"centre of mass {aside * 1e3:.0f} mm beside the planned one"
+        return _stopped(moment, ("goal_missed", text))
+
     def missing(self, moment: Moment) -> bool:
         """Contact is missing, but for less than the patience."""
         return moment.state.watches.lost is not None
@@ -390,8 +405,9 @@ class Supervisor:
             segments, instant.X_WB, touched, guidance, since, found
         )
         if better is None:
-            return state
-        state = state._replace(watches=state.watches._replace(replanned=time))
+            return self._stuck(moment)
+        watches = state.watches._replace(replanned=time, mistaken=None)
+        state = state._replace(watches=watches)
         # a turn on the spot that continues along arcs leads away from its spot
         led = isinstance(following.segment.path, ArcPath)
         if led and not (
@@ -412,6 +428,35 @@ class Supervisor:
             clock_start=time - better.clock,
         )
         return state._replace(following=following)
+
+    def _stuck(self, moment: Moment) -> ControllerState:
+        """State after a moment in which no better path was found."""
+        state = moment.state
+        watches = state.watches
+        now = moment.instant.time
+        if now - watches.replanned < margins.ARM.replan_pause:
+            return state
+        since = None
+        if self._turns_otherwise(state):
+            since = now if watches.mistaken is None else watches.mistaken
+        if since == watches.mistaken:
+            return state
+        return state._replace(watches=watches._replace(mistaken=since))
+
+    def _turns_otherwise(self, state: ControllerState) -> bool:
+        """Whether the centre of mass is surely so far from that of the followed plan that
+        the goal is missed.
+        """
+        if not self.placement.looks or self.placement.query.motion.recoveries == 0:
+            return False
+        found = estimates(state)
+        following = state.following
+        if not found.elsewhere or following.left < margins.ARM.least_left:
+            return False
+        lever = math.hypot(*following.binding.segment.contacts[0].point)
+        aside = math.dist(found.center, following.prediction.followed_center)
+        doubt = margins.DOUBT * found.doubt
+        return aside > lever * max(self.placement.last.tolerance.yaw, doubt)
 
     def _begin_motion(
         self, state: ControllerState, instant: Instant
@@ -640,6 +685,7 @@ TRANSITIONS: tuple[Transition, ...] = (
     Transition(Supervisor.lost_for_good, Supervisor.stop_lost),
     Transition(Supervisor.lost, Supervisor.touch_again),
     Transition(Supervisor.resisted, Supervisor.hold),
+    Transition(Supervisor.mistaken, Supervisor.stop_mistaken),
     Transition(Supervisor.crept, Supervisor.touch_harder),
     Transition(Supervisor.slid, Supervisor.touch_planned),
     Transition(Supervisor.missing, Supervisor.wait),

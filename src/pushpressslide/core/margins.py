@@ -355,6 +355,8 @@ PACED = 0.15
 """Standard deviation of a pose, in shares of the goal's tolerances, above which an object
 is led more slowly.
 """
+PACED_AHEAD = 0.45
+"""The same farther than ``slow_way`` from the goal."""
 SLOWEST = 0.4
 """Smallest share of the planned speed for that reason."""
 SURE = 0.2
@@ -401,7 +403,7 @@ class ArmMargins:
     """Contact force that a sensor without noise detects with certainty."""
     first_look: float = field(default=1.0, metadata={"unit": "s"})
     """Time before a touch in which noisy poses and forces are averaged."""
-    longest_look: float = field(default=3.0, metadata={"unit": "s"})
+    longest_look: float = field(default=5.0, metadata={"unit": "s"})
     """Longest look at an object that has arrived."""
     least_friction: float = field(default=0.5, metadata={"unit": "N"})
     """Smallest support friction of an object pushed by two tips. Below it a single tip
@@ -559,6 +561,12 @@ class ArmMargins:
     """Error [rad] of a tool's attitude above which the restoring moment no longer
     grows.
     """
+    mistaken_time: float = field(default=1.0, metadata={"unit": "s"})
+    """Time without a path that leads on after which a motion is planned anew whose object
+    turns otherwise than planned.
+    """
+    slow_way: float = field(default=0.1, metadata={"unit": "m"})
+    """Way before the goal on which the pose has to be known well."""
     replan_pause: float = field(default=0.4, metadata={"unit": "s"})
     """Shortest time between two successive replans."""
 
@@ -613,7 +621,7 @@ def retry_above(share: float, unsure: float) -> float:
     ``share`` is that of an error known exactly, ``unsure`` the standard deviation of
     the estimate in shares of the tolerances.
     """
-    return max(share - unsure, 0.5 * share)
+    return max(share - 0.5 * unsure, 0.5 * share)
 
 
 def longest(detour: tuple[float, float], left: float, radius: float) -> float:

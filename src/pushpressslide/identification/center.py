@@ -102,6 +102,7 @@ class CenterState(NamedTuple):
     off: float = math.inf  # [rad] standard deviation of the line to the contact
     known: float = 0.0  # [1/rad^2] weight of the windows of previous segments
     before: Point = (0.0, 0.0)  # the centre at the end of the segment before
+    filtered: bool = False  # whether it is that of a filter of the pose
 
 
 class CenterIdentifier:
@@ -174,7 +175,8 @@ class CenterIdentifier:
         uncertainty.
         """
         aside = math.dist(state.center, followed) / self._lever
-        return aside > max(self._off_line, self._sure * state.off)
+        sure = max(self._sure, 1.0) if state.filtered else self._sure
+        return aside > max(self._off_line, sure * state.off)
 
     def carry_over(self, state: CenterState) -> CenterState:
         """State that remains valid after the end of a segment."""

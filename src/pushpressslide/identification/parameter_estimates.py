@@ -17,9 +17,11 @@ class ParameterEstimates(NamedTuple):
     rho: float | None = None  # [m]; None: as believed
     drag: float | None = None  # [N] that slides the object; None: as believed
     center: Point = (0.0, 0.0)  # p_BCom [m]; B is at the believed centre
-    elsewhere: bool = (
-        False  # whether the plan that is followed has the centre elsewhere
-    )
+    doubt: float = 0.0  # [rad] standard deviation of the line from contact to centre
+    # [m] from the only contact to the virtual axle; None: as planned
+    reach: float | None = None
+    # whether the plan that is followed has the centre or the axle elsewhere
+    elsewhere: bool = False
 
 
 NOTHING = ParameterEstimates()

@@ -282,6 +282,12 @@ class Mode(ABC, Generic[D]):
         """Online identifier of the mode's virtual axle. None if nothing is identified."""
         return None
 
+    def reach(self, segment: Segment) -> float | None:
+        """Planned distance [m] from the only contact to the virtual axle. None if a
+        measured one would not improve the motion.
+        """
+        return None
+
     def center_identifier(
         self, query: MotionQuery, segment: Segment, center: Point = (0.0, 0.0)
     ) -> CenterIdentifier | None:

@@ -186,6 +186,11 @@ class RearPush(Mode[RearSteerDrive]):
             window=window_of(query.sensing, segment.profile.speed, car.lever),
         )
 
+    def reach(self, segment: Segment) -> float:
+        """Planned distance [m] from the contact to the virtual axle."""
+        drive = self.drive_of(segment)
+        return math.dist(drive.X_BV.position, drive.car.contact)
+
     def center_identifier(
         self, query: MotionQuery, segment: Segment, center: Point = (0.0, 0.0)
     ) -> CenterIdentifier:
@@ -232,8 +237,8 @@ class RearPush(Mode[RearSteerDrive]):
     ) -> Continuation | None:
         """Continuation with the measured contact and the identified CoM.
 
-        The car keeps its rho unless rho was given. Its heading axis leads from the
-        measured contact through the identified CoM.
+        The car keeps its rho unless rho was given or the axle was identified. Its heading
+        axis leads from the measured contact through the identified CoM.
         """
         planned = self.drive_of(segment)
         (contact,) = measured.contacts
@@ -250,6 +255,8 @@ class RearPush(Mode[RearSteerDrive]):
             car = replace(
                 old, contact=contact.point, normal=contact.normal, cop=center, rho=rho
             )
+            if measured.estimates.reach is not None:
+                car = car.reaching(measured.estimates.reach - planned.shift)
         except ValueError:
             return None
         low, high = car.curvature_limits

@@ -5,7 +5,7 @@ axle (VFA).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pushpressslide.core.pose import Point, Pose2, cross
 
@@ -79,6 +79,21 @@ class RearSteerCar:
     def effective_wheelbase(self) -> float:
         """Distance rho^2/D [m] from the centre of pressure to the VFA."""
         return self.rho * self.rho / self.lever
+
+    def reaching(self, reach: float) -> RearSteerCar:
+        """Car whose VFA is at a distance ``reach`` [m] from the contact. Its force
+        angles are as limited as before.
+
+        Raises ValueError if this is not beyond the centre of pressure.
+        """
+        wheelbase = reach - self.lever
+        if not wheelbase > 0.0:
+            raise ValueError(f"reach {reach} m; must be greater than {self.lever}")
+        bounds = self.bounds
+        if bounds is not None:
+            ratio = self.effective_wheelbase / wheelbase
+            bounds = (ratio * bounds[0], ratio * bounds[1])
+        return replace(self, rho=math.sqrt(wheelbase * self.lever), bounds=bounds)
 
     @property
     def X_BV(self) -> Pose2:
