@@ -26,12 +26,14 @@ from pushpressslide.control.estimator import (
     Estimator,
     ObjectEstimator,
     Observation,
+    filtered_noise,
     stamped,
 )
 from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.following import Following, Prediction
 from pushpressslide.control.insertion import Insertion
 from pushpressslide.control.joint_pace import JointPace
+from pushpressslide.control.last_look import LastLook
 from pushpressslide.control.law import Decision, Law
 from pushpressslide.control.placement import Placement, share_of_tolerance
 from pushpressslide.control.state import (
@@ -325,6 +327,13 @@ class Controller:
     def filtered_pose(self, state: ControllerState) -> Pose2:
         """Filtered X_WG at the last tick."""
         return state.estimate.X_WG.compose(self.X_GB).compose(self.X_BG)
+
+    def last_look(self, state: ControllerState) -> LastLook:
+        """The object's estimated pose at the last tick, and how well it is known."""
+        place, yaw = state.estimate.spread
+        noise, yaw_noise = filtered_noise(self.placement.query.sensing)
+        spread = (max(place, noise), max(yaw, yaw_noise))
+        return LastLook(self.filtered_pose(state), spread)
 
     def missed(self, state: ControllerState, pose: Pose2) -> Ending | None:
         """Ending of a placement whose goal is missed by an object at ``pose``, X_WG.

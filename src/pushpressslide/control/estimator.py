@@ -210,6 +210,17 @@ def pose_gain(sensing: Sensing) -> float:
     return min(1.0, max(LEAST_GAIN, 1.0 / max(noise * noise, 1e-12)))
 
 
+def filtered_noise(sensing: Sensing) -> tuple[float, float]:
+    """Standard deviations [m], [rad] of an object at rest whose poses ``pose_gain``
+    filters. 0 if not every control period has a pose.
+    """
+    if not sensing.every_pose:
+        return (0.0, 0.0)
+    gain = pose_gain(sensing)
+    share = math.sqrt(gain / (2.0 - gain))
+    return (share * sensing.position_noise, share * sensing.yaw_noise)
+
+
 def stamped(measurement: Measurement) -> StampedPose:
     """Pose in a measurement, with the time at which it was measured.
 

@@ -33,6 +33,7 @@ from pushpressslide.control.controller import Controller
 from pushpressslide.control.estimator import Estimator, ObjectEstimator
 from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.joint_pace import joint_pace
+from pushpressslide.control.last_look import LastLook
 from pushpressslide.control.limits import ArmReading, Guard
 from pushpressslide.control.looking import RestingPose
 from pushpressslide.control.recording import Recorder, Tick
@@ -185,6 +186,7 @@ class RunLoop:
         self.tare = Tare(arms)
         self.resting = RestingPose()  # of the object, during an approach
         self.watches = (self._finished, *watches, self._failed, self._stopped)
+        self.last_look: LastLook | None = None  # None: not needed
         self.ticks = 0
         self.placements = plan.by_placement
         self.number = 0  # of the present placement
@@ -240,6 +242,7 @@ class RunLoop:
             {
                 **facts,
                 **self._own_laws(),
+                **self._knowledge(),
                 "events": self.events,
                 "breaches": self.breaches,
             },
@@ -284,6 +287,19 @@ class RunLoop:
         if options.controller is not Controller:
             own["controller"] = options.controller.__name__
         return own
+
+    def _knowledge(self) -> dict[str, Any]:
+        """Note on what is known of the final pose, for the record: that only
+        measurements are, and the last look. Empty if every pose is exact.
+        """
+        out: dict[str, Any] = {}
+        if self.cell.witness is None and not self.cell.clock.simulated:
+            out["measured_only"] = True
+        if self.last_look is not None:
+            X = self.last_look.X_WG
+            pose = [X.x, X.y, X.yaw]
+            out["last_look"] = {"pose": pose, "spread": [*self.last_look.spread]}
+        return out
 
     def _tick(self) -> tuple[Tick, Measurement]:
         """Run one control period. Returns the tick and its measurements."""
@@ -540,12 +556,18 @@ class RunLoop:
         return True
 
     def _verified(self, ending: Ending) -> Ending:
-        """The ``ending``, or a missed goal if faulty sensors show that it is."""
-        sensed = not self.plan.task.sensing.every_pose
-        if ending.code != "goal_reached" or not sensed or self.state is None:
+        """The ``ending``, or what the last look shows of a goal that should be reached,
+        unless every pose is exact.
+        """
+        task = self.plan.task
+        exact = task.sensing.exact_pose
+        if ending.code != "goal_reached" or exact or self.state is None:
             return ending
-        pose = self.controller.filtered_pose(self.state)
-        return self.controller.missed(self.state, pose) or ending
+        look = self.controller.last_look(self.state)
+        self.last_look = look
+        if task.tool is not None:
+            return Ending("not_verified", f"{task.tool.body!r} is not looked at")
+        return look.ending(task.goal, task.tolerance)
 
     def _retriable_ending(self, ending: Ending, pose: Pose2) -> Ending | None:
         """Failure from which the run can recover. None if it cannot, or if the arms

@@ -24,6 +24,7 @@ from pushpressslide.report.page_tables import (
     comparison_table,
     contacts_table,
     figures_tables,
+    is_verified_success,
     mode_words,
     segments_table,
     table,
@@ -301,17 +302,24 @@ def events(result: Mapping[str, Any]) -> str:
 
 
 def verdict(result: Mapping[str, Any]) -> str:
-    """Whether a run reached its goal, and the reason for its end."""
-    css = "bad"
-    words = "Goal missed"
-    if result["success"]:
-        css = "good"
-        words = "Goal reached"
+    """Whether a run reached its goal, as is true and as the controller knows, and the
+    reason for its end.
+    """
+    css = "good" if is_verified_success(result) else "bad"
+    words = _verdict_words(result["success"], result.get("verified", True))
     reason = result["reason"]
     return (
         f'<p class="verdict {css}"><strong>{words}</strong> '
         f"<code>{escape(str(reason['code']))}</code> {escape(str(reason['text']))}</p>"
     )
+
+
+def _verdict_words(success: bool | None, verified: bool) -> str:
+    if success is None:
+        return "Goal reached, as measured" if verified else "Goal not verified"
+    if not success:
+        return "Goal missed"
+    return "Goal reached" if verified else "Goal reached, but not verified"
 
 
 def _warning(record: Record) -> str:
