@@ -187,6 +187,7 @@ class RunLoop:
         self.resting = RestingPose()  # of the object, during an approach
         self.watches = (self._finished, *watches, self._failed, self._stopped)
         self.last_look: LastLook | None = None  # None: not needed
+        self.looked_on: float | None = None  # [s] since when for longer
         self.ticks = 0
         self.placements = plan.by_placement
         self.number = 0  # of the present placement
@@ -220,7 +221,9 @@ class RunLoop:
             self._hand_over(tick, measurement)
         ended = self._ending(tick)
         if ended is not None and not self._recovers(ended, tick, measurement):
-            return self._verified(ended)
+            ended = self._verified(ended)
+            if not self._looks_on(ended, tick.time):
+                return ended
         self._report(tick.time)
         return None
 
@@ -569,6 +572,19 @@ class RunLoop:
             return Ending("not_verified", f"{task.tool.body!r} is not looked at")
         return look.ending(task.goal, task.tolerance)
 
+    def _looks_on(self, ending: Ending, time: float) -> bool:
+        """Whether more pictures of the object at rest may verify its goal, at ``time``
+        [s].
+        """
+        task = self.plan.task
+        surer = not task.sensing.every_pose and task.tool is None
+        if ending.code != "not_verified" or not surer:
+            return False
+        if self.looked_on is None:
+            self.looked_on = time
+        ends = min(self.looked_on + margins.ARM.longest_look, self.time_limit)
+        return time + self.guard.period < ends
+
     def _retriable_ending(self, ending: Ending, pose: Pose2) -> Ending | None:
         """Failure from which the run can recover. None if it cannot, or if the arms
         have not drawn back.
@@ -647,6 +663,7 @@ class RunLoop:
         self.recoveries -= 1
         self.breach = None
         self.stopping = None
+        self.looked_on = None
         self.guard = self.guard.successor(plan.task.limits.normal_force, held_commands)
         self.cell.placements.hand_over(self.placements[0], frozenset())
         self._begin_placement((None,) * len(plan.task.robots), time, measurement)
