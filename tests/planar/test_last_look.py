@@ -16,8 +16,9 @@ from pushpressslide.core.record import Record
 from pushpressslide.jobs.ask import plan
 from pushpressslide.planar.cell import planar_cell
 from pushpressslide.report.metrics import result
+from pushpressslide.taskfile.load import load_task
 
-PERIODIC = {"sensing.pose_rate": 50.0}
+PERIODIC = ["sensing.pose_rate=50.0"]
 
 
 class Unsure(Controller):
@@ -35,7 +36,7 @@ class Unsure(Controller):
 
 @pytest.fixture(scope="module")
 def push() -> Plan:
-    return plan("rear-push-left", overrides=PERIODIC)
+    return plan(load_task("rear-push-left", PERIODIC))
 
 
 def run(push: Plan, needed: int, monkeypatch: pytest.MonkeyPatch) -> Record:

@@ -181,6 +181,8 @@ def _print_stages(stages: Sequence[Mapping[str, Any]]) -> None:
 
 def print_result(result: Mapping[str, Any], folder: Path) -> None:
     """Print the figures of a run, and the location of its pages."""
+    from pushpressslide.report.parameters import parameter_lines
+
     table = simple_table("figure", "value", "unit")
     reason = result["reason"]
     modes = ", ".join(result["modes"])
@@ -214,6 +216,8 @@ def print_result(result: Mapping[str, Any], folder: Path) -> None:
         print_text(text, 4)
     if not (result["success"] and result["verified"]):
         print_text(reason["text"], 4)
+    for line in parameter_lines(result):
+        print_text(line, 4)
     for name in ("run.mp4", "run.webp", "replay.html", "report.html"):
         if (folder / name).exists():
             typer.echo(folder / name)

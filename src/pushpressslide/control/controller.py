@@ -24,6 +24,7 @@ from pushpressslide.control.adaptation import TipSpeed
 from pushpressslide.control.estimator import (
     Estimate,
     Estimator,
+    EstimatorState,
     ObjectEstimator,
     Observation,
     filtered_noise,
@@ -31,6 +32,7 @@ from pushpressslide.control.estimator import (
 )
 from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.following import Following, Prediction
+from pushpressslide.control.identified import Identified, identified
 from pushpressslide.control.insertion import Insertion
 from pushpressslide.control.joint_pace import JointPace
 from pushpressslide.control.last_look import LastLook
@@ -165,6 +167,7 @@ class Controller:
         prediction = Prediction(
             self.placement.axle_identifier(first),
             self.placement.center_identifier(first, (0.0, 0.0)),
+            drag=self.placement.drag_identifier(first),
         )
         pose = stamped(measurement)
         return ControllerState(
@@ -334,6 +337,12 @@ class Controller:
         noise, yaw_noise = filtered_noise(self.placement.query.sensing)
         spread = (max(place, noise), max(yaw, yaw_noise))
         return LastLook(self.filtered_pose(state), spread)
+
+    def identified(self, state: ControllerState) -> Identified:
+        """What the estimator has identified in this placement."""
+        if not isinstance(state.estimator, EstimatorState):
+            return Identified()
+        return identified(state.estimator, self.X_GB)
 
     def missed(self, state: ControllerState, pose: Pose2) -> Ending | None:
         """Ending of a placement whose goal is missed by an object at ``pose``, X_WG.

@@ -21,6 +21,7 @@ from pushpressslide.core.sensing import Sensing
 from pushpressslide.core.twist_path import integrate
 from pushpressslide.core.wrench import Twist
 from pushpressslide.identification.center import CenterState
+from pushpressslide.identification.drag import DragIdentifier, DragState
 from pushpressslide.identification.online import AxleState
 from pushpressslide.identification.parameter_estimates import (
     NOTHING,
@@ -84,6 +85,7 @@ class EstimatorState(NamedTuple):
     center: CenterState = CenterState()  # the same of the CoM
     estimates: ParameterEstimates = NOTHING  # estimates from all of these
     filtered: Filtered | None = None  # None: poses are used as they come
+    drag: DragState = DragState()  # for the result alone
 
 
 class Filtered(NamedTuple):
@@ -153,15 +155,17 @@ class ObjectEstimator:
         found = state.estimates
         if predicted is not state.prediction:
             axle, center = _carried_over(state, predicted)
+        drag = DragIdentifier.paused(state.drag)
         if observation.driven:
             X_WB = X_WG.compose(self._X_GB)
             axle, center = _identified(axle, center, X_WB, observation)
+            drag = _dragged(state.drag, center, X_WB, observation)
         if observation.driven or predicted is not state.prediction:
             found = _estimates(predicted, axle, center)
         twist = observation.commanded_twist
         estimate = Estimate(time, X_WG, twist, found, time - used, spread)
         return estimate, EstimatorState(
-            pose, time, X_WG, predicted, axle, center, found, filtered
+            pose, time, X_WG, predicted, axle, center, found, filtered, drag
         )
 
     def _filtered(self, state: EstimatorState, observation: Observation) -> Filtered:
@@ -275,6 +279,23 @@ def _identified(
         touched = touched_point(binding.sides[0], X_WB, tip)
         center = predicted.center.step(center, time, X_WB, force, touched)
     return axle, center
+
+
+def _dragged(
+    drag: DragState, center: CenterState, X_WB: Pose2, observation: Observation
+) -> DragState:
+    """State of the drag's identification after a tick in which the first contact drives
+    the object.
+    """
+    identifier = observation.prediction.drag
+    if identifier is None:
+        return drag
+    binding = observation.binding
+    tip = observation.tips[binding.segment.contacts[0].arm]
+    x, y = touched_point(binding.sides[0], X_WB, tip)
+    lever = (x - center.center[0], y - center.center[1])
+    force = X_WB.unrotate(tip.force[:2])
+    return identifier.step(drag, observation.time, X_WB, force, lever)
 
 
 def _estimates(

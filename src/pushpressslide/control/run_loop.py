@@ -32,6 +32,7 @@ from pushpressslide.control.cell import Applied, Cell, TrueState
 from pushpressslide.control.controller import Controller
 from pushpressslide.control.estimator import Estimator, ObjectEstimator
 from pushpressslide.control.execution import USUAL, Execution
+from pushpressslide.control.identified import Identified
 from pushpressslide.control.joint_pace import joint_pace
 from pushpressslide.control.last_look import LastLook
 from pushpressslide.control.limits import ArmReading, Guard
@@ -164,6 +165,7 @@ class RunLoop:
             source = plan.task.source or plan.task.name
             refuse_truth(plan.task.truth, EXACT, source, "with real arms")
         self.plan = plan
+        self.believed = plan.task.scene  # before the run
         self.cell = cell
         self.tracker = cell.tracker
         if options.tracker is not None:
@@ -187,6 +189,7 @@ class RunLoop:
         self.resting = RestingPose()  # of the object, during an approach
         self.watches = (self._finished, *watches, self._failed, self._stopped)
         self.last_look: LastLook | None = None  # None: not needed
+        self.identified = Identified()  # in the placements before this one
         self.looked_on: float | None = None  # [s] since when for longer
         self.ticks = 0
         self.placements = plan.by_placement
@@ -229,6 +232,7 @@ class RunLoop:
 
     def record(self, ending: Ending, wall_time: float = 0.0) -> Record:
         """Record of all steps so far, which took ``wall_time`` [s]."""
+        self._learn()
         arrays = self.recorder.arrays()
         plan = self.plan
         for earlier, count in reversed(self.earlier):
@@ -246,6 +250,7 @@ class RunLoop:
                 **facts,
                 **self._own_laws(),
                 **self._knowledge(),
+                **self.identified.figures(self.believed),
                 "events": self.events,
                 "breaches": self.breaches,
             },
@@ -290,6 +295,12 @@ class RunLoop:
         if options.controller is not Controller:
             own["controller"] = options.controller.__name__
         return own
+
+    def _learn(self) -> None:
+        """Add what the present placement has identified."""
+        if self.state is not None:
+            own = self.controller.identified(self.state)
+            self.identified = self.identified.better(own)
 
     def _knowledge(self) -> dict[str, Any]:
         """Note on what is known of the final pose, for the record: that only
@@ -520,6 +531,7 @@ class RunLoop:
             command if i in kept_arms and isinstance(command, TipCommand) else None
             for i, command in enumerate(tick.commands)
         )
+        self._learn()
         self.number += 1
         self.cell.placements.hand_over(self.placements[self.number], kept_arms)
         self.guard.forget_references()
@@ -656,6 +668,7 @@ class RunLoop:
         """
         measurement, _ = self.measure()
         time = measurement.time
+        self._learn()
         self.earlier.append((self.plan, self.number + 1))
         self.plan = plan
         self.placements = plan.by_placement

@@ -75,6 +75,7 @@ def result(
         "planning_time": record.meta.get("planning_time"),
         "search": record.meta.get("search"),
         "events": record.meta.get("events", []),
+        "parameters": record.meta.get("parameters"),
         "bodies": _bodies(record),
         **support_figures(task, record),
         "planned": _planned(plan, record),

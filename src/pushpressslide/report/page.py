@@ -29,6 +29,7 @@ from pushpressslide.report.page_tables import (
     segments_table,
     table,
 )
+from pushpressslide.report.parameters import parameters_part
 from pushpressslide.report.plane import plan_figure
 from pushpressslide.report.plots import comparison_plot, figures
 from pushpressslide.report.stage_tables import bodies_table, stages_table
@@ -218,6 +219,7 @@ def _stage_parts(run: Run, number: int) -> tuple[str, str, str, str]:
         write_whole(run.folder / "plots" / f"{which}{key}.png", png)
         plots.append(image(png, key, _caption(key)))
     measured = f"<h3>Figures</h3>{_figures_part(stage.plan, result)}"
+    measured += parameters_part(result)
     return plan, "".join(details), measured, f"<h3>Plots</h3>{columns(*plots)}"
 
 
