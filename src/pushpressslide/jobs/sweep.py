@@ -30,7 +30,7 @@ from pushpressslide.jobs.summary import ATTEMPTED, summarise, write_table
 from pushpressslide.report.metrics import installed_versions
 
 Vary = Literal["truth", "tasks", "start", "knocks"]
-World = Literal["known", "uncertain"]
+World = Literal["known", "uncertain", "tier1", "tier2", "tier3"]
 Progress = Callable[[int, int], None]
 Work = Callable[[], Row]
 HARDLY = 50  # drawn tasks for each attempted one, beyond which drawing ends
@@ -46,7 +46,8 @@ class SweepOptions:
     # of a knock by another body
     vary: Vary = "truth"
     draw: Draw = "ahead"  # kind of new tasks
-    world: World = "known"  # whether new tasks are as believed
+    # whether new tasks are as believed, or the tier of all samples
+    world: World = "known"
     seed: int = 0
     engine: str = DEFAULT
     check_refusals: int = 0  # refused samples to run all the same
@@ -60,6 +61,13 @@ class SweepOptions:
     def engine_name(self) -> str:
         """Name of the engine that runs the samples."""
         return "batched" if self.batched else str(self.engine)
+
+    @property
+    def tier(self) -> Literal["tier1", "tier2", "tier3"] | None:
+        """Tier of the samples' worlds. None without one."""
+        if self.world == "known" or self.world == "uncertain":
+            return None
+        return self.world
 
     def settings(self, task: Task) -> dict[str, Any]:
         """Settings that must agree for a finished sample to be reused."""
@@ -125,6 +133,7 @@ def _check_batched(options: SweepOptions) -> None:
     """Raise PushPressSlideError for options that batches do not support."""
     checks = (
         ("--vary", options.vary, "truth"),
+        ("--world", options.world, "known"),
         ("--attempts", options.attempts, 0),
         ("--check-refusals", options.check_refusals, 0),
         ("--sample-time", options.sample_time, 0.0),
