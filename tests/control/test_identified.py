@@ -41,28 +41,45 @@ def pushed(noise: float, windows: int, seed: int = 0, moment: float = 0.0) -> Dr
 
 
 def test_the_drag_of_a_straight_push_is_its_force() -> None:
-    drag = Drag.of_windows(pushed(0.0, 10))
+    drag = Drag.of_windows(pushed(0.0, 10), 0.0, 0.0)
     assert drag is not None
     assert drag.mean == pytest.approx(4.0)
     assert drag.deviation == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_moment_adds_to_the_drag_and_to_its_doubt() -> None:
-    drag = Drag.of_windows(pushed(0.0, 10, moment=0.1))
+    drag = Drag.of_windows(pushed(0.0, 10, moment=0.1), 0.0, 0.0)
     assert drag is not None
     assert drag.mean == pytest.approx(math.hypot(4.0, 0.1 / RHO))
     assert drag.deviation == pytest.approx(MOMENT * (drag.mean - 4.0))
 
 
+def test_errors_of_lever_and_force_are_propagated() -> None:
+    state = pushed(0.0, 10, moment=0.1)
+    unsure = Drag.of_windows(state, 0.02, 0.0)
+    shifted = [
+        Drag.of_windows(pushed(0.0, 10, moment=0.1 + sign * 4.0 * 0.02 * RHO), 0.0, 0.0)
+        for sign in (-1.0, 1.0)
+    ]
+    assert unsure is not None
+    low, high = (one.mean for one in shifted if one is not None)
+    own = MOMENT * (unsure.mean - 4.0)
+    changed = math.sqrt(unsure.deviation**2 - own**2)
+    assert changed == pytest.approx(0.5 * (high - low), rel=1e-2)
+    biased = Drag.of_windows(pushed(0.0, 10), 0.0, 0.03)
+    assert biased is not None
+    assert biased.deviation == pytest.approx(0.03)
+
+
 def test_too_few_windows_give_no_interval() -> None:
-    assert Drag.of_windows(pushed(0.0, LEAST_WINDOWS - 1)) is None
-    assert Drag.of_windows(pushed(0.0, LEAST_WINDOWS)) is not None
+    assert Drag.of_windows(pushed(0.0, LEAST_WINDOWS - 1), 0.0, 0.0) is None
+    assert Drag.of_windows(pushed(0.0, LEAST_WINDOWS), 0.0, 0.0) is not None
 
 
 def test_the_interval_of_a_noisy_force_holds_the_truth_as_often_as_it_says() -> None:
     held = 0
     for seed in range(200):
-        drag = Drag.of_windows(pushed(1.0, 20, seed))
+        drag = Drag.of_windows(pushed(1.0, 20, seed), 0.0, 0.0)
         assert drag is not None
         held += not Parameter(drag.mean, drag.deviation, 4.0).contradicts_belief
     assert 0.90 <= held / 200 <= 0.99

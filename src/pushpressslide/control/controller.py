@@ -342,7 +342,7 @@ class Controller:
         """What the estimator has identified in this placement."""
         if not isinstance(state.estimator, EstimatorState):
             return Identified()
-        return identified(state.estimator, self.X_GB)
+        return identified(state.estimator, self.placement.query)
 
     def missed(self, state: ControllerState, pose: Pose2) -> Ending | None:
         """Ending of a placement whose goal is missed by an object at ``pose``, X_WG.

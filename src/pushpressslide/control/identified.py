@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 from pushpressslide.control.estimator import EstimatorState
-from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core import margins
+from pushpressslide.core.pose import Point
+from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.scene import Scene
 from pushpressslide.identification.drag import Drag
 from pushpressslide.identification.parameter import Parameter
@@ -57,16 +60,25 @@ class Identified(NamedTuple):
         return {"parameters": figures} if figures else {}
 
 
-def identified(state: EstimatorState, X_GB: Pose2) -> Identified:
-    """What an estimator has identified, with its frame B at ``X_GB``."""
-    center = None
+def identified(state: EstimatorState, query: MotionQuery) -> Identified:
+    """What an estimator has identified in a placement that began with ``query``."""
     identifier = state.prediction.center
     aside = None if identifier is None else identifier.aside(state.center)
-    if aside is not None:
-        direction = X_GB.rotate(aside.across)
-        origin = _along(X_GB.position, direction)
-        center = Coordinate(origin + aside.value, aside.deviation, direction)
-    return Identified(Drag.of_windows(state.drag), center)
+    if aside is None:
+        return Identified()
+    X_GB = query.X_GB
+    direction = X_GB.rotate(aside.across)
+    origin = _along(X_GB.position, direction)
+    center = Coordinate(origin + aside.value, aside.deviation, direction)
+    if state.prediction.drag is None:
+        return Identified(None, center)
+    zeroed = math.sqrt(query.motion.control_period / margins.ARM.first_look)
+    drag = Drag.of_windows(
+        state.drag,
+        aside.deviation / state.prediction.drag.rho,
+        zeroed * query.sensing.force_noise,
+    )
+    return Identified(drag, center)
 
 
 def _along(point: Point, direction: Point) -> float:

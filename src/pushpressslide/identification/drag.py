@@ -44,21 +44,38 @@ class Drag(NamedTuple):
     deviation: float  # [N] standard deviation
 
     @classmethod
-    def of_windows(cls, state: DragState) -> Drag | None:
-        """Mean of the levels of ``state``. None for fewer than ``LEAST_WINDOWS``."""
+    def of_windows(cls, state: DragState, lever: float, force: float) -> Drag | None:
+        """Mean of the levels of ``state``. None for fewer than ``LEAST_WINDOWS``.
+
+        ``lever`` is the standard deviation of the force's lever, as a share of rho, and
+        ``force`` [N] that of a constant error of the force.
+        """
         count = len(state.levels)
         if count < LEAST_WINDOWS:
             return None
         mean = math.fsum(state.levels) / count
-        off = [level - mean for level in state.levels]
-        square = math.fsum(each * each for each in off)
-        pairs = pairwise(off)
-        product = math.fsum(one * other for one, other in pairs)
-        alike = min(max(product / square, 0.0), MOST_ALIKE) if square else 0.0
-        apart = count * (1.0 - alike) / (1.0 + alike)
-        scatter = math.sqrt(square / (count - 1) / apart)
-        moment = MOMENT * mean * state.turned / count
-        return cls(mean, math.hypot(scatter, moment))
+        turned = state.turned / count
+        straight = 1.0 - turned
+        moment = math.sqrt(1.0 - straight * straight)  # over rho, per level
+        errors = (
+            _scatter(state.levels, mean),
+            MOMENT * mean * turned,
+            lever * mean * moment * straight,
+            force,
+        )
+        return cls(mean, math.hypot(*errors))
+
+
+def _scatter(levels: tuple[float, ...], mean: float) -> float:
+    """Standard deviation [N] of the ``mean`` of levels, each like the one before."""
+    off = [level - mean for level in levels]
+    square = math.fsum(each * each for each in off)
+    if square == 0.0:
+        return 0.0
+    product = math.fsum(one * other for one, other in pairwise(off))
+    alike = min(max(product / square, 0.0), MOST_ALIKE)
+    apart = len(levels) * (1.0 - alike) / (1.0 + alike)
+    return math.sqrt(square / (len(levels) - 1) / apart)
 
 
 class DragIdentifier:
@@ -66,7 +83,7 @@ class DragIdentifier:
 
     def __init__(self, rho: float, window: float = WINDOW) -> None:
         """Bind to an ellipsoid of radius ``rho`` [m]. A window lasts ``window`` [s]."""
-        self._rho = rho
+        self.rho = rho
         self._window = window
 
     @staticmethod
@@ -105,6 +122,6 @@ class DragIdentifier:
         fresh = DragState(state.levels, state.turned, slides, X_WB, time)
         if not (slides and state.slides):
             return fresh
-        level = math.hypot(size, (x * fy - y * fx) / self._rho) / ticks
+        level = math.hypot(size, (x * fy - y * fx) / self.rho) / ticks
         turned = state.turned + 1.0 - size / ticks / level
         return fresh._replace(levels=(*state.levels, level), turned=turned)

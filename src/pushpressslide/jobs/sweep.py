@@ -18,6 +18,7 @@ from typing import Any, Literal
 
 from pushpressslide.core.errors import PushPressSlideError, Shown, TaskError
 from pushpressslide.core.task import Task
+from pushpressslide.core.truth import TierName
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.jobs.cluster import cluster
 from pushpressslide.jobs.engines import DEFAULT, engine_named
@@ -63,7 +64,7 @@ class SweepOptions:
         return "batched" if self.batched else str(self.engine)
 
     @property
-    def tier(self) -> Literal["tier1", "tier2", "tier3"] | None:
+    def tier(self) -> TierName | None:
         """Tier of the samples' worlds. None without one."""
         if self.world == "known" or self.world == "uncertain":
             return None
