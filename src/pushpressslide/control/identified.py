@@ -40,23 +40,23 @@ class Identified(NamedTuple):
             center = other.center
         return Identified(drag, center)
 
-    def figures(self, believed: Scene) -> dict[str, Any]:
-        """Entry ``parameters`` of the record: each value beside that of the ``believed``
-        scene. Empty if nothing is identified.
+    def figures(self, scene: Scene) -> dict[str, Any]:
+        """Entry ``parameters`` of the record: each value beside that believed of the
+        ``scene``. Empty if nothing is identified.
         """
-        found = {}
+        parameters = {}
         if self.drag is not None:
-            product = believed.body.mass * believed.support.friction
-            unit = product / believed.max_friction()
+            product = scene.body.mass * scene.support.friction
+            unit = product / scene.max_friction()
             mean = unit * self.drag.mean
             deviation = unit * self.drag.deviation
-            found["mass_times_friction"] = Parameter(mean, deviation, product)
+            parameters["mass_times_friction"] = Parameter(mean, deviation, product)
         if self.center is not None:
             value, deviation, direction = self.center
-            before = _along(believed.body.center_of_mass, direction)
+            before = _along(scene.body.center_of_mass, direction)
             center = Parameter(value, deviation, before, direction)
-            found["center_of_mass"] = center
-        figures = {name: one.figures for name, one in found.items()}
+            parameters["center_of_mass"] = center
+        figures = {name: one.figures for name, one in parameters.items()}
         return {"parameters": figures} if figures else {}
 
 

@@ -15,7 +15,7 @@ class Parameter(NamedTuple):
 
     value: float
     deviation: float  # standard deviation
-    believed: float
+    belief: float
     direction: Point | None = None  # in G, of a coordinate
 
     @property
@@ -31,7 +31,7 @@ class Parameter(NamedTuple):
     @property
     def contradicts_belief(self) -> bool:
         """Whether the interval excludes what was believed."""
-        return not self.low <= self.believed <= self.high
+        return not self.low <= self.belief <= self.high
 
     @property
     def figures(self) -> dict[str, Any]:
@@ -40,7 +40,7 @@ class Parameter(NamedTuple):
             "value": self.value,
             "low": self.low,
             "high": self.high,
-            "believed": self.believed,
+            "believed": self.belief,
             "contradicts_belief": self.contradicts_belief,
             "direction": None if self.direction is None else [*self.direction],
         }

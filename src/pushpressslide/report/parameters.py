@@ -27,11 +27,9 @@ LABELS = {
 def parameter_lines(result: Mapping[str, Any]) -> list[str]:
     """A line for each parameter that a run identified."""
     lines = []
-    for key, figures in _found(result).items():
-        value, interval, believed = _texts(key, figures)
-        line = (
-            f"{_name(key, figures)}: {value}, 95 % in {interval}, believed {believed}"
-        )
+    for key, figures in _parameters(result).items():
+        value, interval, belief = _texts(key, figures)
+        line = f"{_name(key, figures)}: {value}, 95 % in {interval}, believed {belief}"
         if figures["contradicts_belief"]:
             line += ": contradicts belief"
         lines.append(line)
@@ -41,7 +39,7 @@ def parameter_lines(result: Mapping[str, Any]) -> list[str]:
 def parameters_part(result: Mapping[str, Any]) -> str:
     """Heading and table of the parameters that a run identified. Empty without any."""
     rows = []
-    for key, figures in _found(result).items():
+    for key, figures in _parameters(result).items():
         cells = number_cells(_texts(key, figures))
         verdict = "contradicts belief" if figures["contradicts_belief"] else ""
         name = escape(_name(key, figures).capitalize())
@@ -54,7 +52,7 @@ def parameters_part(result: Mapping[str, Any]) -> str:
     return f"<h3>Parameters</h3>{table(head, rows, numbers=3)}"
 
 
-def _found(result: Mapping[str, Any]) -> Mapping[str, Any]:
+def _parameters(result: Mapping[str, Any]) -> Mapping[str, Any]:
     return result.get("parameters") or {}
 
 
@@ -69,8 +67,8 @@ def _name(key: str, figures: Mapping[str, Any]) -> str:
 def _texts(key: str, figures: Mapping[str, Any]) -> tuple[str, str, str]:
     """Value, interval and belief, with units."""
     _, factor, unit, decimals = LABELS[key]
-    value, low, high, believed = (
+    value, low, high, belief = (
         f"{factor * figures[name]:.{decimals}f}"
         for name in ("value", "low", "high", "believed")
     )
-    return f"{value} {unit}", f"{low} to {high} {unit}", f"{believed} {unit}"
+    return f"{value} {unit}", f"{low} to {high} {unit}", f"{belief} {unit}"
