@@ -16,7 +16,9 @@ from pushpressslide.jobs.run import Monitor, Output
 from pushpressslide.modes import MODES
 
 
-def result_of(success: bool = True, code: str = "goal_reached") -> dict[str, Any]:
+def result_of(
+    success: bool | None = True, code: str = "goal_reached"
+) -> dict[str, Any]:
     return {
         "schema": 1,
         "events": [],
@@ -24,6 +26,7 @@ def result_of(success: bool = True, code: str = "goal_reached") -> dict[str, Any
         "engine": "drake",
         "modes": ["rear_push"],
         "success": success,
+        "verified": code == "goal_reached",
         "reason": {"code": code, "text": f"it ended with {code}"},
         "final_position_error": 0.00123,
         "final_yaw_error": 0.01,
@@ -67,6 +70,10 @@ def run_with(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
     [
         (result_of(), 0),
         (result_of(False, "goal_missed"), 1),
+        (result_of(False, "goal_reached"), 1),
+        (result_of(True, "not_verified"), 1),
+        (result_of(None, "goal_reached"), 0),
+        (result_of(None, "not_verified"), 1),
         (Interrupted("interrupted; record and result so far are in here"), 130),
         (KeyboardInterrupt(), 130),
         (InfeasibleTaskError("no mode can do it"), 2),

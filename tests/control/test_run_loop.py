@@ -19,6 +19,8 @@ from pushpressslide.control.approach import TRAVEL_SPEED
 from pushpressslide.control.controller import Step
 from pushpressslide.control.estimator import Estimator, ObjectEstimator
 from pushpressslide.control.execution import USUAL, Execution
+from pushpressslide.control.identified import Identified
+from pushpressslide.control.last_look import LastLook
 from pushpressslide.control.limits import (
     MEAN_TIME,
     POSITION_MARGIN,
@@ -187,6 +189,12 @@ class Script:
 
     def filtered_pose(self, state: Line) -> Pose2:
         return Pose2()
+
+    def last_look(self, state: Line) -> LastLook:
+        return LastLook(Pose2(), (0.0, 0.0))
+
+    def identified(self, state: Line) -> Identified:
+        return Identified()
 
     def missed(self, state: Line, pose: Pose2) -> None:
         """Nothing is missed."""

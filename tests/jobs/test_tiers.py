@@ -97,6 +97,26 @@ def test_a_refusal_within_the_errors_of_the_belief_is_tried() -> None:
     assert str(again.value) == str(refused.value)
 
 
+def test_the_lightest_mass_is_that_of_the_error_of_the_mass() -> None:
+    task = load_task(PUSH)
+    assert task.object.mass > 0.0
+    sure = replace(task, belief=replace(task.belief, friction_error=0.2))
+    heavy = replace(sure, belief=replace(sure.belief, mass_error=0.4))
+    masses = [list(hopes(one))[-1].belief.mass for one in (sure, heavy)]
+    believed = task.full_belief.mass
+    assert believed is not None
+    assert masses == pytest.approx([believed, 0.6 * believed])
+    only = replace(task, belief=replace(task.belief, mass_error=0.4))
+    assert [one.belief.mass for one in hopes(only)][1:] == [0.6 * believed]
+
+
+@pytest.mark.parametrize("name", list(TIERS))
+def test_a_tier_states_the_error_of_its_masses(name: str) -> None:
+    drawn = drawn_world(at_tier(name), 2, "planar")
+    most = TIERS[name].mass[1] - 1.0
+    assert drawn.belief.mass_error == pytest.approx(min(0.5, most))
+
+
 def test_a_push_arrives_in_the_second_tier() -> None:
     plan, record, _ = simulate(at_tier("tier2"), engine="planar", seed=1)
     assert plan.task.sensing != Sensing()

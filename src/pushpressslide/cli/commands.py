@@ -320,7 +320,8 @@ def run(options: RunOptions) -> int:
         tables.print_result(result, folder)
 
     answer(result, options, show)
-    return REACHED if result["success"] else MISSED
+    reached = result["success"] is not False
+    return REACHED if reached and result["verified"] else MISSED
 
 
 def _note_encoder() -> None:

@@ -30,10 +30,13 @@ class Drawing(StrEnum):
 
 
 class World(StrEnum):
-    """Whether the drawn tasks of a sweep agree with the planner's belief."""
+    """How the samples of a sweep differ from the planner's belief."""
 
     known = "known"
     uncertain = "uncertain"
+    tier1 = "tier1"
+    tier2 = "tier2"
+    tier3 = "tier3"
 
 
 class Models(StrEnum):

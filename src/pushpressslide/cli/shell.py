@@ -231,6 +231,7 @@ def explain(error: Exception, as_json: bool) -> int:
         failure = {
             "schema": 1,
             "success": False,
+            "verified": False,
             "reason": {"code": "internal_error", "text": text},
         }
         typer.echo(json.dumps(failure))

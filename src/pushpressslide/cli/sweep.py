@@ -68,8 +68,9 @@ class SweepOptions:
         World,
         typer.Option(
             "--world",
-            help="Of new tasks. known: as believed; uncertain: other frictions, mass and "
-            "centre of mass, noisy and late sensors.",
+            help="known: new tasks are as believed; uncertain: they have other frictions, "
+            "mass and centre of mass, noisy and late sensors; tier1 to tier3: each sample "
+            "has its own world of this tier, the same tasks in each tier.",
         ),
     ] = World.known
     check_refusals: Annotated[

@@ -181,11 +181,15 @@ def _print_stages(stages: Sequence[Mapping[str, Any]]) -> None:
 
 def print_result(result: Mapping[str, Any], folder: Path) -> None:
     """Print the figures of a run, and the location of its pages."""
+    from pushpressslide.report.parameters import parameter_lines
+
     table = simple_table("figure", "value", "unit")
     reason = result["reason"]
     modes = ", ".join(result["modes"])
-    reached = "yes" if result["success"] else "no"
+    reached = {True: "yes", False: "no", None: "unknown"}[result["success"]]
+    verified = "yes" if result["verified"] else "no"
     table.add_row("goal reached", f"{reached} ({reason['code']})", "")
+    table.add_row("verified", verified, "")
     table.add_row("mode, engine", f"{modes}, {result['engine']}", "")
     for name, key, scale, digits, unit in (
         ("final position error", "final_position_error", 1e3, 2, "mm"),
@@ -210,8 +214,10 @@ def print_result(result: Mapping[str, Any], folder: Path) -> None:
         )
         text = f"{event['time']:.1f} s: {event['code']}, {event['text']}; {goes_on}"
         print_text(text, 4)
-    if not result["success"]:
+    if not (result["success"] and result["verified"]):
         print_text(reason["text"], 4)
+    for line in parameter_lines(result):
+        print_text(line, 4)
     for name in ("run.mp4", "run.webp", "replay.html", "report.html"):
         if (folder / name).exists():
             typer.echo(folder / name)

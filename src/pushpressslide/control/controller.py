@@ -24,14 +24,18 @@ from pushpressslide.control.adaptation import TipSpeed
 from pushpressslide.control.estimator import (
     Estimate,
     Estimator,
+    EstimatorState,
     ObjectEstimator,
     Observation,
+    filtered_noise,
     stamped,
 )
 from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.following import Following, Prediction
+from pushpressslide.control.identified import Identified, identified
 from pushpressslide.control.insertion import Insertion
 from pushpressslide.control.joint_pace import JointPace
+from pushpressslide.control.last_look import LastLook
 from pushpressslide.control.law import Decision, Law
 from pushpressslide.control.placement import Placement, share_of_tolerance
 from pushpressslide.control.state import (
@@ -163,6 +167,7 @@ class Controller:
         prediction = Prediction(
             self.placement.axle_identifier(first),
             self.placement.center_identifier(first, (0.0, 0.0)),
+            drag=self.placement.drag_identifier(first),
         )
         pose = stamped(measurement)
         return ControllerState(
@@ -331,6 +336,19 @@ class Controller:
     def filtered_pose(self, state: ControllerState) -> Pose2:
         """Filtered X_WG at the last tick."""
         return state.estimate.X_WG.compose(self.X_GB).compose(self.X_BG)
+
+    def last_look(self, state: ControllerState) -> LastLook:
+        """The object's estimated pose at the last tick, and how well it is known."""
+        place, yaw = state.estimate.spread
+        noise, yaw_noise = filtered_noise(self.placement.query.sensing)
+        spread = (max(place, noise), max(yaw, yaw_noise))
+        return LastLook(self.filtered_pose(state), spread)
+
+    def identified(self, state: ControllerState) -> Identified:
+        """What the estimator has identified in this placement."""
+        if not isinstance(state.estimator, EstimatorState):
+            return Identified()
+        return identified(state.estimator, self.placement.query)
 
     def missed(self, state: ControllerState, pose: Pose2) -> Ending | None:
         """Ending of a placement whose goal is missed by an object at ``pose``, X_WG.

@@ -23,6 +23,7 @@ from pushpressslide.core.sensing import Sensing
 from pushpressslide.core.twist_path import integrate
 from pushpressslide.core.wrench import Twist
 from pushpressslide.identification.center import SURE, CenterState
+from pushpressslide.identification.drag import DragIdentifier, DragState
 from pushpressslide.identification.online import AxleState
 from pushpressslide.identification.parameter_estimates import (
     NOTHING,
@@ -89,6 +90,7 @@ class EstimatorState(NamedTuple):
     center: CenterState = CenterState()  # the same of the CoM
     estimates: ParameterEstimates = NOTHING  # estimates from all of these
     filtered: Filtered | None = None  # None: poses are used as they come
+    drag: DragState = DragState()  # for the result alone
 
 
 class Filtered(NamedTuple):
@@ -188,9 +190,11 @@ class ObjectEstimator:
         found = state.estimates
         if predicted is not state.prediction:
             axle, center = _carried_over(state, predicted)
+        drag = DragIdentifier.paused(state.drag)
         if observation.driven:
             X_WB = X_WG.compose(self._X_GB)
             axle, center = _identified(axle, center, X_WB, observation)
+            drag = _dragged(state.drag, center, X_WB, observation)
         if filtered is not None:
             center = filtered.center(center, observation.binding.segment, self._X_BG)
         if observation.driven or predicted is not state.prediction:
@@ -200,7 +204,7 @@ class ObjectEstimator:
         twist = observation.commanded_twist
         estimate = Estimate(time, X_WG, twist, found, time - used, spread)
         return estimate, EstimatorState(
-            pose, time, X_WG, predicted, axle, center, found, filtered
+            pose, time, X_WG, predicted, axle, center, found, filtered, drag
         )
 
     def _filtered(self, state: EstimatorState, observation: Observation) -> Filtered:
@@ -255,6 +259,17 @@ def pose_gain(sensing: Sensing) -> float:
     """
     noise = max(sensing.position_noise / POSE_NOISE, sensing.yaw_noise / YAW_NOISE)
     return min(1.0, max(LEAST_GAIN, 1.0 / max(noise * noise, 1e-12)))
+
+
+def filtered_noise(sensing: Sensing) -> tuple[float, float]:
+    """Standard deviations [m], [rad] of an object at rest whose poses ``pose_gain``
+    filters. 0 if not every control period has a pose.
+    """
+    if not sensing.every_pose:
+        return (0.0, 0.0)
+    gain = pose_gain(sensing)
+    share = math.sqrt(gain / (2.0 - gain))
+    return (share * sensing.position_noise, share * sensing.yaw_noise)
 
 
 def stamped(measurement: Measurement) -> StampedPose:
@@ -334,6 +349,23 @@ def _identified(
         touched = touched_point(binding.sides[0], X_WB, tip)
         center = predicted.center.step(center, time, X_WB, force, touched)
     return axle, center
+
+
+def _dragged(
+    drag: DragState, center: CenterState, X_WB: Pose2, observation: Observation
+) -> DragState:
+    """State of the drag's identification after a tick in which the first contact drives
+    the object.
+    """
+    identifier = observation.prediction.drag
+    if identifier is None:
+        return drag
+    binding = observation.binding
+    tip = observation.tips[binding.segment.contacts[0].arm]
+    x, y = touched_point(binding.sides[0], X_WB, tip)
+    lever = (x - center.center[0], y - center.center[1])
+    force = X_WB.unrotate(tip.force[:2])
+    return identifier.step(drag, observation.time, X_WB, force, lever)
 
 
 def _estimates(

@@ -17,6 +17,7 @@ from pushpressslide.core.scene import Scene
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.geometry.sides import Side
 from pushpressslide.identification.center import CenterIdentifier
+from pushpressslide.identification.drag import DragIdentifier
 from pushpressslide.identification.online import AxleIdentifier
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Allocator, Tracker
@@ -66,6 +67,7 @@ class Prediction(NamedTuple):
     axle: AxleIdentifier | None = None  # compares with its virtual axle
     center: CenterIdentifier | None = None  # compares with its CoM
     followed_center: Point = (0.0, 0.0)  # p_BCom [m] of the plan that is followed
+    drag: DragIdentifier | None = None  # for the result alone
 
 
 class Following(NamedTuple):

@@ -14,6 +14,7 @@ from pushpressslide.core.plan import Plan, Segment, arms_kept
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.identification.center import CenterIdentifier
+from pushpressslide.identification.drag import DragIdentifier
 from pushpressslide.identification.online import AxleIdentifier
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Tracker
@@ -70,6 +71,11 @@ class Placement:
         """
         query = self.queries[segment.leg]
         return MODES[segment.mode].center_identifier(query, segment, center)
+
+    def drag_identifier(self, segment: Segment) -> DragIdentifier | None:
+        """Identifier of the drag in a segment."""
+        query = self.queries[segment.leg]
+        return MODES[segment.mode].drag_identifier(query, segment)
 
     def bound_laws(self, segment: Segment) -> BoundLaws:
         """Control laws bound to a segment."""

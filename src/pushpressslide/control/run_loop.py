@@ -32,7 +32,9 @@ from pushpressslide.control.cell import Applied, Cell, TrueState
 from pushpressslide.control.controller import Controller
 from pushpressslide.control.estimator import Estimator, ObjectEstimator
 from pushpressslide.control.execution import USUAL, Execution
+from pushpressslide.control.identified import Identified
 from pushpressslide.control.joint_pace import joint_pace
+from pushpressslide.control.last_look import LastLook
 from pushpressslide.control.limits import ArmReading, Guard
 from pushpressslide.control.looking import RestingPose
 from pushpressslide.control.recording import Recorder, Tick
@@ -163,6 +165,7 @@ class RunLoop:
             source = plan.task.source or plan.task.name
             refuse_truth(plan.task.truth, EXACT, source, "with real arms")
         self.plan = plan
+        self.believed = plan.task.scene  # before the run
         self.cell = cell
         self.tracker = cell.tracker
         if options.tracker is not None:
@@ -185,6 +188,9 @@ class RunLoop:
         self.tare = Tare(arms)
         self.resting = RestingPose()  # of the object, during an approach
         self.watches = (self._finished, *watches, self._failed, self._stopped)
+        self.last_look: LastLook | None = None  # None: not needed
+        self.identified = Identified()  # in the placements before this one
+        self.looked_on: float | None = None  # [s] since when for longer
         self.ticks = 0
         self.placements = plan.by_placement
         self.number = 0  # of the present placement
@@ -218,12 +224,15 @@ class RunLoop:
             self._hand_over(tick, measurement)
         ended = self._ending(tick)
         if ended is not None and not self._recovers(ended, tick, measurement):
-            return self._verified(ended)
+            ended = self._verified(ended)
+            if not self._looks_on(ended, tick.time):
+                return ended
         self._report(tick.time)
         return None
 
     def record(self, ending: Ending, wall_time: float = 0.0) -> Record:
         """Record of all steps so far, which took ``wall_time`` [s]."""
+        self._learn()
         arrays = self.recorder.arrays()
         plan = self.plan
         for earlier, count in reversed(self.earlier):
@@ -240,6 +249,8 @@ class RunLoop:
             {
                 **facts,
                 **self._own_laws(),
+                **self._knowledge(),
+                **self.identified.figures(self.believed),
                 "events": self.events,
                 "breaches": self.breaches,
             },
@@ -284,6 +295,25 @@ class RunLoop:
         if options.controller is not Controller:
             own["controller"] = options.controller.__name__
         return own
+
+    def _learn(self) -> None:
+        """Add what the present placement has identified."""
+        if self.state is not None:
+            own = self.controller.identified(self.state)
+            self.identified = self.identified.better(own)
+
+    def _knowledge(self) -> dict[str, Any]:
+        """Note on what is known of the final pose, for the record: that only
+        measurements are, and the last look. Empty if every pose is exact.
+        """
+        out: dict[str, Any] = {}
+        if self.cell.witness is None and not self.cell.clock.simulated:
+            out["measured_only"] = True
+        if self.last_look is not None:
+            X = self.last_look.X_WG
+            pose = [X.x, X.y, X.yaw]
+            out["last_look"] = {"pose": pose, "spread": [*self.last_look.spread]}
+        return out
 
     def _tick(self) -> tuple[Tick, Measurement]:
         """Run one control period. Returns the tick and its measurements."""
@@ -501,6 +531,7 @@ class RunLoop:
             command if i in kept_arms and isinstance(command, TipCommand) else None
             for i, command in enumerate(tick.commands)
         )
+        self._learn()
         self.number += 1
         self.cell.placements.hand_over(self.placements[self.number], kept_arms)
         self.guard.forget_references()
@@ -540,12 +571,31 @@ class RunLoop:
         return True
 
     def _verified(self, ending: Ending) -> Ending:
-        """The ``ending``, or a missed goal if faulty sensors show that it is."""
-        sensed = not self.plan.task.sensing.every_pose
-        if ending.code != "goal_reached" or not sensed or self.state is None:
+        """The ``ending``, or what the last look shows of a goal that should be reached,
+        unless every pose is exact.
+        """
+        task = self.plan.task
+        exact = task.sensing.exact_pose
+        if ending.code != "goal_reached" or exact or self.state is None:
             return ending
-        pose = self.controller.filtered_pose(self.state)
-        return self.controller.missed(self.state, pose) or ending
+        look = self.controller.last_look(self.state)
+        self.last_look = look
+        if task.tool is not None:
+            return Ending("not_verified", f"{task.tool.body!r} is not looked at")
+        return look.ending(task.goal, task.tolerance)
+
+    def _looks_on(self, ending: Ending, time: float) -> bool:
+        """Whether more pictures of the object at rest may verify its goal, at ``time``
+        [s].
+        """
+        task = self.plan.task
+        surer = not task.sensing.every_pose and task.tool is None
+        if ending.code != "not_verified" or not surer:
+            return False
+        if self.looked_on is None:
+            self.looked_on = time
+        ends = min(self.looked_on + margins.ARM.longest_look, self.time_limit)
+        return time + self.guard.period < ends
 
     def _retriable_ending(self, ending: Ending, pose: Pose2) -> Ending | None:
         """Failure from which the run can recover. None if it cannot, or if the arms
@@ -618,6 +668,7 @@ class RunLoop:
         """
         measurement, _ = self.measure()
         time = measurement.time
+        self._learn()
         self.earlier.append((self.plan, self.number + 1))
         self.plan = plan
         self.placements = plan.by_placement
@@ -625,6 +676,7 @@ class RunLoop:
         self.recoveries -= 1
         self.breach = None
         self.stopping = None
+        self.looked_on = None
         self.guard = self.guard.successor(plan.task.limits.normal_force, held_commands)
         self.cell.placements.hand_over(self.placements[0], frozenset())
         self._begin_placement((None,) * len(plan.task.robots), time, measurement)

@@ -592,7 +592,12 @@ class Supervisor:
             self.placement.bound_laws(first),
             planned,
             fresh[1:],
-            Prediction(axle, self.placement.center_identifier(first, center), center),
+            Prediction(
+                axle,
+                self.placement.center_identifier(first, center),
+                center,
+                self.placement.drag_identifier(first),
+            ),
             clock_start=instant.time,
             began=before.began,
             reference=first,

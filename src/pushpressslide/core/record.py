@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 ReasonCode = Literal[
     "goal_reached",
     "goal_missed",
+    "not_verified",
     "time_limit",
     "contact_lost",
     "force_limit",
@@ -63,9 +64,9 @@ class Record:
     figures: Mapping[str, Any] = field(default_factory=dict)
 
     @property
-    def success(self) -> bool:
+    def success(self) -> bool | None:
         """Whether the goal was reached, no other body was displaced, and no limit was
-        broken.
+        broken. None if the true pose is not known.
 
         Raises RuntimeError for a run that was not measured.
         """
@@ -74,7 +75,8 @@ class Record:
                 "the run was not measured: pushpressslide.run measures what it runs, "
                 "pushpressslide.result any record"
             )
-        return bool(self.figures["success"])
+        success: bool | None = self.figures["success"]
+        return success
 
     def to_dataframe(self) -> Any:
         """Time series with one value per tick, as a pandas DataFrame indexed by time

@@ -478,11 +478,10 @@ class Belief:
         "m",
         "[0, 0.5]",
     )
-    # for odds alone
     mass_error: float = setting(
         0.0,
-        "share by which the mass may be wrong, up or down; only `pps plan --odds` and "
-        "`motion.risk` use it",
+        "share by which the mass may be wrong, up or down; `pps plan --odds`, "
+        "`motion.risk` and what is tried after a refusal use it",
         within="[0, 0.9]",
     )
 

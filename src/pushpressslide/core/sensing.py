@@ -183,6 +183,18 @@ class Sensing:
         return self.pose_rate is None and not any(faults)
 
     @property
+    def exact_pose(self) -> bool:
+        """Whether every control period has the true pose."""
+        errors = (
+            self.position_noise,
+            self.yaw_noise,
+            *self.position_bias,
+            self.yaw_bias,
+            self.position_step,
+        )
+        return self.every_pose and not any(errors)
+
+    @property
     def sure(self) -> bool:
         """Whether a single pose and a single force say where and what they are."""
         return self.every_pose and self.force_noise == 0.0 and not any(self.force_bias)

@@ -83,6 +83,20 @@ def doubt(
     return Doubt(heading, axle * reach, margins.ARM.off_line_unsure, most, 0.0)
 
 
+TOUCHED = 1e-3
+"""Standard deviation [m] of the touched place, beside noise: errors of tip and base."""
+LEAST_WINDOWS = 5
+"""Smallest number of windows that give the centre an interval."""
+
+
+class Aside(NamedTuple):
+    """Identified coordinate of the centre of mass across the line to the contact."""
+
+    value: float  # [m] from B's origin
+    deviation: float  # [m] standard deviation
+    across: Point  # direction in B
+
+
 class Window(NamedTuple):
     """Measured motion of the object during a time window, in B."""
 
@@ -177,6 +191,15 @@ class CenterIdentifier:
         aside = math.dist(state.center, followed) / self._lever
         sure = max(self._sure, 1.0) if state.filtered else self._sure
         return aside > max(self._off_line, sure * state.off)
+
+    def aside(self, state: CenterState) -> Aside | None:
+        """The identified coordinate. None if few windows or a bound determine it."""
+        value = self._aside(state.center)
+        bounded = abs(value) > 0.99 * self._most * self._lever
+        if len(state.windows) < LEAST_WINDOWS or bounded:
+            return None
+        deviation = math.hypot(state.off * self._lever, TOUCHED)
+        return Aside(value, deviation, self._across)
 
     def carry_over(self, state: CenterState) -> CenterState:
         """State that remains valid after the end of a segment."""

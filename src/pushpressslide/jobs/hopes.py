@@ -22,15 +22,17 @@ def hopes(task: Task) -> Iterator[Task]:
     """
     yield task
     belief = task.belief
-    if belief.friction_error == 0.0 and belief.center_error == 0.0:
-        return
-    plain = replace(belief, friction_error=0.0, center_error=0.0)
-    yield replace(task, belief=plain)
-    yield replace(task, belief=_favourable(task, belief.friction_error))
+    planned = belief.friction_error, belief.center_error
+    if any(planned):
+        plain = replace(belief, friction_error=0.0, center_error=0.0)
+        yield replace(task, belief=plain)
+    if any(planned) or belief.mass_error > 0.0:
+        yield replace(task, belief=_favourable(task))
 
 
-def _favourable(task: Task, error: float) -> Belief:
-    """Belief in less drag and more grip, by a share ``error``."""
+def _favourable(task: Task) -> Belief:
+    """Belief in less drag and more grip, by the errors that the task states."""
+    error = task.belief.friction_error
     full = task.full_belief
     _, most = FRICTION
     assert full.support_friction is not None
@@ -40,7 +42,7 @@ def _favourable(task: Task, error: float) -> Belief:
         task.belief,
         support_friction=(1.0 - error) * full.support_friction,
         contact_friction=min((1.0 + error) * full.contact_friction, most),
-        mass=(1.0 - error) * full.mass,
+        mass=(1.0 - task.belief.mass_error) * full.mass,
         friction_error=0.0,
         center_error=0.0,
     )

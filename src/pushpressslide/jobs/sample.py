@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from types import FrameType
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -17,10 +17,12 @@ from pushpressslide.core.footprint import overlap_area
 from pushpressslide.core.knock import Ball, Knock
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
+from pushpressslide.core.truth import Truth
 from pushpressslide.jobs.cluttered import cluttered_task, started_task
 from pushpressslide.jobs.rows import Row
 from pushpressslide.jobs.run import forced_choices, run_choice, simulate
 from pushpressslide.jobs.sampling import random_task, uncertain_task, varied_task
+from pushpressslide.jobs.tiers import drawn_world
 
 if TYPE_CHECKING:
     from pushpressslide.core.plan import Plan
@@ -68,11 +70,32 @@ class SampleTimeoutError(RuntimeError):
 
 
 def sample_task(task: Task, options: SweepOptions, index: int) -> Task:
-    """Task of sample ``index`` of a sweep over ``task``.
+    """Task of sample ``index`` of a sweep over ``task``, in the tier of its world.
 
-    Raises TaskError if no tasks can be drawn for it.
+    The tier changes nothing else of the task, so that tiers are compared on the same
+    tasks. Raises TaskError if no tasks can be drawn for ``task``.
     """
+    drawn = _varied(task, options, index)
+    if options.tier is None:
+        return drawn
+    return replace(drawn, truth=Truth(tier=options.tier))
+
+
+def sample_seed(task: Task, options: SweepOptions, index: int) -> int:
+    """Seed of the run of a sample's ``task``: that of the sweep, or in a tier one of its
+    own, which gives each sample its own world.
+    """
+    if task.truth.tier is None:
+        return options.seed
+    return int(np.random.SeedSequence([options.seed, index]).generate_state(1)[0])
+
+
+def _varied(task: Task, options: SweepOptions, index: int) -> Task:
+    """Task of a sample before its world is drawn."""
     if options.vary == "truth":
+        if options.tier is not None:
+            name = f"{task.name}-varied-{options.seed}-{index:03d}"
+            return replace(task, name=name)
         return varied_task(task, index, options.seed)
     if options.vary == "knocks":
         name = f"{task.name}-knocked-{options.seed}-{index:03d}"
@@ -88,18 +111,33 @@ def sample_task(task: Task, options: SweepOptions, index: int) -> Task:
     return drawn
 
 
+class _Sample(NamedTuple):
+    """A sample in its world, with the seed of its run."""
+
+    task: Task
+    seed: int
+
+
+def _sample(task: Task, options: SweepOptions, index: int, row: Row) -> _Sample:
+    """Sample ``index``. Its ``row`` gets its name, and in a tier also tier and seed."""
+    sample = sample_task(task, options, index)
+    seed = sample_seed(sample, options, index)
+    row["task"] = sample.name
+    if sample.truth.tier is not None:
+        row["tier"] = sample.truth.tier
+        row["seed"] = seed
+    return _Sample(drawn_world(sample, seed, options.engine), seed)
+
+
 def run_sample(task: Task, options: SweepOptions, index: int) -> Row:
     """Run one sample and return its row: reached, missed, refused, or failed after an
     internal error.
     """
     row: Row = {"index": index}
     try:
-        sample = sample_task(task, options, index)
-        row["task"] = sample.name
+        sample, seed = _sample(task, options, index, row)
         with _at_most(options.sample_time):
-            plan, record, choices = simulate(
-                sample, engine=options.engine, seed=options.seed
-            )
+            plan, record, choices = simulate(sample, engine=options.engine, seed=seed)
     except InfeasibleTaskError as error:
         return {**row, "status": "refused", "reason": str(error)}
     except OURS as error:
@@ -123,10 +161,9 @@ def run_forced(task: Task, options: SweepOptions, index: int, rank: int) -> Row:
     """
     row: Row = {"index": index, "rank": rank}
     try:
-        sample = sample_task(task, options, index)
+        sample, seed = _sample(task, options, index, row)
         # this choice is evaluated, not what follows it
         sample = replace(sample, motion=replace(sample.motion, recoveries=0))
-        row["task"] = sample.name
         choices = forced_choices(sample, FORCED)
         if rank >= len(choices):
             reason = f"has {len(choices)} choices with a path"
@@ -134,7 +171,7 @@ def run_forced(task: Task, options: SweepOptions, index: int, rank: int) -> Row:
         row["choice"] = choices[rank].reason
         with _at_most(options.sample_time):
             plan, record = run_choice(
-                sample, choices[rank], engine=options.engine, seed=options.seed
+                sample, choices[rank], engine=options.engine, seed=seed
             )
     except (InfeasibleTaskError, *OURS) as error:
         reason = f"{type(error).__name__}: {error}"
@@ -149,6 +186,7 @@ def _figures(sample: Task, plan: Plan, record: Record) -> dict[str, Any]:
     measured = measure(sample, plan, record)
     return {
         "status": "reached" if measured["success"] else "missed",
+        "verified": measured["verified"],
         "code": measured["reason"]["code"],
         "reason": measured["reason"]["text"] or measured["reason"]["code"],
         "modes": measured["modes"],

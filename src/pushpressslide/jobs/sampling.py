@@ -227,6 +227,7 @@ def uncertain_task(known: Task, index: int, seed: int) -> Task:
             center_of_mass=body.center_of_mass,
             friction_error=FRICTION_ERROR,
             center_error=CENTER_ERROR,
+            mass_error=FRICTION_ERROR,
         ),
         support=replace(
             known.support, friction=min(1.9, known.support.friction * float(support))

@@ -18,6 +18,7 @@ from typing import Any, Literal
 
 from pushpressslide.core.errors import PushPressSlideError, Shown, TaskError
 from pushpressslide.core.task import Task
+from pushpressslide.core.truth import TierName
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.jobs.cluster import cluster
 from pushpressslide.jobs.engines import DEFAULT, engine_named
@@ -30,7 +31,7 @@ from pushpressslide.jobs.summary import ATTEMPTED, summarise, write_table
 from pushpressslide.report.metrics import installed_versions
 
 Vary = Literal["truth", "tasks", "start", "knocks"]
-World = Literal["known", "uncertain"]
+World = Literal["known", "uncertain", "tier1", "tier2", "tier3"]
 Progress = Callable[[int, int], None]
 Work = Callable[[], Row]
 HARDLY = 50  # drawn tasks for each attempted one, beyond which drawing ends
@@ -46,7 +47,8 @@ class SweepOptions:
     # of a knock by another body
     vary: Vary = "truth"
     draw: Draw = "ahead"  # kind of new tasks
-    world: World = "known"  # whether new tasks are as believed
+    # whether new tasks are as believed, or the tier of all samples
+    world: World = "known"
     seed: int = 0
     engine: str = DEFAULT
     check_refusals: int = 0  # refused samples to run all the same
@@ -60,6 +62,13 @@ class SweepOptions:
     def engine_name(self) -> str:
         """Name of the engine that runs the samples."""
         return "batched" if self.batched else str(self.engine)
+
+    @property
+    def tier(self) -> TierName | None:
+        """Tier of the samples' worlds. None without one."""
+        if self.world == "known" or self.world == "uncertain":
+            return None
+        return self.world
 
     def settings(self, task: Task) -> dict[str, Any]:
         """Settings that must agree for a finished sample to be reused."""
@@ -125,6 +134,7 @@ def _check_batched(options: SweepOptions) -> None:
     """Raise PushPressSlideError for options that batches do not support."""
     checks = (
         ("--vary", options.vary, "truth"),
+        ("--world", options.world, "known"),
         ("--attempts", options.attempts, 0),
         ("--check-refusals", options.check_refusals, 0),
         ("--sample-time", options.sample_time, 0.0),

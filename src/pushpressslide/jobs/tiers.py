@@ -172,6 +172,7 @@ def _belief(task: Task, tier: Tier, rng: np.random.Generator) -> Belief:
         task.belief.rho,
         min(0.5, tier.support[1] - 1.0),
         tier.center * size,
+        min(0.5, tier.mass[1] - 1.0),
     )
 
 

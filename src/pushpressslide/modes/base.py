@@ -40,6 +40,7 @@ from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import SKIPPED, Refusal, enough_feasible
 from pushpressslide.core.scene import Scene
 from pushpressslide.identification.center import CenterIdentifier
+from pushpressslide.identification.drag import DragIdentifier
 from pushpressslide.identification.online import AxleIdentifier
 from pushpressslide.identification.parameter_estimates import (
     NOTHING,
@@ -294,6 +295,12 @@ class Mode(ABC, Generic[D]):
         """Online identifier of the centre of mass, in a segment planned with the centre
         at ``center`` [m] in B. None if identification would not improve the motion.
         """
+        return None
+
+    def drag_identifier(
+        self, query: MotionQuery, segment: Segment
+    ) -> DragIdentifier | None:
+        """Online identifier of the drag, for the result. None if forces do not tell it."""
         return None
 
 

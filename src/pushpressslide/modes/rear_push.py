@@ -17,6 +17,7 @@ from pushpressslide.core.pose import Point
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.scene import Scene
 from pushpressslide.identification.center import CenterIdentifier, doubt
+from pushpressslide.identification.drag import DragIdentifier
 from pushpressslide.identification.online import (
     OFF_RHO,
     AxleIdentifier,
@@ -209,6 +210,16 @@ class RearPush(Mode[RearSteerDrive]):
             doubt(query.scene, contact.point, car.lever, reach, contact.height),
             window_of(query.sensing, segment.profile.speed, math.hypot(*contact.point)),
         )
+
+    def drag_identifier(
+        self, query: MotionQuery, segment: Segment
+    ) -> DragIdentifier | None:
+        """Online identifier of the drag. None if anything but friction resists."""
+        if query.may_push or query.tool is not None or any(query.scene.weight_along):
+            return None
+        car = self.drive_of(segment).car
+        window = window_of(query.sensing, segment.profile.speed, car.lever)
+        return DragIdentifier(math.sqrt(car.effective_wheelbase * car.lever), window)
 
     def allocator(
         self,

@@ -27,4 +27,9 @@ def record_at_rest(plan: Plan, engine: str) -> Record:
         "plan_stretch": np.zeros(1),
     }
     text = "the object is at its goal already"
-    return Record(arrays, "goal_reached", text, str(engine), 0, 0.0, (), plan)
+    meta = {}
+    if not plan.task.sensing.exact_pose:
+        believed = plan.task.start
+        seen = [believed.x, believed.y, believed.yaw]
+        meta["last_look"] = {"pose": seen, "spread": [0.0, 0.0]}
+    return Record(arrays, "goal_reached", text, str(engine), 0, 0.0, (), plan, meta)

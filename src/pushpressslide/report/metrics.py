@@ -27,7 +27,7 @@ from pushpressslide.report.stage_figures import stage_figures
 from pushpressslide.report.stages import StageRun
 from pushpressslide.report.support import support_figures
 
-SCHEMA = 3
+SCHEMA = 4
 CONTACT_FIELDS = (
     "max_normal_force",
     "max_mean_normal_force",
@@ -75,6 +75,7 @@ def result(
         "planning_time": record.meta.get("planning_time"),
         "search": record.meta.get("search"),
         "events": record.meta.get("events", []),
+        "parameters": record.meta.get("parameters"),
         "bodies": _bodies(record),
         **support_figures(task, record),
         "planned": _planned(plan, record),

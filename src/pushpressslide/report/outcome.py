@@ -10,7 +10,7 @@ from typing import Any
 from pushpressslide.control.limits import MEAN_TIME
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.motion import Tolerance
-from pushpressslide.core.pose import wrap_angle
+from pushpressslide.core.pose import Point, wrap_angle
 from pushpressslide.core.record import Ending, Record
 from pushpressslide.core.task import Task
 from pushpressslide.report import series
@@ -18,10 +18,12 @@ from pushpressslide.report.support import seat_error
 
 OUTCOME_FIELDS = (
     "success",
+    "verified",
     "reason",
     "final_position_error",
     "final_yaw_error",
     "final_error_xy",
+    "error_beside_bias",
     "tolerance",
 )
 
@@ -39,18 +41,28 @@ class GoalError:
         """Distance [m] from the goal."""
         return math.hypot(self.ahead, self.left)
 
+    def within(self, tolerance: Tolerance) -> bool:
+        """Whether the errors are within a tolerance. False if they are unknown."""
+        return self.position <= tolerance.position and self.yaw <= tolerance.yaw
+
 
 def outcome_figures(
     task: Task, record: Record, figures: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Success, reason, errors at the goal and tolerance, as in result.json. ``figures``
-    are the other figures of result.json.
+    """Success, whether it is verified, reason, errors at the goal and tolerance, as in
+    result.json. ``figures`` are the other figures of result.json.
     """
     error = goal_error(task, record)
+    beside = error_beside_bias(task, record)
+    judged = None
+    if beside != error:
+        judged = {"position": beside.position, "yaw": beside.yaw}
     fault = _fault(task, record, figures)
     return {
-        "success": record.reason == "goal_reached" and fault is None,
+        "success": None if measured_only(record) else finished(record) and not fault,
+        "verified": is_verified(task, record),
         "reason": _reason(task, record, error, fault),
+        "error_beside_bias": judged,
         "final_position_error": error.position,
         "final_yaw_error": error.yaw,
         "final_error_xy": [error.ahead, error.left],
@@ -73,7 +85,8 @@ def _fault(task: Task, record: Record, figures: Mapping[str, Any]) -> Ending | N
     The conditions are the pose at the goal, the force limit, clearances, and bodies
     that must not move.
     """
-    if not is_within(task, record):
+    seen = measured_only(record) and "last_look" in record.meta
+    if not seen and not is_within(task, record):
         return Ending("goal_missed")
     return (
         _force_fault(task, figures)
@@ -114,8 +127,15 @@ def _moved_fault(task: Task, figures: Mapping[str, Any]) -> Ending | None:
     return None
 
 
-def goal_error(task: Task, record: Record) -> GoalError:
-    """Final pose, relative to the goal, of the body that has the goal."""
+def goal_error(
+    task: Task,
+    record: Record,
+    position_bias: Point = (0.0, 0.0),
+    yaw_bias: float = 0.0,
+) -> GoalError:
+    """Final pose, relative to the goal, of the body that has the goal, as a camera with
+    a bias [m], [rad] sees it.
+    """
     poses: Array | None = record.arrays.get("object_pose")
     goal = task.goal
     if task.tool is not None:
@@ -127,15 +147,47 @@ def goal_error(task: Task, record: Record) -> GoalError:
     x, y, yaw = (float(v) for v in poses[-1])
     if not all(math.isfinite(v) for v in (x, y, yaw)):
         return GoalError()
-    ahead, left = goal.unapply((x, y))
-    return GoalError(ahead, left, abs(wrap_angle(yaw - goal.yaw)))
+    ahead, left = goal.unapply((x + position_bias[0], y + position_bias[1]))
+    return GoalError(ahead, left, abs(wrap_angle(yaw + yaw_bias - goal.yaw)))
+
+
+def error_beside_bias(task: Task, record: Record) -> GoalError:
+    """The final errors without the constant bias of the camera, which no robot sees.
+
+    The task states the bias. Poses that were measured already contain it.
+    """
+    sensing = task.sensing
+    biased = any((*sensing.position_bias, sensing.yaw_bias))
+    if not biased or measured_only(record):
+        return goal_error(task, record)
+    return goal_error(task, record, sensing.position_bias, sensing.yaw_bias)
 
 
 def is_within(task: Task, record: Record) -> bool:
-    """Whether the body ends within the tolerance. False if its pose is unknown."""
-    error = goal_error(task, record)
-    distance = max(error.position, seat_error(task, record))
-    return distance <= task.tolerance.position and error.yaw <= task.tolerance.yaw
+    """Whether the body ends within the tolerance, beside a bias of the camera. False if
+    its pose is unknown.
+    """
+    seated = seat_error(task, record) <= task.tolerance.position
+    return seated and error_beside_bias(task, record).within(task.tolerance)
+
+
+def finished(record: Record) -> bool:
+    """Whether the controller came to its end, wherever the object is then."""
+    return record.reason == "goal_reached" or "last_look" in record.meta
+
+
+def measured_only(record: Record) -> bool:
+    """Whether the record has no true poses, as that of a real robot."""
+    return bool(record.meta.get("measured_only"))
+
+
+def is_verified(task: Task, record: Record) -> bool:
+    """Whether the controller finished and knows that the object is at its goal: by the
+    last look, or by poses that are exact.
+    """
+    if record.reason != "goal_reached":
+        return False
+    return "last_look" in record.meta or is_within(task, record)
 
 
 def _reason(
@@ -145,8 +197,10 @@ def _reason(
     text = record.reason_text
     place = _final_place(task, record, error)
     code = record.reason
-    if code != "goal_reached":
+    if not finished(record):
         return {"code": code, "text": text or place}
+    if code != "goal_reached" and (fault is None or fault.code == "goal_missed"):
+        return {"code": code, "text": f"{text}; {place}"}
     if fault is not None:
         code = fault.code
         text = fault.text or text
@@ -163,12 +217,19 @@ def _final_place(task: Task, record: Record, error: GoalError) -> str:
     if math.isnan(error.position):
         return "where it ends is not known: the last pose is not a number"
     allowed = task.tolerance
-    place = (
-        f"ended {1e3 * error.position:.1f} mm and {math.degrees(error.yaw):.2f} deg "
-        f"from the goal, tolerance {1e3 * allowed.position:g} mm and "
+    place = f"ended {_errors(error)} from the goal"
+    beside = error_beside_bias(task, record)
+    if beside != error:
+        place += f" ({_errors(beside)} without the camera's bias)"
+    place += (
+        f", tolerance {1e3 * allowed.position:g} mm and "
         f"{math.degrees(allowed.yaw):g} deg"
     )
     seat = seat_error(task, record)
     if seat > allowed.position:
         place += f", {1e3 * seat:.0f} mm short of the opening's back"
     return place
+
+
+def _errors(error: GoalError) -> str:
+    return f"{1e3 * error.position:.1f} mm and {math.degrees(error.yaw):.2f} deg"

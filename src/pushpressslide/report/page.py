@@ -24,10 +24,12 @@ from pushpressslide.report.page_tables import (
     comparison_table,
     contacts_table,
     figures_tables,
+    is_verified_success,
     mode_words,
     segments_table,
     table,
 )
+from pushpressslide.report.parameters import parameters_part
 from pushpressslide.report.plane import plan_figure
 from pushpressslide.report.plots import comparison_plot, figures
 from pushpressslide.report.stage_tables import bodies_table, stages_table
@@ -217,6 +219,7 @@ def _stage_parts(run: Run, number: int) -> tuple[str, str, str, str]:
         write_whole(run.folder / "plots" / f"{which}{key}.png", png)
         plots.append(image(png, key, _caption(key)))
     measured = f"<h3>Figures</h3>{_figures_part(stage.plan, result)}"
+    measured += parameters_part(result)
     return plan, "".join(details), measured, f"<h3>Plots</h3>{columns(*plots)}"
 
 
@@ -301,17 +304,24 @@ def events(result: Mapping[str, Any]) -> str:
 
 
 def verdict(result: Mapping[str, Any]) -> str:
-    """Whether a run reached its goal, and the reason for its end."""
-    css = "bad"
-    words = "Goal missed"
-    if result["success"]:
-        css = "good"
-        words = "Goal reached"
+    """Whether a run reached its goal, as is true and as the controller knows, and the
+    reason for its end.
+    """
+    css = "good" if is_verified_success(result) else "bad"
+    words = _verdict_words(result["success"], result.get("verified", True))
     reason = result["reason"]
     return (
         f'<p class="verdict {css}"><strong>{words}</strong> '
         f"<code>{escape(str(reason['code']))}</code> {escape(str(reason['text']))}</p>"
     )
+
+
+def _verdict_words(success: bool | None, verified: bool) -> str:
+    if success is None:
+        return "Goal reached, as measured" if verified else "Goal not verified"
+    if not success:
+        return "Goal missed"
+    return "Goal reached" if verified else "Goal reached, but not verified"
 
 
 def _warning(record: Record) -> str:

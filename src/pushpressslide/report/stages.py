@@ -20,7 +20,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
 from pushpressslide.core.state import WorldState
 from pushpressslide.report import series
-from pushpressslide.report.outcome import is_within
+from pushpressslide.report.outcome import finished, is_within
 from pushpressslide.view.timeline import GOAL_ERROR, goal_errors
 
 
@@ -55,9 +55,10 @@ class StageRun(StagePlan):
         """Whether the body ended at the stage's goal. A body that is put aside only has
         to be released.
         """
-        if self.record.reason != "goal_reached":
-            return False
-        return self.stage.aside or is_within(self.plan.task, self.record)
+        if self.stage.aside:
+            return finished(self.record)
+        at_goal = is_within(self.plan.task, self.record)
+        return self.record.reason == "goal_reached" and at_goal
 
     @property
     def duration(self) -> float:

@@ -1,0 +1,34 @@
+"""What the controller knows at the end of a run: whether the object is at its goal."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from pushpressslide.core import margins
+from pushpressslide.core.motion import Tolerance
+from pushpressslide.core.pose import Pose2, wrap_angle
+from pushpressslide.core.record import Ending
+
+
+class LastLook(NamedTuple):
+    """Estimated pose of the object at the end of a run."""
+
+    X_WG: Pose2
+    spread: tuple[float, float]  # [m], [rad] standard deviations of place and yaw
+
+    def ending(self, goal: Pose2, tolerance: Tolerance) -> Ending:
+        """Goal reached or missed, if the errors are inside or outside the tolerance by
+        ``margins.DOUBT`` standard deviations. Otherwise not verified.
+        """
+        off = math.dist(self.X_WG.position, goal.position)
+        turned = abs(wrap_angle(self.X_WG.yaw - goal.yaw))
+        place, yaw = (margins.DOUBT * deviation for deviation in self.spread)
+        text = f"seen {off * 1e3:.1f} mm and {math.degrees(turned):.1f} deg off"
+        near = off + place <= tolerance.position
+        if near and turned + yaw <= tolerance.yaw:
+            return Ending("goal_reached")
+        if off - place > tolerance.position or turned - yaw > tolerance.yaw:
+            return Ending("goal_missed", text)
+        known = f"known to {place * 1e3:.1f} mm and {math.degrees(yaw):.1f} deg"
+        return Ending("not_verified", f"{text}, {known}")

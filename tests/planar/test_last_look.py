@@ -1,0 +1,66 @@
+"""Looks at an object that the arms have let go of."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import pytest
+
+from pushpressslide.control.controller import Controller
+from pushpressslide.control.last_look import LastLook
+from pushpressslide.control.run_loop import RunOptions, run_loop
+from pushpressslide.control.state import ControllerState
+from pushpressslide.core import margins
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.record import Record
+from pushpressslide.jobs.ask import plan
+from pushpressslide.planar.cell import planar_cell
+from pushpressslide.report.metrics import result
+from pushpressslide.taskfile.load import load_task
+
+PERIODIC = ["sensing.pose_rate=50.0"]
+
+
+class Unsure(Controller):
+    """A controller that knows the pose well only after some looks."""
+
+    looks: ClassVar[list[float]] = []
+    needed: ClassVar[int] = 0
+
+    def last_look(self, state: ControllerState) -> LastLook:
+        look = super().last_look(state)
+        self.looks.append(state.estimate.time)
+        unsure = len(self.looks) < self.needed
+        return look._replace(spread=(1.0, 0.0) if unsure else (0.0, 0.0))
+
+
+@pytest.fixture(scope="module")
+def push() -> Plan:
+    return plan(load_task("rear-push-left", PERIODIC))
+
+
+def run(push: Plan, needed: int, monkeypatch: pytest.MonkeyPatch) -> Record:
+    monkeypatch.setattr(Unsure, "looks", [])
+    monkeypatch.setattr(Unsure, "needed", needed)
+    return run_loop(planar_cell(push), push, RunOptions(controller=Unsure))
+
+
+def test_it_is_looked_at_until_it_is_known_well(
+    push: Plan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    record = run(push, 40, monkeypatch)
+    assert record.reason == "goal_reached"
+    assert len(Unsure.looks) == 40
+    assert result(push.task, push, record)["verified"]
+    assert record.meta["last_look"]["spread"] == [0.0, 0.0]
+
+
+def test_what_stays_unsure_is_not_verified(
+    push: Plan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    record = run(push, 10_000, monkeypatch)
+    assert record.reason == "not_verified"
+    lasted = Unsure.looks[-1] - Unsure.looks[0]
+    assert lasted == pytest.approx(margins.ARM.longest_look, abs=0.01)
+    figures = result(push.task, push, record)
+    assert (figures["success"], figures["verified"]) == (True, False)
