@@ -21,6 +21,7 @@ from time import perf_counter
 from typing import NamedTuple
 
 from pushpressslide.control.adaptation import TipSpeed
+from pushpressslide.control.correction import surely_touched
 from pushpressslide.control.estimator import (
     Estimate,
     Estimator,
@@ -441,7 +442,11 @@ class Controller:
             adaptation,
             watches,
         )
-        touched = binding.contact_points(instant.X_WB, instant.tips)
+        touched = surely_touched(
+            contacts,
+            binding.contact_points(instant.X_WB, instant.tips),
+            state.estimate.spread[0],
+        )
         moment = Moment(next_state, instant, touched, guidance)
         return PhaseStep(commands, next_state, decision, moment)
 

@@ -92,19 +92,24 @@ class Replanner:
         guidance: Guidance,
         since_last: float,
         estimates: ParameterEstimates = NOTHING,
+        spread: tuple[float, float] = (0.0, 0.0),
     ) -> Replan | None:
         """Better segments from here, or None if no replan is needed.
 
         Segments are replanned when a contact has slid or the tracking point is off the
         path, unless the new path would be a detour. They are also replanned when the
         virtual axle or the centre of mass is identified away from its planned position.
-        ``since_last`` [s] is the time since the last replan.
+        ``since_last`` [s] is the time since the last replan, ``spread`` [m], [rad] the
+        standard deviations of the pose.
         """
         followed = segments[0]
         left = followed.path.length - guidance.progress
         _, across, heading = guidance.error
         arm = margins.ARM
-        off_path = abs(across) > arm.off_path or abs(heading) > arm.off_heading
+        place, yaw = spread
+        off_path = (
+            abs(across) > arm.off_path + place or abs(heading) > arm.off_heading + yaw
+        )
         slid = slide(followed.contacts, contact_points) > arm.slid
         moved = _axle_error(followed, estimates.axle)
         if not (off_path or slid or moved > arm.off_axle or estimates.elsewhere):
@@ -213,6 +218,22 @@ def touched_point(side: Side | None, X_WB: Pose2, tip: TipState) -> Point:
     x, y, _ = tip.position
     point = X_WB.unapply((x, y))
     return point if side is None else side.foot(point)
+
+
+def surely_touched(
+    contacts: Sequence[Contact], contact_points: Sequence[Point], place: float
+) -> tuple[Point, ...]:
+    """The ``contact_points`` [m] in B of ``contacts``, where they are surely elsewhere
+    than planned. ``place`` [m] is the standard deviation of the object's place.
+    """
+    if place == 0.0:
+        return tuple(contact_points)
+    near = margins.ARM.slid + margins.DOUBT * place
+    pairs = zip(contacts, contact_points, strict=True)
+    return tuple(
+        point if math.dist(point, contact.point) > near else contact.point
+        for contact, point in pairs
+    )
 
 
 def slide(contacts: Sequence[Contact], contact_points: Sequence[Point]) -> float:

@@ -17,6 +17,7 @@ from pushpressslide.control.correction import (
     rest_of,
     side_slide,
     sides_of,
+    surely_touched,
     touched_points,
 )
 from pushpressslide.control.following import Following, Prediction
@@ -402,7 +403,13 @@ class Supervisor:
         segments = (following.binding.segment, *following.ahead)
         since = time - state.watches.replanned
         better = self.placement.replanner.improve(
-            segments, instant.X_WB, touched, guidance, since, found
+            segments,
+            instant.X_WB,
+            touched,
+            guidance,
+            since,
+            found,
+            state.estimate.spread,
         )
         if better is None:
             return self._stuck(moment)
@@ -469,7 +476,11 @@ class Supervisor:
             margins.TOUCH_DETOUR, rest.path.length, self.placement.object.radius
         )
         X_WB = instant.X_WB
-        touched = following.binding.contact_points(X_WB, instant.tips)
+        touched = surely_touched(
+            rest.contacts,
+            following.binding.contact_points(X_WB, instant.tips),
+            state.estimate.spread[0],
+        )
         found = estimates(state)
         measured = Measured.touching(X_WB, rest.contacts, touched, longest, found)
         fresh = self.placement.replanner.believing(following.rho).replan(
