@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.control import Vector3
+from pushpressslide.core.pose import Pose2
 from pushpressslide.core.truth import Truth
 
 STREAM = 3
@@ -39,6 +41,16 @@ class Ground:
         draws = rng.normal(size=(PATCHES, PATCHES))
         deviation = math.sqrt(math.log1p(spread * spread))
         return cls(truth, np.exp(deviation * draws - 0.5 * deviation**2))
+
+    def under(self, points: Array, pose: Pose2, twist: Vector3, time: float) -> Array:
+        """Factors (n,) under ``points`` (n, 2) [m] of a frame at a ``pose`` that moves
+        with ``twist`` [m/s, m/s, rad/s] along the support's axes, after ``time`` [s].
+        """
+        vx, vy, w = twist
+        c, s = math.cos(pose.yaw), math.sin(pose.yaw)
+        arms = points @ np.array(((c, s), (-s, c)))
+        speeds = np.hypot(vx - w * arms[:, 1], vy + w * arms[:, 0])
+        return self.factors(arms + pose.position, speeds, time)
 
     def factors(self, points: Array, speeds: Array, time: float) -> Array:
         """Factors (n,) at ``points`` (n, 2) [m] in the support's plane that slide with

@@ -102,12 +102,9 @@ class UnevenGround:
         """
         samples = support.samples(cop)
         points = samples.points - samples.cop
-        moving = twist.moved_to(cop)
-        vx = moving.vx - moving.w * points[:, 1]
-        vy = moving.vy + moving.w * points[:, 0]
-        c, s = math.cos(X_WB.yaw), math.sin(X_WB.yaw)
-        places = (points + cop) @ np.array(((c, s), (-s, c))) + X_WB.position
-        factors = self._ground.factors(places, np.hypot(vx, vy), time)
+        own = twist.moved_to((0.0, 0.0))
+        moving = (*X_WB.rotate((own.vx, own.vy)), own.w)
+        factors = self._ground.under(points + cop, X_WB, moving, time)
         shares = factors * samples.loads / samples.total_load
         squared = self._squared_stretch(X_WB.yaw)
         return UnevenFriction(points, samples.radii, shares, squared)

@@ -162,6 +162,8 @@ def build_scene(
         builder, time_step or task.motion.time_step
     )
     solve_contacts(plant, convex=convex)
+    if task.truth.tilt != 0.0:
+        plant.mutable_gravity_field().set_gravity_vector(list(task.truth.gravity))
     frictions = SurfaceFrictions.of_task(task)
     modulus = object_modulus(task)
     object_body = add_object(plant, task.object, frictions.object, modulus)
