@@ -18,6 +18,7 @@ from pushpressslide.core.task import Box
 from pushpressslide.core.true_task import true_task
 from pushpressslide.core.truth import Truth
 from pushpressslide.mechanics.ground import Ground, speed_factors
+from pushpressslide.planar.support import Support
 from pushpressslide.sim.arm_library import joint_paths_of
 from pushpressslide.sim.convert import planar_pose_from_positions, planar_twist
 from pushpressslide.sim.engine import run
@@ -130,25 +131,52 @@ def test_object_tips_and_obstacles_have_their_true_sizes_and_places() -> None:
     assert plant.num_bodies() > 0
 
 
+def spun(truth: Truth) -> float:
+    """Mean deceleration [rad/s^2] of an object that spins on the spot."""
+    station = station_of(truth)
+    plant = station.plant
+    first = station.scene.object.floating_velocities_start_in_v()
+    station.simulator.AdvanceTo(0.1)
+    v = plant.GetVelocities(station.plant_context)
+    v[first + 2] = 4.0
+    plant.SetVelocities(station.plant_context, v)
+    station.simulator.AdvanceTo(0.136)
+    return (4.0 - plant.GetVelocities(station.plant_context)[first + 2]) / 0.036
+
+
+def test_a_bowed_base_resists_a_turn_as_the_planar_engine_has_it() -> None:
+    even = spun(Truth())
+    support = Support(SHAPE, PLAN.task.object.center_of_mass)
+    for bow in (0.9, -0.9):
+        bent = Support(SHAPE, PLAN.task.object.center_of_mass, bow)
+        moments = [
+            one.under((0.0, 0.0))[1].wrench((0.0, 0.0, 1.0), 1.0)[2]
+            for one in (bent, support)
+        ]
+        ratio = moments[0] / moments[1]
+        assert abs(ratio - 1.0) > 0.15
+        assert spun(Truth(bow=bow)) / even == pytest.approx(ratio, abs=0.02)
+
+
+def test_a_grain_is_refused() -> None:
+    with pytest.raises(TaskError, match=r"truth\.friction_direction.*engine drake"):
+        station_of(Truth(friction_direction=0.2))
+
+
 @pytest.mark.parametrize(
-    "truth", [Truth(friction_direction=0.2), Truth(bow=0.5)], ids=["grain", "bow"]
+    "truth", [Truth(friction_patches=0.2), Truth(bow=0.5)], ids=["patches", "bow"]
 )
-def test_what_drake_does_not_have_is_refused(truth: Truth) -> None:
-    with pytest.raises(TaskError, match=r"truth\..*with engine drake"):
-        station_of(truth)
-
-
-def test_a_support_with_edges_has_one_friction() -> None:
+def test_a_support_with_edges_is_even(truth: Truth) -> None:
     region = ((-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0))
     edged = replace(PLAN.task.support, region=region)
-    task = replace(PLAN.task, support=edged, truth=Truth(friction_patches=0.2))
+    task = replace(PLAN.task, support=edged, truth=truth)
     with pytest.raises(TaskError, match="with edges"):
         Station(replace(PLAN, task=task))
 
 
 WORLDS = {
     "friction": Truth(static_friction=1.3, friction_speed=0.3, friction_patches=0.2),
-    "sizes": Truth(size=(0.004, -0.004), tip_radius=0.002),
+    "sizes": Truth(size=(0.004, -0.004), tip_radius=0.002, bow=0.5),
     "tilt": Truth(tilt=math.radians(0.5), tilt_yaw=math.radians(60.0)),
 }
 

@@ -16,7 +16,7 @@ from pydrake.systems.framework import Context
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.core.truth import refuse_truth
-from pushpressslide.mechanics.ground import Ground, is_uneven
+from pushpressslide.mechanics.ground import Ground
 from pushpressslide.mechanics.surface_friction import SurfaceFrictions, partner_friction
 from pushpressslide.sim.convert import planar_twist
 from pushpressslide.sim.scenes import DrakeScene
@@ -81,16 +81,16 @@ def refuse_ground(task: Task) -> None:
     """
     truth = task.truth
     source = task.source or task.name
-    even = replace(truth, friction_direction=0.0, bow=0.0)
+    even = replace(truth, friction_direction=0.0)
     refuse_truth(truth, even, source, "with engine drake")
-    edged = task.support.region is not None or task.support.opening is not None
-    if edged and is_uneven(truth):
-        plain = replace(
-            truth,
-            static_friction=1.0,
-            friction_speed=0.0,
-            friction_patches=0.0,
-            friction_drift=0.0,
-        )
-        where = "with engine drake on a support with edges"
-        refuse_truth(truth, plain, source, where)
+    if task.support.region is None and task.support.opening is None:
+        return
+    plain = replace(
+        truth,
+        static_friction=1.0,
+        friction_speed=0.0,
+        friction_patches=0.0,
+        friction_drift=0.0,
+        bow=0.0,
+    )
+    refuse_truth(truth, plain, source, "with engine drake on a support with edges")
