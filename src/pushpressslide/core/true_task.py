@@ -10,7 +10,6 @@ from pushpressslide.core.errors import InputError, TaskError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.scene import Obstacle, Robot
 from pushpressslide.core.task import ObjectModel, Task
-from pushpressslide.geometry.resized import resized
 
 STREAM = 2
 """Second entry of the seeds of obstacles, which share no draws with sensors or arms."""
@@ -39,14 +38,14 @@ def true_task(task: Task, seed: int) -> Task:
         task = replace(task, robots=robots)
     if truth.obstacle_offset > 0.0:
         spread = truth.obstacle_offset
-        placed = (_moved(obstacle, spread, seed) for obstacle in task.obstacles)
+        placed = (_displaced(obstacle, spread, seed) for obstacle in task.obstacles)
         task = replace(task, obstacles=tuple(placed))
     return task
 
 
 def _true_object(task: Task) -> ObjectModel:
     try:
-        shape = resized(task.object.shape, task.truth.size)
+        shape = task.object.shape.resized(task.truth.size)
     except InputError as error:
         source = task.source or task.name
         raise TaskError(source, "truth.size", task.truth.size, str(error)) from None
@@ -64,7 +63,7 @@ def _true_tip(task: Task, robot: Robot) -> Robot:
     return replace(robot, tip=tip, tip_radius=radius)
 
 
-def _moved(obstacle: Obstacle, spread: float, seed: int) -> Obstacle:
+def _displaced(obstacle: Obstacle, spread: float, seed: int) -> Obstacle:
     """An obstacle where it really stands. ``spread`` [m] is along each axis."""
     rng = np.random.default_rng((seed, STREAM, *obstacle.name.encode()))
     dx, dy = (spread * rng.normal(size=2)).tolist()

@@ -22,7 +22,7 @@ class UnevenFriction:
     """Wrench that slides the object, about the centre of pressure: mu N times the
     gradient of the sum of s_k |D v_k|, the power of samples with shares s_k.
 
-    The symmetric D stretches velocities by the friction along and across a grain.
+    The symmetric D scales velocities by the friction along and across a grain.
     """
 
     def __init__(
@@ -106,10 +106,10 @@ class UnevenGround:
         moving = (*X_WB.rotate((own.vx, own.vy)), own.w)
         factors = self._ground.under(points + cop, X_WB, moving, time)
         shares = factors * samples.loads / samples.total_load
-        squared = self._squared_stretch(X_WB.yaw)
+        squared = self._squared_scale(X_WB.yaw)
         return UnevenFriction(points, samples.radii, shares, squared)
 
-    def _squared_stretch(self, yaw: float) -> tuple[float, float, float]:
+    def _squared_scale(self, yaw: float) -> tuple[float, float, float]:
         """Entries xx, xy, yy of D D in the axes of B, at a ``yaw`` [rad] of B."""
         half = 0.5 * self._truth.friction_direction
         along, across = (1.0 - half) ** 2, (1.0 + half) ** 2
