@@ -10,6 +10,7 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.core.arm_truth import ArmTruth
+from pushpressslide.core.bodies import SET_DOWN
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.pose import Pose2
@@ -96,3 +97,5 @@ def test_each_obstacle_is_off_by_its_own_draw() -> None:
     assert fewer == moved[5:7]
     assert true_task(task, 5).obstacles[0] != moved[0]
     assert task.scene.obstacles == POSTS
+    own = replace(POSTS[0], name=SET_DOWN)
+    assert true_task(replace(task, obstacles=(own,)), 4).obstacles == (own,)

@@ -20,6 +20,7 @@ from pushpressslide.core.true_task import true_task
 from pushpressslide.core.truth import Truth
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.ground import speed_factors
+from pushpressslide.planar import cell
 from pushpressslide.planar.cell import planar_cell
 from pushpressslide.planar.engine import run
 from pushpressslide.planar.physics import PlanarPhysics
@@ -215,6 +216,19 @@ def test_the_next_placement_is_in_the_same_world() -> None:
     assert physics._world is not first
     assert physics._world.task == first.task == true_task(plan.task, 4)
     assert physics._world.ground is first.ground
+
+
+def test_all_stages_are_in_one_world(monkeypatch: pytest.MonkeyPatch) -> None:
+    seeds = []
+
+    def physics(plan: Plan, begin: object, seed: int) -> PlanarPhysics:
+        seeds.append(seed)
+        return PlanarPhysics(plan, begin, seed)
+
+    monkeypatch.setattr(cell, "PlanarPhysics", physics)
+    pps.run("swap", engine="planar", seed=3, overrides={"limits.time": 30})
+    assert len(seeds) > 1
+    assert set(seeds) == {3}
 
 
 WORLDS = {

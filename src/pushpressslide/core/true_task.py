@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from pushpressslide.core.bodies import SET_DOWN
 from pushpressslide.core.errors import InputError, TaskError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.scene import Obstacle, Robot
@@ -64,7 +65,11 @@ def _true_tip(task: Task, robot: Robot) -> Robot:
 
 
 def _displaced(obstacle: Obstacle, spread: float, seed: int) -> Obstacle:
-    """An obstacle where it really stands. ``spread`` [m] is along each axis."""
+    """An obstacle where it really stands. ``spread`` [m] is along each axis. The task's
+    own object is where it was set down.
+    """
+    if obstacle.name == SET_DOWN:
+        return obstacle
     rng = np.random.default_rng((seed, STREAM, *obstacle.name.encode()))
     dx, dy = (spread * rng.normal(size=2)).tolist()
     pose = obstacle.pose

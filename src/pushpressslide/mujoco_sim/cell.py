@@ -63,9 +63,10 @@ def mujoco_cell(
     options = options or RunOptions()
     query = plan.query
     _refuse_grain(plan.task)
-    true = true_plan(plan, options.seed)
+    seed = options.true_world_seed
+    true = true_plan(plan, seed)
     scene = build_scene(true, step or time_step(true), knocker)
-    physics = MujocoPhysics(plan, scene, knocker, options.seed)
+    physics = MujocoPhysics(plan, scene, knocker, seed)
     drives = [MujocoDrives(physics, i) for i in range(len(scene.arms))]
     arms = joint_arms(plan, MujocoArmModel, drives, options)
     placements = ArmPlacements(library, arms, paths)

@@ -31,7 +31,7 @@ def planar_cell(plan: Plan, options: RunOptions | None = None) -> Cell:
     task = plan.task
     _refuse_truth(task)
     _refuse_balls(task)
-    physics = PlanarPhysics(plan, options.begin, options.seed)
+    physics = PlanarPhysics(plan, options.begin, options.true_world_seed)
     scene = plan.query.scene
     frame = scene.support.frame
     places = [misplacement(task.truth, base, frame) for base in scene.bases]

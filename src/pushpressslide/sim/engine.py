@@ -38,13 +38,14 @@ def run(
         paths = joint_paths_of(plan)
     step = time_step or plan.query.motion.time_step
     options = options or RunOptions()
-    make = partial(Station, plan, models=models, time_step=step, seed=options.seed)
+    seed = options.true_world_seed
+    make = partial(Station, plan, models=models, time_step=step, seed=seed)
     station = make(view=view)
     spare = None
     disturbances = station.scene.disturbances
     if view is None and disturbances is None:  # neither can be handed over
         spare = partial(make, convex=True)
     cell = drake_cell(plan, station, paths, models, options, spare)
-    record = with_clearance(run_loop(cell, plan, options))
+    record = with_clearance(run_loop(cell, plan, options), seed)
     ball = None if disturbances is None else disturbances.ball
     return record if ball is None else with_knock(record, ball.motion)
