@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.arms.joint_arm import JointArm
+from pushpressslide.arms.model import at_rest
 from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.errors import TaskError
@@ -19,7 +21,10 @@ from pushpressslide.core.true_task import true_task
 from pushpressslide.core.truth import Truth
 from pushpressslide.mechanics.ground import Ground, speed_factors
 from pushpressslide.planar.support import Support
+from pushpressslide.robots.arm_files import arm_kinematics
 from pushpressslide.sim.arm_library import joint_paths_of
+from pushpressslide.sim.arm_model import DrakeArmModel
+from pushpressslide.sim.cell import drake_cell
 from pushpressslide.sim.convert import planar_pose_from_positions, planar_twist
 from pushpressslide.sim.engine import run
 from pushpressslide.sim.station import Station
@@ -191,3 +196,18 @@ def test_a_push_still_reaches_its_goal(name: str) -> None:
     assert math.dist((x, y), goal.position) < PLAN.task.tolerance.position
     off = math.remainder(yaw - goal.yaw, math.tau)
     assert abs(off) < PLAN.task.tolerance.yaw
+
+
+def test_the_true_arm_leans_with_the_support_and_its_model_does_not() -> None:
+    home = at_rest(arm_kinematics(PLAN.task.robots[0]).facts.home)
+    robot = PLAN.task.robots[0]
+    believed = DrakeArmModel(robot).state_at(home).bias
+    truth = Truth(tilt=math.radians(2.0))
+    true = DrakeArmModel(robot, truth).state_at(home).bias
+    assert np.abs(true - believed).max() > 0.5
+    plan = replace(PLAN, task=replace(PLAN.task, truth=truth))
+    cell = drake_cell(plan, Station(plan), joint_paths_of(PLAN))
+    (arm,) = cell.arms
+    assert isinstance(arm, JointArm)
+    arm.read()
+    np.testing.assert_array_equal(arm.model.state_at(home).bias, believed)
