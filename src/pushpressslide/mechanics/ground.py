@@ -47,7 +47,8 @@ class Ground:
         with ``twist`` [m/s, m/s, rad/s] along the support's axes, after ``time`` [s].
         """
         vx, vy, w = twist
-        c, s = math.cos(pose.yaw), math.sin(pose.yaw)
+        c = math.cos(pose.yaw)
+        s = math.sin(pose.yaw)
         arms = points @ np.array(((c, s), (-s, c)))
         speeds = np.hypot(vx - w * arms[:, 1], vy + w * arms[:, 0])
         return self.factors(arms + pose.position, speeds, time)

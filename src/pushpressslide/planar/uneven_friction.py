@@ -112,7 +112,8 @@ class UnevenGround:
     def _squared_scale(self, yaw: float) -> tuple[float, float, float]:
         """Entries xx, xy, yy of D D in the axes of B, at a ``yaw`` [rad] of B."""
         half = 0.5 * self._truth.friction_direction
-        along, across = (1.0 - half) ** 2, (1.0 + half) ** 2
+        along = (1.0 - half) ** 2
+        across = (1.0 + half) ** 2
         c = math.cos(self._truth.grain_yaw - yaw)
         s = math.sin(self._truth.grain_yaw - yaw)
         return (
