@@ -102,6 +102,13 @@ class RunOptions:
     tracker: Callable[[ObjectTracker], ObjectTracker] | None = None
     # from which the run continues; None: the task's start, with the arms at the object
     begin: WorldState | None = None
+    # of what the task's truth has drawn of the world; None: that of the sensor noise
+    world_seed: int | None = None
+
+    @property
+    def true_world_seed(self) -> int:
+        """Seed of the true world."""
+        return self.seed if self.world_seed is None else self.world_seed
 
 
 def run_loop(

@@ -177,7 +177,7 @@ class Task:
         Sensing(), "noise and delay of the controller's measurements"
     )
     truth: Truth = setting(
-        EXACT, "how the real arms differ from the controller's model of them"
+        EXACT, "how the real arms and the real world differ from what is believed"
     )
     motion: Motion = setting(Motion(), "how the object is moved")
     disturbances: tuple[Knock, ...] = setting(

@@ -1,4 +1,6 @@
-"""The real arms, where they differ from the controller's model of them."""
+"""The real arms and the real world, where they differ from what the controller
+believes.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +8,8 @@ import math
 from dataclasses import dataclass, fields, replace
 from typing import Literal
 
-from pushpressslide.core.checks import check_fields
+from pushpressslide.core.arm_truth import ArmTruth
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.field_spec import documented, setting
@@ -18,66 +21,73 @@ TierName = Literal["tier1", "tier2", "tier3"]
 
 @documented
 @dataclass(frozen=True, slots=True)
-class Truth:
-    """Errors of the controller's model of the arms, the same for each arm. Random ones
-    are drawn for each joint with the run's seed. Of a slide, a radian is a metre.
+class Truth(ArmTruth):
+    """Errors of the arms, the same for each arm, and of the world. Random ones are drawn
+    with the run's seed, those of arms for each joint. Of a slide, a radian is a metre.
     """
 
-    arm_base: Point = setting(
+    static_friction: float = setting(
+        1.0,
+        "friction of a support at rest over that in motion; falls with the speed to "
+        "37 % of the excess at 1 mm/s",
+        within="[1, 2]",
+    )
+    friction_speed: float = setting(
+        0.0,
+        "share of the support's friction that is lost at high speed, 63 % of it at "
+        "50 mm/s; < 0: friction that grows",
+        within="[-0.5, 0.5]",
+    )
+    friction_direction: float = setting(
+        0.0,
+        "difference of the support's friction across and along its grain, as a share of "
+        "their mean",
+        within="[0, 1]",
+    )
+    grain_yaw: float = setting(
+        0.0, "direction of the grain in the support's plane", "deg", "[-180, 180]"
+    )
+    friction_patches: float = setting(
+        0.0,
+        "standard deviation of the support's friction from patch to patch, as a share",
+        within="[0, 0.5]",
+    )
+    patch_size: float = setting(0.05, "edge of each patch", "m", "[0.005, 0.5]")
+    friction_drift: float = setting(
+        0.0,
+        "share by which the support's friction grows in each minute",
+        within="[-0.5, 1]",
+    )
+    size: Point = setting(
         (0.0, 0.0),
-        "true position of each base minus the believed one, along the world's x and y",
-        "m",
-        "[-0.05, 0.05]",
-    )
-    arm_base_yaw: float = setting(
-        0.0, "true yaw of each base minus the believed one", "deg", "[-5, 5]"
-    )
-    tip_offset: Vector3 = setting(
-        (0.0, 0.0, 0.0),
-        "true position of each tip minus the believed one, in the tool's frame",
+        "true extent of the object minus the believed one, along x and y of G",
         "m",
         "[-0.02, 0.02]",
     )
-    encoder_bias: float = setting(
-        0.0, "standard deviation of each encoder's constant error", "deg", "[0, 2]"
+    tip_radius: float = setting(
+        0.0, "true radius of each tip minus the believed one", "m", "[-0.01, 0.01]"
     )
-    link_mass: float = setting(
-        1.0, "true mass of each link, as a multiple of the believed one", "", "[0.5, 2]"
-    )
-    coulomb_friction: float = setting(
+    obstacle_offset: float = setting(
         0.0,
-        "dry friction of each joint, as a share of its effort limit",
-        within="[0, 0.2]",
+        "standard deviation of each obstacle's true place about the believed one, along "
+        "x and along y",
+        "m",
+        "[0, 0.05]",
     )
-    viscous_friction: float = setting(
-        0.0,
-        "viscous friction of each joint at its velocity limit, as a share of its effort "
-        "limit",
-        within="[0, 0.5]",
+    tilt: float = setting(
+        0.0, "angle between the level and the support, with its arms", "deg", "[0, 10]"
     )
-    torque_scale: float = setting(
+    tilt_yaw: float = setting(
         0.0,
-        "standard deviation of the constant relative error of each joint's torque",
-        within="[0, 0.3]",
+        "direction in the world in which this tilt falls",
+        "deg",
+        "[-180, 180]",
     )
-    torque_ripple: float = setting(
+    bow: float = setting(
         0.0,
-        "amplitude of an error of each joint's torque that is periodic in the joint's "
-        "angle, as a share of the torque",
-        within="[0, 0.2]",
-    )
-    command_delay: float = setting(
-        0.0,
-        "time until a command reaches the arm, beyond its `delay`, rounded to control "
-        "periods",
-        "s",
-        "[0, 0.2]",
-    )
-    missed_ticks: float = setting(
-        0.0,
-        "probability that the command of a control period does not reach the arm, which "
-        "goes on with the last one",
-        within="[0, 0.5]",
+        "change of the pressure at the rim of the object's base, as a share, if the "
+        "base is bowed; in the middle it changes by the opposite",
+        within="[-0.9, 0.9]",
     )
     tier: TierName | None = setting(
         None,
@@ -85,8 +95,13 @@ class Truth:
         "fields of `truth`; `truth: tier2` for short",
     )
 
-    def __post_init__(self) -> None:
-        check_fields(self)
+    @property
+    def gravity(self) -> Vector3:
+        """Acceleration [m/s^2] of a falling body, in the world."""
+        along = GRAVITY * math.sin(self.tilt)
+        x = along * math.cos(self.tilt_yaw)
+        y = along * math.sin(self.tilt_yaw)
+        return (x, y, -GRAVITY * math.cos(self.tilt))
 
     def for_servos(self) -> Truth:
         """The truth without what only arms have that take torques."""
@@ -107,7 +122,7 @@ DRIVES = (
 """Fields of arms that take torques."""
 
 EXACT = Truth()
-"""Arms that are as the controller believes."""
+"""Arms and a world that are as the controller believes."""
 
 
 def refuse_truth(truth: Truth, possible: Truth, source: str, where: str) -> None:

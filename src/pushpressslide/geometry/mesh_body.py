@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
+from pushpressslide.core.errors import InputError
 from pushpressslide.core.margins import inset, rod_radius
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.geometry.areas import filled, joined_ring, largest
@@ -143,6 +144,10 @@ class MeshBody(MeshSolid):
     def hull(self) -> Shape:
         """The upright body on the convex hull of the base, which decides tipping."""
         return Hull(convex_hull(self.base_corners), self.height)
+
+    def resized(self, growth: Point) -> MeshSolid:
+        """Raises InputError: there is no body of another size."""
+        raise InputError("growth of a body with sides that lean; must be (0, 0)")
 
     @property
     def circumradius(self) -> float:

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
+from pushpressslide.core.errors import InputError
 from pushpressslide.core.pose import Point, Pose2, cross, turned_left
 from pushpressslide.geometry.border import Border, border_of
 from pushpressslide.geometry.polygon import centroid, distance_to_segment
@@ -198,6 +199,32 @@ class Shape:
     def outline(self) -> tuple[Point, ...]:
         """Points [m] in G through which to draw the footprint."""
         return self.corners
+
+    def resized(self, growth: Point) -> Shape:
+        """The shape scaled about the middle of its bounds, so that these grow by
+        ``growth`` [m] along x and y of G.
+
+        Raises InputError for a shape that would vanish, and for a kind of shape that
+        cannot have that size.
+        """
+        raise InputError(f"growth of a {type(self).__name__}; must be (0, 0)")
+
+    def _enlarged(self, points: tuple[Point, ...], growth: Point) -> tuple[Point, ...]:
+        """Points [m] in G of the shape, scaled with it by ``growth`` [m].
+
+        Raises InputError if the growth leaves nothing.
+        """
+        x_min, x_max, y_min, y_max = self.bounds(Pose2())
+        length = x_max - x_min
+        width = y_max - y_min
+        dx, dy = growth
+        if dx <= -length or dy <= -width:
+            raise InputError(f"growth {growth!r} m; must be more than minus the extent")
+        x = 0.5 * (x_min + x_max)
+        y = 0.5 * (y_min + y_max)
+        kx = 1.0 + dx / length
+        ky = 1.0 + dy / width
+        return tuple((x + kx * (px - x), y + ky * (py - y)) for px, py in points)
 
     def placed(self, X_WG: Pose2) -> Polygon:
         """The footprint at a pose as a Shapely polygon. A circle has 256 sides."""

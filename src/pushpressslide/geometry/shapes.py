@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -68,6 +68,11 @@ class Box(Shape):
         b = 0.5 * self.size[1]
         return ((-a, -b), (a, -b), (a, b), (-a, b))
 
+    def resized(self, growth: Point) -> Box:
+        """Box whose length and width differ by ``growth`` [m]."""
+        length, width, height = self.size
+        return Box((length + growth[0], width + growth[1], height))
+
     @property
     def centroid(self) -> Point:
         """G's origin."""
@@ -108,6 +113,10 @@ class Prism(Shape):
     def corners(self) -> tuple[Point, ...]:
         """Corners of the base in G, counter-clockwise [m]."""
         return self.polygon
+
+    def resized(self, growth: Point) -> Prism:
+        """Prism on the scaled polygon."""
+        return Prism(self._enlarged(self.polygon, growth), self.height)
 
     @property
     def description(self) -> str:
@@ -183,6 +192,13 @@ class Cylinder(Shape):
         """Kind and size in words, in millimetres."""
         radius = f"{1e3 * self.radius:g} mm"
         return f"cylinder, radius {radius}, height {1e3 * self.height:g} mm"
+
+    def resized(self, growth: Point) -> Cylinder:
+        """Cylinder of another diameter. Raises InputError for an oval."""
+        across, along = growth
+        if across != along:
+            raise InputError(f"growth {growth!r} m of a cylinder; must be equal")
+        return Cylinder(self.radius + 0.5 * across, self.height)
 
     def bounds(self, X_WG: Pose2) -> tuple[float, float, float, float]:
         """Bounds x_min, x_max, y_min, y_max [m] of the footprint at a pose."""
@@ -339,6 +355,10 @@ class Compound(Outlined):
         """The border of the union in G."""
         return united([part.shape.border.transformed(part.pose) for part in self.parts])
 
+    def resized(self, growth: Point) -> Prism:
+        """Prism on the scaled outline."""
+        return Prism(self._enlarged(self.outline(), growth), self.height)
+
     @property
     def description(self) -> str:
         """Kind and size in words, in millimetres."""
@@ -372,6 +392,12 @@ class MeshSolid(Outlined):
     def border(self) -> Border:
         """The border of the footprint in G."""
         return border_of(self.polygon)
+
+    def resized(self, growth: Point) -> MeshSolid:
+        """Solid on the scaled outline."""
+        corners = self._enlarged(self.polygon, growth)
+        (center,) = self._enlarged((self.center,), growth)
+        return replace(self, polygon=corners, center=center)
 
     @property
     def centroid(self) -> Point:

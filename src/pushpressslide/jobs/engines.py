@@ -160,7 +160,8 @@ class _Mujoco(_Drake):
             allowed = "allowed with engine mujoco: generated"
             raise TaskError(source, "models", arms.models, allowed)
         paths = joint_paths_of(plan) if arms.paths is None else arms.paths
-        return with_clearance(run(plan, DRAKE, paths, options))
+        record = run(plan, DRAKE, paths, options)
+        return with_clearance(record, options.true_world_seed)
 
 
 class _Planar:

@@ -208,6 +208,7 @@ class StageRunner:
                 replace(
                     self.options.loop,
                     seed=self.options.seed + number,
+                    world_seed=self.options.seed,
                     progress=self._progress(number),
                     stop=monitor.interrupt or bool,
                     begin=in_stage(self._state, planned.stage.body)

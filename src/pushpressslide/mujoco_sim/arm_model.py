@@ -6,7 +6,6 @@ import mujoco
 import numpy as np
 
 from pushpressslide.core.arrays import Array
-from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.task import Robot
 from pushpressslide.core.truth import EXACT, Truth
 from pushpressslide.execution.arm import ArmDynamics
@@ -21,7 +20,7 @@ class MujocoArmModel:
         """Build the arm's own model. The arm differs from ``robot`` by ``truth``."""
         spec = mujoco.MjSpec()
         spec.compiler.degree = False
-        spec.option.gravity = [0.0, 0.0, -GRAVITY]
+        spec.option.gravity = list(truth.gravity)
         names = add_arm(spec, robot, 0, truth)
         self.facts: RobotFacts = names.facts
         self.compiled = model = spec.compile()

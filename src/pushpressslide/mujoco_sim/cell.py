@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -26,13 +27,18 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.spatial_pose import planar_pose_of, x_axis_of
 from pushpressslide.core.state import WorldState
 from pushpressslide.core.support_frame import SupportFrame
+from pushpressslide.core.task import Task
+from pushpressslide.core.true_task import true_plan
+from pushpressslide.core.truth import refuse_truth
 from pushpressslide.execution.arm import ArmDynamics
+from pushpressslide.mechanics.ground import Ground, is_uneven
 from pushpressslide.mujoco_sim.arm_model import MujocoArmModel
+from pushpressslide.mujoco_sim.free_body import planar_pose, planar_twist
 from pushpressslide.mujoco_sim.position_loops import PositionLoops
 from pushpressslide.mujoco_sim.scene import MujocoScene, build_scene, time_step
+from pushpressslide.mujoco_sim.uneven_ground import UnevenGround
 
 NEVER = -1.0
 """Margin [m] of a pair that makes no contact."""
@@ -52,15 +58,26 @@ def mujoco_cell(
 
     There is one set of joint paths for each placement; ``library`` plans those of
     recoveries. ``step`` [s] is the physics step. ``knocker`` disturbs the object.
+    Raises TaskError for a ``truth`` that MuJoCo does not have.
     """
     options = options or RunOptions()
     query = plan.query
-    scene = build_scene(plan, step or time_step(plan), knocker)
-    physics = MujocoPhysics(plan, scene, knocker)
+    _refuse_grain(plan.task)
+    seed = options.true_world_seed
+    true = true_plan(plan, seed)
+    scene = build_scene(true, step or time_step(true), knocker)
+    physics = MujocoPhysics(plan, scene, knocker, seed)
     drives = [MujocoDrives(physics, i) for i in range(len(scene.arms))]
     arms = joint_arms(plan, MujocoArmModel, drives, options)
     placements = ArmPlacements(library, arms, paths)
     return arm_cell("mujoco", physics, arms, placements, paths, query, options.begin)
+
+
+def _refuse_grain(task: Task) -> None:
+    """Raise TaskError for a support with a grain: pairs of geoms have none."""
+    truth = task.truth
+    plain = replace(truth, friction_direction=0.0)
+    refuse_truth(truth, plain, task.source or task.name, "with engine mujoco")
 
 
 class _Instant(NamedTuple):
@@ -77,9 +94,15 @@ class MujocoPhysics:
     simulated = True
 
     def __init__(
-        self, plan: Plan, scene: MujocoScene, knocker: Knocker | None = None
+        self,
+        plan: Plan,
+        scene: MujocoScene,
+        knocker: Knocker | None = None,
+        seed: int = 0,
     ) -> None:
-        """Put the bodies of a scene at the start of a run."""
+        """Put the bodies of a scene at the start of a run. ``seed`` draws the patches
+        of the support.
+        """
         self._knocker = knocker
         task = plan.task
         self._pushes = Pushes(task)
@@ -90,6 +113,9 @@ class MujocoPhysics:
         self.frame: SupportFrame = task.support.frame
         self._ends = (plan.query.start, task.goal)
         self._region = _Region(scene, task.support.region)
+        self._ground = None
+        if is_uneven(task.truth):
+            self._ground = UnevenGround(scene, Ground.of_truth(task.truth, seed))
         self._period = motion.control_period
         step = float(scene.model.opt.timestep)
         self._steps = round(self._period / step)
@@ -126,6 +152,8 @@ class MujocoPhysics:
                 state.qpos[first : first + 7] = (*pose[4:], *pose[:4])
         self._arms = arms
         self._region.update(state)
+        if self._ground is not None:
+            self._ground.update(state, self.time)
         mujoco.mj_forward(self.model, state)
         self.now = self._look()
         self._before = self.now
@@ -136,9 +164,7 @@ class MujocoPhysics:
         first = self._body
         pose = planar_pose(q[first : first + 7].tolist(), self.frame)
         v = self.state.qvel[self._velocity : self._velocity + 6]
-        vx, vy, _ = self.frame.components(tuple(v[:3].tolist()))
-        # MuJoCo gives the angular velocity in the body's axes
-        return _Instant(q, pose, (vx, vy, float(v[5])))
+        return _Instant(q, pose, planar_twist(v.tolist(), self.frame))
 
     @property
     def time(self) -> float:
@@ -153,6 +179,8 @@ class MujocoPhysics:
         """Simulate one control period."""
         self._before = self.now
         self._region.update(self.state)
+        if self._ground is not None:
+            self._ground.update(self.state, self.time)
         if self._knocker is not None:
             self._knock(self._knocker)
         if self._pushes:
@@ -216,12 +244,6 @@ class MujocoPhysics:
             name: [*q[first + 3 : first + 7], *q[first : first + 3]]
             for name, first in self._rows.items()
         }
-
-
-def planar_pose(q: Sequence[float], frame: SupportFrame) -> Pose2:
-    """Planar pose of a free body's positions: x, y, z [m], and its quaternion."""
-    px, py, pz, w, x, y, z = q
-    return planar_pose_of((px, py, pz), x_axis_of((w, x, y, z)), frame)
 
 
 class _Region:

@@ -16,6 +16,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Pose2
 from pushpressslide.geometry.mesh_body import MeshBody
 from pushpressslide.geometry.shape import Shape
+from pushpressslide.mechanics.bowed import bow_factors
 
 CELLS = 6
 """Cells across a base where it is narrow."""
@@ -36,6 +37,11 @@ class Feet(NamedTuple):
 
     points: Array  # (n, 2) [m]
     shares: Array  # (n,) of the base's area; their sum is 1
+
+    def bowed(self, shape: Shape, bow: float) -> Feet:
+        """Feet of a bowed base, as ``mechanics.bowed`` has it."""
+        shares = self.shares * bow_factors(shape, self.points, bow)
+        return Feet(self.points, shares / shares.sum())
 
 
 def feet_of(shape: Shape) -> Feet:

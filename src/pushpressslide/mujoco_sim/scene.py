@@ -151,11 +151,12 @@ class _Builder:
 
     def __post_init__(self) -> None:
         self.spec = mujoco.MjSpec()
-        set_solver(self.spec, self.step, (0.0, 0.0, -GRAVITY))
+        gravity = self.task.truth.gravity
+        set_solver(self.spec, self.step, gravity)
         self.contacts = Contacts(self.spec, self.step)
         self.frictions = SurfaceFrictions.of_task(self.task)
         self.frame = self.task.support.frame
-        down = self.frame.components((0.0, 0.0, -GRAVITY))
+        down = self.frame.components(gravity)
         self.sink = sink(max(0.0, -down[2]), self.step)
 
     @property
@@ -218,6 +219,8 @@ class _Builder:
     ) -> tuple[tuple[str, ...], Array]:
         """Add the feet of a body. Returns the names of their pairs, and their points."""
         feet = feet_of(shape)
+        if self.task.truth.bow and name == "object":
+            feet = feet.bowed(shape, self.task.truth.bow)
         level = -self.frame.handedness * (0.5 * shape.height + self.proud - FOOT)
         names = add_feet(body, f"{name}_foot", feet.points, level)
         pairs = [

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 from pushpressslide.arms.command_line import CommandLine, random_streams
 from pushpressslide.control.cell import Applied, Arm, ArmState, Cell, TipAlone
 from pushpressslide.control.run_loop import RunOptions
@@ -21,14 +24,14 @@ def planar_cell(plan: Plan, options: RunOptions | None = None) -> Cell:
     contacts or at the positions in the state in which a run with these ``options``
     begins.
 
-    Raises TaskError for a ``truth`` of joints.
+    Raises TaskError for a ``truth`` of joints or obstacles, and for a tilt on which the
+    object slides by itself.
     """
     options = options or RunOptions()
     task = plan.task
-    where = "with engine planar, which has no joints"
-    refuse_truth(task.truth, task.truth.for_tips(), task.source or task.name, where)
+    _refuse_truth(task)
     _refuse_balls(task)
-    physics = PlanarPhysics(plan, options.begin)
+    physics = PlanarPhysics(plan, options.begin, options.true_world_seed)
     scene = plan.query.scene
     frame = scene.support.frame
     places = [misplacement(task.truth, base, frame) for base in scene.bases]
@@ -43,6 +46,24 @@ def planar_cell(plan: Plan, options: RunOptions | None = None) -> Cell:
         ]
         tips = list(map(MisplacedTip, tips, places, lines))
     return Cell("planar", physics, tips, physics, physics, physics)
+
+
+def _refuse_truth(task: Task) -> None:
+    """Raise TaskError for errors that need joints, obstacles or inertia."""
+    source = task.source or task.name
+    truth = task.truth
+    where = "with engine planar, which has no joints"
+    refuse_truth(truth, truth.for_tips(), source, where)
+    where = "with engine planar, which has no obstacles"
+    refuse_truth(truth, replace(truth, obstacle_offset=0.0), source, where)
+    x, y, z = task.support.frame.components(truth.gravity)
+    if (
+        truth.tilt
+        and task.scene.rests
+        and math.hypot(x, y) > -task.support.friction * z
+    ):
+        where = "with engine planar, on which an object that slides by itself stops"
+        refuse_truth(truth, replace(truth, tilt=0.0), source, where)
 
 
 def _refuse_balls(task: Task) -> None:

@@ -1,7 +1,7 @@
 """The planar world as clock, tracker and source of the true state.
 
-The truth is the task's own friction, mass and shape; the controller sees only what a
-robot would measure.
+The truth is the task's own friction, mass and shape, with the errors of ``truth``; the
+controller sees only what a robot would measure.
 """
 
 from __future__ import annotations
@@ -15,6 +15,8 @@ from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import TipCommand, TipState
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.state import WorldState
+from pushpressslide.core.true_task import true_task
+from pushpressslide.planar.uneven_friction import UnevenGround
 from pushpressslide.planar.world import World, resting
 from pushpressslide.planning.side_contacts import before_contacts
 from pushpressslide.selection.placement_planner import PlacementPlanner, PlansAlone
@@ -29,8 +31,10 @@ class PlanarPhysics:
 
     simulated = True
 
-    def __init__(self, plan: Plan, start: WorldState | None = None) -> None:
-        """Put object and tips at the start of a run."""
+    def __init__(
+        self, plan: Plan, start: WorldState | None = None, seed: int = 0
+    ) -> None:
+        """Put object and tips at the start of a run. ``seed`` draws the true world."""
         task = plan.task
         query = plan.query
         self.time = 0.0  # [s]
@@ -43,7 +47,9 @@ class PlanarPhysics:
         self.period = query.motion.control_period  # [s]
         self._task = task
         self._X_BG = task.object.X_GB.inverse()
-        self._world = World(task, plan.contacts, self.period)
+        self._seed = seed
+        self._ground = UnevenGround.if_uneven(task.truth, seed)
+        self._world = self._true_world(plan)
         gap = before_contacts(query.scene, query.motion, plan.contacts)
         self.now = self._world.start(plan.true_start, query.start, gap)
         self._before = self.now  # one tick ago
@@ -69,7 +75,7 @@ class PlanarPhysics:
         pushed = None
         if self._pushes:
             pushed = self._pushes.wrench(self._X_WG, self.time)
-        self.now = self._world.step(self.now, self.commands, pushed)
+        self.now = self._world.step(self.now, self.commands, pushed, self.time)
         self._X_WG = self.now.X_WB.compose(self._X_BG)
         self.time = self.time + self.period
         self._tipping = self._tipping + self.period if self.now.tipping else 0.0
@@ -103,4 +109,9 @@ class PlanarPhysics:
 
     def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
         """Take the contacts of the next placement. The tips keep their positions."""
-        self._world = World(placement.task, placement.contacts, self.period)
+        self._world = self._true_world(placement)
+
+    def _true_world(self, placement: Plan) -> World:
+        """The world in which the contacts of a placement act."""
+        task = true_task(placement.task, self._seed)
+        return World(task, placement.contacts, self.period, self._ground)

@@ -15,10 +15,13 @@ from pushpressslide.kernels.support_friction import Friction as Taken
 from pushpressslide.planar.contact import Contact, touched
 from pushpressslide.planar.support import Friction
 from pushpressslide.planar.support_friction import Vector
+from pushpressslide.planar.uneven_friction import UnevenFriction
+
+AnyFriction = Friction | UnevenFriction
 
 
 def slide(
-    friction: Friction, limit: float, contacts: Sequence[Contact], guess: Vector
+    friction: AnyFriction, limit: float, contacts: Sequence[Contact], guess: Vector
 ) -> Vector:
     """Twist [m/s, rad/s] of the CoP at which the forces of the support and of
     ``contacts`` balance, to 1e-9 of mu_s N.
@@ -31,7 +34,7 @@ def slide(
 
 
 def _resistance(
-    vx: float, vy: float, w: float, friction: Friction, limit: float, sloped: bool
+    vx: float, vy: float, w: float, friction: AnyFriction, limit: float, sloped: bool
 ) -> Taken:
     """Wrench that slides the object, and its slope. The slope is 0 if it is not
     requested.

@@ -6,8 +6,9 @@ from functools import lru_cache
 
 from pushpressslide.core.pose import Point
 from pushpressslide.geometry.shapes import Shape
+from pushpressslide.mechanics.bowed import bowed
 from pushpressslide.mechanics.face_pressure import face_pressure
-from pushpressslide.mechanics.pressure import support_pressure
+from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 from pushpressslide.planar.polygon_friction import PolygonFriction
 from pushpressslide.planar.support_friction import SupportFriction
 
@@ -32,8 +33,9 @@ class Support:
     true CoP.
     """
 
-    def __init__(self, shape: Shape, center_of_mass: Point) -> None:
+    def __init__(self, shape: Shape, center_of_mass: Point, bow: float = 0.0) -> None:
         """Prepare the support. ``center_of_mass`` [m] is in the shape's frame G.
+        ``bow`` is as in ``mechanics.bowed``.
 
         CoPs are given in B, the frame at the CoM.
         """
@@ -43,18 +45,25 @@ class Support:
         self._step = step = GRID * shape.inner_radius
 
         @lru_cache(maxsize=KEPT)
+        def samples(i: int, j: int) -> PressureSamples:
+            """Pressure for the CoP at a grid point."""
+            cop = (i * step, j * step)
+            even = support_pressure(shape, 1.0, center_of_mass, cop, RESOLUTION)
+            if bow == 0.0:
+                return even
+            return bowed(even, shape, center_of_mass, bow)
+
+        @lru_cache(maxsize=KEPT)
         def friction(i: int, j: int) -> Friction:
             """Friction for the CoP at a grid point."""
-            cop = (i * step, j * step)
-            if shape.corners:
-                face = face_pressure(shape, center_of_mass, cop)
+            if shape.corners and bow == 0.0:
+                face = face_pressure(shape, center_of_mass, (i * step, j * step))
                 if len(face.corners) <= MOST_CORNERS:
                     return PolygonFriction(face)
-            return SupportFriction(
-                support_pressure(shape, 1.0, center_of_mass, cop, RESOLUTION)
-            )
+            return SupportFriction(samples(i, j))
 
         self._friction = friction
+        self._samples = samples
 
     def outwards(self, cop: Point) -> float:
         """Relative position of ``cop`` [m]: 0 at the middle of the base, 1 on its
@@ -72,8 +81,14 @@ class Support:
             mx, my = self._middle
             k = TIPPING / out
             cop = (mx + k * (cop[0] - mx), my + k * (cop[1] - my))
-        return (
-            cop,
-            self._friction(round(cop[0] / self._step), round(cop[1] / self._step)),
-            tipping,
-        )
+        return cop, self._friction(*self._nearest(cop)), tipping
+
+    def samples(self, cop: Point) -> PressureSamples:
+        """Pressure in B, with a total load of 1, for the grid point nearest to ``cop``
+        [m].
+        """
+        return self._samples(*self._nearest(cop))
+
+    def _nearest(self, cop: Point) -> tuple[int, int]:
+        """Grid point nearest to a CoP [m]."""
+        return round(cop[0] / self._step), round(cop[1] / self._step)

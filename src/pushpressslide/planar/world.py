@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.control import TipCommand, TipState, Vector3
 from pushpressslide.core.footprint import edge_depths
 from pushpressslide.core.plan import Contact
@@ -39,9 +38,10 @@ from pushpressslide.planar.contact import (
 )
 from pushpressslide.planar.contact import Contact as ObjectContact
 from pushpressslide.planar.faces import Face, face_of
-from pushpressslide.planar.sliding import REST, slide
+from pushpressslide.planar.sliding import REST, AnyFriction, slide
 from pushpressslide.planar.support import Support
 from pushpressslide.planar.support_friction import Vector
+from pushpressslide.planar.uneven_friction import UnevenGround
 
 STEP = 1e-4  # [m] down, within which the object stands on what is there
 TIP_DRAG = 50.0  # [N s/m] of a tip whose command neither holds nor damps it
@@ -110,23 +110,33 @@ class World:
     rests in it.
     """
 
-    def __init__(self, task: Task, contacts: Sequence[Contact], dt: float) -> None:
+    def __init__(
+        self,
+        task: Task,
+        contacts: Sequence[Contact],
+        dt: float,
+        ground: UnevenGround | None = None,
+    ) -> None:
         """Prepare the faces of ``contacts``, at most one per robot.
 
-        ``dt`` [s] is the tick.
+        ``dt`` [s] is the tick. Without a ``ground`` the support has Coulomb's friction.
         """
-        wx, wy, press = task.support.frame.components(
-            (0.0, 0.0, -task.object.mass * GRAVITY)
-        )
+        gx, gy, gz = task.truth.gravity
+        mass = task.object.mass
+        wx, wy, press = task.support.frame.components((mass * gx, mass * gy, mass * gz))
         self.weight = (wx, wy)
         self.weighs = any(self.weight)  # in the plane
+        self.hangs = any(task.scene.weight_along)  # on a support that is known to lean
+        self.ground = ground
         self.own_load = -press  # [N] in the plane, and on the support
         self.task = task
         self.dt = dt
         # from the believed centre of mass to the true one, the origin of B here
         self.contacts = tuple(c.shifted(task.center_error) for c in contacts)
         self.arms = {c.arm for c in self.contacts}
-        self.support = Support(task.object.shape, task.object.center_of_mass)
+        self.support = Support(
+            task.object.shape, task.object.center_of_mass, task.truth.bow
+        )
         from shapely import Polygon
 
         region = task.support.region
@@ -160,8 +170,9 @@ class World:
         state: WorldState,
         commands: Sequence[TipCommand | None],
         pushed: Vector3 | None = None,
+        time: float = 0.0,
     ) -> WorldState:
-        """State after one tick.
+        """State after one tick, which begins at a ``time`` [s].
 
         With ``pushed``, a force [N] and moment [N m] at the centre of mass, the object
         has inertia in this tick.
@@ -192,8 +203,12 @@ class World:
                 acting.append(Pull((-cop[0], -cop[1]), in_axis(axis, self.weight)))
             guess = state.twist.moved_to(cop)
             limit = self.task.support.friction * load
-            vx, vy, w = slide(friction, limit, acting, (guess.vx, guess.vy, guess.w))
-        if self.weighs:
+            under: AnyFriction = friction
+            if self.ground is not None:
+                moving = state.twist
+                under = self.ground.under(self.support, cop, X_WB, moving, time)
+            vx, vy, w = slide(under, limit, acting, (guess.vx, guess.vy, guess.w))
+        if self.hangs:
             (vx, vy, w), tipping = self._carried(
                 X_WB, Twist(vx, vy, w, cop), tipping or not held
             )

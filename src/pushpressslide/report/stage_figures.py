@@ -13,6 +13,7 @@ from pushpressslide.core.bodies import OBJECT, Stage, start_state
 from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.core.record import Ending
 from pushpressslide.core.task import Task
+from pushpressslide.core.true_task import true_task
 from pushpressslide.report.json_text import plain
 from pushpressslide.report.outcome import (
     finished,
@@ -171,7 +172,8 @@ def _bodies(task: Task, runs: Sequence[StageRun]) -> dict[str, Any]:
     and the errors.
     """
     goals = {goal.body: goal.pose for goal in task.goals}
-    first = start_state(task).with_body_at(OBJECT, task.true_start)
+    true = true_task(task, runs[0].record.seed)
+    first = start_state(true).with_body_at(OBJECT, task.true_start)
     out = {}
     for body, X in final_poses(runs[-1]).items():
         item: dict[str, Any] = {

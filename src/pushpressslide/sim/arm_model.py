@@ -22,6 +22,7 @@ class DrakeArmModel:
     ) -> None:
         """Build the arm's own plant. The arm differs from ``robot`` by ``truth``."""
         plant = MultibodyPlant(0.0)
+        plant.mutable_gravity_field().set_gravity_vector(list(truth.gravity))
         self.instance = add_robot(plant, robot, 0, models=models, truth=truth)
         plant.Finalize()
         self._plant = plant

@@ -14,6 +14,7 @@ from pushpressslide.arms.paths.clearance import LOOK
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
+from pushpressslide.core.true_task import true_task
 from pushpressslide.robots.true_arm import true_robot
 from pushpressslide.sim.clearance import DrakeClearance
 from pushpressslide.sim.convert import transform_from_positions
@@ -22,14 +23,16 @@ from pushpressslide.sim.outline import arm_capsules
 PERIOD = 0.02  # [s] longest time between two checked postures
 
 
-def with_clearance(record: Record) -> Record:
-    """A record whose meta has the clearance of the arms' actual motion."""
-    clearance, pair = clearance_driven(record)
+def with_clearance(record: Record, world_seed: int = 0) -> Record:
+    """A record whose meta has the clearance of the arms' actual motion, in the true world
+    drawn by ``world_seed``.
+    """
+    clearance, pair = clearance_driven(record, world_seed)
     driven = {"clearance_driven": clearance, "clearance_pair": pair}
     return replace(record, meta={**record.meta, **driven})
 
 
-def clearance_driven(record: Record) -> tuple[float, str]:
+def clearance_driven(record: Record, world_seed: int = 0) -> tuple[float, str]:
     """Smallest distance [m], at most 0.08, of any arm to its surroundings in a run, and
     the names of the nearest pair.
 
@@ -37,7 +40,7 @@ def clearance_driven(record: Record) -> tuple[float, str]:
     is negative if two shapes intersect. The distance between the object and a tip in
     contact does not count.
     """
-    plan = _truly_placed(record.plan)
+    plan = _truly_placed(record.plan, world_seed)
     times = record.arrays["time"]
     if not len(times):
         return LOOK, "nothing was recorded"
@@ -79,9 +82,9 @@ def clearance_driven(record: Record) -> tuple[float, str]:
     return least, pair
 
 
-def _truly_placed(plan: Plan) -> Plan:
-    """A plan with the bases where they really stand."""
-    task = plan.task
+def _truly_placed(plan: Plan, seed: int) -> Plan:
+    """A plan in the true world, with the bases where they really stand."""
+    task = true_task(plan.task, seed)
     robots = tuple(true_robot(robot, task.truth) for robot in task.robots)
     return replace(plan, task=replace(task, robots=robots))
 

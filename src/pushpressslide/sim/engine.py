@@ -37,13 +37,15 @@ def run(
     if paths is None:
         paths = joint_paths_of(plan)
     step = time_step or plan.query.motion.time_step
-    station = Station(plan, models=models, time_step=step, view=view)
     options = options or RunOptions()
+    seed = options.true_world_seed
+    make = partial(Station, plan, models=models, time_step=step, seed=seed)
+    station = make(view=view)
     spare = None
     disturbances = station.scene.disturbances
     if view is None and disturbances is None:  # neither can be handed over
-        spare = partial(Station, plan, models=models, time_step=step, convex=True)
+        spare = partial(make, convex=True)
     cell = drake_cell(plan, station, paths, models, options, spare)
-    record = with_clearance(run_loop(cell, plan, options))
+    record = with_clearance(run_loop(cell, plan, options), seed)
     ball = None if disturbances is None else disturbances.ball
     return record if ball is None else with_knock(record, ball.motion)

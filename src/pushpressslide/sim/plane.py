@@ -41,7 +41,9 @@ from pushpressslide.geometry.mesh_body import MeshBody
 from pushpressslide.geometry.pieces import convex_pieces, triangles
 from pushpressslide.geometry.polygon import turns
 from pushpressslide.geometry.shapes import Shape
+from pushpressslide.mechanics.bowed import bow_factors
 from pushpressslide.sim.surfaces import (
+    HYDROELASTIC_MODULUS,
     compliant_properties,
     rigid_properties,
     softness,
@@ -78,16 +80,19 @@ class Plane:
         shape: Shape,
         friction: float,
         cells: float = CELLS,
+        bow: float = 0.0,
     ) -> None:
         """Add a body's base, with ``cells`` across it if it is narrow, and the faces on
-        which the body lies after falling over.
+        which the body lies after falling over. Its rim is lower and its middle higher by
+        ``bow`` [m].
         """
         properties = compliant_properties(friction, 1.0)
+        meshes = base_meshes(shape, cells, self.frame.handedness, bow)
         self.bases[body.index()] = [
             plant.RegisterCollisionGeometry(
                 body, RigidTransform(), mesh.drake(), f"base_{i}", properties
             )
-            for i, mesh in enumerate(base_meshes(shape, cells, self.frame.handedness))
+            for i, mesh in enumerate(meshes)
         ]
 
     def let_bases_stand(self, plant: MultibodyPlant, scene_graph: SceneGraph) -> None:
@@ -128,11 +133,19 @@ logging.getLogger("drake").addFilter(
 )
 
 
+def bow_depth(shape: Shape, load: float, bow: float) -> float:
+    """Distance [m] by which the rim of a base under a ``load`` [N] must be lower, for a
+    pressure that differs by a share ``bow`` there.
+    """
+    return bow * load / shape.base_area * softness(shape) / HYDROELASTIC_MODULUS
+
+
 def base_meshes(
-    shape: Shape, cells: float = CELLS, up: float = 1.0
+    shape: Shape, cells: float = CELLS, up: float = 1.0, bow: float = 0.0
 ) -> list[VolumeMesh]:
     """Convex parts of a ``shape`` as tetrahedra, with ``cells`` across a narrow base.
-    ``up`` is -1 if the shape's z axis points into the support, as on a wall.
+    ``up`` is -1 if the shape's z axis points into the support, as on a wall. The rim is
+    lower by ``bow`` [m], and the middle higher.
     """
     ring = _base_ring(shape) if isinstance(shape, MeshBody) else _outline(shape)
     whole = shape.hull if isinstance(shape, MeshBody) else shape
@@ -144,7 +157,21 @@ def base_meshes(
     half = 0.5 * shape.height
     middle = softness(shape) - half
     parts = [base_triangles(_turning(part), xs, ys) for part in convex_pieces(ring)]
-    return [_prism(part, half, middle, up) for part in _widened(parts)]
+    meshes = [_prism(part, half, middle, up) for part in _widened(parts)]
+    if bow == 0.0:
+        return meshes
+    return [_bent(mesh, shape, -up * half, -up * bow) for mesh in meshes]
+
+
+def _bent(mesh: VolumeMesh, shape: Shape, foot: float, bow: float) -> VolumeMesh:
+    """A mesh whose vertices at the height ``foot`` [m] are moved by up to ``bow`` [m]."""
+    points = np.array([(x, y) for x, y, _ in mesh.vertices])
+    moved = bow * (bow_factors(shape, points, 1.0) - 1.0)
+    vertices = tuple(
+        (x, y, z + dz if z == foot else z)
+        for (x, y, z), dz in zip(mesh.vertices, moved.tolist(), strict=True)
+    )
+    return replace(mesh, vertices=vertices)
 
 
 def _widened(parts: Sequence[Flat]) -> list[Flat]:

@@ -45,7 +45,7 @@ from pushpressslide.mechanics.surface_friction import SurfaceFrictions
 from pushpressslide.sim.contact import solve_contacts
 from pushpressslide.sim.convert import rigid_transform, slab_pose
 from pushpressslide.sim.knock import Disturbances
-from pushpressslide.sim.plane import Plane, add_plane
+from pushpressslide.sim.plane import Plane, add_plane, bow_depth
 from pushpressslide.sim.robot_models import RobotInstance, add_robot
 from pushpressslide.sim.surfaces import (
     HYDROELASTIC_MODULUS,
@@ -162,6 +162,8 @@ def build_scene(
         builder, time_step or task.motion.time_step
     )
     solve_contacts(plant, convex=convex)
+    if task.truth.tilt != 0.0:
+        plant.mutable_gravity_field().set_gravity_vector(list(task.truth.gravity))
     frictions = SurfaceFrictions.of_task(task)
     modulus = object_modulus(task)
     object_body = add_object(plant, task.object, frictions.object, modulus)
@@ -209,7 +211,9 @@ def _add_plane(
     """Add a support without edges, and the bases of all moving bodies."""
     shape = task.object.shape
     plane = add_plane(plant, task.support.frame, frictions.support)
-    plane.stand(plant, driven_body, shape, frictions.object)
+    *_, down = task.support.frame.components(task.truth.gravity)
+    depth = bow_depth(shape, -task.object.mass * down, task.truth.bow)
+    plane.stand(plant, driven_body, shape, frictions.object, bow=depth)
     for obstacle in task.obstacles:
         if obstacle.movable:
             friction = frictions.obstacle(obstacle.friction)

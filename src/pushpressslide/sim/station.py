@@ -19,10 +19,13 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.true_task import true_plan
 from pushpressslide.execution.arm import ArmDynamics
+from pushpressslide.mechanics.ground import is_uneven
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.force_sensor import ForceSensor
 from pushpressslide.sim.scenes import DrakeScene, build_scene, rest_height
+from pushpressslide.sim.uneven_ground import UnevenGround, refuse_ground
 
 
 class LiveView(Protocol):
@@ -46,12 +49,16 @@ class Station:
         time_step: float | None = None,
         view: LiveView | None = None,
         convex: bool = False,
+        seed: int = 0,
     ) -> None:
-        """Build the scene of ``plan``'s task with the object at its TRUE start.
+        """Build the true scene of ``plan``'s task with the object at its TRUE start.
 
         ``view`` shows the scene while it is simulated, ``convex`` is as in
-        ``solve_contacts``.
+        ``solve_contacts``. ``seed`` draws the true world. Raises TaskError for a
+        ``truth`` that Drake does not have.
         """
+        refuse_ground(plan.task)
+        plan = true_plan(plan, seed)
         self.scene = build_scene(
             plan, models=models, time_step=time_step, convex=convex
         )
@@ -78,6 +85,9 @@ class Station:
             np.array([joint.velocity_start() for joint in robot.joints(self.plant)])
             for robot in self.scene.robots
         ]
+        self._ground = None
+        if is_uneven(task.truth):
+            self._ground = UnevenGround(task, seed, self.scene, self.context)
         self._reactions = self.plant.get_reaction_forces_output_port()
         self._accelerations = self.plant.get_generalized_acceleration_output_port()
         self._inputs = [
@@ -98,9 +108,11 @@ class Station:
             builder.ExportInput(torque, f"joint_torque_{i}")
 
     def disturb(self, x: Sequence[float], pose: Pose2, time: float) -> None:
-        """Apply the disturbances for one control period. ``x`` is the plant's state,
-        ``pose`` the object's X_WG.
+        """Apply the disturbances for one control period, and the support's friction
+        under the object. ``x`` is the plant's state, ``pose`` the object's X_WG.
         """
+        if self._ground is not None:
+            self._ground.update(x, pose, time)
         disturbances = self.scene.disturbances
         if disturbances is not None:
             port = self.diagram.GetInputPort(NAME)
