@@ -256,7 +256,11 @@ def axle_by_search(press: Press, angle: float) -> float | None:
             across = u[0] * friction[1] - u[1] * friction[0]
             return along, across, (friction[2] - along * moment) / length
 
-        found = optimize.root(lambda c: force(c)[1:], start, tol=1e-13)
+        for share in (1.0, 0.5, 2.0, 0.25, 4.0):  # it may stop short of the root
+            near = cop + share * (start - cop)
+            found = optimize.root(lambda c: force(c)[1:], near, tol=1e-13)
+            if np.abs(found.fun).max() < 1e-9 * press.friction:
+                break
         assert np.abs(found.fun).max() < 1e-9 * press.friction
         return found.x, force(found.x)[0]
 
