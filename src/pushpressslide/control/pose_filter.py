@@ -34,7 +34,7 @@ STILL = (1e-4, math.radians(0.03))  # the same of an object that is held, or lef
 SLIPPED = (4.5e-3, math.radians(2.2))  # [m], [rad] in 1 m
 ARM = 0.2
 """Standard deviation of the turn arm, times the radius of the object."""
-ARM_LENGTH = 0.4  # [m] of path after which it may be another
+ARM_LENGTH = 4.0  # [m] of path after which it may be another
 SLIP = 0.15
 """Standard deviation of the share of its motion by which a tip slips."""
 SLIP_LENGTH = 0.05  # [m] of path after which it may be another
