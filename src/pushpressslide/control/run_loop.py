@@ -230,10 +230,11 @@ class RunLoop:
         if self._placement_done() and self.number + 1 < len(self.placements):
             self._hand_over(tick, measurement)
         ended = self._ending(tick)
-        if ended is not None and not self._recovers(ended, tick, measurement):
-            ended = self._verified(ended)
-            if not self._looks_on(ended, tick.time):
-                return ended
+        if ended is not None:
+            verified = self._verified(ended)
+            looks_on = self._looks_on(verified, tick.time)
+            if not looks_on and not self._recovers(ended, tick, measurement):
+                return verified
         self._report(tick.time)
         return None
 
@@ -574,6 +575,7 @@ class RunLoop:
             self._note(time, reason, str(error))
             return False
         self._note(time, reason)
+        self.looked_on = None
         self._resume(plan, held_commands)
         return True
 

@@ -41,6 +41,9 @@ SEQUENCES_ANEW = 6
 JUDGED = 320  # budget for evaluating motions between two poses in a search
 MOST_FORCE = 1000.0  # [N] largest limit that a task file may allow
 MOST_FURTHER = 640  # the same if pushes from the via poses are evaluated too
+# the same when a task continues after a recovery: the arms wait for each of three plans
+JUDGED_ANEW = 100
+MOST_FURTHER_ANEW = 100
 
 
 @dataclass
@@ -211,14 +214,16 @@ def _search_sequence(
     (query,) = empty.queries
     paths = free_space(query).paths_to(query.goal)
     poses = [query.start, query.goal, *waypoints(query, paths)]
-    search = LegSearch(query, paths, poses, ReachScreen(query), evaluate_motion, JUDGED)
+    begun = empty.restart is not None
+    judged = JUDGED_ANEW if begun else JUDGED
+    search = LegSearch(query, paths, poses, ReachScreen(query), evaluate_motion, judged)
     search.know(choices)
     lacking = ""
-    for _ in range(SEQUENCES if empty.restart is None else SEQUENCES_ANEW):
+    for _ in range(SEQUENCES_ANEW if begun else SEQUENCES):
         steps = search.soonest()
         if not steps and search.successors is None:
             search.successors = partial(push_successors, query, paths)
-            search.max_work += MOST_FURTHER
+            search.max_work += MOST_FURTHER_ANEW if begun else MOST_FURTHER
             steps = search.soonest()
         if not steps:
             break
