@@ -21,6 +21,7 @@ from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.core.sensing import Sensing
+from pushpressslide.mechanics.contacts import force_of_velocity
 
 PERIOD = 0.004
 SPEED = 0.05  # [m/s] of the tip
@@ -29,13 +30,14 @@ POINT = (-0.07, 0.02)
 NOISY = Sensing(
     position_noise=1e-3, yaw_noise=math.radians(0.5), pose_rate=30.0, pose_delay=0.08
 )
+STRAIGHT = (0.0, 0.0)  # turn arm of an object that does not turn
 FILTER = PoseFilter.for_sensing(NOISY, POINT, RADIUS)
 
 
-def advances(count: int, turn: float = 0.0) -> Iterator[Advance]:
-    """Ticks in which a tip leads the object along a slow curve."""
+def advances(count: int, turn: float = 0.0, curve: float = 0.3) -> Iterator[Advance]:
+    """Ticks in which a tip leads the object along a curve."""
     for i in range(1, count + 1):
-        heading = 0.3 * i * PERIOD
+        heading = curve * i * PERIOD
         path = SPEED * PERIOD
         tip = (path * math.cos(heading), path * math.sin(heading))
         yield Advance(i * PERIOD, PERIOD, tip, turn)
@@ -46,13 +48,16 @@ def start(mean: Mean | None = None) -> FilterState:
     return FILTER.start(StampedPose(0.0, pose))
 
 
-def followed(turn: float, seconds: float) -> tuple[FilterState, Mean]:
-    """State after pictures without errors of an object that turns by ``turn`` [rad/m],
-    and its true state.
+def followed(
+    arm: tuple[float, float], seconds: float, curve: float = 0.3
+) -> tuple[FilterState, Mean]:
+    """State after pictures without errors of an object with the turn ``arm`` [rad/m],
+    and its true state. The tip's direction turns by ``curve`` [rad/s].
     """
-    true = Mean(0.0, 0.0, 0.4, turn)
+    true = Mean(0.0, 0.0, 0.4, *arm)
     state = start(true)
-    for i, advance in enumerate(advances(round(seconds / PERIOD)), start=1):
+    ticks = advances(round(seconds / PERIOD), curve=curve)
+    for i, advance in enumerate(ticks, start=1):
         true = true.after(advance)
         seen = StampedPose(advance.time, FILTER.pose(true)) if i % 8 == 0 else None
         state = FILTER.step(state, advance, seen)
@@ -68,7 +73,7 @@ def test_late_pictures_count_at_their_own_time(late: int) -> None:
     """In the end the estimate is that of timely pictures."""
     ticks = list(advances(200))
     random = np.random.default_rng(3)
-    true = Mean(0.0, 0.0, 0.4, 1.0)
+    true = Mean(0.0, 0.0, 0.4, -1.0, 0.5)
     taken = {}
     for i, advance in enumerate(ticks[:-late]):
         true = true.after(advance)
@@ -89,7 +94,7 @@ def test_late_pictures_count_at_their_own_time(late: int) -> None:
 
 
 def test_a_picture_that_does_not_fit_does_not_move_the_estimate() -> None:
-    state, true = followed(0.0, 1.0)
+    state, true = followed(STRAIGHT, 1.0)
     advance = Advance(1.0 + PERIOD, PERIOD)
     outlier = StampedPose(advance.time, off(FILTER.pose(true), 0.05))
     after = FILTER.step(state, advance, outlier)
@@ -98,7 +103,7 @@ def test_a_picture_that_does_not_fit_does_not_move_the_estimate() -> None:
 
 
 def test_pictures_that_agree_replace_the_estimate() -> None:
-    state, true = followed(0.0, 1.0)
+    state, true = followed(STRAIGHT, 1.0)
     elsewhere = off(FILTER.pose(true), 0.05)
     for i in range(1, STRANGERS + 1):
         before = state.present
@@ -111,7 +116,7 @@ def test_pictures_that_agree_replace_the_estimate() -> None:
 
 
 def test_pictures_that_disagree_replace_nothing() -> None:
-    state, true = followed(0.0, 1.0)
+    state, true = followed(STRAIGHT, 1.0)
     before = state.present
     for i in range(1, 3 * STRANGERS):
         advance = Advance(1.0 + i * PERIOD, PERIOD)
@@ -122,7 +127,7 @@ def test_pictures_that_disagree_replace_nothing() -> None:
 
 def test_a_repeated_picture_is_no_news() -> None:
     """Its stamp may be new: its pose still has the age of the first one."""
-    state, _ = followed(0.0, 1.0)
+    state, _ = followed(STRAIGHT, 1.0)
     frozen = state.pose.X_WG
     used = state.used
     for i in range(1, 50):
@@ -133,22 +138,64 @@ def test_a_repeated_picture_is_no_news() -> None:
     assert state.used == used
 
 
-@pytest.mark.parametrize("turn", [-2.0, 1.0])
-def test_an_unknown_turn_for_each_path_is_learnt(turn: float) -> None:
-    state, true = followed(turn, 8.0)
-    assert state.mean.curve == pytest.approx(turn, rel=0.1)
+ARMS = [(-3.0, 1.0), (2.5, 0.0), (-1.0, -4.0)]
+
+
+@pytest.mark.parametrize("arm", ARMS)
+def test_an_unknown_turn_arm_is_learnt(arm: tuple[float, float]) -> None:
+    state, true = followed(arm, 8.0, curve=1.5)
+    assert (state.mean.a, state.mean.b) == pytest.approx(
+        arm, abs=0.1 * math.hypot(*arm)
+    )
     blind = [Advance(8.0 + i * PERIOD, PERIOD, (2e-4, 0.0)) for i in range(1, 251)]
+    turned = 0.0
     for advance in blind:  # 50 mm without a picture
+        before = true.yaw
         true = true.after(advance)
+        turned += abs(true.yaw - before)
         state = FILTER.step(state, advance, None)
-    assert state.present.yaw == pytest.approx(true.yaw, abs=0.1 * abs(turn) * 0.05)
+    assert turned > 0.02
+    assert state.present.yaw == pytest.approx(true.yaw, abs=0.15 * turned)
+
+
+def test_a_turn_arm_is_that_of_a_pushed_ellipsoid() -> None:
+    """A contact at r that moves by d turns the object by (r x d) / (rho^2 + r^2), as by
+    the force that moves it so (mechanics/contacts.py).
+    """
+    lever = (-0.06, 0.02)
+    rho = 0.05
+    step = (2e-5, 1e-5)
+    force = force_of_velocity(lever, rho, step)
+    moment = lever[0] * force[1] - lever[1] * force[0]
+    square = rho**2 + lever[0] ** 2 + lever[1] ** 2
+    mean = Mean(0.0, 0.0, 0.0, lever[0] / square, lever[1] / square)
+    turned = mean.after(Advance(PERIOD, PERIOD, step)).yaw
+    assert turned == pytest.approx(moment / rho**2, rel=1e-9)
+
+
+@pytest.mark.parametrize("arm", ARMS)
+def test_the_line_to_the_center_and_the_axle_are_found(
+    arm: tuple[float, float],
+) -> None:
+    state, _ = followed(arm, 8.0, curve=1.5)
+    angle, deviation = FILTER.line(state)
+    off = wrap_angle(angle - math.atan2(arm[1], arm[0]))
+    assert abs(off) < min(3.0 * deviation, math.radians(5.0))
+    reach, doubt = FILTER.reach(state)
+    assert reach == pytest.approx(1.0 / math.hypot(*arm), abs=3.0 * doubt)
+    assert doubt < 0.15 * reach
+
+
+def test_an_arm_of_length_zero_has_no_line() -> None:
+    assert FILTER.line(start())[1] == math.inf
+    assert FILTER.reach(start()) == (math.inf, math.inf)
 
 
 def drawn(advance: Advance, true: Mean, random: np.random.Generator) -> Mean:
     """Next state of an object that moves as the filter believes."""
     path = math.hypot(*advance.tip)
     growth = FILTER._growth([advance], path)
-    errors = np.sqrt(growth) * random.normal(size=5)
+    errors = np.sqrt(growth) * random.normal(size=6)
     return Mean(*(np.array(true.after(advance)) + errors).tolist())
 
 
@@ -158,7 +205,7 @@ def weighed_error(seed: int) -> float:
     state = start()
     P = state.covariance
     root: Array = np.linalg.cholesky(P)
-    true = Mean(*(np.array(state.mean) + root @ random.normal(size=5)).tolist())
+    true = Mean(*(np.array(state.mean) + root @ random.normal(size=6)).tolist())
     for i, advance in enumerate(advances(504, turn=2e-4), start=1):
         true = drawn(advance, true, random)
         seen = None
@@ -177,7 +224,7 @@ def test_the_filter_knows_its_own_errors() -> None:
     """The mean of squared errors over their covariance is in its 95 % band."""
     runs = 50
     mean = np.mean([weighed_error(seed) for seed in range(runs)])
-    lowest, highest = chi2.ppf((0.025, 0.975), 5 * runs) / runs
+    lowest, highest = chi2.ppf((0.025, 0.975), 6 * runs) / runs
     assert lowest < mean < highest
 
 
@@ -186,7 +233,7 @@ class Led:
 
     def __init__(self) -> None:
         self.time = 0.0
-        self.true = Mean(0.3, -0.1, 0.4, 1.5)
+        self.true = Mean(0.3, -0.1, 0.4, -1.5, 0.5)
 
     def read(self) -> StampedPose:
         return StampedPose(self.time, FILTER.pose(self.true))

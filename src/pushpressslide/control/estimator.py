@@ -135,19 +135,19 @@ class Filtered(NamedTuple):
         return before._replace(center=center, off=deviation, filtered=True)
 
     def with_reach(
-        self, found: ParameterEstimates, segment: Segment
+        self, estimates: ParameterEstimates, segment: Segment
     ) -> ParameterEstimates:
-        """Estimates ``found`` with the distance from the contact to the axle, if it
+        """The ``estimates`` with the distance from the contact to the axle, if it
         contradicts that of a followed ``segment``.
         """
         planned = MODES[segment.mode].reach(segment)
         if planned is None:
-            return found
+            return estimates
         reach, deviation = self.filter.reach(self.state)
         allowed = max(OFF_REACH * planned, SURE * deviation)
         if abs(reach - planned) < allowed:
-            return found
-        return found._replace(reach=reach, elsewhere=True)
+            return estimates
+        return estimates._replace(reach=reach, elsewhere=True)
 
 
 class ObjectEstimator:

@@ -412,7 +412,7 @@ class Supervisor:
             state.estimate.spread,
         )
         if better is None:
-            return self._stuck(moment)
+            return self._stuck(state, time)
         watches = state.watches._replace(replanned=time, mistaken=None)
         state = state._replace(watches=watches)
         # a turn on the spot that continues along arcs leads away from its spot
@@ -436,11 +436,9 @@ class Supervisor:
         )
         return state._replace(following=following)
 
-    def _stuck(self, moment: Moment) -> ControllerState:
-        """State after a moment in which no better path was found."""
-        state = moment.state
+    def _stuck(self, state: ControllerState, now: float) -> ControllerState:
+        """State after a tick at time ``now`` [s] in which no better path was found."""
         watches = state.watches
-        now = moment.instant.time
         if now - watches.replanned < margins.ARM.replan_pause:
             return state
         since = None

@@ -562,8 +562,8 @@ class ArmMargins:
     grows.
     """
     mistaken_time: float = field(default=1.0, metadata={"unit": "s"})
-    """Time without a path that leads on after which a motion is planned anew whose object
-    turns otherwise than planned.
+    """Time without a path that leads on, of an object that turns otherwise than planned,
+    after which the motion ends.
     """
     slow_way: float = field(default=0.1, metadata={"unit": "m"})
     """Way before the goal on which the pose has to be known well."""
