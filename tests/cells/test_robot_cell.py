@@ -134,7 +134,8 @@ def test_a_shipped_task_is_done_on_the_robots_own_clock() -> None:
     with disconnected(robot):
         record = run_loop(cell_of(robot), PLAN)
     figures = pps.result(record)
-    assert figures["success"], record.reason_text
+    assert figures["success"] is None  # nothing but the robot's sensors tells
+    assert figures["verified"], record.reason_text
     assert record.engine == "robot"
     # nobody but the camera tells where the object is
     assert len(np.unique(record.arrays["object_pose"], axis=0)) > 100
@@ -147,7 +148,7 @@ def test_the_robot_holds_while_a_recovery_is_planned() -> None:
     (event,) = record.meta["events"]
     assert event["code"] == "reference_jump"
     assert event["recovered"]
-    assert pps.result(record)["success"], record.reason_text
+    assert pps.result(record)["verified"], record.reason_text
     # it was commanded all the time, by references that never jumped
     references = record.arrays["tip_reference"][:, 0]
     steps = np.linalg.norm(np.diff(references, axis=0), axis=1)
