@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -14,11 +15,14 @@ from pushpressslide.core.truth import EXACT, Truth
 from pushpressslide.jobs.hopes import hopeful_runner, hopes
 from pushpressslide.jobs.run import simulate
 from pushpressslide.jobs.stages import StageOptions, StageRunner
+from pushpressslide.jobs.sweep import SweepOptions, sweep
 from pushpressslide.jobs.tiers import TIERS, drawn_world
 from pushpressslide.taskfile.load import dump_task, load_task, task_from_data
 from pushpressslide.taskfile.yaml_text import parse_yaml
 
 PUSH = "rear-push-rear"
+TOLERANCE = ("tolerance.position=0.01", "tolerance.yaw_deg=2")
+SEED = 620
 
 
 def at_tier(name: str, task: str = PUSH) -> Task:
@@ -126,3 +130,24 @@ def test_a_push_arrives_in_the_second_tier() -> None:
     goal = plan.task.goal
     assert math.hypot(x + bias_x - goal.x, y + bias_y - goal.y) < 0.01
     assert abs(math.remainder(yaw - goal.yaw, math.tau)) < math.radians(2.0)
+
+
+LADDER = {"tier2": (5, 5), "tier3": (5, 3)}
+"""Tasks of a tier, and how many of them have to arrive at least."""
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", list(LADDER))
+def test_random_tasks_arrive_in_the_worlds_of_a_tier(name: str, tmp_path: Path) -> None:
+    """One arm, no mode given, on the planar engine."""
+    task = load_task(PUSH, ["modes=null", *TOLERANCE])
+    tasks, least = LADDER[name]
+    options = SweepOptions(
+        attempts=tasks,
+        vary="tasks",
+        draw="any",
+        world=name,  # type: ignore[arg-type]
+        seed=SEED,
+        engine="planar",
+    )
+    assert sweep(task, options, tmp_path)["reached"] >= least

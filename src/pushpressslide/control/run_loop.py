@@ -516,6 +516,8 @@ class RunLoop:
         own = isinstance(self.controller, Controller)
         if own and paths and len(limits) == len(paths):
             self.controller.keep_pace(joint_pace(paths, limits))
+        if own and self.recoveries == 0:
+            self.controller.supervisor.gives_up = False
         self.state = None
         self.resting = RestingPose()
         self.expected = self._expected(time)

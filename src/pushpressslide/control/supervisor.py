@@ -85,6 +85,7 @@ class Supervisor:
         self.placement = placement
         self.servo = servo
         self.patience = patience
+        self.gives_up = True  # a motion whose goal will be missed: a recovery is left
 
     def step(self, event: Moment | Settled) -> ControllerState:
         """State after an event. During the motion, the first row that holds decides."""
@@ -452,7 +453,7 @@ class Supervisor:
         """Whether the centre of mass is surely so far from that of the followed plan that
         the goal is missed.
         """
-        if not self.placement.looks or self.placement.query.motion.recoveries == 0:
+        if not (self.placement.looks and self.gives_up):
             return False
         found = estimates(state)
         following = state.following
@@ -460,8 +461,8 @@ class Supervisor:
             return False
         lever = math.hypot(*following.binding.segment.contacts[0].point)
         aside = math.dist(found.center, following.prediction.followed_center)
-        doubt = margins.DOUBT * found.doubt
-        return aside > lever * max(self.placement.last.tolerance.yaw, doubt)
+        least = max(self.placement.last.tolerance.yaw, found.doubt)
+        return aside > margins.DOUBT * least * lever
 
     def _begin_motion(
         self, state: ControllerState, instant: Instant

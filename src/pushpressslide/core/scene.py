@@ -488,6 +488,11 @@ class Belief:
     def __post_init__(self) -> None:
         check_fields(self)
 
+    @property
+    def without_errors(self) -> Belief:
+        """The belief as if it were true."""
+        return replace(self, friction_error=0.0, center_error=0.0, mass_error=0.0)
+
 
 def assumption(belief: Value | None, true: Value) -> Value:
     """Believed value, or the true value if the belief is None."""

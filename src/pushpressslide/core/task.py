@@ -90,6 +90,8 @@ class Restart:
     rho: float | None  # [m]; None: that of the base's pressure
     # whether face, contacts and vehicle of the first attempt may change
     free: bool = False
+    # whether the belief counts as free of errors
+    sure: bool = False
     # legs found for the rest; None: those of the task
     legs: tuple[Leg, ...] | None = None
 
@@ -308,6 +310,8 @@ class Task:
             support_friction=restart.support_friction,
             rho=restart.rho,
         )
+        if restart.sure:
+            belief = belief.without_errors
         task = replace(self, belief=belief, start_error=Pose2())
         if restart.free:
             legs = (replace(leg, motion=leg.motion.freed) for leg in self.legs)

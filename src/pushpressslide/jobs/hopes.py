@@ -24,8 +24,7 @@ def hopes(task: Task) -> Iterator[Task]:
     belief = task.belief
     planned = belief.friction_error, belief.center_error
     if any(planned):
-        plain = replace(belief, friction_error=0.0, center_error=0.0)
-        yield replace(task, belief=plain)
+        yield replace(task, belief=belief.without_errors)
     if any(planned) or belief.mass_error > 0.0:
         yield replace(task, belief=_favourable(task))
 
