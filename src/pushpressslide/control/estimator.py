@@ -39,6 +39,7 @@ YAW_NOISE = math.radians(0.08)
 LEAST_GAIN = 0.1
 STEEPEST = math.atan(0.5)  # [rad] of the line to the centre of friction from the belief
 OFF_REACH = 0.15  # share by which an axle is off before it contradicts the plan
+SMOOTHED = 0.3  # [s] in which two thirds of a correction are followed
 NO_TWIST = Twist(0.0, 0.0, 0.0)
 
 
@@ -100,11 +101,17 @@ class Filtered(NamedTuple):
     state: FilterState
     tips: tuple[Point, ...]  # [m] of the contacts at the last tick
     spread: tuple[float, float]  # [m], [rad] standard deviations of place and yaw
+    # corrections [m], [m], [rad] of the pose that are still to be followed
+    ahead: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @property
     def X_WG(self) -> Pose2:
-        """The pose now."""
-        return self.filter.pose(self.state.present)
+        """The pose now, which follows corrections smoothly: arms follow it."""
+        x, y, yaw = self.ahead
+        now = self.state.present
+        return self.filter.pose(
+            now._replace(x=now.x - x, y=now.y - y, yaw=now.yaw - yaw)
+        )
 
     def step(self, observation: Observation, dt: float) -> Filtered:
         """The filter after a tick of ``dt`` [s]."""
@@ -115,10 +122,18 @@ class Filtered(NamedTuple):
             moved = (x - before_x, y - before_y)
             advance = advance._replace(tip=moved, turn=_turn(self.tips, tips))
         state = self.filter.step(self.state, advance, observation.pose)
+        predicted = self.state.present.after(advance)
+        kept = math.exp(-dt / SMOOTHED)
+        x, y, yaw = self.ahead
+        ahead = (
+            kept * x + state.present.x - predicted.x,
+            kept * y + state.present.y - predicted.y,
+            kept * yaw + wrap_angle(state.present.yaw - predicted.yaw),
+        )
         spread = self.spread
         if state.covariance is not self.state.covariance:
             spread = self.filter.spread(state)
-        return Filtered(self.filter, state, tips, spread)
+        return Filtered(self.filter, state, tips, spread, ahead)
 
     def center(self, before: CenterState, segment: Segment, X_BG: Pose2) -> CenterState:
         """``before`` with the centre of mass where the turns of the object show it,
