@@ -210,12 +210,14 @@ class ObjectEstimator:
             X_WB = X_WG.compose(self._X_GB)
             axle, center = _identified(axle, center, X_WB, observation)
             drag = _dragged(state.drag, center, X_WB, observation)
-        if filtered is not None:
-            center = filtered.center(center, observation.binding.segment, self._X_BG)
+        # walls and bodies turn an object, too: a centre that is sure is not learnt
+        learning = filtered if self._center_error > 0.0 else None
+        if learning is not None:
+            center = learning.center(center, observation.binding.segment, self._X_BG)
         if observation.driven or predicted is not state.prediction:
             found = _estimates(predicted, axle, center)
-            if filtered is not None:
-                found = filtered.with_reach(found, observation.binding.segment)
+            if learning is not None:
+                found = learning.with_reach(found, observation.binding.segment)
         twist = observation.commanded_twist
         estimate = Estimate(time, X_WG, twist, found, time - used, spread)
         return estimate, EstimatorState(

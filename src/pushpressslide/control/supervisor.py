@@ -453,7 +453,8 @@ class Supervisor:
         """Whether the centre of mass is surely so far from that of the followed plan that
         the goal is missed.
         """
-        if not (self.placement.looks and self.gives_up):
+        unsure = self.placement.looks and self.placement.scene.center_error > 0.0
+        if not (unsure and self.gives_up) or self.placement.waits:
             return False
         found = estimates(state)
         following = state.following
