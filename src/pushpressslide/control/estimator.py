@@ -39,7 +39,9 @@ YAW_NOISE = math.radians(0.08)
 LEAST_GAIN = 0.1
 STEEPEST = math.atan(0.5)  # [rad] of the line to the centre of friction from the belief
 OFF_REACH = 0.15  # share by which an axle is off before it contradicts the plan
-SMOOTHED = 0.3  # [s] in which two thirds of a correction are followed
+# [s] per [rad] of noise of the yaw: in this time two thirds of a correction are followed
+SMOOTHED = 8.0
+LONGEST_SMOOTHED = 0.3  # [s]
 NO_TWIST = Twist(0.0, 0.0, 0.0)
 
 
@@ -103,6 +105,7 @@ class Filtered(NamedTuple):
     spread: tuple[float, float]  # [m], [rad] standard deviations of place and yaw
     # corrections [m], [m], [rad] of the pose that are still to be followed
     ahead: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    smoothed: float = 0.01  # [s] in which they are followed
 
     @property
     def X_WG(self) -> Pose2:
@@ -123,7 +126,7 @@ class Filtered(NamedTuple):
             advance = advance._replace(tip=moved, turn=_turn(self.tips, tips))
         state = self.filter.step(self.state, advance, observation.pose)
         predicted = self.state.present.after(advance)
-        kept = math.exp(-dt / SMOOTHED)
+        kept = math.exp(-dt / self.smoothed)
         x, y, yaw = self.ahead
         ahead = (
             kept * x + state.present.x - predicted.x,
@@ -133,7 +136,7 @@ class Filtered(NamedTuple):
         spread = self.spread
         if state.covariance is not self.state.covariance:
             spread = self.filter.spread(state)
-        return Filtered(self.filter, state, tips, spread, ahead)
+        return self._replace(state=state, tips=tips, spread=spread, ahead=ahead)
 
     def center(self, before: CenterState, segment: Segment, X_BG: Pose2) -> CenterState:
         """``before`` with the centre of mass where the turns of the object show it,
@@ -241,7 +244,10 @@ class ObjectEstimator:
             doubt,
         )
         started = own.start(state.pose)
-        return Filtered(own, started, _tips(observation), own.spread(started))
+        smoothed = min(max(0.01, SMOOTHED * self._sensing.yaw_noise), LONGEST_SMOOTHED)
+        tips = _tips(observation)
+        spread = own.spread(started)
+        return Filtered(own, started, tips, spread, smoothed=smoothed)
 
     def _pose(self, state: EstimatorState, observation: Observation) -> Pose2:
         """X_WG predicted from the motion since the last tick.

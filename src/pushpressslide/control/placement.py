@@ -85,10 +85,11 @@ class Placement:
     def pace(self, spread: tuple[float, float], left: float) -> float:
         """Share of the planned speed at which an object may be led, with ``left`` [m] of
         its way to go, whose pose is known with the standard deviations ``spread`` [m],
-        [rad]: a slower one shows itself in more pictures.
+        [rad]: a slower one shows itself in more pictures. An uncertain centre is best
+        learnt on a long way, and lets an object be slow only at its end.
         """
         unsure = self.unsure(spread)
-        near = left < margins.ARM.slow_way
+        near = left < margins.ARM.slow_way or self.scene.center_error == 0.0
         allowed = margins.PACED if near else margins.PACED_AHEAD
         return 1.0 if unsure <= allowed else max(allowed / unsure, margins.SLOWEST)
 
