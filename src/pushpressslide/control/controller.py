@@ -21,7 +21,6 @@ from time import perf_counter
 from typing import NamedTuple
 
 from pushpressslide.control.adaptation import TipSpeed
-from pushpressslide.control.correction import surely_touched
 from pushpressslide.control.estimator import (
     Estimate,
     Estimator,
@@ -442,11 +441,8 @@ class Controller:
             adaptation,
             watches,
         )
-        touched = surely_touched(
-            contacts,
-            binding.contact_points(instant.X_WB, instant.tips),
-            state.estimate.spread[0],
-        )
+        place, _ = state.estimate.spread
+        touched = binding.sure_contact_points(instant.X_WB, instant.tips, place)
         moment = Moment(next_state, instant, touched, guidance)
         return PhaseStep(commands, next_state, decision, moment)
 

@@ -8,7 +8,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from pushpressslide.control.correction import sides_of, touched_points
+from pushpressslide.control.correction import (
+    sides_of,
+    surely_touched,
+    touched_points,
+)
 from pushpressslide.core.control import TipState
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Segment
@@ -45,6 +49,15 @@ class BoundLaws:
     ) -> tuple[Point, ...]:
         """Points [m] in B at which the tips touch the object."""
         return touched_points(self.segment.contacts, self.sides, X_WB, tips)
+
+    def sure_contact_points(
+        self, X_WB: Pose2, tips: Sequence[TipState], place: float
+    ) -> tuple[Point, ...]:
+        """``contact_points`` [m] where they are surely elsewhere than planned, of an
+        object whose place has the standard deviation ``place`` [m].
+        """
+        points = self.contact_points(X_WB, tips)
+        return surely_touched(self.segment.contacts, points, place)
 
 
 def bind_laws(scene: Scene, segment: Segment, tracker: Tracker) -> BoundLaws:

@@ -17,7 +17,6 @@ from pushpressslide.control.correction import (
     rest_of,
     side_slide,
     sides_of,
-    surely_touched,
     touched_points,
 )
 from pushpressslide.control.following import Following, Prediction
@@ -476,11 +475,8 @@ class Supervisor:
             margins.TOUCH_DETOUR, rest.path.length, self.placement.object.radius
         )
         X_WB = instant.X_WB
-        touched = surely_touched(
-            rest.contacts,
-            following.binding.contact_points(X_WB, instant.tips),
-            state.estimate.spread[0],
-        )
+        place, _ = state.estimate.spread
+        touched = following.binding.sure_contact_points(X_WB, instant.tips, place)
         found = estimates(state)
         measured = Measured.touching(X_WB, rest.contacts, touched, longest, found)
         fresh = self.placement.replanner.believing(following.rho).replan(
