@@ -400,11 +400,11 @@ class Controller:
         """Wanted yaw [rad] of the tools.
 
         It changes from the planned yaw to the object's ``yaw`` while the tips are
-        aligned.
+        aligned for the first time.
         """
-        if not state.phase.align:
-            return yaw
         following = state.following
+        if not state.phase.align or following.began is not None:
+            return yaw
         X_WB = following.binding.segment.body_pose(following.progress)
         planned = X_WB.compose(self.X_BG)
         share = smooth(elapsed / aligned) if aligned > 0.0 else 1.0

@@ -75,7 +75,7 @@ class Law:
         started = clock()
         guidance = binding.tracker.step(
             segment.path, X_WB, following.progress, speed, adaptation.steering_scale
-        )
+        ).turning_at_most(margins.ARM.fastest_turn)
         tracked = clock()
         allocation = binding.allocate(guidance.fx, guidance.fy, guidance.tau)
         wall_times = (tracked - started, clock() - tracked)

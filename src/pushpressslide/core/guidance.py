@@ -34,6 +34,16 @@ class Guidance(NamedTuple):
         """Wanted wrench, in B."""
         return Wrench(self.fx, self.fy, self.tau, self.about)
 
+    def turning_at_most(self, rate: float) -> Guidance:
+        """Guidance whose twist turns by at most ``rate`` [rad/s], along the same path:
+        the object is led more slowly.
+        """
+        if abs(self.w) <= rate:
+            return self
+        share = rate / abs(self.w)
+        vx, vy, w = share * self.vx, share * self.vy, share * self.w
+        return self._replace(vx=vx, vy=vy, w=w)
+
     @property
     def twist(self) -> Twist:
         """Wanted twist, in B."""

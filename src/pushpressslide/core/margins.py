@@ -393,6 +393,10 @@ class ArmMargins:
     """Largest turn rate of a pushed object. At a higher rate the tip slips when the
     steering jumps.
     """
+    fastest_turn: float = field(default=1.0, metadata={"unit": "1/s"})
+    """Largest turn rate that corrections may ask of an object: more than planned, less
+    than a wrist can follow.
+    """
     steering_time: float = field(default=0.4, metadata={"unit": "s"})
     """Time in which the steering of a push changes from one arc to the next. A tip that
     moves sideways abruptly slides along the face of a light object and hammers it.
