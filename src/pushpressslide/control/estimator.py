@@ -31,6 +31,7 @@ from pushpressslide.identification.parameter_estimates import (
 )
 from pushpressslide.kernels.leading import corrected
 from pushpressslide.modes import MODES
+from pushpressslide.rom.drives import PressedDrive, RearSteerDrive
 
 # [m], [rad] of noise that may remain in the object's pose: the mean of as many
 # measurements as it takes, up to 1 / LEAST_GAIN
@@ -38,10 +39,13 @@ POSE_NOISE = 2e-4
 YAW_NOISE = math.radians(0.08)
 LEAST_GAIN = 0.1
 STEEPEST = math.atan(0.5)  # [rad] of the line to the centre of friction from the belief
+# error of the line of an object that is turned by a force off it, as a share of the angle
+SKEWED = 0.4
 OFF_REACH = 0.15  # share by which an axle is off before it contradicts the plan
 # [s] per [rad] of noise of the yaw: in this time two thirds of a correction are followed
 SMOOTHED = 8.0
 LONGEST_SMOOTHED = 0.3  # [s]
+ONE_CONTACT = (PressedDrive, RearSteerDrive)  # whose turns tell the line to the contact
 NO_TWIST = Twist(0.0, 0.0, 0.0)
 
 
@@ -101,6 +105,7 @@ class Filtered(NamedTuple):
 
     filter: PoseFilter
     state: FilterState
+    segment: Segment  # followed at the last tick
     tips: tuple[Point, ...]  # [m] of the contacts at the last tick
     spread: tuple[float, float]  # [m], [rad] standard deviations of place and yaw
     # corrections [m], [m], [rad] of the pose that are still to be followed
@@ -124,8 +129,10 @@ class Filtered(NamedTuple):
             (x, y), (before_x, before_y) = tips[0], self.tips[0]
             moved = (x - before_x, y - before_y)
             advance = advance._replace(tip=moved, turn=_turn(self.tips, tips))
-        state = self.filter.step(self.state, advance, observation.pose)
-        predicted = self.state.present.after(advance)
+        segment = observation.binding.segment
+        before = self._redirected(segment)
+        state = self.filter.step(before, advance, observation.pose)
+        predicted = before.present.after(advance)
         kept = math.exp(-dt / self.smoothed)
         x, y, yaw = self.ahead
         ahead = (
@@ -136,21 +143,37 @@ class Filtered(NamedTuple):
         spread = self.spread
         if state.covariance is not self.state.covariance:
             spread = self.filter.spread(state)
-        return self._replace(state=state, tips=tips, spread=spread, ahead=ahead)
+        return self._replace(
+            state=state, segment=segment, tips=tips, spread=spread, ahead=ahead
+        )
+
+    def _redirected(self, segment: Segment) -> FilterState:
+        """The filter's state with the turn arm that ``segment`` has beside that of the
+        last tick: a press turns an object otherwise in another direction.
+        """
+        was, drive = self.segment.drive, segment.drive
+        if drive is was:
+            return self.state
+        if not (isinstance(was, PressedDrive) and isinstance(drive, PressedDrive)):
+            return self.state
+        scale = abs(_reach(self.segment) / _reach(segment))
+        return self.filter.rescaled(self.state, drive.skew - was.skew, scale)
 
     def center(self, before: CenterState, segment: Segment, X_BG: Pose2) -> CenterState:
         """``before`` with the centre of mass where the turns of the object show it,
         across the line from the origin of B to the only contact.
         """
         contacts = segment.contacts
-        if len(contacts) > 1 or contacts[0].point == (0.0, 0.0):
+        drive = segment.drive
+        if contacts[0].point == (0.0, 0.0) or not isinstance(drive, ONE_CONTACT):
             return before
         x, y = contacts[0].point
         angle, deviation = self.filter.line(self.state)
-        off = wrap_angle(angle + X_BG.yaw - math.atan2(y, x))
+        off = wrap_angle(angle + X_BG.yaw - math.atan2(y, x) - drive.skew)
         share = -math.tan(min(max(off, -STEEPEST), STEEPEST))
         center = (-share * y, share * x)
-        return before._replace(center=center, off=deviation, filtered=True)
+        off = math.hypot(deviation, SKEWED * drive.skew)
+        return before._replace(center=center, off=off, filtered=True)
 
     def with_reach(
         self, estimates: ParameterEstimates, segment: Segment
@@ -234,7 +257,7 @@ class ObjectEstimator:
         segment = observation.binding.segment
         contacts = segment.contacts
         arm, doubt = (0.0, 0.0), 0.0
-        if len(contacts) == 1:
+        if isinstance(segment.drive, ONE_CONTACT):
             arm, doubt = _turn_arm(segment, self._center_error)
         own = PoseFilter.for_sensing(
             self._sensing,
@@ -247,7 +270,7 @@ class ObjectEstimator:
         smoothed = min(max(0.01, SMOOTHED * self._sensing.yaw_noise), LONGEST_SMOOTHED)
         tips = _tips(observation)
         spread = own.spread(started)
-        return Filtered(own, started, tips, spread, smoothed=smoothed)
+        return Filtered(own, started, segment, tips, spread, smoothed=smoothed)
 
     def _pose(self, state: EstimatorState, observation: Observation) -> Pose2:
         """X_WG predicted from the motion since the last tick.
@@ -326,16 +349,22 @@ def _turn(before: Sequence[Point], now: Sequence[Point]) -> float:
     return wrap_angle(is_now - was)
 
 
+def _reach(segment: Segment) -> float:
+    """Signed distance [m] of a segment's only contact ahead of the axle."""
+    X_VB = segment.X_VB
+    return X_VB.apply(segment.contacts[0].point)[0]
+
+
 def _turn_arm(segment: Segment, center_error: float) -> tuple[Point, float]:
     """Believed turn arm [rad/m] in B of a segment's only contact, and the standard
     deviation that an error [m] of the centre of mass gives it.
+
+    The axle moves along its heading, however the object turns.
     """
-    drive = segment.drive
-    x, y = segment.contacts[0].point
-    lever = (x - drive.center[0], y - drive.center[1])
-    rho = drive.rho or 0.0
-    square = rho * rho + lever[0] ** 2 + lever[1] ** 2
-    return (lever[0] / square, lever[1] / square), center_error / square
+    reach = _reach(segment)
+    ex, ey = segment.X_BV.rotate((1.0, 0.0))
+    lever = math.dist(segment.contacts[0].point, segment.drive.center)
+    return (ex / reach, ey / reach), center_error / abs(reach * lever)
 
 
 def _carried_over(

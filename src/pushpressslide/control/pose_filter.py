@@ -35,6 +35,8 @@ SLIPPED = (4.5e-3, math.radians(2.2))  # [m], [rad] in 1 m
 ARM = 0.2
 """Standard deviation of the turn arm, times the radius of the object."""
 ARM_LENGTH = 4.0  # [m] of path after which it may be another
+CHANGED = 0.3
+"""Standard deviation of a planned change of the turn arm, as a share of it."""
 SLIP = 0.15
 """Standard deviation of the share of its motion by which a tip slips."""
 SLIP_LENGTH = 0.05  # [m] of path after which it may be another
@@ -162,6 +164,25 @@ class PoseFilter:
         along = np.array((a, b)) / size
         variance = float(along @ state.covariance[3:5, 3:5] @ along)
         return 1.0 / size, math.sqrt(variance) / (size * size)
+
+    def rescaled(self, state: FilterState, angle: float, scale: float) -> FilterState:
+        """The ``state`` of an object that is moved in another direction from now on: its
+        turn arm is turned by an ``angle`` [rad] and multiplied by ``scale``.
+
+        The arm is less certain by as much as it changes.
+        """
+        c = scale * math.cos(angle)
+        s = scale * math.sin(angle)
+        a, b = state.mean.a, state.mean.b
+        turned = (c * a - s * b, s * a + c * b)
+        P = state.covariance.copy()
+        P[3, 3] += (CHANGED * (turned[0] - a)) ** 2
+        P[4, 4] += (CHANGED * (turned[1] - b)) ** 2
+        return state._replace(
+            mean=state.mean._replace(a=turned[0], b=turned[1]),
+            present=state.present._replace(a=turned[0], b=turned[1]),
+            covariance=P,
+        )
 
     def step(
         self, state: FilterState, advance: Advance, picture: StampedPose | None

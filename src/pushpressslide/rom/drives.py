@@ -37,6 +37,11 @@ class VehicleDrive:
         """The CoM."""
         return ORIGIN
 
+    @property
+    def skew(self) -> float:
+        """Angle [rad] of the heading from the line through the contact."""
+        return 0.0
+
 
 def _further(X_BV: Pose2, offset: Point) -> Pose2:
     """Pose ``X_BV`` with its origin displaced by ``offset`` [m]."""
@@ -151,6 +156,11 @@ class TurnDrive(PressedDrive):
     left: float  # [rad] > 0
     stiffness: float
     last: bool = False  # the run-in: a path of its own is steered for
+
+    @property
+    def skew(self) -> float:
+        """Angle [rad] of the heading from the line through the contact."""
+        return math.remainder(self.X_BV.yaw - self.car.X_BV.yaw, math.pi)
 
     @property
     def steepest(self) -> float:
