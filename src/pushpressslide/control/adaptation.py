@@ -9,6 +9,9 @@ from typing import NamedTuple
 
 from pushpressslide.core import margins
 from pushpressslide.core.control import Vector3
+from pushpressslide.core.motion import Limits
+from pushpressslide.core.plan import Segment
+from pushpressslide.core.scene import Scene
 from pushpressslide.kernels.leading import eased_steering_scale
 
 # scale of the steering: utilisation above which it falls, rates of fall and rise [1/s],
@@ -39,16 +42,18 @@ class Adaptation(NamedTuple):
         speeds: Sequence[TipSpeed],
         drag: float | None,
         dt: float,
+        most: float = MOST_FORCE_SCALE,
     ) -> Adaptation:
         """Adaptation after a tick of ``dt`` [s].
 
         ``utilisation`` is the largest friction utilisation of all contacts, ``speeds``
-        are those of the tips led by a servo, and ``drag`` [N] is the identified drag.
+        are those of the tips led by a servo, ``drag`` [N] is the identified drag, and
+        ``most`` the largest factor on the forces.
         """
         steering_scale = eased_steering_scale(
             self.steering_scale, utilisation, dt, STEERING_SCALE
         )
-        return Adaptation(steering_scale, self._force_scale(speeds, dt), drag)
+        return Adaptation(steering_scale, self._force_scale(speeds, dt, most), drag)
 
     def force_gain(self, gain: float, planned: float) -> float:
         """Factor on the contact forces, including the contacts' own ``gain``.
@@ -61,7 +66,7 @@ class Adaptation(NamedTuple):
             ratio = margins.drag_ratio(self.drag, planned)
         return gain * ratio * self.force_scale
 
-    def _force_scale(self, speeds: Sequence[TipSpeed], dt: float) -> float:
+    def _force_scale(self, speeds: Sequence[TipSpeed], dt: float, most: float) -> float:
         """Factor on the contact forces after a tick.
 
         A velocity servo alone cannot move an object whose resistance exceeds the
@@ -75,6 +80,16 @@ class Adaptation(NamedTuple):
         if led < LED * LED:
             return self.force_scale
         slow = SLOW_SHARE - moved / led
-        return min(
-            MOST_FORCE_SCALE, max(1.0, self.force_scale + FORCE_SCALE_RISE * slow * dt)
-        )
+        rise = FORCE_SCALE_RISE * most / MOST_FORCE_SCALE
+        return min(most, max(1.0, self.force_scale + rise * slow * dt))
+
+
+def most_force_scale(scene: Scene, limits: Limits, segment: Segment) -> float:
+    """Largest factor on the forces of a ``segment``: more for pushes in ``scene`` whose
+    friction or mass may be larger than believed, within ``limits``.
+    """
+    if any(contact.kind == "top" for contact in segment.contacts):
+        return MOST_FORCE_SCALE
+    least = (1.0 - scene.friction_error) * (1.0 - scene.mass_error)
+    allowed = limits.planned_force / segment.drive.max_friction
+    return max(MOST_FORCE_SCALE, min(MOST_FORCE_SCALE / least, allowed))

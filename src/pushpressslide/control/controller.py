@@ -20,7 +20,7 @@ from functools import partial
 from time import perf_counter
 from typing import NamedTuple
 
-from pushpressslide.control.adaptation import TipSpeed
+from pushpressslide.control.adaptation import TipSpeed, most_force_scale
 from pushpressslide.control.estimator import (
     Estimate,
     Estimator,
@@ -134,6 +134,7 @@ class Controller:
         self.kept_arms = self.placement.kept_arms
         self.touches = _made_touches(query, first, gap, self.placement.entry)
         self.law = _law(query, execution, self.placement)
+        self.most_force_scale = most_force_scale(query.scene, query.limits, first)
         patience = min(
             margins.ARM.loss_time(contact.kind)
             + query.motion.control_period * self.law.mover.samples(contact)
@@ -430,6 +431,7 @@ class Controller:
             self._tip_speeds(instant, commands, contacts),
             state.estimate.parameters.drag,
             instant.dt,
+            self.most_force_scale,
         )
         next_state = ControllerState(
             PhaseState(
