@@ -15,6 +15,7 @@ from pushpressslide.taskfile.place import Place
 
 DERIVED = {
     "Robot.base_yaw",  # within base
+    "Task.dares",
     "Task.source",
     "ToolUse.body",  # within goal
     "ToolUse.goal",

@@ -69,7 +69,7 @@ def planned_anew(
     believed = replace(free, support_friction=task.scene.support.friction)
     tried: list[Task] = []
     refused: InfeasibleTaskError | None = None
-    for one in (restart_state, free, believed, replace(free, sure=True)):
+    for one in (restart_state, free, believed, replace(free, dares=True)):
         rest = task.resumed(one)
         if rest in tried:
             continue

@@ -34,6 +34,7 @@ from pushpressslide.control.state import (
 )
 from pushpressslide.control.touch import held_at
 from pushpressslide.core import margins
+from pushpressslide.core.control import Phase
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Segment
@@ -150,7 +151,9 @@ class Supervisor:
         return self._rested(moment) > margins.ARM.stall_time
 
     def stop_stalled(self, moment: Moment) -> ControllerState:
-        """Stop: goal missed."""
+        """Let go if the goal is reached all the same. Otherwise stop: goal missed."""
+        if self._reached(moment):
+            return self._let_go(moment)
         rests = self._rested(moment)
         left = moment.left
         text = f"stood still for {rests:.0f} s, {left * 1e3:.0f} mm before its end"
@@ -190,9 +193,20 @@ class Supervisor:
         retry = self._retry(state, instant)
         if retry:
             return self._next_segment(state, retry, instant)
-        return enter_phase(
-            state, "done" if self.placement.holds else "release", instant
-        )
+        return self._let_go(moment)
+
+    def _reached(self, moment: Moment) -> bool:
+        """Whether the object is at the last goal, as far as its pose is known."""
+        placement = self.placement
+        unsure = placement.unsure(moment.state.estimate.spread)
+        last = placement.last
+        off = share_of_tolerance(moment.instant.X_WG, last.goal, last.tolerance)
+        return off < margins.retry_above(margins.RETRY_ABOVE, unsure)
+
+    def _let_go(self, moment: Moment) -> ControllerState:
+        """State in which the tips draw back, or hold an object that nothing carries."""
+        name: Phase = "done" if self.placement.holds else "release"
+        return enter_phase(moment.state, name, moment.instant)
 
     def lost_for_good(self, moment: Moment) -> bool:
         """Contact is lost once more at a place where it was lost repeatedly."""

@@ -489,9 +489,9 @@ class Belief:
         check_fields(self)
 
     @property
-    def without_errors(self) -> Belief:
-        """The belief as if it were true."""
-        return replace(self, friction_error=0.0, center_error=0.0, mass_error=0.0)
+    def planned_for_errors(self) -> bool:
+        """Whether it states errors that motions are planned for."""
+        return self.friction_error > 0.0 or self.center_error > 0.0
 
 
 def assumption(belief: Value | None, true: Value) -> Value:
@@ -513,6 +513,8 @@ class Scene:
     center_error: float = 0.0  # [m] uncertainty of the centre of mass
     mass_error: float = 0.0  # relative error of the mass
     arm: int | None = None  # the only arm that may touch the body; None: any
+    # whether motions are planned as if frictions and centre of mass were certain
+    dares: bool = False
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -556,6 +558,16 @@ class Scene:
         return max(robot.tip_radius for robot in self.tips)
 
     @property
+    def planned_friction_error(self) -> float:
+        """Relative error of both frictions that motions are planned for."""
+        return 0.0 if self.dares else self.friction_error
+
+    @property
+    def planned_center_error(self) -> float:
+        """Uncertainty [m] of the centre of mass that motions are planned for."""
+        return 0.0 if self.dares else self.center_error
+
+    @property
     def sure(self) -> float:
         """Factor that lowers the allowed friction utilisation if frictions are
         uncertain.
@@ -563,12 +575,13 @@ class Scene:
         It is the ratio of the smallest contact friction to the largest support
         friction, divided by the same ratio of the believed values.
         """
-        return (1.0 - self.friction_error) / (1.0 + self.friction_error)
+        error = self.planned_friction_error
+        return (1.0 - error) / (1.0 + error)
 
     @property
     def least_contact_friction(self) -> float:
         """Lower bound of the tip/object friction, from its uncertainty."""
-        return (1.0 - self.friction_error) * self.contact_friction
+        return (1.0 - self.planned_friction_error) * self.contact_friction
 
     @property
     def friction_uses(self) -> tuple[float, ...]:
@@ -578,7 +591,7 @@ class Scene:
     @property
     def run_ins(self) -> tuple[float, ...]:
         """Lengths of a manoeuvre's run-in, in look-aheads."""
-        return margins.RUN_INS_UNSURE if self.center_error else margins.RUN_INS
+        return margins.RUN_INS_UNSURE if self.planned_center_error else margins.RUN_INS
 
     @property
     def pin_uses(self) -> tuple[float, ...]:
@@ -588,7 +601,7 @@ class Scene:
     @property
     def most_friction(self) -> float:
         """Largest friction coefficient of the support that the belief allows."""
-        return self.support.friction * (1.0 + self.friction_error)
+        return self.support.friction * (1.0 + self.planned_friction_error)
 
     def max_friction(self, press: float = 0.0) -> float:
         """Friction [N] of the support against straight sliding, with a ``press`` [N] on

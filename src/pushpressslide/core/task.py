@@ -90,8 +90,8 @@ class Restart:
     rho: float | None  # [m]; None: that of the base's pressure
     # whether face, contacts and vehicle of the first attempt may change
     free: bool = False
-    # whether the belief counts as free of errors
-    sure: bool = False
+    # whether it is planned as if the belief were free of errors
+    dares: bool = False
     # legs found for the rest; None: those of the task
     legs: tuple[Leg, ...] | None = None
 
@@ -190,6 +190,8 @@ class Task:
     description: str = setting("", "one line, shown by `pps tasks`")
     # its file, for messages
     source: str = field(default="", compare=False)
+    # whether motions are planned as if the belief were free of errors
+    dares: bool = False
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -234,6 +236,7 @@ class Task:
             belief.center_error,
             belief.mass_error,
             self.motion.only_arm,
+            self.dares,
         )
 
     @property
@@ -310,9 +313,8 @@ class Task:
             support_friction=restart.support_friction,
             rho=restart.rho,
         )
-        if restart.sure:
-            belief = belief.without_errors
-        task = replace(self, belief=belief, start_error=Pose2())
+        dares = (self.dares or restart.dares) and belief.planned_for_errors
+        task = replace(self, belief=belief, start_error=Pose2(), dares=dares)
         if restart.free:
             legs = (replace(leg, motion=leg.motion.freed) for leg in self.legs)
             task = replace(task, motion=self.motion.freed, legs=tuple(legs))

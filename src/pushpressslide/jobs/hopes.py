@@ -17,16 +17,15 @@ from pushpressslide.jobs.tiers import FRICTION, drawn_world
 
 
 def hopes(task: Task) -> Iterator[Task]:
-    """Yield the task as it is, without its uncertainties, and with the most favourable
-    frictions and mass that they allow.
+    """Yield the task as it is, planned without its uncertainties, and planned with the
+    most favourable frictions and mass that they allow.
     """
     yield task
-    belief = task.belief
-    planned = belief.friction_error, belief.center_error
-    if any(planned):
-        yield replace(task, belief=belief.without_errors)
-    if any(planned) or belief.mass_error > 0.0:
-        yield replace(task, belief=_favourable(task))
+    planned = task.belief.planned_for_errors
+    if planned:
+        yield replace(task, dares=True)
+    if planned or task.belief.mass_error > 0.0:
+        yield replace(task, belief=_favourable(task), dares=True)
 
 
 def _favourable(task: Task) -> Belief:
@@ -42,8 +41,6 @@ def _favourable(task: Task) -> Belief:
         support_friction=(1.0 - error) * full.support_friction,
         contact_friction=min((1.0 + error) * full.contact_friction, most),
         mass=(1.0 - task.belief.mass_error) * full.mass,
-        friction_error=0.0,
-        center_error=0.0,
     )
 
 

@@ -129,7 +129,7 @@ def _routed(
     speed = comfort.speed * motion.speed
     if gentle:
         share = min(share, margins.ARM.turn_rate / (speed * max(high, -low)))
-    lower = margins.CAR_RUN_IN_UNSURE if query.scene.center_error else 0.0
+    lower = margins.CAR_RUN_IN_UNSURE if query.scene.planned_center_error else 0.0
     run_in = max(lower, comfort.run_in) * motion.run_in
     path = with_run_in(
         axle_ends(query.body_ends, drive), high * share, -low * share, run_in

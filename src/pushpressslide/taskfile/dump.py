@@ -18,7 +18,7 @@ def task_data(task: Task) -> dict[str, Any]:
     """Plain data of the task in the layout and units of the file."""
     values = {**attributes(task), "legs": task.legs or None}
     values["goals"] = task.goals or None
-    del values["source"]
+    del values["source"], values["dares"]
     if task.tool is None:
         del values["tool"]
     plain: dict[str, Any] = SCHEMA.encode(values)

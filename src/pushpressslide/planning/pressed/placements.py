@@ -81,13 +81,13 @@ def press_placements(query: MotionQuery) -> PressPlacements:
     places: Sequence[Point] = top_places(query.body, scene.inset)
     if motion.contacts:
         places = [query.X_GB.unapply(motion.contacts[0])]
-    lower = margins.SURE_LEVER * scene.center_error
+    lower = margins.SURE_LEVER * scene.planned_center_error
     sure = [place for place in places if math.hypot(*place) >= lower]
     if places and not sure:
         lever = max(math.hypot(*place) for place in places)
         text = (
             "pressed {figure:mm.0f} from the centre of mass, whose place is known to "
-            f"{1e3 * scene.center_error:g} mm: allowed from {{allowed:mm.0f}}"
+            f"{1e3 * scene.planned_center_error:g} mm: allowed from {{allowed:mm.0f}}"
         )
         raise RefusedError(Refusal("lever", text, lever, lower, "m"))
     places = sure
