@@ -62,14 +62,18 @@ def planned_anew(
     The task's own mode and contacts are tried first, then any others. If neither gives
     a plan, the identified friction is replaced by the believed friction, since a jammed
     object seems to have more friction than it has; then the errors of the belief are
-    ignored. Raises InfeasibleTaskError if there is no plan.
+    ignored; then the support has the least friction that they allow. Raises
+    InfeasibleTaskError if there is no plan.
     """
     task = plan.task
     free = replace(restart_state, free=True)
     believed = replace(free, support_friction=task.scene.support.friction)
     tried: list[Task] = []
     refused: InfeasibleTaskError | None = None
-    for one in (restart_state, free, believed, replace(free, dares=True)):
+    dared = replace(believed, dares=True)
+    least = (1.0 - task.belief.friction_error) * task.scene.support.friction
+    hopeful = replace(dared, support_friction=least)
+    for one in (restart_state, free, believed, dared, hopeful):
         rest = task.resumed(one)
         if rest in tried:
             continue
