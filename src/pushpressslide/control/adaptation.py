@@ -85,11 +85,15 @@ class Adaptation(NamedTuple):
 
 
 def most_force_scale(scene: Scene, limits: Limits, segment: Segment) -> float:
-    """Largest factor on the forces of a ``segment``: more for pushes in ``scene`` whose
-    friction or mass may be larger than believed, within ``limits``.
+    """Largest factor on the forces of a ``segment``: more in a ``scene`` whose friction
+    or mass may be larger than believed, within ``limits`` and the friction of presses.
     """
-    if any(contact.kind == "top" for contact in segment.contacts):
-        return MOST_FORCE_SCALE
     least = (1.0 - scene.friction_error) * (1.0 - scene.mass_error)
-    allowed = limits.planned_force / segment.drive.max_friction
+    if least == 1.0:
+        return MOST_FORCE_SCALE
+    allowed = limits.planned_force
+    if any(contact.kind == "top" for contact in segment.contacts):
+        press = sum(contact.load for contact in segment.contacts)
+        allowed = scene.contact_friction * press
+    allowed /= segment.drive.max_friction
     return max(MOST_FORCE_SCALE, min(MOST_FORCE_SCALE / least, allowed))

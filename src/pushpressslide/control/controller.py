@@ -46,6 +46,7 @@ from pushpressslide.control.state import (
     TipMemory,
     by_arm,
     enter_phase,
+    lowered,
     pressed,
     ramp_time,
     smooth,
@@ -134,7 +135,6 @@ class Controller:
         self.kept_arms = self.placement.kept_arms
         self.touches = _made_touches(query, first, gap, self.placement.entry)
         self.law = _law(query, execution, self.placement)
-        self.most_force_scale = most_force_scale(query.scene, query.limits, first)
         patience = min(
             margins.ARM.loss_time(contact.kind)
             + query.motion.control_period * self.law.mover.samples(contact)
@@ -162,6 +162,7 @@ class Controller:
                 measurement.tips[contact.arm].position,
                 regulator=NormalForceState(ramped=contact.load),
                 held_command=held_commands[contact.arm] if held_commands else None,
+                lowered=self._lowered(measurement, contact) if held_commands else 0.0,
             )
             for contact in first.contacts
         )
@@ -179,6 +180,11 @@ class Controller:
             Estimate(measurement.time, pose.X_WG),
             self.estimator.start(pose),
         )
+
+    def _lowered(self, measurement: Measurement, contact: Contact) -> float:
+        """Depth [m] of a tip below its planned height that presses already."""
+        radius = self.robots[contact.arm].tip_radius
+        return lowered(contact, measurement.tips[contact.arm], radius, margins.ARM.sunk)
 
     def stop(
         self,
@@ -261,7 +267,11 @@ class Controller:
         """Share of the planned speed that the estimated pose allows."""
         ahead = (segment.path.length for segment in following.ahead)
         left = following.left + math.fsum(ahead)
-        return self.placement.pace(estimate.spread, left)
+        speed = following.binding.segment.profile.speed
+        return min(
+            self.placement.pace(estimate.spread, left),
+            self.placement.pace_to_learn(estimate.arm_spread, speed),
+        )
 
     def _log(
         self, state: ControllerState, time: float, decision: Decision | None
@@ -431,7 +441,9 @@ class Controller:
             self._tip_speeds(instant, commands, contacts),
             state.estimate.parameters.drag,
             instant.dt,
-            self.most_force_scale,
+            most_force_scale(
+                self.placement.scene, self.placement.query.limits, binding.segment
+            ),
         )
         next_state = ControllerState(
             PhaseState(

@@ -45,6 +45,10 @@ class TipContext(NamedTuple):
     tool_yaw: float  # [rad] wanted of the tool, less the joint path's offset
 
 
+LEAST_TOP = 0.8
+"""Largest depth of a tip that still presses on a top, as a share of the top's height."""
+
+
 class TipMemory(NamedTuple):
     """State of one tip between ticks."""
 
@@ -62,6 +66,9 @@ class TipMemory(NamedTuple):
     mean_force: Vector3 | None = None  # [N] mean of the last measurements in this phase
     kept_force: Vector3 | None = None  # [N] the same over more, that tells a loss
     height: float | None = None  # [m] at which a pushing tip is held, in this phase
+    lowered: float = (
+        0.0  # [m] of a pressing tip below its planned height when it touched
+    )
     # [N] along the support, world, as last commanded to a pressing tip in this phase
     drag: Point = (0.0, 0.0)
     # command of a tip that keeps its contact from the last placement
@@ -205,6 +212,20 @@ def sunk(contact: Contact, tip: TipState, radius: float, max_depth: float) -> bo
     return tip.position[2] < height - max_depth
 
 
+def lowered(contact: Contact, tip: TipState, radius: float, max_depth: float) -> float:
+    """Depth [m] of a ``tip`` that touches a top below its planned height, by errors of
+    the arm or of the object's height: at most ``max_depth`` [m], and nowhere near the
+    support.
+
+    ``radius`` [m] is the tip's.
+    """
+    if contact.kind != "top":
+        return 0.0
+    _, height = contact.tip_place(radius)
+    most = min(max_depth, max(0.0, LEAST_TOP * contact.height - max_depth))
+    return min(max(height - tip.position[2], 0.0), most)
+
+
 def contact_yaw(contact: Contact, X_WB: Pose2) -> float:
     """Yaw [rad] of the contact frame: the direction of the face's normal for a push,
     the object's yaw for a press.
@@ -287,6 +308,7 @@ def enter_phase(
         TipMemory(
             now.tips[c.arm].position,
             regulator=m.regulator if name == "move" else NormalForceState(),
+            lowered=m.lowered,
         )
         for m, c in zip(state.phase.tips, contacts, strict=True)
     )

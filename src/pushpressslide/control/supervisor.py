@@ -17,6 +17,7 @@ from pushpressslide.control.correction import (
     rest_of,
     side_slide,
     sides_of,
+    slide,
     touched_points,
 )
 from pushpressslide.control.following import Following, Prediction
@@ -261,7 +262,20 @@ class Supervisor:
         """A press has crept, and enough path is left to correct it."""
         planned = self.placement.segments[0].contacts
         crept = press_creep(planned, moment.contact_points) > margins.CREPT
-        return crept and self._may_retouch(moment)
+        return (crept or self._dragged_off(moment)) and self._may_retouch(moment)
+
+    def _dragged_off(self, moment: Moment) -> bool:
+        """Whether two presses have slid over the top, under an object that may have
+        more friction or mass than believed.
+        """
+        scene = self.placement.scene
+        contacts = self.placement.segments[0].contacts
+        unsure = scene.friction_error > 0.0 or scene.mass_error > 0.0
+        if not unsure or any(contact.kind != "top" for contact in contacts):
+            return False
+        place, _ = moment.state.estimate.spread
+        allowed = margins.ARM.retouch + margins.DOUBT * place
+        return len(contacts) > 1 and slide(contacts, moment.contact_points) > allowed
 
     def touch_harder(self, moment: Moment) -> ControllerState:
         """Touch the planned place again, and press harder."""
@@ -387,10 +401,13 @@ class Supervisor:
         )
         if crept:
             most = self.placement.queries[followed.leg].limits.planned_force
+            scene = self.placement.scene
+            least = (1.0 - scene.friction_error) * (1.0 - scene.mass_error)
+            harder = max(margins.HARDER, 1.0 / math.sqrt(least))
             contacts = tuple(
                 replace(
                     contact,
-                    load=max(contact.load, min(margins.HARDER * contact.load, most)),
+                    load=max(contact.load, min(harder * contact.load, most)),
                 )
                 for contact in contacts
             )

@@ -139,7 +139,7 @@ class TipMover:
         radius = self.radii[contact.arm]
         felt = Felt(
             pressed(kept, direction) < self._loss_threshold(contact)
-            or sunk(contact, tip, radius, self.sunk),
+            or sunk(contact, tip, radius, self.sunk + memory.lowered),
             self._utilisation(mean, direction, mean_normal),
         )
         force = X_WB.rotate(task.force)

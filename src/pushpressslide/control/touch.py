@@ -20,6 +20,7 @@ from pushpressslide.control.state import (
     averaged,
     between,
     contact_yaw,
+    lowered,
     pressed,
     ramp_time,
     smooth,
@@ -106,8 +107,9 @@ class TipTouch:
             place = between(memory.start, before, smooth(elapsed / aligned))
             return TouchStep(held_at(context, place), memory, False)
         on_its_way = aligned > 0.0 and memory.felt is None
-        if not on_its_way and sunk(contact, context.tip, self.radius, self.sunk):
-            below = margins.ARM.sunk * 1e3
+        deepest = self.sunk + memory.lowered
+        if not on_its_way and sunk(contact, context.tip, self.radius, deepest):
+            below = deepest * 1e3
             slid = f"the tip slid off the top: it is over {below:.0f} mm below it"
             command = held_at(context, context.tip.position)
             return TouchStep(command, memory, False, slid)
@@ -122,7 +124,7 @@ class TipTouch:
         mean = averaged(memory.mean_force, context.tip.force, self.samples)
         memory = memory._replace(mean_force=mean)
         here = pressed(mean, n) > least or self._pushes(context, found)
-        memory = _felt(memory, here, context, depth)
+        memory = self._felt(memory, here, context, depth)
         if memory.resumed == context.time:
             return TouchStep(held_at(context, context.tip.position), memory, False)
         if begins:
@@ -170,6 +172,39 @@ class TipTouch:
         start = memory.start
         ahead = sum((s - b) * d for s, b, d in zip(start, before, n, strict=True))
         return _ahead(start, n, -ahead), depth + min(ahead, self.gap)
+
+    def _felt(
+        self, memory: TipMemory, here: bool, context: TipContext, depth: float
+    ) -> TipMemory:
+        """Memory with the time and the ``depth`` [m] of the first contact, if the object
+        is felt at this tick (``here``).
+
+        A tip that has lost contact advances again from its present position.
+        """
+        felt = memory.felt
+        time = context.time
+        if here:
+            if felt is None:
+                low = lowered(context.contact, context.tip, self.radius, self.sunk)
+                return memory._replace(
+                    felt=time, touch_depth=depth, absent=None, lowered=low
+                )
+            return memory._replace(absent=None)
+        if felt is None:
+            return memory
+        if time - felt < margins.ARM.felt_time:
+            return memory._replace(felt=None)  # a knock, not the object
+        if memory.absent is None:
+            return memory._replace(absent=time)
+        if time - memory.absent < margins.ARM.push_loss_time:
+            return memory
+        return memory._replace(
+            start=context.tip.position,
+            advance_start=context.X_WB,
+            felt=None,
+            absent=None,
+            resumed=time,
+        )
 
     def force_of(self, contact: Contact) -> float:
         """Final force [N] of the tip on ``contact``."""
@@ -228,37 +263,6 @@ class TipTouch:
         px, py, _ = context.tip.position
         apart = (touching[0] - px) * x + (touching[1] - py) * y
         return moved > self.min_displacement and apart < self.min_displacement
-
-
-def _felt(
-    memory: TipMemory, here: bool, context: TipContext, depth: float
-) -> TipMemory:
-    """Memory with the time and the ``depth`` [m] of the first contact, if the object is
-    felt at this tick (``here``).
-
-    A tip that has lost contact advances again from its present position.
-    """
-    felt = memory.felt
-    time = context.time
-    if here:
-        if felt is None:
-            return memory._replace(felt=time, touch_depth=depth, absent=None)
-        return memory._replace(absent=None)
-    if felt is None:
-        return memory
-    if time - felt < margins.ARM.felt_time:
-        return memory._replace(felt=None)  # a knock, not the object
-    if memory.absent is None:
-        return memory._replace(absent=time)
-    if time - memory.absent < margins.ARM.push_loss_time:
-        return memory
-    return memory._replace(
-        start=context.tip.position,
-        advance_start=context.X_WB,
-        felt=None,
-        absent=None,
-        resumed=time,
-    )
 
 
 def held_at(

@@ -33,6 +33,10 @@ class NormalForceRegulator:
     contact_threshold: float = 0.2  # [N] below it there is no contact
     # share of the command below which a contact is being made or lost
     firm: float = 0.5
+    # share of the command above which a joint that stuck has broken loose, and ratio of
+    # the rates at which the integral falls then and rises
+    excess: float = 1.05
+    unwinding: float = 5.0
 
     def init(self) -> NormalForceState:
         """Initial state, without force."""
@@ -51,7 +55,10 @@ class NormalForceRegulator:
             output = min(max(ramped + integral, 0.0), self.f_max)
             return output, NormalForceState(integral, ramped)
         error = ramped - measured
-        integral = state.integral + self.k_i * error * dt
+        rate = self.k_i
+        if state.integral > 0.0 and measured > self.excess * ramped:
+            rate *= self.unwinding
+        integral = state.integral + rate * error * dt
         raw = ramped + self.k_p * error + integral
         output = min(max(raw, 0.0), self.f_max)
         if raw != output and (raw - output) * error > 0.0:
