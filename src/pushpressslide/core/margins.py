@@ -301,6 +301,8 @@ FELT_SIGMAS = 4.0
 """Force above which a contact is detected, in standard deviations of the mean that is
 compared.
 """
+PRESS_SIGMAS = 8.0
+"""Smallest press, in standard deviations of a measured force."""
 FELT_SAMPLES = 25
 """Largest number of measurements in that mean: 0.1 s at 250 Hz."""
 SEEN_TIME = 1.0

@@ -126,6 +126,13 @@ class Sensing:
         return max(margins.ARM.felt_force, margins.FELT_SIGMAS * noise)
 
     @property
+    def least_press(self) -> float:
+        """Smallest normal force [N] of a press whose loss is surely noticed, and which
+        is not taken for lost: noise and bias of a sensor are about equal.
+        """
+        return max(margins.ARM.least_press, margins.PRESS_SIGMAS * self.force_noise)
+
+    @property
     def felt_samples(self) -> int:
         """Number of measurements of a force that are averaged to detect a contact: as
         many as the noise needs, up to ``margins.FELT_SAMPLES``.

@@ -97,7 +97,9 @@ class BimanualPressSlide(Mode[HeldDrive]):
         points = (placed.contacts[0].point, placed.contacts[1].point)
         cap = query.limits.planned_force
         try:
-            refusal, loads = slide_loads(scene, query.motion, cap, points, path)
+            refusal, loads = slide_loads(
+                scene, query.motion, cap, points, path, query.sensing.least_press
+            )
         except ValueError as error:
             return [placed.refused(refusal_of(error, "press"))]
         for normals in loads:

@@ -151,7 +151,9 @@ class PressAndPush(Mode[PinnedDrive]):
 
         load = query.motion.press_force
         if load is None:
-            load = least_pin_load(dragged, cap, scene.pin_uses)
+            load = least_pin_load(
+                dragged, cap, scene.pin_uses, query.sensing.least_press
+            )
         drag = dragged(load)
         contacts = (replace(press, load=load), push)
         utilisation = drag.friction_utilisation

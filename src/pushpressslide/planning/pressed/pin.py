@@ -21,9 +21,12 @@ LEAST_TURN = math.radians(3.0)  # of a goal
 
 
 def least_pin_load(
-    dragged: Callable[[float], PinnedDrag], cap: float, uses: Sequence[float]
+    dragged: Callable[[float], PinnedDrag],
+    cap: float,
+    uses: Sequence[float],
+    least: float = margins.ARM.least_press,
 ) -> float:
-    """Smallest press load [N] that meets the first achievable friction utilisation of
+    """Smallest press load [N] from ``least`` that meets the first achievable friction utilisation of
     ``uses``, or ``cap`` [N] if none is achievable.
 
     ``dragged`` returns the drag for a load [N]. Raises ValueError if the object tips.
@@ -32,7 +35,7 @@ def least_pin_load(
     allowed = next((share for share in uses if hardest <= share), None)
     if allowed is None:
         return cap
-    low = margins.ARM.least_press
+    low = least
     high = cap
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)

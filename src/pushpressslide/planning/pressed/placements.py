@@ -77,6 +77,7 @@ def press_placements(query: MotionQuery) -> PressPlacements:
         motion.press_force,
         tool_load(query, 0.0)[0],
         scene.friction_uses,
+        query.sensing.least_press,
     )
     places: Sequence[Point] = top_places(query.body, scene.inset)
     if motion.contacts:
