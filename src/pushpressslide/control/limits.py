@@ -29,6 +29,7 @@ POSITION_MARGIN = 0.01  # [rad] or [m] of a joint to its limit: half of what pla
 POSITION_PLAY = 0.005  # [rad] or [m] by which a joint may come nearer to it again
 TORQUE_TIME = 0.1  # [s] without a pause that an arm may ask for more than its torque
 MEAN_TIME = 0.02  # [s] over which limits.normal_force bounds the mean contact force
+NOISY = 0.95  # smallest share of the limit that is allowed because of noise
 PEAK = 1.5  # bound of a single sample, over limits.normal_force
 JUMP = 0.02  # [m] largest change of a tip's reference in a tick
 # bound of a joint's change in a tick, over its change at the speed limit
@@ -79,6 +80,7 @@ class Guard:
     arms: Sequence[ArmLimits]  # none on a plant without joints
     # after a recovery: an arm that begins near a limit may move away from it
     anew: bool = False
+    noise: float = 0.0  # [N] by which a measured force may be too small
     _memories: dict[int, _Memory] = field(default_factory=dict)
     # [rad] or [m] that each arm's joints had when it was asked first whether it is near a limit
     _first_rooms: list[float] | None = None
@@ -99,7 +101,7 @@ class Guard:
         Its first commands are compared with ``held_commands``, which hold the arms in
         the meantime.
         """
-        other = Guard(normal_force, self.period, self.arms, anew=True)
+        other = Guard(normal_force, self.period, self.arms, True, self.noise)
         for arm, command in enumerate(held_commands):
             other._memory(arm).reference = command
         return other
@@ -168,11 +170,15 @@ class Guard:
         recent = self._memory(arm).forces
         recent.append(force)
         limit = self.normal_force
+        # where the true force may be at its limit
+        seen = max(limit - self.noise, NOISY * limit)
         if force > PEAK * limit:
             text = f"{force:.1f} N in one sample, allowed {PEAK:g} times"
-        elif len(recent) == recent.maxlen and math.fsum(recent) > limit * len(recent):
+        elif len(recent) == recent.maxlen and math.fsum(recent) > seen * len(recent):
             mean = math.fsum(recent) / len(recent)
             text = f"{mean:.1f} N over {MEAN_TIME * 1e3:.0f} ms, allowed"
+            if seen < limit:
+                text += f" {limit - seen:g} N, for its noise, below"
         else:
             return None
         return Ending(

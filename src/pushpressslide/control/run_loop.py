@@ -186,7 +186,9 @@ class RunLoop:
         self.tracked = StampedPose(cell.clock.time, query.start)  # last measurement
         goes_on = options.begin is not None
         limits = cell.arm_limits
-        self.guard = Guard(query.limits.normal_force, period, limits, anew=goes_on)
+        noise = query.sensing.force_noise
+        force = query.limits.normal_force
+        self.guard = Guard(force, period, limits, goes_on, noise)
         self.joint_watches = [JointWatch(each.velocity.tolist()) for each in limits]
         self.breach: Ending | None = None  # broken limit
         self.breaches: list[dict[str, Any]] = []  # all of them, with their times [s]
