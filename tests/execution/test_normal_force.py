@@ -136,10 +136,24 @@ def test_at_the_clamp_the_integral_only_goes_back(side: float) -> None:
     u, state = regulator.step(NormalForceState(integral, 5.0), 5.0, measured, DT)
     assert u == (10.0 if side > 0.0 else 0.0)
     assert state.integral == integral
-    measured = 5.0 + side
+    measured = 5.0 + 0.2 * side
     u, state = regulator.step(NormalForceState(integral, 5.0), 5.0, measured, DT)
     assert u == (10.0 if side > 0.0 else 0.0)
-    assert state.integral == pytest.approx(integral - side * 10.0 * DT)
+    assert state.integral == pytest.approx(integral - side * 0.2 * 10.0 * DT)
+
+
+def test_an_integral_that_a_stuck_joint_wound_up_falls_quickly() -> None:
+    """Only where the force is above its command, and the integral still pushes."""
+    regulator = NormalForceRegulator(k_p=0.3, k_i=10.0, ramp=1e9)
+
+    def changed(integral: float, measured: float) -> float:
+        before = NormalForceState(integral, 20.0)
+        _, state = regulator.step(before, 20.0, measured, DT)
+        return state.integral - integral
+
+    assert changed(8.0, 23.0) == pytest.approx(5.0 * -3.0 * 10.0 * DT)
+    assert changed(8.0, 20.9) == pytest.approx(-0.9 * 10.0 * DT)
+    assert changed(-8.0, 23.0) == pytest.approx(-3.0 * 10.0 * DT)
 
 
 def test_at_the_clamp_without_an_error_nothing_changes() -> None:

@@ -38,10 +38,10 @@ def slide_loads(
     cap: float,
     points: tuple[Point, Point],
     path: TwistPath,
-    least: float = margins.ARM.least_press,
+    min_load: float = margins.ARM.least_press,
 ) -> tuple[Refusal | None, list[Point]]:
     """Loads [N] at ``points`` to try for a body's ``path``, with their refusal or None.
-    Each is at least ``least`` [N].
+    Each is at least ``min_load`` [N].
 
     If no loads suffice, the result is a refusal and loads at ``cap`` [N]. Raises
     RefusedError if two tips cannot press the object in this way.
@@ -61,9 +61,9 @@ def slide_loads(
         return None, [_given_loads(presses(), cop, press, cap)]
     if any(scene.weight_along):
         steps = [(twist, along) for along in weights(scene, path)]
-        lower = max(least, lean_press(scene))
+        lower = max(min_load, lean_press(scene))
         return None, [wall_loads(presses, steps, scene.friction_uses, lower)]
-    loads = safe_loads(presses, cop, twist, scene.friction_uses, least)
+    loads = safe_loads(presses, cop, twist, scene.friction_uses, min_load)
     if loads is not None:
         harder = loads_with(presses(), cop, min(cap, margins.HARDER * max(loads)))
         return None, [loads, harder]

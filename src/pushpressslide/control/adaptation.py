@@ -42,18 +42,20 @@ class Adaptation(NamedTuple):
         speeds: Sequence[TipSpeed],
         drag: float | None,
         dt: float,
-        most: float = MOST_FORCE_SCALE,
+        max_scale: float = MOST_FORCE_SCALE,
     ) -> Adaptation:
         """Adaptation after a tick of ``dt`` [s].
 
         ``utilisation`` is the largest friction utilisation of all contacts, ``speeds``
         are those of the tips led by a servo, ``drag`` [N] is the identified drag, and
-        ``most`` the largest factor on the forces.
+        ``max_scale`` the largest factor on the forces.
         """
         steering_scale = eased_steering_scale(
             self.steering_scale, utilisation, dt, STEERING_SCALE
         )
-        return Adaptation(steering_scale, self._force_scale(speeds, dt, most), drag)
+        return Adaptation(
+            steering_scale, self._force_scale(speeds, dt, max_scale), drag
+        )
 
     def force_gain(self, gain: float, planned: float) -> float:
         """Factor on the contact forces, including the contacts' own ``gain``.
@@ -66,7 +68,9 @@ class Adaptation(NamedTuple):
             ratio = margins.drag_ratio(self.drag, planned)
         return gain * ratio * self.force_scale
 
-    def _force_scale(self, speeds: Sequence[TipSpeed], dt: float, most: float) -> float:
+    def _force_scale(
+        self, speeds: Sequence[TipSpeed], dt: float, max_scale: float
+    ) -> float:
         """Factor on the contact forces after a tick.
 
         A velocity servo alone cannot move an object whose resistance exceeds the
@@ -80,20 +84,20 @@ class Adaptation(NamedTuple):
         if led < LED * LED:
             return self.force_scale
         slow = SLOW_SHARE - moved / led
-        rise = FORCE_SCALE_RISE * most / MOST_FORCE_SCALE
-        return min(most, max(1.0, self.force_scale + rise * slow * dt))
+        rise = FORCE_SCALE_RISE * max_scale / MOST_FORCE_SCALE
+        return min(max_scale, max(1.0, self.force_scale + rise * slow * dt))
 
 
 def most_force_scale(scene: Scene, limits: Limits, segment: Segment) -> float:
     """Largest factor on the forces of a ``segment``: more in a ``scene`` whose friction
     or mass may be larger than believed, within ``limits`` and the friction of presses.
     """
-    least = (1.0 - scene.friction_error) * (1.0 - scene.mass_error)
-    if least == 1.0:
+    smallest = (1.0 - scene.friction_error) * (1.0 - scene.mass_error)
+    if smallest == 1.0:
         return MOST_FORCE_SCALE
     allowed = limits.planned_force
     if any(contact.kind == "top" for contact in segment.contacts):
         press = sum(contact.load for contact in segment.contacts)
         allowed = scene.contact_friction * press
     allowed /= segment.drive.max_friction
-    return max(MOST_FORCE_SCALE, min(MOST_FORCE_SCALE / least, allowed))
+    return max(MOST_FORCE_SCALE, min(MOST_FORCE_SCALE / smallest, allowed))

@@ -62,9 +62,9 @@ def press_loads(
     wanted: float | None = None,
     pushed: float = 0.0,
     uses: Sequence[float] = margins.FRICTION_USES,
-    least: float = margins.ARM.least_press,
+    min_load: float = margins.ARM.least_press,
 ) -> list[float]:
-    """Loads [N] to try, from ``least`` to ``max_force`` [N], the safest first.
+    """Loads [N] to try, from ``min_load`` to ``max_force`` [N], the safest first.
 
     If ``wanted`` [N] is given, it is the only load. ``pushed`` [N] is the drag of a
     body that the object pushes. ``uses`` are the friction utilisations to try, the best
@@ -76,7 +76,7 @@ def press_loads(
         return [wanted]
     loads = [
         max(
-            least,
+            min_load,
             least_load(weight, mu_support, mu_contact, use, pushed),
         )
         for use in uses

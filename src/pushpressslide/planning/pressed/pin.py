@@ -24,9 +24,9 @@ def least_pin_load(
     dragged: Callable[[float], PinnedDrag],
     cap: float,
     uses: Sequence[float],
-    least: float = margins.ARM.least_press,
+    min_load: float = margins.ARM.least_press,
 ) -> float:
-    """Smallest press load [N] from ``least`` that meets the first achievable friction utilisation of
+    """Smallest press load [N] from ``min_load`` that meets the first achievable friction utilisation of
     ``uses``, or ``cap`` [N] if none is achievable.
 
     ``dragged`` returns the drag for a load [N]. Raises ValueError if the object tips.
@@ -35,7 +35,7 @@ def least_pin_load(
     allowed = next((share for share in uses if hardest <= share), None)
     if allowed is None:
         return cap
-    low = least
+    low = min_load
     high = cap
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
