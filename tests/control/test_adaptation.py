@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
+import pushpressslide as pps
 from pushpressslide.control.adaptation import (
     FORCE_SCALE_RISE,
     MOST_FORCE_SCALE,
@@ -11,6 +14,7 @@ from pushpressslide.control.adaptation import (
     STEERING_SCALE,
     Adaptation,
     TipSpeed,
+    most_force_scale,
 )
 
 USE, FALL, RISE, LEAST = STEERING_SCALE
@@ -105,3 +109,36 @@ def test_forces_follow_gain_effort_and_the_drag_that_is_found() -> None:
     found = Adaptation(force_scale=1.2, drag=3.6)
     assert found.force_gain(1.5, 3.0) == pytest.approx(1.5 * 1.2 * 1.2)
     assert Adaptation().step(0.0, [], 3.6, DT).drag == 3.6
+
+
+def test_pushes_may_push_as_much_harder_as_a_belief_may_be_wrong() -> None:
+    plan = pps.plan(pps.load_task("rear-push-rear"))
+    (segment,) = plan.segments
+    limits = plan.task.limits
+
+    def scaled(friction: float, mass: float) -> float:
+        errors = {"friction_error": friction, "mass_error": mass}
+        return most_force_scale(replace(plan.task.scene, **errors), limits, segment)
+
+    assert scaled(0.0, 0.0) == MOST_FORCE_SCALE
+    assert scaled(0.2, 0.5) == pytest.approx(MOST_FORCE_SCALE / 0.8 / 0.5)
+    # but never beyond the force that a plan may use
+    allowed = limits.planned_force / segment.drive.max_friction
+    assert scaled(0.5, 0.9) == pytest.approx(allowed)
+
+
+def test_a_press_pushes_no_harder_than_its_friction_holds() -> None:
+    plan = pps.plan(pps.load_task("press-slide"))
+    segment = plan.segments[0]
+    scene = replace(plan.task.scene, friction_error=0.5, mass_error=0.5)
+    load = sum(contact.load for contact in segment.contacts)
+    holds = scene.contact_friction * load / segment.drive.max_friction
+    scale = most_force_scale(scene, plan.task.limits, segment)
+    assert scale == pytest.approx(max(MOST_FORCE_SCALE, holds))
+
+
+def test_a_larger_factor_is_reached_in_the_same_time() -> None:
+    for most in (MOST_FORCE_SCALE, 4.0 * MOST_FORCE_SCALE):
+        adaptation = Adaptation().step(0.0, RESTING, None, DT, most)
+        rise = FORCE_SCALE_RISE * SLOW_SHARE * DT * most / MOST_FORCE_SCALE
+        assert adaptation.force_scale == pytest.approx(1.0 + rise)

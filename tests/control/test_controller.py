@@ -154,6 +154,11 @@ def test_tools_turn_with_the_object_while_their_tips_line_up() -> None:
     assert yaws[0] == pytest.approx(task.start.yaw)
     assert yaws[-1] == pytest.approx(turned.yaw)
     assert yaws == sorted(yaws)
+    # one in mid-way has followed the object already
+    midway = state._replace(following=state.following.begun(0.0))
+    (command,), _, _ = stepped(controller, midway, Measurement(0.0, turned, tips))
+    assert command is not None
+    assert command.tool_yaw == turned.yaw
     # a touch that goes on from where the tips are keeps to the object
     again = state._replace(phase=state.phase._replace(align=False))
     (command,), _, _ = stepped(controller, again, Measurement(0.0, turned, tips))

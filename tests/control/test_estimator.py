@@ -11,10 +11,12 @@ import pushpressslide as pps
 from pushpressslide.control.controller import Controller
 from pushpressslide.control.estimator import (
     NO_TWIST,
+    ONE_CONTACT,
     Estimate,
     EstimatorState,
     ObjectEstimator,
     Observation,
+    _turn_arm,
     pose_gain,
     stamped,
 )
@@ -275,3 +277,28 @@ def test_a_pose_has_its_own_time_or_that_of_the_measurement() -> None:
     assert stamped(Measurement(5.0, pose, (tip,))) == StampedPose(5.0, pose)
     late = Measurement(5.0, pose, (tip,), pose_time=0.0)
     assert stamped(late) == StampedPose(0.0, pose)
+
+
+@pytest.mark.parametrize(
+    "name", ["rear-push-rear", "push-t", "press-slide", "post", "l-shape", "book"]
+)
+def test_a_contact_turns_an_object_as_its_planned_axle_moves(name: str) -> None:
+    """The axle moves along its heading whatever the curvature of its path."""
+    skewed = 0
+    for segment in pps.plan(pps.load_task(name)).segments:
+        if not isinstance(segment.drive, ONE_CONTACT):
+            continue
+        (a, b), _ = _turn_arm(segment, 0.01)
+        ex, ey = segment.X_BV.rotate((1.0, 0.0))
+        x, y = segment.contacts[0].point
+        for curvature in (-3.0, 0.0, 5.0):
+            dx = ex - curvature * (y - segment.X_BV.y)
+            dy = ey + curvature * (x - segment.X_BV.x)
+            assert a * dy - b * dx == pytest.approx(curvature)
+        cx, cy = segment.drive.center
+        line = math.atan2(y - cy, x - cx) + segment.drive.skew
+        assert math.remainder(math.atan2(b, a) - line, 2.0 * math.pi) == pytest.approx(
+            0.0, abs=1e-9
+        )
+        skewed += abs(segment.drive.skew) > 0.2
+    assert (skewed > 0) == (name in ("post", "l-shape"))

@@ -410,3 +410,21 @@ def test_margins_to_limits_are_small_and_times_short() -> None:
     ticks = ticks_to_a_breach(guard(), force=1.2 * LIMIT)
     assert ticks is not None
     assert ticks * 0.002 < 0.05
+
+
+def test_a_noisy_force_is_stopped_before_the_true_one_is_at_the_limit() -> None:
+    quiet = Guard(LIMIT, 0.002, (ARM,), noise=0.4)
+    assert ticks_to_a_breach(quiet, force=LIMIT - 0.41) is None
+    assert ticks_to_a_breach(quiet, force=LIMIT - 0.39) is not None
+    # however noisy: plans use 0.9 of the limit
+    loud = Guard(LIMIT, 0.002, (ARM,), noise=5.0)
+    assert ticks_to_a_breach(loud, force=0.94 * LIMIT) is None
+    ending = None
+    for _ in range(20):
+        ending = ending or judged(loud, force=0.96 * LIMIT)
+    assert ending is not None
+    assert (
+        "allowed 1 N, for its noise, below limits.normal_force of 20 N" in ending.text
+    )
+    # also after a recovery
+    assert loud.successor(LIMIT, (None,)).noise == 5.0

@@ -269,3 +269,21 @@ def rms(errors: list[tuple[float, float]]) -> Array:
     """Root mean squares (2,) of errors of place [m] and yaw [rad]."""
     out: Array = np.sqrt(np.mean(np.square(errors), axis=0))
     return out
+
+
+def test_a_force_in_another_direction_turns_the_arm_and_makes_it_less_certain() -> None:
+    state = start(Mean(0.0, 0.0, 0.4, 3.0, 1.0))
+    state = state._replace(mean=state.mean._replace(a=3.0, b=1.0))
+    turned = FILTER.rescaled(state, 0.5 * math.pi, 2.0)
+    for mean in (turned.mean, turned.present):
+        assert (mean.a, mean.b) == pytest.approx((-2.0, 6.0))
+        assert mean[:3] == state.mean[:3]
+    assert FILTER.arm_spread(turned) > 1.2 * FILTER.arm_spread(state)
+    np.testing.assert_array_equal(turned.covariance[:3, :3], state.covariance[:3, :3])
+    same = FILTER.rescaled(state, 0.0, 1.0)
+    np.testing.assert_allclose(same.covariance, state.covariance)
+
+
+def test_the_arm_is_known_better_after_a_way() -> None:
+    state, _ = followed((4.0, 1.0), 4.0)
+    assert FILTER.arm_spread(state) < 0.7 * FILTER.arm_spread(start())

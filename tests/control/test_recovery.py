@@ -107,3 +107,23 @@ def test_the_plan_that_is_made_anew_begins_where_the_restart_says() -> None:
     body = plan.segments[0].body_pose(0.0)
     assert body.position == pytest.approx(pose.compose(TASK.object.X_GB).position)
     assert plan.task.goal == TASK.goal
+
+
+def test_the_last_hope_ignores_the_errors_and_has_the_least_friction(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[Restart] = []
+
+    def refused(plan: Plan, begin: Restart, preparation: object) -> Plan:
+        asked.append(begin)
+        raise InfeasibleTaskError("no")
+
+    monkeypatch.setattr(module, "_planned", refused)
+    unsure = replace(TASK, belief=replace(TASK.belief, friction_error=0.2))
+    with pytest.raises(InfeasibleTaskError):
+        module.planned_anew(Plan(unsure), BEGIN, lambda: None)  # type: ignore[arg-type,return-value]
+    believed = unsure.scene.support.friction
+    assert [one.dares for one in asked] == [False, False, False, True, True]
+    assert asked[3].support_friction == believed
+    assert asked[4].support_friction == pytest.approx(0.8 * believed)
+    assert unsure.resumed(asked[4]).scene.planned_friction_error == 0.0

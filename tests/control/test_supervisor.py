@@ -195,6 +195,17 @@ def test_an_object_that_stands_still_ends_the_attempt() -> None:
     assert state.watches.still == StallWatch(well.instant.X_WB, TIME)
 
 
+def test_an_object_that_stands_still_at_its_goal_is_let_go() -> None:
+    goal = controller(PUSH).placement.last.goal
+    well = moment(PUSH, goal)
+    since = TIME - margins.ARM.stall_time - 0.1
+    stalled = watching(well, still=StallWatch(well.instant.X_WB, since))
+    event, state = after(PUSH, stalled)
+    assert event == "stalled"
+    assert state.phase.name == "release"
+    assert state.phase.failure is None
+
+
 def test_a_segment_that_is_over_gives_way_to_the_next() -> None:
     well = moment(TWO)
     event, state = after(TWO, at_the_end(well, last=False))

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 
 from pushpressslide.control.state import (
     TipContext,
     TipMemory,
+    lowered,
     smooth,
     smooth_change,
     smooth_rate,
+    sunk,
     tip_position,
 )
 from pushpressslide.control.touch import TipTouch, WayBack, drawn_back
@@ -568,3 +571,28 @@ def test_an_object_has_to_move_by_more_than_what_is_seen() -> None:
     near = (1.1 * SEEN, 0.0, 0.03)
     step = touch.step(memory, at(near, contact=contact, X_WB=farther), 2.0, 1.0)
     assert step.memory.felt is not None
+
+
+def test_a_press_is_lost_below_where_it_touched() -> None:
+    """An arm that is wrong by millimetres touches a top below its planned height."""
+    rests = tip_position(ABOVE, START, RADIUS)
+    touched_at = (rests[0], rests[1], rests[2] - 0.8 * margins.ARM.sunk)
+    memory = TipMemory(touched_at, advance_start=START)
+    feels = at(touched_at, (0.0, 0.0, -5.0), contact=ABOVE)
+    memory = made().step(memory, feels, 0.1, 0.0).memory
+    assert memory.felt is not None
+    assert memory.lowered == pytest.approx(0.8 * margins.ARM.sunk)
+    for deeper, lost in ((1.7, False), (1.9, True)):
+        low = (rests[0], rests[1], rests[2] - deeper * margins.ARM.sunk)
+        step = made().step(memory, at(low, contact=ABOVE), 0.1, 0.0)
+        assert (step.problem is not None) == lost
+
+
+def test_a_tip_beside_its_object_presses_on_no_top() -> None:
+    """What it touches is the support."""
+    low = replace(ABOVE, height=0.008)
+    rests = tip_position(low, START, RADIUS)
+    table = TipState((rests[0], rests[1], RADIUS), ZERO, ZERO)
+    depth = lowered(low, table, RADIUS, margins.ARM.sunk)
+    assert sunk(low, table, RADIUS, margins.ARM.sunk + depth)
+    assert lowered(BEHIND, table, RADIUS, margins.ARM.sunk) == 0.0

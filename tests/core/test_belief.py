@@ -80,3 +80,22 @@ def test_the_body_frame_has_its_origin_where_the_centre_of_mass_is_believed() ->
     assert frame == task.scene.body.X_GB
     assert task.center_error == pytest.approx((-0.01, 0.02))
     assert task.query.body_ends[0] == task.start.compose(task.X_GB)
+
+
+def test_a_task_that_dares_is_planned_without_errors_and_keeps_them() -> None:
+    unsure = replace(WRONG, friction_error=0.2, center_error=0.01, mass_error=0.3)
+    sure = replace(TASK, belief=WRONG).scene
+    daring = replace(TASK, belief=unsure, dares=True)
+    scene = daring.scene
+    assert scene.planned_center_error == 0.0
+    assert scene.least_contact_friction == sure.least_contact_friction
+    assert scene.friction_uses == sure.friction_uses
+    assert scene.most_friction == sure.most_friction
+    assert scene.run_ins == sure.run_ins
+    # the controller still knows that it does not know
+    assert (scene.friction_error, scene.center_error, scene.mass_error) == (
+        0.2,
+        0.01,
+        0.3,
+    )
+    assert daring.full_belief == unsure
