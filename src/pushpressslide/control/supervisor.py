@@ -197,7 +197,7 @@ class Supervisor:
         return self._let_go(moment)
 
     def _reached(self, moment: Moment) -> bool:
-        """Whether the object is at the last goal, as far as its pose is known."""
+        """Whether the object is at the last goal, by its estimated pose."""
         placement = self.placement
         unsure = placement.unsure(moment.state.estimate.spread)
         last = placement.last
