@@ -400,7 +400,7 @@ class Supervisor:
             for contact, at in zip(followed.contacts, planned, strict=True)
         )
         if crept:
-            most = self.placement.queries[followed.leg].limits.planned_force
+            most = self.placement.queries[followed.leg].planned_force
             scene = self.placement.scene
             least = (1.0 - scene.friction_error) * (1.0 - scene.mass_error)
             harder = max(margins.HARDER, 1.0 / math.sqrt(least))

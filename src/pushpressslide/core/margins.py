@@ -301,6 +301,8 @@ FELT_SIGMAS = 4.0
 """Force above which a contact is detected, in standard deviations of the mean that is
 compared.
 """
+PLANNED_NOISE = 2.0
+"""Normal force kept free in plans, in standard deviations of a measured force."""
 PRESS_SIGMAS = 8.0
 """Smallest press, in standard deviations of a measured force."""
 FELT_SAMPLES = 25

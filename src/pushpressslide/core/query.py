@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from pushpressslide.core import margins
 from pushpressslide.core.motion import Limits, Motion, Tolerance, ToolUse
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.scene import ObjectModel, Obstacle, Scene
@@ -49,6 +50,14 @@ class MotionQuery:
         """X_WB at start and goal."""
         X_GB = self.X_GB
         return self.start.compose(X_GB), self.goal.compose(X_GB)
+
+    @property
+    def planned_force(self) -> float:
+        """Normal force [N] allowed in plans: less where a noisy force may stop the arms
+        below the limit.
+        """
+        noise = margins.PLANNED_NOISE * self.sensing.force_noise
+        return max(self.limits.planned_force - noise, 0.5 * self.limits.normal_force)
 
     @property
     def at_goal(self) -> bool:

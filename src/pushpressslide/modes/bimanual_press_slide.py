@@ -95,7 +95,7 @@ class BimanualPressSlide(Mode[HeldDrive]):
             return [placed]
         scene = query.scene
         points = (placed.contacts[0].point, placed.contacts[1].point)
-        cap = query.limits.planned_force
+        cap = query.planned_force
         try:
             refusal, loads = slide_loads(
                 scene, query.motion, cap, points, path, query.sensing.least_press

@@ -142,7 +142,7 @@ class PressAndPush(Mode[PinnedDrive]):
         press, push = choice.contacts
         path = turn.path
         twist = path.initial_twist(turn.pin)
-        cap = query.limits.planned_force
+        cap = query.planned_force
 
         @cache
         def dragged(load: float) -> PinnedDrag:

@@ -312,7 +312,7 @@ def _one_press(
     harder, and whether its steering is too weak.
     """
     (contact,) = segment.contacts
-    most = max(contact.load, query.limits.planned_force)
+    most = max(contact.load, query.planned_force)
     load = min(margins.HARDER**RETOUCHES * contact.load, most)
     harder = (load - contact.load) * truths.support_friction
     needed = _sizes(segment, guides) * (loads.friction + harder)[:, None]

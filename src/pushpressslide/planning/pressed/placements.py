@@ -73,7 +73,7 @@ def press_placements(query: MotionQuery) -> PressPlacements:
         scene.weight_on,
         scene.support.friction,
         scene.contact_friction,
-        query.limits.planned_force,
+        query.planned_force,
         motion.press_force,
         tool_load(query, 0.0)[0],
         scene.friction_uses,
