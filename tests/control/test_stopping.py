@@ -22,7 +22,9 @@ from pushpressslide.control.stopping import (
     JointWatch,
     Stop,
     StopLevel,
+    own_rates,
 )
+from pushpressslide.core import margins
 from pushpressslide.core.control import BrakeCommand, JointCommand, TipCommand
 
 LIMIT = 2.0  # [rad/s]
@@ -397,3 +399,17 @@ def test_levels_go_up_as_less_is_asked_of_an_arm() -> None:
     assert one.levels == [StopLevel.HOLD]
     one.step(4.0 * GRACE, [reading()], ["joint 1 ..."], (LED,))
     assert one.levels == [StopLevel.BRAKE]
+
+
+def test_a_joint_that_its_limit_pushes_back_does_not_run_away() -> None:
+    near = 2.0 - 0.5 * margins.ARM.joint_buffer
+
+    def rates(q: float, v: float) -> list[float]:
+        return own_rates(LIMITS, ArmReading(np.array([q, 0.0]), np.array([v, 0.7])))
+
+    assert rates(near, -1.0) == [0.0, 0.7]
+    assert rates(-near, 1.0) == [0.0, 0.7]
+    # one that moves on towards its limit may, and one that is elsewhere
+    assert rates(near, 1.0) == [1.0, 0.7]
+    assert rates(-near, -1.0) == [-1.0, 0.7]
+    assert rates(1.9, -1.0) == [-1.0, 0.7]

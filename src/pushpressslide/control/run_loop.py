@@ -47,7 +47,7 @@ from pushpressslide.control.state import (
     estimates,
     tip_position,
 )
-from pushpressslide.control.stopping import JointWatch, Stop, StopLevel
+from pushpressslide.control.stopping import JointWatch, Stop, StopLevel, own_rates
 from pushpressslide.control.supervisor import Moment, Settled
 from pushpressslide.control.tare import Tare
 from pushpressslide.control.tracker import ObjectTracker, StampedPose
@@ -448,8 +448,10 @@ class RunLoop:
         """Description of uncommanded joint motion of each arm. None for an arm without
         any.
         """
-        watched = zip(self.joint_watches, readings, strict=True)
-        return [watch.step(reading.v.tolist()) for watch, reading in watched]
+        arms = zip(self.joint_watches, self.cell.arm_limits, readings, strict=True)
+        return [
+            watch.step(own_rates(limits, reading)) for watch, limits, reading in arms
+        ]
 
     def _after_tick(
         self,

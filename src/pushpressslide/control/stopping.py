@@ -18,6 +18,7 @@ from enum import IntEnum
 import numpy as np
 
 from pushpressslide.control.limits import TORQUE_TIME, ArmLimits, ArmReading
+from pushpressslide.core import margins
 from pushpressslide.core.control import ArmCommand, BrakeCommand, Commands, JointCommand
 
 # changes of a joint's direction from tick to tick, one after the other, each time at
@@ -41,6 +42,19 @@ class StopLevel(IntEnum):
     DRAW_BACK = 0
     HOLD = 1
     BRAKE = 2
+
+
+def own_rates(limits: ArmLimits, reading: ArmReading) -> list[float]:
+    """Speeds (n,) [rad/s] of an arm's joints. 0 of one that is on its way back from an
+    end of its range, from which the arm's law pushes it away.
+    """
+    q, v = reading.q, reading.v
+    near = margins.ARM.joint_buffer
+    back = ((q < limits.lower + near) & (v > 0.0)) | (
+        (q > limits.upper - near) & (v < 0.0)
+    )
+    rates: list[float] = np.where(back, 0.0, v).tolist()
+    return rates
 
 
 @dataclass(slots=True)

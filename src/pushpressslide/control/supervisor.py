@@ -302,10 +302,12 @@ class Supervisor:
 
     def stop_mistaken(self, moment: Moment) -> ControllerState:
         """Stop: goal missed."""
-        found = estimates(moment.state).center
+        found = estimates(moment.state)
         followed = moment.state.following.prediction.followed_center
-        aside = math.dist(found, followed)
+        aside = math.dist(found.center, followed)
         text = f"centre of mass {aside * 1e3:.0f} mm beside the planned one"
+        if found.reach is not None:
+            text += f", axle {found.reach * 1e3:.0f} mm from the contact"
         return _stopped(moment, ("goal_missed", text))
 
     def missing(self, moment: Moment) -> bool:
