@@ -9,7 +9,6 @@ import pytest
 import pushpressslide as pps
 from pushpressslide.control.execution import USUAL
 from pushpressslide.control.placement import Placement, share_of_tolerance
-from pushpressslide.core import margins
 from pushpressslide.core.plan import Plan, arms_kept
 from pushpressslide.core.pose import Pose2
 
@@ -84,16 +83,3 @@ def test_an_error_is_the_larger_share_of_its_two_tolerances() -> None:
     around = Pose2(x, y, yaw + 6.283185307179586)
     left = share_of_tolerance(around, task.goal, task.tolerance)
     assert left == pytest.approx(0.0, abs=1e-9)
-
-
-def test_an_object_whose_turns_are_not_known_is_led_slowly() -> None:
-    """So that a picture shows a turn before it is large."""
-    late = ["sensing.pose_rate=10", "sensing.pose_delay=0.1"]
-    made = placement(pps.plan(pps.load_task("rear-push-rear", late)))
-    speed = 0.05
-    unseen = margins.UNSEEN_TURN / (speed * 0.2)  # [rad/m]: 0.2 s between two pictures
-    assert made.pace_to_learn(0.0, speed) == 1.0
-    assert made.pace_to_learn(unseen, speed) == 1.0
-    assert made.pace_to_learn(2.0 * unseen, speed) == pytest.approx(0.5)
-    assert made.pace_to_learn(100.0 * unseen, speed) == margins.SLOWEST
-    assert placement(PUSH).pace_to_learn(100.0, speed) == 1.0

@@ -267,11 +267,7 @@ class Controller:
         """Share of the planned speed that the estimated pose allows."""
         ahead = (segment.path.length for segment in following.ahead)
         left = following.left + math.fsum(ahead)
-        speed = following.binding.segment.profile.speed
-        return min(
-            self.placement.pace(estimate.spread, left),
-            self.placement.pace_to_learn(estimate.arm_spread, speed),
-        )
+        return self.placement.pace(estimate.spread, left)
 
     def _log(
         self, state: ControllerState, time: float, decision: Decision | None

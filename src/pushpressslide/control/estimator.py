@@ -59,7 +59,6 @@ class Estimate(NamedTuple):
     age: float = 0.0  # [s] of the last pose that was measured, and used
     # standard deviations [m], [rad] of the pose
     spread: tuple[float, float] = (0.0, 0.0)
-    arm_spread: float = 0.0  # [rad/m] of the turn arm, where it is learnt
 
 
 class Observation(NamedTuple):
@@ -160,13 +159,6 @@ class Filtered(NamedTuple):
         scale = abs(_reach(self.segment) / _reach(segment))
         return self.filter.rescaled(self.state, drive.skew - was.skew, scale)
 
-    @property
-    def arm_spread(self) -> float:
-        """Standard deviation [rad/m] of the turn arm of the only contact, or 0."""
-        if not isinstance(self.segment.drive, ONE_CONTACT):
-            return 0.0
-        return self.filter.arm_spread(self.state)
-
     def center(self, before: CenterState, segment: Segment, X_BG: Pose2) -> CenterState:
         """``before`` with the centre of mass where the turns of the object show it,
         across the line from the origin of B to the only contact.
@@ -252,9 +244,8 @@ class ObjectEstimator:
             found = _estimates(predicted, axle, center)
             if learning is not None:
                 found = learning.with_reach(found, observation.binding.segment)
-        arm = 0.0 if learning is None else learning.arm_spread
         twist = observation.commanded_twist
-        estimate = Estimate(time, X_WG, twist, found, time - used, spread, arm)
+        estimate = Estimate(time, X_WG, twist, found, time - used, spread)
         return estimate, EstimatorState(
             pose, time, X_WG, predicted, axle, center, found, filtered, drag
         )

@@ -93,16 +93,6 @@ class Placement:
         allowed = margins.PACED if near else margins.PACED_AHEAD
         return 1.0 if unsure <= allowed else max(allowed / unsure, margins.SLOWEST)
 
-    def pace_to_learn(self, arm_spread: float, speed: float) -> float:
-        """Share of a planned ``speed`` [m/s] at which an object may be led whose turn arm
-        is known with the standard deviation ``arm_spread`` [rad/m]: it may turn
-        otherwise than planned by ``margins.UNSEEN_TURN`` before a picture shows it.
-        """
-        unseen = arm_spread * speed * self.query.sensing.oldest_pose
-        if unseen <= margins.UNSEEN_TURN:
-            return 1.0
-        return max(margins.UNSEEN_TURN / unseen, margins.SLOWEST)
-
     def unsure(self, spread: tuple[float, float]) -> float:
         """Standard deviations ``spread`` [m], [rad] of a pose, as a share of the last
         goal's tolerances.

@@ -141,11 +141,6 @@ class PoseFilter:
         P = H @ state.covariance @ H.T
         return math.sqrt(0.5 * float(P[0, 0] + P[1, 1])), math.sqrt(float(P[2, 2]))
 
-    def arm_spread(self, state: FilterState) -> float:
-        """Standard deviation [rad/m] of the turn arm."""
-        P = state.covariance
-        return math.sqrt(0.5 * float(P[3, 3] + P[4, 4]))
-
     def line(self, state: FilterState) -> tuple[float, float]:
         """Direction [rad] in G from the centre of friction to C, and its standard
         deviation.

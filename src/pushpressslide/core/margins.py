@@ -363,8 +363,6 @@ PACED_AHEAD = 0.45
 """The same farther than ``slow_way`` from the goal."""
 SLOWEST = 0.4
 """Smallest share of the planned speed for that reason."""
-UNSEEN_TURN = 0.01
-"""Standard deviation [rad] of what an object may turn before a picture shows it."""
 SURE = 0.2
 """Standard deviation of a pose, in shares of the goal's tolerances, with which the
 object need not be looked at any longer.
