@@ -529,7 +529,7 @@ def _made_touches(
             _touch_push(first),
             query.sensing.felt_force,
             query.sensing.seen_motion,
-            NormalForceRegulator(f_max=query.limits.normal_force),
+            _regulator(query),
             _sunk(into),
             query.scene.robots[contact.arm].reaction,
             query.sensing.felt_samples,
@@ -537,6 +537,15 @@ def _made_touches(
         )
         for contact in first.contacts
     )
+
+
+def _regulator(query: MotionQuery) -> NormalForceRegulator:
+    """Regulator of normal forces. Its integral falls no faster than it rises if an arm
+    reacts late: the loop would swing.
+    """
+    late = any(robot.reaction > 0.0 for robot in query.scene.robots)
+    regulator = NormalForceRegulator(f_max=query.limits.normal_force)
+    return replace(regulator, unwinding=1.0) if late else regulator
 
 
 def _law(query: MotionQuery, execution: Execution, placement: Placement) -> Law:
@@ -548,7 +557,7 @@ def _law(query: MotionQuery, execution: Execution, placement: Placement) -> Law:
         query.scene.contact_friction,
         min(query.sensing.felt_force, max(drag, margins.ARM.felt_force)),
         query.sensing.force_noise,
-        NormalForceRegulator(f_max=query.limits.normal_force),
+        _regulator(query),
         tuple(robot.tip_radius for robot in query.scene.robots),
         _sunk(into),
         query.sensing.felt_samples,
