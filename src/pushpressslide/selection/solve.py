@@ -35,13 +35,13 @@ from pushpressslide.selection.waypoints import free_space, push_successors, wayp
 
 TRIES = 4  # single motions whose joint paths are sought before sequences
 SEQUENCES = 16  # sequences whose joint paths are sought
-# the same when a task continues after a recovery, with plans for up to four beliefs
+# the same when a task continues after a recovery, with plans for up to five beliefs
 TRIES_ANEW = 2
 SEQUENCES_ANEW = 6
 JUDGED = 320  # budget for evaluating motions between two poses in a search
 MOST_FORCE = 1000.0  # [N] largest limit that a task file may allow
 MOST_FURTHER = 640  # the same if pushes from the via poses are evaluated too
-# the same when a task continues after a recovery: the arms wait for up to four plans
+# the same when a task continues after a recovery: the arms wait for up to five plans
 JUDGED_ANEW = 100
 MOST_FURTHER_ANEW = 100
 

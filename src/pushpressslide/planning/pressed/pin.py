@@ -26,8 +26,8 @@ def least_pin_load(
     uses: Sequence[float],
     min_load: float = margins.ARM.least_press,
 ) -> float:
-    """Smallest press load [N] from ``min_load`` that meets the first achievable friction utilisation of
-    ``uses``, or ``cap`` [N] if none is achievable.
+    """Smallest press load [N] from ``min_load`` that meets the first achievable friction
+    utilisation of ``uses``, or ``cap`` [N] if none is achievable.
 
     ``dragged`` returns the drag for a load [N]. Raises ValueError if the object tips.
     """
