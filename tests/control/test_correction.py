@@ -25,7 +25,7 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Belief, Box, Obstacle, Robot, Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist, Wrench
-from pushpressslide.identification.online import Identified
+from pushpressslide.identification.online import AxleEstimate
 from pushpressslide.identification.parameter_estimates import (
     NOTHING,
     ParameterEstimates,
@@ -244,7 +244,7 @@ def test_an_axle_or_a_centre_that_is_found_elsewhere_is_replanned() -> None:
     planned, _ = Pose2(0.0, 0.0, SEGMENT.X_BV.yaw).unrotate(SEGMENT.X_BV.position)
     most = margins.ARM.off_axle
     for off, made in ((0.99, False), (1.01, True), (-1.01, True)):
-        axle = Identified(planned + off * most, 0.1, 0.1)
+        axle = AxleEstimate(planned + off * most, 0.1, 0.1)
         assert (improve(estimates=ParameterEstimates(axle=axle)) is not None) == made
     assert improve(estimates=ParameterEstimates(elsewhere=True)) is not None
 
@@ -327,7 +327,7 @@ def test_an_axle_is_compared_along_the_heading_of_its_vehicle(name: str) -> None
     here = segment.body_pose(0.0)
     most = margins.ARM.off_axle
     for off in (-0.9, 0.9):
-        found = ParameterEstimates(axle=Identified(planned + off * most, 0.1, 0.1))
+        found = ParameterEstimates(axle=AxleEstimate(planned + off * most, 0.1, 0.1))
         replan = Replanner(task.queries()).improve(
             plan.segments, here, touched, calm, 9.0, found
         )

@@ -13,9 +13,9 @@ from pushpressslide.core.twist_path import integrate
 from pushpressslide.identification.online import (
     WINDOW,
     WINDOW_WAY,
+    AxleEstimate,
     AxleIdentifier,
     AxleState,
-    Identified,
     window_of,
 )
 from pushpressslide.mechanics.press_axle import Press
@@ -28,7 +28,7 @@ def seen(
     reach: float,
     drag: float,
     angle: float,
-    predicted: Identified,
+    predicted: AxleEstimate,
     lever: float,
     noise=0.0,
 ):
@@ -62,7 +62,7 @@ def seen(
 
 @pytest.mark.parametrize("lever", [0.05, -0.05])
 def test_axle_reach_and_drag_are_found(lever: float) -> None:
-    predicted = Identified(axle=-0.4, effective_wheelbase=0.5, drag=3.0)
+    predicted = AxleEstimate(axle=-0.4, effective_wheelbase=0.5, drag=3.0)
     found = seen(-0.05, 0.15, 4.0, math.radians(50.0), predicted, lever)
     assert found is not None
     assert found.axle == pytest.approx(-0.05, abs=0.01)
@@ -71,17 +71,17 @@ def test_axle_reach_and_drag_are_found(lever: float) -> None:
 
 
 def test_a_prediction_that_is_not_contradicted_stands() -> None:
-    predicted = Identified(axle=-0.05, effective_wheelbase=0.2, drag=3.0)
+    predicted = AxleEstimate(axle=-0.05, effective_wheelbase=0.2, drag=3.0)
     assert seen(-0.09, 0.2, 3.0, math.radians(50.0), predicted, 0.05) is None
 
 
 def test_straight_motion_says_nothing() -> None:
-    predicted = Identified(axle=-0.4, effective_wheelbase=0.5, drag=3.0)
+    predicted = AxleEstimate(axle=-0.4, effective_wheelbase=0.5, drag=3.0)
     assert seen(-0.05, 0.15, 4.0, math.radians(0.2), predicted, 0.05) is None
 
 
 def test_estimates_stay_within_bounds() -> None:
-    predicted = Identified(axle=-0.4, effective_wheelbase=0.01, drag=3.0)
+    predicted = AxleEstimate(axle=-0.4, effective_wheelbase=0.01, drag=3.0)
     found = seen(0.3, 0.5, 60.0, math.radians(60.0), predicted, 0.05)
     assert found is not None
     assert found.axle <= -0.4 + 6.0 * 0.01 + 1e-12
@@ -100,7 +100,7 @@ def test_rho_of_an_exciting_motion_is_the_exact_models() -> None:
     ahead, reach = press.steered(angle, backward=False)
     axle = press.cop[0] + ahead
     found = seen(
-        axle, reach, 3.3, angle, Identified(-0.5, 0.6, 3.3), press.lever, noise=2e-4
+        axle, reach, 3.3, angle, AxleEstimate(-0.5, 0.6, 3.3), press.lever, noise=2e-4
     )
     assert found is not None
     exact = math.sqrt(reach * press.lever)
@@ -111,7 +111,7 @@ def test_rho_of_an_exciting_motion_is_the_exact_models() -> None:
 
 def at_rest_under(force: float, state: AxleState | None = None) -> AxleState:
     """State of the identifier after an object has rested for 2 s under a ``force`` [N]."""
-    predicted = Identified(axle=-0.1, effective_wheelbase=0.15, drag=3.0)
+    predicted = AxleEstimate(axle=-0.1, effective_wheelbase=0.15, drag=3.0)
     identifier = AxleIdentifier(0.0, predicted, 0.05)
     state = state or AxleState()
     for k in range(round(2.0 / DT)):

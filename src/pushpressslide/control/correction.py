@@ -19,7 +19,7 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.scene import ObjectModel
 from pushpressslide.geometry.sides import Side
-from pushpressslide.identification.online import Identified
+from pushpressslide.identification.online import AxleEstimate
 from pushpressslide.identification.parameter_estimates import (
     NOTHING,
     ParameterEstimates,
@@ -165,7 +165,7 @@ def _free(query: MotionQuery, segments: Sequence[Segment]) -> bool:
     return skew is None or tool_refusal(query, here) is not None
 
 
-def _axle_error(segment: Segment, identified: Identified | None) -> float:
+def _axle_error(segment: Segment, identified: AxleEstimate | None) -> float:
     """Distance [m] between the identified virtual axle and the planned one."""
     if identified is None:
         return 0.0

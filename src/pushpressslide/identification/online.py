@@ -45,7 +45,7 @@ def window_of(sensing: Sensing, speed: float, lever: float) -> float:
     return max(WINDOW, WINDOW_WAY * noise / speed)
 
 
-class Identified(NamedTuple):
+class AxleEstimate(NamedTuple):
     """Identified values, or the predicted values if nothing has been identified yet."""
 
     axle: float  # [m] of the virtual axle on the heading axis, from the CoM
@@ -77,7 +77,7 @@ class AxleIdentifier:
     def __init__(
         self,
         yaw: float,
-        predicted: Identified,
+        predicted: AxleEstimate,
         lever: float,
         stiffness: float | None = None,
         cop: float = 0.0,
@@ -168,7 +168,7 @@ class AxleIdentifier:
         known = self._predicted.drag if before is None else before
         return level if level > known else before
 
-    def identified(self, state: AxleState) -> Identified | None:
+    def identified(self, state: AxleState) -> AxleEstimate | None:
         """Estimates, within bounds about the prediction. None while they do not
         contradict it, or while the object has turned too little.
         """
@@ -182,7 +182,7 @@ class AxleIdentifier:
             square * BOUND,
         )
         turning = (state.fw + PRIOR * wheelbase) / (state.gg + PRIOR)
-        return Identified(
+        return AxleEstimate(
             min(max(seen, axle - BOUND * wheelbase), axle + BOUND * wheelbase),
             min(max(turning, wheelbase / BOUND), wheelbase * BOUND),
             drag

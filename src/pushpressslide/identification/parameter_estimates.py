@@ -7,13 +7,13 @@ from typing import NamedTuple
 from pushpressslide.core import margins
 from pushpressslide.core.pose import Point
 from pushpressslide.core.scene import Scene
-from pushpressslide.identification.online import Identified
+from pushpressslide.identification.online import AxleEstimate
 
 
 class ParameterEstimates(NamedTuple):
     """Measured values that replace believed ones."""
 
-    axle: Identified | None = None  # None while the plan is not contradicted
+    axle: AxleEstimate | None = None  # None while the plan is not contradicted
     rho: float | None = None  # [m]; None: as believed
     drag: float | None = None  # [N] that slides the object; None: as believed
     center: Point = (0.0, 0.0)  # p_BCom [m]; B is at the believed centre

@@ -27,8 +27,8 @@ from pushpressslide.identification.center import CenterIdentifier, doubt
 from pushpressslide.identification.online import (
     OFF,
     OFF_RHO,
+    AxleEstimate,
     AxleIdentifier,
-    Identified,
     window_of,
 )
 from pushpressslide.identification.parameter_estimates import dragged_friction
@@ -208,7 +208,7 @@ class PressSlide(Mode[UnicycleDrive | TurnDrive | SpinDrive]):
         """Online identifier of the virtual axle."""
         drive = self.drive_of(segment)
         car = drive.car
-        predicted = Identified(
+        predicted = AxleEstimate(
             car.axle, abs(car.effective_wheelbase), drive.max_friction
         )
         stiffness = None if isinstance(drive, SpinDrive) else drive.stiffness
@@ -484,7 +484,7 @@ def _shifted(segments: Sequence[Segment], offset: Point) -> tuple[Segment, ...]:
     return tuple(out)
 
 
-def _pivot(drive: SpinDrive, identified: Identified | None) -> Pose2:
+def _pivot(drive: SpinDrive, identified: AxleEstimate | None) -> Pose2:
     """X_BV at the pivot, displaced along the heading axis to the identified axle."""
     if identified is None:
         return drive.X_BV
@@ -494,7 +494,7 @@ def _pivot(drive: SpinDrive, identified: Identified | None) -> Pose2:
 
 
 def _steered_by(
-    drive: SteeredDrive, car: Unicycle, identified: Identified | None
+    drive: SteeredDrive, car: Unicycle, identified: AxleEstimate | None
 ) -> SteeredDrive:
     """``drive`` with its car replaced: by a car with the ``identified`` axle, or by
     ``car`` if no axle is identified.

@@ -20,8 +20,8 @@ from pushpressslide.identification.center import CenterIdentifier, doubt
 from pushpressslide.identification.drag import DragIdentifier
 from pushpressslide.identification.online import (
     OFF_RHO,
+    AxleEstimate,
     AxleIdentifier,
-    Identified,
     window_of,
 )
 from pushpressslide.modes.base import Candidate, Continuation, Measured, Mode
@@ -180,7 +180,7 @@ class RearPush(Mode[RearSteerDrive]):
         wheelbase = car.effective_wheelbase
         return AxleIdentifier(
             car.X_BV.yaw,
-            Identified(cop + wheelbase, wheelbase, drive.max_friction),
+            AxleEstimate(cop + wheelbase, wheelbase, drive.max_friction),
             -car.lever,
             cop=cop,
             off=OFF_RHO,

@@ -14,9 +14,9 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
 from pushpressslide.identification.online import (
+    AxleEstimate,
     AxleIdentifier,
     AxleState,
-    Identified,
 )
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.modes import MODES
@@ -91,7 +91,7 @@ def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
 
 def _identified(
     identifier: AxleIdentifier, task: Task, record: Record, forces: Array, ticks: range
-) -> Identified | None:
+) -> AxleEstimate | None:
     """Estimates after a number of ticks. ``forces`` (N, 2) [N] are as in ``_steering``."""
     state = AxleState()
     for k in ticks:
