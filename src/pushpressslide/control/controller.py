@@ -70,6 +70,7 @@ from pushpressslide.core.plan import Contact, Plan, Segment
 from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.record import Ending
+from pushpressslide.core.scene import Scene
 from pushpressslide.core.wrench import Wrench
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 from pushpressslide.modes.base import Tracker
@@ -351,11 +352,14 @@ class Controller:
         spread = (max(place, noise), max(yaw, yaw_noise))
         return LastLook(self.filtered_pose(state), spread)
 
-    def identified(self, state: ControllerState) -> Identified:
-        """What the estimator has identified in this placement."""
+    def identified(self, state: ControllerState, believed: Scene) -> Identified:
+        """What the estimator has identified in this placement, beside the scene
+        ``believed`` before the run.
+        """
         if not isinstance(state.estimator, EstimatorState):
             return Identified()
-        return identified(state.estimator, self.placement.query)
+        query = self.placement.query
+        return identified(state.estimator, query, self.segments[0], believed)
 
     def missed(self, state: ControllerState, pose: Pose2) -> Ending | None:
         """Ending of a placement whose goal is missed by an object at ``pose``, X_WG.

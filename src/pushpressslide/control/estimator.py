@@ -14,6 +14,7 @@ from typing import Any, NamedTuple, Protocol
 from pushpressslide.control.correction import touched_point
 from pushpressslide.control.following import BoundLaws, Prediction
 from pushpressslide.control.pose_filter import Advance, FilterState, PoseFilter
+from pushpressslide.control.sightings import Sightings, TouchComparison
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import Measurement, TipState
 from pushpressslide.core.plan import Segment
@@ -98,6 +99,7 @@ class EstimatorState(NamedTuple):
     estimates: ParameterEstimates = NOTHING  # estimates from all of these
     filtered: Filtered | None = None  # None: poses are used as they come
     drag: DragState = DragState()  # for the result alone
+    seen: Sightings = Sightings()  # for the result alone
 
 
 class Filtered(NamedTuple):
@@ -121,6 +123,11 @@ class Filtered(NamedTuple):
             now._replace(x=now.x - x, y=now.y - y, yaw=now.yaw - yaw)
         )
 
+    @property
+    def planned_reach(self) -> float:
+        """Distance [m] from the followed segment's only contact to its axle."""
+        return abs(_reach(self.segment))
+
     def step(self, observation: Observation, dt: float) -> Filtered:
         """The filter after a tick of ``dt`` [s]."""
         tips = _tips(observation)
@@ -128,7 +135,8 @@ class Filtered(NamedTuple):
         if observation.driven:
             (x, y), (before_x, before_y) = tips[0], self.tips[0]
             moved = (x - before_x, y - before_y)
-            advance = advance._replace(tip=moved, turn=_turn(self.tips, tips))
+            turn = _turn(self.tips, tips)
+            advance = advance._replace(tip=moved, turn=turn, tips=tips)
         segment = observation.binding.segment
         before = self._redirected(segment)
         state = self.filter.step(before, advance, observation.pose)
@@ -146,6 +154,17 @@ class Filtered(NamedTuple):
         return self._replace(
             state=state, segment=segment, tips=tips, spread=spread, ahead=ahead
         )
+
+    def tips_seen(self, before: Filtered) -> tuple[Point, ...]:
+        """Places [m] of the tips at the stamp of the picture that this tick has used,
+        ``before`` which they were known. Empty if they did not drive the object then.
+        """
+        ahead = len(before.state.advances) - len(self.state.advances)
+        if ahead < 0:
+            return ()
+        if ahead == len(before.state.advances):
+            return self.tips
+        return before.state.advances[ahead].tips
 
     def _redirected(self, segment: Segment) -> FilterState:
         """The filter's state with the turn arm that ``segment`` has beside that of the
@@ -204,6 +223,7 @@ class ObjectEstimator:
         self._sensing = query.sensing
         self._radius = query.scene.body.radius
         self._center_error = query.scene.center_error
+        self._touches = TouchComparison(query)
 
     def start(self, pose: StampedPose) -> EstimatorState:
         """State without identified parameters."""
@@ -231,6 +251,7 @@ class ObjectEstimator:
         found = state.estimates
         if predicted is not state.prediction:
             axle, center = _carried_over(state, predicted)
+        seen = self._seen(state, observation, filtered)
         drag = DragIdentifier.paused(state.drag)
         if observation.driven:
             X_WB = X_WG.compose(self._X_GB)
@@ -247,7 +268,33 @@ class ObjectEstimator:
         twist = observation.commanded_twist
         estimate = Estimate(time, X_WG, twist, found, time - used, spread)
         return estimate, EstimatorState(
-            pose, time, X_WG, predicted, axle, center, found, filtered, drag
+            pose, time, X_WG, predicted, axle, center, found, filtered, drag, seen
+        )
+
+    def _seen(
+        self,
+        state: EstimatorState,
+        observation: Observation,
+        filtered: Filtered | None,
+    ) -> Sightings:
+        """What pictures have told after a tick, beside the pose."""
+        picture = observation.pose
+        seen = state.seen
+        if picture is None or picture.time <= state.pose.time:
+            return seen
+        if filtered is not None:
+            seen = seen.arrived(picture.time, observation.time)
+        if not self._touches.due(seen, picture):
+            return seen
+        places: tuple[Point, ...] = ()
+        if filtered is None:
+            places = _tips(observation) if observation.driven else ()
+        elif state.filtered is not None and filtered.state.used == picture.time:
+            places = filtered.tips_seen(state.filtered)
+        if not places:
+            return seen
+        return self._touches.step(
+            seen, picture, places, observation.binding, observation.tips
         )
 
     def _filtered(self, state: EstimatorState, observation: Observation) -> Filtered:

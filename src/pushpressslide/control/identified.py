@@ -3,82 +3,168 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from pushpressslide.control.estimator import EstimatorState
+from pushpressslide.control.estimator import EstimatorState, Filtered
 from pushpressslide.core import margins
+from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Point
 from pushpressslide.core.query import MotionQuery
-from pushpressslide.core.scene import Scene
+from pushpressslide.core.scene import ARM_NAMES, Scene
+from pushpressslide.identification.center import AXLE, Aside
 from pushpressslide.identification.drag import Drag
 from pushpressslide.identification.parameter import Parameter
+from pushpressslide.identification.running_mean import RunningMean
+from pushpressslide.rom.drives import RearSteerDrive, UnicycleDrive
 
-
-class Coordinate(NamedTuple):
-    """Identified coordinate of the centre of mass in G."""
-
-    value: float  # [m]
-    deviation: float  # [m] standard deviation
-    direction: Point  # in G
+LEAST_PICTURES = 10
+"""Smallest number of pictures whose scatter gives an interval."""
+YIELD = 2e-4
+"""Standard deviation [m] of the depth of a tip that touches, by what yields."""
+LEARNT = 0.25
+"""Largest variance of a turn arm that pictures tell, as a share of that before them."""
+MOST_UNSURE = 0.5  # largest standard deviation of a rho, as a share of it
+NOTHING: Mapping[str, Parameter] = MappingProxyType({})
 
 
 class Identified(NamedTuple):
-    """Values identified in the placements of a run. None: not identified."""
+    """Parameters identified in the placements of a run, by their names in result.json."""
 
-    drag: Drag | None = None
-    center: Coordinate | None = None
+    parameters: Mapping[str, Parameter] = NOTHING
 
     def better(self, other: Identified) -> Identified:
-        """The surer one of each value."""
-        drag = self.drag
-        center = self.center
-        if drag is None or (other.drag and other.drag.deviation < drag.deviation):
-            drag = other.drag
-        if center is None or (
-            other.center and other.center.deviation < center.deviation
-        ):
-            center = other.center
-        return Identified(drag, center)
+        """The surer one of each parameter."""
+        surer = dict(self.parameters)
+        for name, parameter in other.parameters.items():
+            known = surer.get(name)
+            if known is None or parameter.deviation < known.deviation:
+                surer[name] = parameter
+        return Identified(surer)
 
-    def figures(self, scene: Scene) -> dict[str, Any]:
-        """Entry ``parameters`` of the record: each value beside that believed of the
-        ``scene``. Empty if nothing is identified.
-        """
-        parameters = {}
-        if self.drag is not None:
-            product = scene.body.mass * scene.support.friction
-            unit = product / scene.max_friction()
-            mean = unit * self.drag.mean
-            deviation = unit * self.drag.deviation
-            parameters["mass_times_friction"] = Parameter(mean, deviation, product)
-        if self.center is not None:
-            value, deviation, direction = self.center
-            before = _along(scene.body.center_of_mass, direction)
-            center = Parameter(value, deviation, before, direction)
-            parameters["center_of_mass"] = center
-        figures = {name: one.figures for name, one in parameters.items()}
+    @property
+    def figures(self) -> dict[str, Any]:
+        """Entry ``parameters`` of the record. Empty if nothing is identified."""
+        figures = {name: one.figures for name, one in self.parameters.items()}
         return {"parameters": figures} if figures else {}
 
 
-def identified(state: EstimatorState, query: MotionQuery) -> Identified:
-    """What an estimator has identified in a placement that began with ``query``."""
+def identified(
+    state: EstimatorState, query: MotionQuery, planned: Segment, believed: Scene
+) -> Identified:
+    """What an estimator has identified in a placement.
+
+    The placement began with ``query`` and the ``planned`` segment. ``believed`` is the
+    scene before the run.
+    """
+    aside = _aside(state)
+    found = {
+        "mass_times_friction": _mass_times_friction(state, query, believed, aside),
+        "center_of_mass": _center_of_mass(query, believed, aside),
+        "pose_delay": _pose_delay(state.seen.delay, query),
+        "rho": _rho(state.filtered, query.scene.center_error, believed, planned),
+        **_tip_offsets(state.seen.depths, query, planned),
+    }
+    return Identified({name: one for name, one in found.items() if one is not None})
+
+
+def _aside(state: EstimatorState) -> Aside | None:
+    """Coordinate of the centre of mass in B, if it is identified."""
     identifier = state.prediction.center
-    aside = None if identifier is None else identifier.aside(state.center)
+    return None if identifier is None else identifier.aside(state.center)
+
+
+def _center_of_mass(
+    query: MotionQuery, believed: Scene, aside: Aside | None
+) -> Parameter | None:
+    """Coordinate [m] of the centre of mass across the line to the contact."""
     if aside is None:
-        return Identified()
+        return None
     X_GB = query.X_GB
     direction = X_GB.rotate(aside.across)
-    origin = _along(X_GB.position, direction)
-    center = Coordinate(origin + aside.value, aside.deviation, direction)
-    if state.prediction.drag is None:
-        return Identified(None, center)
+    value = _along(X_GB.position, direction) + aside.value
+    before = _along(believed.body.center_of_mass, direction)
+    return Parameter(value, aside.deviation, before, direction)
+
+
+def _mass_times_friction(
+    state: EstimatorState, query: MotionQuery, believed: Scene, aside: Aside | None
+) -> Parameter | None:
+    """Mass times support friction [kg], by the drag of a push."""
+    identifier = state.prediction.drag
+    if aside is None or identifier is None:
+        return None
     zeroed = math.sqrt(query.motion.control_period / margins.ARM.first_look)
-    drag = Drag.of_windows(
-        state.drag,
-        aside.deviation / state.prediction.drag.rho,
-        zeroed * query.sensing.force_noise,
+    lever = aside.deviation / identifier.rho
+    drag = Drag.of_windows(state.drag, lever, zeroed * query.sensing.force_noise)
+    if drag is None:
+        return None
+    product = believed.body.mass * believed.support.friction
+    unit = product / believed.max_friction()
+    return Parameter(unit * drag.mean, unit * drag.deviation, product)
+
+
+def _pose_delay(delay: RunningMean, query: MotionQuery) -> Parameter | None:
+    """Mean delay [s] of pictures, known to a control period at best."""
+    if delay.samples < LEAST_PICTURES:
+        return None
+    sensing = query.sensing
+    before = sensing.delay_of_pose + 0.5 * sensing.pose_jitter
+    quantised = query.motion.control_period / math.sqrt(12.0)
+    return Parameter(delay.mean, math.hypot(delay.error, quantised), before)
+
+
+def _rho(
+    filtered: Filtered | None, center_error: float, believed: Scene, planned: Segment
+) -> Parameter | None:
+    """Rho [m] by the distance from the only contact to the virtual axle, if pictures of
+    turns tell it (docs/mechanics.md, section 4.3).
+
+    ``center_error`` [m] is the standard deviation of the centre of friction.
+    """
+    if filtered is None or center_error == 0.0:
+        return None
+    drive = filtered.segment.drive
+    if not isinstance(drive, RearSteerDrive | UnicycleDrive):
+        return None
+    reach, deviation = filtered.filter.reach(filtered.state)
+    told = LEARNT * filtered.filter.arm_variance
+    if (deviation / (reach * reach)) ** 2 > told:
+        return None
+    lever = abs(drive.car.lever)
+    # an axle that is farther ahead than planned
+    square = drive.rho * drive.rho + lever * (reach - filtered.planned_reach)
+    if square <= 0.0:
+        return None
+    rho = math.sqrt(square)
+    errors = (
+        0.5 * lever * deviation / rho,
+        0.5 * (square / lever - lever) * center_error / rho,
+        0.5 * AXLE * rho,
     )
-    return Identified(drag, center)
+    unsure = math.hypot(*errors)
+    if unsure > MOST_UNSURE * rho:
+        return None
+    return Parameter(rho, unsure, believed.rho or planned.drive.rho or rho)
+
+
+def _tip_offsets(
+    depths: tuple[RunningMean, ...], query: MotionQuery, planned: Segment
+) -> dict[str, Parameter]:
+    """Offset [m] of each pushing tip along its contact's normal in G: the error of the
+    tip, less that of the pictures.
+    """
+    offsets = {}
+    for depth, contact in zip(depths, planned.contacts, strict=False):
+        if depth.samples < LEAST_PICTURES:
+            continue
+        name = "tip_offset"
+        if len(query.scene.robots) > 1:
+            name = f"tip_offset_{ARM_NAMES[contact.arm]}"
+        unsure = math.hypot(depth.error, YIELD)
+        offsets[name] = Parameter(depth.mean, unsure, 0.0, contact.normal)
+    return offsets
 
 
 def _along(point: Point, direction: Point) -> float:

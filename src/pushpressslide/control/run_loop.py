@@ -260,7 +260,7 @@ class RunLoop:
                 **facts,
                 **self._own_laws(),
                 **self._knowledge(),
-                **self.identified.figures(self.believed),
+                **self.identified.figures,
                 "events": self.events,
                 "breaches": self.breaches,
             },
@@ -309,7 +309,7 @@ class RunLoop:
     def _learn(self) -> None:
         """Add what the present placement has identified."""
         if self.state is not None:
-            own = self.controller.identified(self.state)
+            own = self.controller.identified(self.state, self.believed)
             self.identified = self.identified.better(own)
 
     def _knowledge(self) -> dict[str, Any]:

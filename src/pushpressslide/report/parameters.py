@@ -21,6 +21,11 @@ class Label(NamedTuple):
 LABELS = {
     "mass_times_friction": Label("mass times friction", 1.0, "kg", 3),
     "center_of_mass": Label("centre of mass", 1e3, "mm", 1),
+    "pose_delay": Label("delay of pictures", 1e3, "ms", 1),
+    "rho": Label("rho", 1e3, "mm", 1),
+    "tip_offset": Label("tip offset", 1e3, "mm", 1),
+    "tip_offset_left": Label("left tip offset", 1e3, "mm", 1),
+    "tip_offset_right": Label("right tip offset", 1e3, "mm", 1),
 }
 
 
