@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, Protocol
 from pushpressslide.control.correction import touched_point
 from pushpressslide.control.following import BoundLaws, Prediction
 from pushpressslide.control.pose_filter import Advance, FilterState, PoseFilter
-from pushpressslide.control.sightings import Sightings, TouchComparison
+from pushpressslide.control.sightings import PictureComparison, Sightings
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import Measurement, TipState
 from pushpressslide.core.plan import Segment
@@ -123,11 +123,6 @@ class Filtered(NamedTuple):
             now._replace(x=now.x - x, y=now.y - y, yaw=now.yaw - yaw)
         )
 
-    @property
-    def planned_reach(self) -> float:
-        """Distance [m] from the followed segment's only contact to its axle."""
-        return abs(_reach(self.segment))
-
     def step(self, observation: Observation, dt: float) -> Filtered:
         """The filter after a tick of ``dt`` [s]."""
         tips = _tips(observation)
@@ -223,7 +218,7 @@ class ObjectEstimator:
         self._sensing = query.sensing
         self._radius = query.scene.body.radius
         self._center_error = query.scene.center_error
-        self._touches = TouchComparison(query)
+        self._pictures = PictureComparison(query)
 
     def start(self, pose: StampedPose) -> EstimatorState:
         """State without identified parameters."""
@@ -284,17 +279,17 @@ class ObjectEstimator:
             return seen
         if filtered is not None:
             seen = seen.arrived(picture.time, observation.time)
-        if not self._touches.due(seen, picture):
+        if not self._pictures.due(seen, picture):
             return seen
         places: tuple[Point, ...] = ()
+        yaw = picture.X_WG.yaw
         if filtered is None:
             places = _tips(observation) if observation.driven else ()
         elif state.filtered is not None and filtered.state.used == picture.time:
             places = filtered.tips_seen(state.filtered)
-        if not places:
-            return seen
-        return self._touches.step(
-            seen, picture, places, observation.binding, observation.tips
+            yaw = filtered.state.mean.yaw
+        return self._pictures.step(
+            seen, picture, yaw, places, observation.binding, observation.tips
         )
 
     def _filtered(self, state: EstimatorState, observation: Observation) -> Filtered:

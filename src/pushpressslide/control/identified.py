@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from pushpressslide.control.estimator import EstimatorState, Filtered
+from pushpressslide.control.estimator import EstimatorState
+from pushpressslide.control.sightings import TURNS_TELL
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Point
@@ -17,14 +18,12 @@ from pushpressslide.identification.center import AXLE, Aside
 from pushpressslide.identification.drag import Drag
 from pushpressslide.identification.parameter import Parameter
 from pushpressslide.identification.running_mean import RunningMean
-from pushpressslide.rom.drives import RearSteerDrive, UnicycleDrive
+from pushpressslide.identification.turning import TurnState
 
 LEAST_PICTURES = 10
 """Smallest number of pictures whose scatter gives an interval."""
 YIELD = 2e-4
 """Standard deviation [m] of the depth of a tip that touches, by what yields."""
-LEARNT = 0.25
-"""Largest variance of a turn arm that pictures tell, as a share of that before them."""
 MOST_UNSURE = 0.5  # largest standard deviation of a rho, as a share of it
 NOTHING: Mapping[str, Parameter] = MappingProxyType({})
 
@@ -63,7 +62,7 @@ def identified(
         "mass_times_friction": _mass_times_friction(state, query, believed, aside),
         "center_of_mass": _center_of_mass(query, believed, aside),
         "pose_delay": _pose_delay(state.seen.delay, query),
-        "rho": _rho(state.filtered, query.scene.center_error, believed, planned),
+        "rho": _rho(state.seen.turns, query, planned, believed),
         **_tip_offsets(state.seen.depths, query, planned),
     }
     return Identified({name: one for name, one in found.items() if one is not None})
@@ -116,37 +115,40 @@ def _pose_delay(delay: RunningMean, query: MotionQuery) -> Parameter | None:
 
 
 def _rho(
-    filtered: Filtered | None, center_error: float, believed: Scene, planned: Segment
+    turns: TurnState, query: MotionQuery, planned: Segment, believed: Scene
 ) -> Parameter | None:
-    """Rho [m] by the distance from the only contact to the virtual axle, if pictures of
-    turns tell it (docs/mechanics.md, section 4.3).
-
-    ``center_error`` [m] is the standard deviation of the centre of friction.
+    """Rho [m] by the distance from the only contact to the virtual axle, which pictures
+    of turns tell (docs/mechanics.md, sections 2 and 4.3).
     """
-    if filtered is None or center_error == 0.0:
+    drive = planned.drive
+    reach = turns.reach()
+    if reach is None or not isinstance(drive, TURNS_TELL):
         return None
-    drive = filtered.segment.drive
-    if not isinstance(drive, RearSteerDrive | UnicycleDrive):
+    if not query.resisted_by_friction_alone:
         return None
-    reach, deviation = filtered.filter.reach(filtered.state)
-    told = LEARNT * filtered.filter.arm_variance
-    if (deviation / (reach * reach)) ** 2 > told:
-        return None
+    (contact,) = planned.contacts
+    ahead = abs(planned.X_VB.apply(contact.point)[0])
+    seen = reach.value
+    if contact.kind == "side":  # of the contact, not of the tip's centre behind it
+        radius = query.scene.robots[contact.arm].tip_radius
+        ex, ey = reach.direction
+        seen += radius * (ex * contact.normal[0] + ey * contact.normal[1])
     lever = abs(drive.car.lever)
-    # an axle that is farther ahead than planned
-    square = drive.rho * drive.rho + lever * (reach - filtered.planned_reach)
+    square = drive.rho * drive.rho + lever * (seen - ahead)
     if square <= 0.0:
         return None
     rho = math.sqrt(square)
+    # the lever of a press is a part of its distance from the centre of mass
+    unsure = query.scene.center_error * lever / math.hypot(*contact.point)
     errors = (
-        0.5 * lever * deviation / rho,
-        0.5 * (square / lever - lever) * center_error / rho,
+        0.5 * lever * reach.deviation / rho,
+        0.5 * (square / lever - lever) * unsure / rho,
         0.5 * AXLE * rho,
     )
-    unsure = math.hypot(*errors)
-    if unsure > MOST_UNSURE * rho:
+    deviation = math.hypot(*errors)
+    if deviation > MOST_UNSURE * rho:
         return None
-    return Parameter(rho, unsure, believed.rho or planned.drive.rho or rho)
+    return Parameter(rho, deviation, believed.rho or drive.rho)
 
 
 def _tip_offsets(

@@ -124,11 +124,6 @@ class PoseFilter:
         yaw = correlated * max(sensing.yaw_noise, LEAST_YAW_NOISE)
         return cls(point, radius, np.array((place, place, yaw)), arm, doubt)
 
-    @property
-    def arm_variance(self) -> float:
-        """Variance [rad^2/m^2] of each part of the turn arm before any picture."""
-        return (ARM / self.radius) ** 2 + self.doubt * self.doubt
-
     def start(self, pose: StampedPose) -> FilterState:
         """State with the object at ``pose``, the middle of its pictures."""
         mean = self._mean_at(pose.X_WG)
@@ -305,7 +300,7 @@ class PoseFilter:
         to_C = np.array(((1.0, 0.0, -ly), (0.0, 1.0, lx), (0.0, 0.0, 1.0)))
         P = np.zeros((6, 6))
         P[:3, :3] = to_C @ np.diag(self.noise**2 / pictures) @ to_C.T
-        P[3, 3] = P[4, 4] = self.arm_variance
+        P[3, 3] = P[4, 4] = (ARM / self.radius) ** 2 + self.doubt * self.doubt
         P[5, 5] = SLIP * SLIP
         return P
 

@@ -1,5 +1,5 @@
-"""What pictures tell beside the object's pose, for the result alone: their delay, and
-where tips touch the faces that they push.
+"""What pictures tell beside the object's pose, for the result alone: their delay, where
+tips touch the faces that they push, and how a single tip turns the object.
 """
 
 from __future__ import annotations
@@ -13,11 +13,14 @@ from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import TipState
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
-from pushpressslide.geometry.sides import Side
 from pushpressslide.identification.running_mean import RunningMean
+from pushpressslide.identification.turning import Sight, TurnState
+from pushpressslide.rom.drives import RearSteerDrive, UnicycleDrive
 
 NO_MEAN = RunningMean()
 BETWEEN = 0.015  # [s] least time between two pictures that are compared with tips
+TURNS_TELL = (RearSteerDrive, UnicycleDrive)
+"""Drives by one tip that head along the line through the contact."""
 INDEPENDENT = 3.0
 """The same as a multiple of the time over which the noise of poses is correlated."""
 
@@ -29,15 +32,16 @@ class Sightings(NamedTuple):
     # [m] by contact: how deep its tip's sphere is in the face that it pushes, as the
     # tip is measured and the face seen
     depths: tuple[RunningMean, ...] = ()
-    compared: float = -math.inf  # [s] stamp of the last picture for the depths
+    turns: TurnState = TurnState()  # of an object that a single tip moves
+    compared: float = -math.inf  # [s] stamp of the last one compared with tips
 
     def arrived(self, stamp: float, time: float) -> Sightings:
         """With a new picture of the ``stamp`` [s] that arrived at ``time`` [s]."""
         return self._replace(delay=self.delay.including(time - stamp))
 
 
-class TouchComparison:
-    """Compares measured tips with the faces that pictures show."""
+class PictureComparison:
+    """Compares pictures of a driven object with the tips that drive it."""
 
     def __init__(self, query: MotionQuery) -> None:
         """Bind to the believed object and tips."""
@@ -56,34 +60,47 @@ class TouchComparison:
         self,
         before: Sightings,
         picture: StampedPose,
+        yaw: float,
         places: Sequence[Point],
         binding: BoundLaws,
         tips: Sequence[TipState],
     ) -> Sightings:
-        """``before`` and a ``picture``, taken while the contacts drove the object.
+        """``before`` and a ``picture`` of an object whose estimated ``yaw`` [rad] was
+        that.
 
-        ``places`` [m] are those of the contacts' tips at that time. The forces of
-        ``tips`` say which of them touch.
+        ``places`` [m] are those of the contacts' tips at that time, empty if they did
+        not drive the object.
         """
-        X_WB = picture.X_WG.compose(self._X_GB)
-        contacts = binding.segment.contacts
-        means = list(before.depths or (NO_MEAN,) * len(contacts))
-        for i, (contact, side) in enumerate(zip(contacts, binding.sides, strict=True)):
+        if not places:
+            return before._replace(turns=before.turns.paused())
+        turns = before.turns.paused()
+        if isinstance(binding.segment.drive, TURNS_TELL):
+            sight = Sight(places[0], yaw, picture.X_WG.yaw)
+            turns = before.turns.including(sight)
+        depths = before.depths or (NO_MEAN,) * len(places)
+        depths = self._depths(depths, picture.X_WG, places, binding, tips)
+        return before._replace(depths=depths, turns=turns, compared=picture.time)
+
+    def _depths(
+        self,
+        before: Sequence[RunningMean],
+        X_WG: Pose2,
+        places: Sequence[Point],
+        binding: BoundLaws,
+        tips: Sequence[TipState],
+    ) -> tuple[RunningMean, ...]:
+        """Depths with those in a picture. The present forces say which tips touch."""
+        X_WB = X_WG.compose(self._X_GB)
+        means = list(before)
+        pairs = zip(binding.segment.contacts, binding.sides, strict=True)
+        for i, (contact, side) in enumerate(pairs):
             if side is None:
                 continue
             fx, fy, _ = tips[contact.arm].force
             x, y, _ = contact.direction(X_WB)
             if fx * x + fy * y < self._felt:
                 continue
-            depth = _depth(side, X_WB, places[i], self._radii[contact.arm])
-            if math.isfinite(depth):
-                means[i] = means[i].including(depth)
-        return before._replace(depths=tuple(means), compared=picture.time)
-
-
-def _depth(side: Side, X_WB: Pose2, place: Point, radius: float) -> float:
-    """Depth [m] in a ``side`` of the sphere of a tip at ``place`` [m], infinite beyond
-    its ends.
-    """
-    gap, _ = side.gap(X_WB.unapply(place), radius)
-    return -gap
+            gap, _ = side.gap(X_WB.unapply(places[i]), self._radii[contact.arm])
+            if math.isfinite(gap):
+                means[i] = means[i].including(-gap)
+        return tuple(means)

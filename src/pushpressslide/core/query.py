@@ -72,6 +72,12 @@ class MotionQuery:
             return ()
         return tuple(body for body in self.scene.obstacles if body.may_move)
 
+    @property
+    def resisted_by_friction_alone(self) -> bool:
+        """Whether nothing but the support's friction resists the object."""
+        alone = self.tool is None and not self.may_push
+        return alone and not any(self.scene.weight_along)
+
     def between(self, start: Pose2, goal: Pose2) -> MotionQuery:
         """The same query from one pose X_WG to another."""
         return replace(self, start=start, goal=goal)

@@ -215,7 +215,7 @@ class RearPush(Mode[RearSteerDrive]):
         self, query: MotionQuery, segment: Segment
     ) -> DragIdentifier | None:
         """Online identifier of the drag. None if anything but friction resists."""
-        if query.may_push or query.tool is not None or any(query.scene.weight_along):
+        if not query.resisted_by_friction_alone:
             return None
         car = self.drive_of(segment).car
         window = window_of(query.sensing, segment.profile.speed, car.lever)
