@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 
-from pushpressslide.control.identified import Coordinate, Identified
+from pushpressslide.control.identified import Identified
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.record import Record
 from pushpressslide.identification.center import TOUCHED
 from pushpressslide.identification.drag import (
     LEAST_WINDOWS,
@@ -18,6 +20,7 @@ from pushpressslide.identification.drag import (
     DragState,
 )
 from pushpressslide.identification.parameter import Parameter
+from pushpressslide.jobs.run import run
 from pushpressslide.report.metrics import result
 from pushpressslide.report.page_tables import lookup
 from pushpressslide.report.parameters import parameter_lines, parameters_part
@@ -93,23 +96,21 @@ def test_an_object_at_rest_tells_no_drag() -> None:
     assert state.levels == ()
 
 
-def test_the_surer_value_stays_beside_what_was_believed_at_first() -> None:
-    scene = load_task("rear-push-left").scene
-    sure = Identified(Drag(3.0, 0.1), Coordinate(0.01, 0.002, (0.0, 1.0)))
-    unsure = Identified(Drag(9.0, 0.2), Coordinate(0.09, 0.003, (1.0, 0.0)))
+def test_the_surer_value_stays_of_each_parameter() -> None:
+    drag = Parameter(0.3, 0.1, 0.2)
+    place = Parameter(0.01, 0.002, 0.0, (0.0, 1.0))
+    sure = Identified({"mass_times_friction": drag, "center_of_mass": place})
+    unsure = Identified({"mass_times_friction": Parameter(0.9, 0.2, 0.2)})
     assert sure.better(unsure) == sure
     assert unsure.better(sure) == sure
     assert Identified().better(sure) == sure
     assert sure.better(Identified()) == sure
-    found = sure.figures(scene)["parameters"]
-    product = scene.body.mass * scene.support.friction
-    drag = found["mass_times_friction"]
-    assert drag["value"] == pytest.approx(3.0 / scene.max_friction() * product)
-    assert drag["believed"] == product
+    found = sure.figures["parameters"]
+    assert found["mass_times_friction"]["believed"] == 0.2
     center = found["center_of_mass"]
     assert center["high"] - center["value"] == pytest.approx(1.96 * 0.002)
     assert center["direction"] == [0.0, 1.0]
-    assert Identified().figures(scene) == {}
+    assert Identified().figures == {}
 
 
 @pytest.mark.parametrize(("believed", "contradicted"), [(1.19, False), (1.21, True)])
@@ -120,19 +121,78 @@ def test_a_belief_outside_the_interval_is_contradicted(
 
 
 def test_page_and_text_say_what_contradicts_the_belief() -> None:
-    scene = load_task("rear-push-left").scene
-    sure = Identified(Drag(3.0 * scene.max_friction(), 0.1), None).figures(scene)
+    sure = Identified({"mass_times_friction": Parameter(3.0, 0.1, 0.3)}).figures
     (line,) = parameter_lines(sure)
     assert line.endswith("contradicts belief")
     assert "contradicts belief" in parameters_part(sure)
     assert parameters_part({"parameters": None}) == ""
-    center = Identified(None, Coordinate(0.0101, TOUCHED, (0.0, 1.0))).figures(scene)
-    assert "10.1 mm" in parameters_part(center)
+    place = Parameter(0.0101, TOUCHED, 0.0, (0.0, 1.0))
+    assert "10.1 mm" in parameters_part(Identified({"center_of_mass": place}).figures)
+
+
+def found_in(name: str, **sensing: Any) -> tuple[Record, dict[str, Any]]:
+    """Record and parameters of a run with late pictures."""
+    late = {"pose_delay": 0.048, "pose_rate": 30.0, "position_noise": 5e-4}
+    overrides = {f"sensing.{key}": value for key, value in (late | sensing).items()}
+    record = run(load_task(name), overrides=overrides, engine="planar")
+    return record, record.meta["parameters"]
+
+
+def test_a_push_tells_delay_and_rho() -> None:
+    record, found = found_in("rear-push-rear")
+    delay = found["pose_delay"]
+    assert delay["value"] == pytest.approx(0.048, abs=1e-4)
+    assert delay["high"] - delay["low"] >= 2.0 * 1.96 * DT / math.sqrt(12.0)
+    rho = found["rho"]
+    # the engine's surface is no ellipsoid, and the tip's centre is behind the contact
+    assert rho["value"] == pytest.approx(record.plan.segments[0].drive.rho, rel=0.04)
+    assert not rho["contradicts_belief"]
+
+
+def test_a_press_tells_rho_and_no_tip_offset() -> None:
+    record, found = found_in("press-slide")
+    rho = found["rho"]["value"]
+    assert rho == pytest.approx(record.plan.segments[0].drive.rho, rel=0.04)
+    assert "tip_offset" not in found
+
+
+def test_a_wrong_rho_is_contradicted() -> None:
+    wrong = run(
+        load_task("rear-push-rear"), overrides={"belief.rho": 0.07}, engine="planar"
+    )
+    rho = wrong.meta["parameters"]["rho"]
+    assert rho["believed"] == 0.07
+    assert rho["value"] == pytest.approx(0.0456, rel=0.1)
+    assert rho["contradicts_belief"]
+
+
+def test_a_tip_offset_is_the_tips_error_along_the_normal() -> None:
+    error = (0.003, -0.002, 0.0)
+    record, found = found_in("rear-push-left", tip_bias=error)
+    offset = found["tip_offset"]
+    nx, ny = offset["direction"]
+    poses = record.arrays["object_pose"][record.arrays["phase"] == 2]
+    yaw = poses[:, 2]
+    along_x = np.cos(yaw) * nx - np.sin(yaw) * ny
+    along_y = np.sin(yaw) * nx + np.cos(yaw) * ny
+    true = float(np.mean(error[0] * along_x + error[1] * along_y))
+    assert abs(true) > 1e-3
+    assert offset["value"] == pytest.approx(true, abs=2e-4)
+
+
+def test_tips_and_pictures_that_are_equally_wrong_agree() -> None:
+    both = {"tip_bias": (0.003, -0.002, 0.0), "position_bias": (0.003, -0.002)}
+    _, found = found_in("rear-push-left", **both)
+    assert found["tip_offset"]["value"] == pytest.approx(0.0, abs=2e-4)
+
+
+def test_two_arms_have_an_offset_each() -> None:
+    _, found = found_in("parallel-push")
+    assert {"tip_offset_left", "tip_offset_right"} <= set(found)
+    assert "rho" not in found
 
 
 def test_a_run_identifies_a_heavier_object_than_believed() -> None:
-    from pushpressslide.jobs.run import run
-
     task = load_task("rear-push-left")
     believed = 0.8 * task.object.mass
     record = run(task, overrides={"belief.mass": believed}, engine="planar")

@@ -54,6 +54,7 @@ from pushpressslide.core.control import (
 from pushpressslide.core.plan import JointPath, Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
+from pushpressslide.core.scene import Scene
 from pushpressslide.core.task import Motion, Sensing, Task
 
 PERIOD = 0.01

@@ -18,7 +18,7 @@ from pushpressslide.identification.turning import Sight, TurnState
 from pushpressslide.rom.drives import RearSteerDrive, UnicycleDrive
 
 NO_MEAN = RunningMean()
-BETWEEN = 0.015  # [s] least time between two pictures that are compared with tips
+BETWEEN = 0.09  # [s] least time between two pictures compared with tips: it costs time
 TURNS_TELL = (RearSteerDrive, UnicycleDrive)
 """Drives by one tip that head along the line through the contact."""
 INDEPENDENT = 3.0
