@@ -194,7 +194,7 @@ class Script:
     def last_look(self, state: Line) -> LastLook:
         return LastLook(Pose2(), (0.0, 0.0))
 
-    def identified(self, state: Line, believed: Scene) -> Identified:
+    def identified(self, state: Line, belief: Scene) -> Identified:
         return Identified()
 
     def missed(self, state: Line, pose: Pose2) -> None:

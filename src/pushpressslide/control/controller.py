@@ -352,14 +352,14 @@ class Controller:
         spread = (max(place, noise), max(yaw, yaw_noise))
         return LastLook(self.filtered_pose(state), spread)
 
-    def identified(self, state: ControllerState, believed: Scene) -> Identified:
+    def identified(self, state: ControllerState, belief: Scene) -> Identified:
         """What the estimator has identified in this placement, beside the scene
-        ``believed`` before the run.
+        of the ``belief`` before the run.
         """
         if not isinstance(state.estimator, EstimatorState):
             return Identified()
         query = self.placement.query
-        return identified(state.estimator, query, self.segments[0], believed)
+        return identified(state.estimator, query, self.segments[0], belief)
 
     def missed(self, state: ControllerState, pose: Pose2) -> Ending | None:
         """Ending of a placement whose goal is missed by an object at ``pose``, X_WG.

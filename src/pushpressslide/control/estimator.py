@@ -99,7 +99,7 @@ class EstimatorState(NamedTuple):
     estimates: ParameterEstimates = NOTHING  # estimates from all of these
     filtered: Filtered | None = None  # None: poses are used as they come
     drag: DragState = DragState()  # for the result alone
-    seen: Sightings = Sightings()  # for the result alone
+    sightings: Sightings = Sightings()  # for the result alone
 
 
 class Filtered(NamedTuple):
@@ -246,7 +246,7 @@ class ObjectEstimator:
         found = state.estimates
         if predicted is not state.prediction:
             axle, center = _carried_over(state, predicted)
-        seen = self._seen(state, observation, filtered)
+        sightings = self._sightings(state, observation, filtered)
         drag = DragIdentifier.paused(state.drag)
         if observation.driven:
             X_WB = X_WG.compose(self._X_GB)
@@ -263,10 +263,10 @@ class ObjectEstimator:
         twist = observation.commanded_twist
         estimate = Estimate(time, X_WG, twist, found, time - used, spread)
         return estimate, EstimatorState(
-            pose, time, X_WG, predicted, axle, center, found, filtered, drag, seen
+            pose, time, X_WG, predicted, axle, center, found, filtered, drag, sightings
         )
 
-    def _seen(
+    def _sightings(
         self,
         state: EstimatorState,
         observation: Observation,
@@ -274,13 +274,13 @@ class ObjectEstimator:
     ) -> Sightings:
         """What pictures have told after a tick, beside the pose."""
         picture = observation.pose
-        seen = state.seen
+        sightings = state.sightings
         if picture is None or picture.time <= state.pose.time:
-            return seen
+            return sightings
         if filtered is not None:
-            seen = seen.arrived(picture.time, observation.time)
-        if not self._pictures.due(seen, picture):
-            return seen
+            sightings = sightings.arrived(picture.time, observation.time)
+        if not self._pictures.due(sightings, picture):
+            return sightings
         places: tuple[Point, ...] = ()
         yaw = picture.X_WG.yaw
         if filtered is None:
@@ -289,7 +289,7 @@ class ObjectEstimator:
             places = filtered.tips_seen(state.filtered)
             yaw = filtered.state.mean.yaw
         return self._pictures.step(
-            seen, picture, yaw, places, observation.binding, observation.tips
+            sightings, picture, yaw, places, observation.binding, observation.tips
         )
 
     def _filtered(self, state: EstimatorState, observation: Observation) -> Filtered:

@@ -52,20 +52,20 @@ class Identified(NamedTuple):
 
 
 def identified(
-    state: EstimatorState, query: MotionQuery, planned: Segment, believed: Scene
+    state: EstimatorState, query: MotionQuery, planned: Segment, belief: Scene
 ) -> Identified:
     """What an estimator has identified in a placement.
 
-    The placement began with ``query`` and the ``planned`` segment. ``believed`` is the
+    The placement began with ``query`` and the ``planned`` segment. ``belief`` is the
     scene before the run.
     """
     aside = _aside(state)
     found = {
-        "mass_times_friction": _mass_times_friction(state, query, believed, aside),
-        "center_of_mass": _center_of_mass(query, believed, aside),
-        "pose_delay": _pose_delay(state.seen.delay, query),
-        "rho": _rho(state.seen.turns, query, planned, believed),
-        **_tip_offsets(state.seen.depths, query, planned),
+        "mass_times_friction": _mass_times_friction(state, query, belief, aside),
+        "center_of_mass": _center_of_mass(query, belief, aside),
+        "pose_delay": _pose_delay(state.sightings.delay, query),
+        "rho": _rho(state.sightings.turns, query, planned, belief),
+        **_tip_offsets(state.sightings.depths, query, planned),
     }
     return Identified({name: one for name, one in found.items() if one is not None})
 
@@ -77,7 +77,7 @@ def _aside(state: EstimatorState) -> Aside | None:
 
 
 def _center_of_mass(
-    query: MotionQuery, believed: Scene, aside: Aside | None
+    query: MotionQuery, belief: Scene, aside: Aside | None
 ) -> Parameter | None:
     """Coordinate [m] of the centre of mass across the line to the contact."""
     if aside is None:
@@ -85,12 +85,12 @@ def _center_of_mass(
     X_GB = query.X_GB
     direction = X_GB.rotate(aside.across)
     value = _along(X_GB.position, direction) + aside.value
-    before = _along(believed.body.center_of_mass, direction)
+    before = _along(belief.body.center_of_mass, direction)
     return Parameter(value, aside.deviation, before, direction)
 
 
 def _mass_times_friction(
-    state: EstimatorState, query: MotionQuery, believed: Scene, aside: Aside | None
+    state: EstimatorState, query: MotionQuery, belief: Scene, aside: Aside | None
 ) -> Parameter | None:
     """Mass times support friction [kg], by the drag of a push."""
     identifier = state.prediction.drag
@@ -101,8 +101,8 @@ def _mass_times_friction(
     drag = Drag.of_windows(state.drag, lever, zeroed * query.sensing.force_noise)
     if drag is None:
         return None
-    product = believed.body.mass * believed.support.friction
-    unit = product / believed.max_friction()
+    product = belief.body.mass * belief.support.friction
+    unit = product / belief.max_friction()
     return Parameter(unit * drag.mean, unit * drag.deviation, product)
 
 
@@ -117,7 +117,7 @@ def _pose_delay(delay: RunningMean, query: MotionQuery) -> Parameter | None:
 
 
 def _rho(
-    turns: TurnState, query: MotionQuery, planned: Segment, believed: Scene
+    turns: TurnState, query: MotionQuery, planned: Segment, belief: Scene
 ) -> Parameter | None:
     """Rho [m] by the distance from the only contact to the virtual axle, which pictures
     of turns tell (docs/mechanics.md, sections 2 and 4.3).
@@ -130,13 +130,13 @@ def _rho(
         return None
     (contact,) = planned.contacts
     ahead = abs(planned.X_VB.apply(contact.point)[0])
-    seen = reach.value
+    measured = reach.value
     if contact.kind == "side":  # of the contact, not of the tip's centre behind it
         radius = query.scene.robots[contact.arm].tip_radius
         ex, ey = reach.direction
-        seen += radius * (ex * contact.normal[0] + ey * contact.normal[1])
+        measured += radius * (ex * contact.normal[0] + ey * contact.normal[1])
     lever = abs(drive.car.lever)
-    square = drive.rho * drive.rho + lever * (seen - ahead)
+    square = drive.rho * drive.rho + lever * (measured - ahead)
     if square <= 0.0:
         return None
     rho = math.sqrt(square)
@@ -150,7 +150,7 @@ def _rho(
     deviation = math.hypot(*errors)
     if deviation > MOST_UNSURE * rho:
         return None
-    return Parameter(rho, deviation, believed.rho or drive.rho)
+    return Parameter(rho, deviation, belief.rho or drive.rho)
 
 
 def _tip_offsets(

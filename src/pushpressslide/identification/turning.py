@@ -2,7 +2,7 @@
 
 A tip that sticks to an object moves by d along the object's axes, and turns it by
 a d_y - b d_x (docs/mechanics.md, section 4.3). So the yaw in pictures is linear in the
-tip's way along these axes, and least squares give the turn arm (a, b) without a prior.
+tip's travel along these axes, and least squares give the turn arm (a, b) without a prior.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ class Sight(NamedTuple):
 
     place: Point  # [m] of the tip's centre
     yaw: float  # [rad] of the object as estimated
-    seen: float  # [rad] of the object in the picture
+    picture_yaw: float  # [rad] of the object in the picture
 
 
 class TurnState(NamedTuple):
-    """Sums over pictures of (x, y, w): the way of the tip along the object's axes, and
+    """Sums over pictures of (x, y, w): the tip's travel along the object's axes, and
     the yaw.
     """
 
@@ -44,7 +44,7 @@ class TurnState(NamedTuple):
     freedom: int = 0  # number of pictures less that of drives
     last: Sight | None = None  # of this drive; None: it has yet to begin
     pictures: int = 0  # in this drive
-    way: Point = (0.0, 0.0)  # [m] of the tip in this drive
+    travel: Point = (0.0, 0.0)  # [m] of the tip in this drive
     means: tuple[float, float, float] = (0.0, 0.0, 0.0)  # in this drive
 
     def paused(self) -> TurnState:
@@ -55,22 +55,22 @@ class TurnState(NamedTuple):
         """State after another ``sight``."""
         last = self.last
         if last is None:
-            means = (0.0, 0.0, sight.seen)
-            return self._replace(last=sight, pictures=1, way=(0.0, 0.0), means=means)
-        seen = last.seen + wrap_angle(sight.seen - last.seen)
+            means = (0.0, 0.0, sight.picture_yaw)
+            return self._replace(last=sight, pictures=1, travel=(0.0, 0.0), means=means)
+        turned = last.picture_yaw + wrap_angle(sight.picture_yaw - last.picture_yaw)
         moved = (sight.place[0] - last.place[0], sight.place[1] - last.place[1])
         middle = last.yaw + 0.5 * wrap_angle(sight.yaw - last.yaw)
         dx, dy = Pose2(0.0, 0.0, middle).unrotate(moved)
-        way = (self.way[0] + dx, self.way[1] + dy)
-        return self._with(way, sight._replace(seen=seen))
+        travel = (self.travel[0] + dx, self.travel[1] + dy)
+        return self._with(travel, sight._replace(picture_yaw=turned))
 
-    def _with(self, way: Point, sight: Sight) -> TurnState:
-        """State after a ``sight`` from ``way`` [m]."""
+    def _with(self, travel: Point, sight: Sight) -> TurnState:
+        """State after a ``sight`` at the end of a ``travel`` [m]."""
         number = self.pictures + 1
         mean_x, mean_y, mean_w = self.means
-        x = way[0] - mean_x
-        y = way[1] - mean_y
-        w = sight.seen - mean_w
+        x = travel[0] - mean_x
+        y = travel[1] - mean_y
+        w = sight.picture_yaw - mean_w
         share = 1.0 - 1.0 / number
         return TurnState(
             self.xx + share * x * x,
@@ -82,7 +82,7 @@ class TurnState(NamedTuple):
             self.freedom + 1,
             sight,
             number,
-            way,
+            travel,
             (mean_x + x / number, mean_y + y / number, mean_w + w / number),
         )
 
