@@ -288,9 +288,10 @@ def test_a_contact_turns_an_object_as_its_planned_axle_moves(name: str) -> None:
     for segment in pps.plan(pps.load_task(name)).segments:
         if not isinstance(segment.drive, ONE_CONTACT):
             continue
-        (a, b), _ = _turn_arm(segment, 0.01)
+        place = segment.contacts[0].point
+        (a, b), _ = _turn_arm(segment, place, 0.01)
         ex, ey = segment.X_BV.rotate((1.0, 0.0))
-        x, y = segment.contacts[0].point
+        x, y = place
         for curvature in (-3.0, 0.0, 5.0):
             dx = ex - curvature * (y - segment.X_BV.y)
             dy = ey + curvature * (x - segment.X_BV.x)

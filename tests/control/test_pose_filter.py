@@ -12,6 +12,7 @@ from scipy.stats import chi2
 from pushpressslide.control.camera import Camera
 from pushpressslide.control.pose_filter import (
     CHANGED,
+    HAND_EYE,
     STRANGERS,
     Advance,
     FilterState,
@@ -33,6 +34,7 @@ NOISY = Sensing(
 )
 STRAIGHT = (0.0, 0.0)  # turn arm of an object that does not turn
 FILTER = PoseFilter.for_sensing(NOISY, POINT, RADIUS)
+LEARNT = [0, 1, 2, 3, 4, 5, 7, 8]  # of the state, where no tip touches
 
 
 def advances(count: int, turn: float = 0.0, curve: float = 0.3) -> Iterator[Advance]:
@@ -196,7 +198,7 @@ def drawn(advance: Advance, true: Mean, random: np.random.Generator) -> Mean:
     """Next state of an object that moves as the filter believes."""
     path = math.hypot(*advance.tip)
     growth = FILTER._growth([advance], path)
-    errors = np.sqrt(growth) * random.normal(size=6)
+    errors = np.sqrt(growth) * random.normal(size=9)
     return Mean(*(np.array(true.after(advance)) + errors).tolist())
 
 
@@ -204,9 +206,10 @@ def weighed_error(seed: int) -> float:
     """Normalised squared error of the filter on its own model, after 2 s."""
     random = np.random.default_rng(seed)
     state = start()
-    P = state.covariance
-    root: Array = np.linalg.cholesky(P)
-    true = Mean(*(np.array(state.mean) + root @ random.normal(size=6)).tolist())
+    errors = np.zeros(9)
+    P = state.covariance[np.ix_(LEARNT, LEARNT)]
+    errors[LEARNT] = np.linalg.cholesky(P) @ random.normal(size=len(LEARNT))
+    true = Mean(*(np.array(state.mean) + errors).tolist())
     for i, advance in enumerate(advances(504, turn=2e-4), start=1):
         true = drawn(advance, true, random)
         seen = None
@@ -217,16 +220,67 @@ def weighed_error(seed: int) -> float:
                 advance.time, Pose2(pose.x + x, pose.y + y, pose.yaw + yaw)
             )
         state = FILTER.step(state, advance, seen)
-    error = np.array(true) - np.array(state.mean)
-    return float(error @ np.linalg.solve(state.covariance, error))
+    error = (np.array(true) - np.array(state.mean))[LEARNT]
+    P = state.covariance[np.ix_(LEARNT, LEARNT)]
+    return float(error @ np.linalg.solve(P, error))
 
 
 def test_the_filter_knows_its_own_errors() -> None:
     """The mean of squared errors over their covariance is in its 95 % band."""
     runs = 50
     mean = np.mean([weighed_error(seed) for seed in range(runs)])
-    lowest, highest = chi2.ppf((0.025, 0.975), 6 * runs) / runs
+    lowest, highest = chi2.ppf((0.025, 0.975), len(LEARNT) * runs) / runs
     assert lowest < mean < highest
+
+
+def test_a_tip_along_its_face_slips_along_it_only() -> None:
+    """A push into the face moves the object, however far the tip slips."""
+    slipping = Mean(0.0, 0.0, 0.5 * math.pi, slip=0.4)
+    into = Advance(1.0, 1.0, (0.0, 0.01))  # along the body's x axis
+    across = Advance(1.0, 1.0, (0.01, 0.0))
+    face = (0.0, 1.0)
+    assert slipping.after(into, face).y == pytest.approx(0.01)
+    assert slipping.after(across, face).x == pytest.approx(0.006)
+    assert slipping.after(into).y == pytest.approx(0.006)
+
+
+@pytest.mark.parametrize("moves", [True, False])
+def test_pictures_tell_whether_a_touching_tip_moves_the_object(moves: bool) -> None:
+    """Its motion does not count before, and nothing moves by the tip's motion alone."""
+    state = start()
+    true = state.mean
+    speed = 0.012
+    for i in range(1, 501):
+        tip = (speed * PERIOD * math.cos(0.4), speed * PERIOD * math.sin(0.4))
+        advance = Advance(i * PERIOD, PERIOD, tip, disturbed=True, touching=True)
+        if moves:
+            true = true._replace(x=true.x + tip[0], y=true.y + tip[1])
+        seen = StampedPose(advance.time, FILTER.pose(true)) if i % 8 == 0 else None
+        state = FILTER.step(state, advance, seen)
+        if i == 7:
+            assert state.present.x == start().present.x
+    assert state.mean.pushed == pytest.approx(float(moves), abs=0.1)
+    assert state.present.x == pytest.approx(true.x, abs=5e-4)
+
+
+def test_a_turn_shows_that_a_tip_touches_beside_its_place() -> None:
+    """Its error is the vector from where it is measured to where it is."""
+    beside = (0.004, -0.003)
+    true = Mean(0.0, 0.0, 0.4, -6.0, 4.0, ox=beside[0], oy=beside[1])
+    pose = FILTER.pose(true)
+    state = FILTER.start(StampedPose(0.0, pose))
+    assert FILTER.pose(state.mean) == pytest.approx(pose)
+    before = FILTER.touch_offset(state, (1.0, 0.0))
+    for i, advance in enumerate(advances(5000), start=1):
+        true = true.after(advance)
+        seen = StampedPose(advance.time, FILTER.pose(true)) if i % 8 == 0 else None
+        state = FILTER.step(state, advance, seen)
+    assert abs(true.yaw - 0.4) > 1.0
+    after = FILTER.touch_offset(state, (1.0, 0.0))
+    assert before == pytest.approx((0.0, HAND_EYE))
+    assert after[0] == pytest.approx(beside[0], rel=0.5)
+    assert after[1] < 0.5 * HAND_EYE
+    assert state.mean.oy == pytest.approx(beside[1], rel=0.5)
 
 
 class Led:

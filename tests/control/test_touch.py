@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 
@@ -59,6 +60,50 @@ def touched(
         tip = step.command.position
         time += DT
     return None, None
+
+
+@pytest.mark.parametrize(("noisy", "depth"), [(False, 0.0), (True, 0.035)])
+def test_noise_is_not_felt_as_the_object_far_before_it(
+    noisy: bool, depth: float
+) -> None:
+    """A force far before the contact is felt where forces have no noise."""
+    touch = TipTouch(RADIUS, GAP, 0.1, 0.25, SEEN, NormalForceRegulator(), noisy=noisy)
+    x, y, _ = BEHIND.direction(START)
+    before = tip_position(BEHIND, START, RADIUS, GAP)
+    memory = TipMemory(before)
+    tip = before
+    time = 0.0
+    while memory.felt is None:
+        state = TipState(tip, (0.0, 0.0, 0.0), (x, y, 0.0))
+        context = TipContext(BEHIND, state, START, time, DT, 0.0, START.yaw)
+        step = touch.step(memory, context, time, 0.0)
+        memory = step.memory
+        tip = step.command.position
+        time += DT
+    advance = (tip[0] - before[0]) * x + (tip[1] - before[1]) * y
+    assert advance == pytest.approx(depth, abs=1e-3)
+
+
+def test_a_light_object_is_touched_slowly() -> None:
+    touch = TipTouch(RADIUS, GAP, 0.1, 0.25, SEEN, NormalForceRegulator(), light=True)
+    near = (GAP - margins.ARM.felt_near) / margins.ARM.touch_speed
+    depths = [touch._depth(BEHIND, near + late) for late in (-0.1, 0.0, 0.1)]
+    steps = [after - before for before, after in pairwise(depths)]
+    assert steps[0] == pytest.approx(0.1 * margins.ARM.touch_speed)
+    assert steps[1] == pytest.approx(0.1 * margins.ARM.light_speed)
+
+
+def test_a_tip_touches_again_from_where_it_is() -> None:
+    """Also deep behind where the object is seen: the reference does not jump."""
+    touch = TipTouch(RADIUS, GAP, 0.1, 0.25, SEEN, NormalForceRegulator())
+    x, y, _ = BEHIND.direction(START)
+    before = tip_position(BEHIND, START, RADIUS, GAP)
+    tip = (before[0] + 0.08 * x, before[1] + 0.08 * y, before[2])
+    memory = TipMemory(tip, advance_start=START, resumed=1.0)
+    state = TipState(tip, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    context = TipContext(BEHIND, state, START, 1.0 + DT, DT, 0.0, START.yaw)
+    step = touch.step(memory, context, 1.0 + DT, 0.5)
+    assert math.dist(step.command.position, tip) < 2.0 * touch.speed(BEHIND) * DT
 
 
 def test_a_press_is_as_hard_as_its_contact_asks_for() -> None:

@@ -92,7 +92,7 @@ def most_force_scale(scene: Scene, limits: Limits, segment: Segment) -> float:
     """Largest factor on the forces of a ``segment``: more in a ``scene`` whose friction
     or mass may be larger than believed, within ``limits`` and the friction of presses.
     """
-    smallest = (1.0 - scene.friction_error) * (1.0 - scene.mass_error)
+    smallest = scene.surest_drag
     if smallest == 1.0:
         return MOST_FORCE_SCALE
     allowed = limits.planned_force

@@ -67,7 +67,7 @@ from pushpressslide.core.control import (
     TipState,
 )
 from pushpressslide.core.plan import Contact, Plan, Segment
-from pushpressslide.core.pose import Pose2, wrap_angle
+from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.record import Ending
 from pushpressslide.core.scene import Scene
@@ -376,19 +376,20 @@ class Controller:
         return Ending("goal_missed", f"{off * 1e3:.1f} mm and {turned:.1f} deg off")
 
     def _touch(self, state: ControllerState, instant: Instant) -> PhaseStep:
+        X_WB = _seen_from(instant.X_WB, state.estimate.tip_error)
+        seen = instant._replace(X_WB=X_WB)
         phase = state.phase
         contacts = state.following.binding.segment.contacts
         elapsed = instant.time - phase.since
         aligned = 0.0
         if phase.align:  # together, whatever the distance of each
             parts = zip(self.touches, phase.tips, contacts, strict=True)
-            X_WB = instant.X_WB
             aligned = max(t.align_time(memory, c, X_WB) for t, memory, c in parts)
         tool_yaw = self._touch_yaw(state, instant.X_WG.yaw, elapsed, aligned)
         progress = state.following.joint_progress(instant.X_WB)
         steps = [
             touch.step(
-                memory, instant.context(contact, tool_yaw, progress), elapsed, aligned
+                memory, seen.context(contact, tool_yaw, progress), elapsed, aligned
             )
             for touch, memory, contact in zip(
                 self.touches, phase.tips, contacts, strict=True
@@ -456,7 +457,8 @@ class Controller:
             watches,
         )
         place, _ = state.estimate.spread
-        touched = binding.sure_contact_points(instant.X_WB, instant.tips, place)
+        seen = _seen_from(instant.X_WB, state.estimate.tip_error)
+        touched = binding.sure_contact_points(seen, instant.tips, place)
         moment = Moment(next_state, instant, touched, guidance)
         return PhaseStep(commands, next_state, decision, moment)
 
@@ -538,9 +540,18 @@ def _made_touches(
             query.scene.robots[contact.arm].reaction,
             query.sensing.felt_samples,
             0.0 if query.sensing.sure else margins.ARM.first_look,
+            query.sensing.force_noise > 0.0,
+            contact.kind == "side" and _light(query, first),
         )
         for contact in first.contacts
     )
+
+
+def _light(query: MotionQuery, segment: Segment) -> bool:
+    """Whether an object that ``segment`` pushes may slide before it is felt."""
+    scene = query.scene
+    least = scene.surest_drag
+    return query.sensing.felt_force > least * segment.drive.max_friction
 
 
 def _regulator(query: MotionQuery) -> NormalForceRegulator:
@@ -614,6 +625,14 @@ def _way_back(phase: PhaseState, time: float) -> WayBack:
     u = _ramp_back(phase, time)
     duration = ramp_time(margins.ARM.retreat)
     return WayBack(share, smooth_rate(u) / duration, smooth_change(u) / duration**2)
+
+
+def _seen_from(X_WB: Pose2, tip_error: Point) -> Pose2:
+    """Pose of the object relative to a tip as it is measured, if it is measured with a
+    ``tip_error`` [m].
+    """
+    x, y = tip_error
+    return replace(X_WB, x=X_WB.x - x, y=X_WB.y - y)
 
 
 def _disturbs(phase: PhaseState, time: float) -> bool:

@@ -17,7 +17,7 @@ from pushpressslide.control.pose_filter import Advance, FilterState, PoseFilter
 from pushpressslide.control.sightings import PictureComparison, Sightings
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import Measurement, TipState
-from pushpressslide.core.plan import Segment
+from pushpressslide.core.plan import Contact, Segment
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.sensing import Sensing
@@ -42,6 +42,7 @@ LEAST_GAIN = 0.1
 STEEPEST = math.atan(0.5)  # [rad] of the line to the centre of friction from the belief
 # error of the line of an object that is turned by a force off it, as a share of the angle
 SKEWED = 0.4
+NEAR = 5e-3  # [m] before its estimated place, from where a tip may touch an object
 OFF_REACH = 0.15  # share by which an axle is off before it contradicts the plan
 # [s] per [rad] of noise of the yaw: in this time two thirds of a correction are followed
 SMOOTHED = 8.0
@@ -60,6 +61,8 @@ class Estimate(NamedTuple):
     age: float = 0.0  # [s] of the last pose that was measured, and used
     # standard deviations [m], [rad] of the pose
     spread: tuple[float, float] = (0.0, 0.0)
+    # [m] from where the only tip is measured to where it is seen to be, world
+    tip_error: Point = (0.0, 0.0)
 
 
 class Observation(NamedTuple):
@@ -108,11 +111,16 @@ class Filtered(NamedTuple):
     filter: PoseFilter
     state: FilterState
     segment: Segment  # followed at the last tick
+    place: Point  # [m] in B of the first tip's centre
     tips: tuple[Point, ...]  # [m] of the contacts at the last tick
     spread: tuple[float, float]  # [m], [rad] standard deviations of place and yaw
     # corrections [m], [m], [rad] of the pose that are still to be followed
     ahead: tuple[float, float, float] = (0.0, 0.0, 0.0)
     smoothed: float = 0.01  # [s] in which they are followed
+    # pose X_WG and place [m] of the first tip when it began to move the object
+    began: tuple[Pose2, Point] | None = None
+    # [m] from where the first tip is measured to where the filter sees it, world
+    tip_error: Point = (0.0, 0.0)
 
     @property
     def X_WG(self) -> Pose2:
@@ -132,10 +140,12 @@ class Filtered(NamedTuple):
             moved = (x - before_x, y - before_y)
             turn = _turn(self.tips, tips)
             advance = advance._replace(tip=moved, turn=turn, tips=tips)
+        elif observation.disturbed and self.filter.along is not None:
+            advance = advance._replace(tip=self._pushed(tips[0]), touching=True)
         segment = observation.binding.segment
         before = self._redirected(segment)
         state = self.filter.step(before, advance, observation.pose)
-        predicted = before.present.after(advance)
+        predicted = before.present.after(advance, self.filter.along)
         kept = math.exp(-dt / self.smoothed)
         x, y, yaw = self.ahead
         ahead = (
@@ -143,12 +153,50 @@ class Filtered(NamedTuple):
             kept * y + state.present.y - predicted.y,
             kept * yaw + wrap_angle(state.present.yaw - predicted.yaw),
         )
+        began = None
+        if observation.driven:
+            began = self.began or (self.filter.pose(self.state.present), self.tips[0])
         spread = self.spread
+        tip_error = self.tip_error
         if state.covariance is not self.state.covariance:
             spread = self.filter.spread(state)
-        return self._replace(
-            state=state, segment=segment, tips=tips, spread=spread, ahead=ahead
+            if began is not None:
+                tip_error = self._tip_error(state, *began)
+        return Filtered(
+            self.filter,
+            state,
+            segment,
+            self.place,
+            tips,
+            spread,
+            ahead,
+            self.smoothed,
+            began,
+            tip_error,
         )
+
+    def _tip_error(self, state: FilterState, X_WG: Pose2, tip: Point) -> Point:
+        """Vector [m] from a ``tip`` as measured when it began to move an object at
+        ``X_WG``, to where it then was.
+        """
+        x, y = X_WG.apply(self.filter.place(state.present))
+        return x - tip[0], y - tip[1]
+
+    def _pushed(self, tip: Point) -> Point:
+        """Displacement [m] by which a ``tip`` that touches may move the object: none
+        before it is near the object.
+        """
+        now = self.state.present
+        assert self.filter.along is not None
+        tx, ty = Pose2(0.0, 0.0, now.yaw).rotate(self.filter.along)
+        nx, ny = ty, -tx
+        x, y = tip
+        x += self.tip_error[0]
+        y += self.tip_error[1]
+        beyond = (x - now.x) * nx + (y - now.y) * ny + NEAR
+        before_x, before_y = self.tips[0]
+        ahead = min(beyond, (tip[0] - before_x) * nx + (tip[1] - before_y) * ny)
+        return (ahead * nx, ahead * ny) if ahead > 0.0 else (0.0, 0.0)
 
     def tips_seen(self, before: Filtered) -> tuple[Point, ...]:
         """Places [m] of the tips at the stamp of the picture that this tick has used,
@@ -170,7 +218,7 @@ class Filtered(NamedTuple):
             return self.state
         if not (isinstance(was, PressedDrive) and isinstance(drive, PressedDrive)):
             return self.state
-        scale = abs(_reach(self.segment) / _reach(segment))
+        scale = abs(_ahead(self.segment, self.place) / _ahead(segment, self.place))
         return self.filter.rescaled(self.state, drive.skew - was.skew, scale)
 
     def center(self, before: CenterState, segment: Segment, X_BG: Pose2) -> CenterState:
@@ -199,6 +247,8 @@ class Filtered(NamedTuple):
         if planned is None:
             return estimates
         reach, deviation = self.filter.reach(self.state)
+        contact = segment.contacts[0].point
+        reach += abs(_ahead(segment, contact)) - abs(_ahead(segment, self.place))
         allowed = max(OFF_REACH * planned, SURE * deviation)
         if abs(reach - planned) < allowed:
             return estimates
@@ -217,6 +267,7 @@ class ObjectEstimator:
         self._gain = pose_gain(query.sensing)
         self._sensing = query.sensing
         self._radius = query.scene.body.radius
+        self._radii = [robot.tip_radius for robot in query.scene.robots]
         self._center_error = query.scene.center_error
         self._pictures = PictureComparison(query)
 
@@ -233,6 +284,7 @@ class ObjectEstimator:
         filtered = None
         used = pose.time
         spread = (0.0, 0.0)
+        tip_error = (0.0, 0.0)
         if self._sensing.every_pose:
             X_WG = self._pose(state, observation)
         else:
@@ -240,6 +292,8 @@ class ObjectEstimator:
             X_WG = filtered.X_WG
             used = filtered.state.used
             spread = filtered.spread
+            if len(observation.binding.segment.contacts) == 1:
+                tip_error = filtered.tip_error
         predicted = observation.prediction
         axle = state.axle
         center = state.center
@@ -261,7 +315,7 @@ class ObjectEstimator:
             if learning is not None:
                 found = learning.with_reach(found, observation.binding.segment)
         twist = observation.commanded_twist
-        estimate = Estimate(time, X_WG, twist, found, time - used, spread)
+        estimate = Estimate(time, X_WG, twist, found, time - used, spread, tip_error)
         return estimate, EstimatorState(
             pose, time, X_WG, predicted, axle, center, found, filtered, drag, sightings
         )
@@ -297,22 +351,24 @@ class ObjectEstimator:
         if state.filtered is not None:
             return state.filtered.step(observation, observation.time - state.time)
         segment = observation.binding.segment
-        contacts = segment.contacts
+        first = segment.contacts[0]
+        place, _ = first.tip_place(self._radii[first.arm])
         arm, doubt = (0.0, 0.0), 0.0
         if isinstance(segment.drive, ONE_CONTACT):
-            arm, doubt = _turn_arm(segment, self._center_error)
+            arm, doubt = _turn_arm(segment, place, self._center_error)
         own = PoseFilter.for_sensing(
             self._sensing,
-            self._X_GB.apply(contacts[0].point),
+            self._X_GB.apply(place),
             self._radius,
             self._X_GB.rotate(arm),
             doubt,
+            _face(first, self._X_GB),
         )
         started = own.start(state.pose)
         smoothed = min(max(0.01, SMOOTHED * self._sensing.yaw_noise), LONGEST_SMOOTHED)
         tips = _tips(observation)
         spread = own.spread(started)
-        return Filtered(own, started, segment, tips, spread, smoothed=smoothed)
+        return Filtered(own, started, segment, place, tips, spread, smoothed=smoothed)
 
     def _pose(self, state: EstimatorState, observation: Observation) -> Pose2:
         """X_WG predicted from the motion since the last tick.
@@ -391,19 +447,28 @@ def _turn(before: Sequence[Point], now: Sequence[Point]) -> float:
     return wrap_angle(is_now - was)
 
 
-def _reach(segment: Segment) -> float:
-    """Signed distance [m] of a segment's only contact ahead of the axle."""
-    X_VB = segment.X_VB
-    return X_VB.apply(segment.contacts[0].point)[0]
+def _face(contact: Contact, X_GB: Pose2) -> Point | None:
+    """Unit vector in G along the face that a contact pushes. None of a press."""
+    if contact.normal is None:
+        return None
+    nx, ny = X_GB.rotate(contact.normal)
+    return -ny, nx
 
 
-def _turn_arm(segment: Segment, center_error: float) -> tuple[Point, float]:
-    """Believed turn arm [rad/m] in B of a segment's only contact, and the standard
-    deviation that an error [m] of the centre of mass gives it.
+def _ahead(segment: Segment, place: Point) -> float:
+    """Signed distance [m] of a ``place`` in B ahead of a segment's axle."""
+    return segment.X_VB.apply(place)[0]
+
+
+def _turn_arm(
+    segment: Segment, place: Point, center_error: float
+) -> tuple[Point, float]:
+    """Believed turn arm [rad/m] in B of the ``place`` of the tip at a segment's only
+    contact, and the standard deviation that an error [m] of the centre of mass gives it.
 
     The axle moves along its heading, however the object turns.
     """
-    reach = _reach(segment)
+    reach = _ahead(segment, place)
     ex, ey = segment.X_BV.rotate((1.0, 0.0))
     lever = math.dist(segment.contacts[0].point, segment.drive.center)
     return (ex / reach, ey / reach), center_error / abs(reach * lever)

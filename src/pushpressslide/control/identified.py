@@ -62,7 +62,7 @@ def identified(
     aside = _aside(state)
     found = {
         "mass_times_friction": _mass_times_friction(state, query, belief, aside),
-        "center_of_mass": _center_of_mass(query, belief, aside),
+        "center_of_mass": _center_of_mass(state, query, belief, aside),
         "pose_delay": _pose_delay(state.sightings.delay, query),
         "rho": _rho(state.sightings.turns, query, planned, belief),
         **_tip_offsets(state.sightings.depths, query, planned),
@@ -77,16 +77,23 @@ def _aside(state: EstimatorState) -> Aside | None:
 
 
 def _center_of_mass(
-    query: MotionQuery, belief: Scene, aside: Aside | None
+    state: EstimatorState, query: MotionQuery, belief: Scene, aside: Aside | None
 ) -> Parameter | None:
-    """Coordinate [m] of the centre of mass across the line to the contact."""
+    """Coordinate [m] of the centre of mass across the line to the contact, which may be
+    beside the planned one.
+    """
     if aside is None:
         return None
     X_GB = query.X_GB
     direction = X_GB.rotate(aside.across)
     value = _along(X_GB.position, direction) + aside.value
     before = _along(belief.body.center_of_mass, direction)
-    return Parameter(value, aside.deviation, before, direction)
+    beside, unsure = 0.0, 0.0
+    if state.filtered is not None:
+        one = state.filtered
+        beside, unsure = one.filter.touch_offset(one.state, direction)
+    deviation = math.hypot(aside.deviation, unsure)
+    return Parameter(value + beside, deviation, before, direction)
 
 
 def _mass_times_friction(

@@ -14,6 +14,7 @@ each other.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -32,6 +33,10 @@ DISTURBED = (1e-3, math.radians(0.5))  # [m], [rad] in 1 s, while tips touch or 
 STILL = (1e-4, math.radians(0.03))  # the same of an object that is held, or left alone
 # growth with the square root of the tip's path
 SLIPPED = (4.5e-3, math.radians(2.2))  # [m], [rad] in 1 m
+HAND_EYE = 4e-3
+"""Standard deviation [m] of where a tip touches from where it was to touch: camera and
+arm do not agree better.
+"""
 ARM = 0.2
 """Standard deviation of the turn arm, times the radius of the object."""
 ARM_LENGTH = 4.0  # [m] of path after which it may be another
@@ -40,6 +45,9 @@ CHANGED = 0.3
 SLIP = 0.15
 """Standard deviation of the share of its motion by which a tip slips."""
 SLIP_LENGTH = 0.05  # [m] of path after which it may be another
+PUSHED_LENGTH = (
+    0.02  # [m] of path after which a touching tip may push the object, or not
+)
 GATE = 25.0
 """Squared Mahalanobis distance of a picture above which it does not fit (3 degrees of
 freedom; exceeded by one in 65,000).
@@ -56,6 +64,7 @@ class Advance(NamedTuple):
     tip: Point = (0.0, 0.0)  # [m] displacement of the tip, world
     turn: float = 0.0  # [rad] of the object, as several tips turn it
     disturbed: bool = False  # whether tips may move it besides
+    touching: bool = False  # whether the tip may or may not move it
     tips: tuple[Point, ...] = ()  # [m] at its end, of the contacts that drive it
 
 
@@ -68,22 +77,45 @@ class Mean(NamedTuple):
     a: float = 0.0  # [rad/m] turn arm along the body's x and y
     b: float = 0.0
     slip: float = 0.0
+    pushed: float = 0.0  # share of its motion by which a touching tip moves C
+    ox: float = 0.0  # [m] of C in G, beside where the tip was to touch
+    oy: float = 0.0
 
-    def after(self, advance: Advance) -> Mean:
-        """The mean after a predicted motion."""
-        wx, wy = advance.tip
-        c = math.cos(self.yaw)
-        s = math.sin(self.yaw)
-        turn = advance.turn + self.a * (c * wy - s * wx) - self.b * (c * wx + s * wy)
-        kept = 1.0 - self.slip
-        return Mean(
-            self.x + kept * wx,
-            self.y + kept * wy,
-            self.yaw + kept * turn,
-            self.a,
-            self.b,
-            self.slip,
+    def after(self, advance: Advance, along: Point | None = None) -> Mean:
+        """The mean after a predicted motion. A tip slips ``along`` a unit vector in G
+        only. None: in any direction, and about C.
+        """
+        dx, dy = self.displacement(advance)
+        turn = advance.turn
+        if advance.touching:
+            dx *= self.pushed
+            dy *= self.pushed
+        else:
+            sx, sy = slippery((dx, dy), along)
+            dx -= self.slip * sx
+            dy -= self.slip * sy
+            if along is None:
+                turn *= 1.0 - self.slip
+        wx, wy = Pose2(0.0, 0.0, self.yaw).rotate((dx, dy))
+        return self._replace(
+            x=self.x + wx,
+            y=self.y + wy,
+            yaw=self.yaw + turn + self.a * dy - self.b * dx,
         )
+
+    def displacement(self, advance: Advance) -> Point:
+        """Displacement (dx, dy) [m] of the tip, in G."""
+        return Pose2(0.0, 0.0, self.yaw).unrotate(advance.tip)
+
+
+def slippery(step: Point, along: Point | None) -> Point:
+    """Part of a displacement [m] by which a tip can slip: ``along`` a unit vector, or
+    all of it.
+    """
+    if along is None:
+        return step
+    share = step[0] * along[0] + step[1] * along[1]
+    return share * along[0], share * along[1]
 
 
 class FilterState(NamedTuple):
@@ -92,10 +124,11 @@ class FilterState(NamedTuple):
     pose: StampedPose  # the last picture, used or not
     used: float  # [s] stamp of the last one that was used
     mean: Mean  # at that time
-    covariance: Array  # (6, 6) the same
+    covariance: Array  # (9, 9) the same
     present: Mean  # now
     advances: tuple[Advance, ...] = ()  # since then
     strangers: tuple[Pose2, ...] = ()  # the last pictures, if they do not fit
+    disturbed: bool = False  # whether tips were about to touch, or to let go
 
 
 @dataclass(frozen=True)
@@ -107,6 +140,8 @@ class PoseFilter:
     noise: Array  # (3,) standard deviations of a picture's x, y [m] and yaw [rad]
     arm: Point = (0.0, 0.0)  # [rad/m] turn arm as believed
     doubt: float = 0.0  # [rad/m] standard deviation of the turn arm from the belief
+    # unit vector in G of the pushed face, along which the tip may slip; None: a press
+    along: Point | None = None
 
     @classmethod
     def for_sensing(
@@ -116,31 +151,45 @@ class PoseFilter:
         radius: float,
         arm: Point = (0.0, 0.0),
         doubt: float = 0.0,
+        along: Point | None = None,
     ) -> PoseFilter:
         """Filter for the camera of ``sensing``."""
         pictures = sensing.noise_time * (sensing.pose_rate or 100.0)
         correlated = math.sqrt(1.0 + 2.0 * pictures)
         place = correlated * max(sensing.position_noise, LEAST_NOISE)
         yaw = correlated * max(sensing.yaw_noise, LEAST_YAW_NOISE)
-        return cls(point, radius, np.array((place, place, yaw)), arm, doubt)
+        noise = np.array((place, place, yaw))
+        return cls(point, radius, noise, arm, doubt, along)
 
     def start(self, pose: StampedPose) -> FilterState:
         """State with the object at ``pose``, the middle of its pictures."""
         mean = self._mean_at(pose.X_WG)
-        prior = self._prior(pose.X_WG, pose.pictures)
+        prior = self._prior(pose.X_WG, np.diag(self.noise**2 / pose.pictures))
         return FilterState(pose, pose.time, mean, prior, mean)
 
     def pose(self, mean: Mean) -> Pose2:
         """X_WG of a ``mean``."""
-        x, y = Pose2(0.0, 0.0, mean.yaw).rotate(self.point)
+        x, y = self._arm_of(mean)
         return Pose2(mean.x - x, mean.y - y, mean.yaw)
+
+    def place(self, mean: Mean) -> Point:
+        """C [m] in G."""
+        return self.point[0] + mean.ox, self.point[1] + mean.oy
+
+    def _arm_of(self, mean: Mean) -> Point:
+        """Vector [m] from G to C, in world axes."""
+        return Pose2(0.0, 0.0, mean.yaw).rotate(self.place(mean))
 
     def spread(self, state: FilterState) -> tuple[float, float]:
         """Standard deviations [m], [rad] of the place of G and of the yaw."""
-        lx, ly = Pose2(0.0, 0.0, state.mean.yaw).rotate(self.point)
-        H = _jacobian(lx, ly)
-        P = H @ state.covariance @ H.T
+        P = self._pose_covariance(state)
         return math.sqrt(0.5 * float(P[0, 0] + P[1, 1])), math.sqrt(float(P[2, 2]))
+
+    def _pose_covariance(self, state: FilterState) -> Array:
+        """Covariance (3, 3) of G's pose."""
+        H = _jacobian(self._arm_of(state.mean), state.mean.yaw)
+        P: Array = H @ state.covariance @ H.T
+        return P
 
     def line(self, state: FilterState) -> tuple[float, float]:
         """Direction [rad] in G from the centre of friction to C, and its standard
@@ -153,6 +202,15 @@ class PoseFilter:
         across = np.array((-b, a)) / size
         variance = float(across @ state.covariance[3:5, 3:5] @ across)
         return math.atan2(b, a), math.sqrt(variance) / size
+
+    def touch_offset(self, state: FilterState, across: Point) -> tuple[float, float]:
+        """Distance [m] along a unit vector in G by which the tip touches beside where
+        it was to touch, and its standard deviation.
+        """
+        u = np.array(across)
+        variance = float(u @ state.covariance[7:, 7:] @ u)
+        off = across[0] * state.mean.ox + across[1] * state.mean.oy
+        return off, math.sqrt(variance)
 
     def reach(self, state: FilterState) -> tuple[float, float]:
         """Distance [m] from C to the point that moves along the line from C to the
@@ -193,9 +251,13 @@ class PoseFilter:
         A picture that is not newer than the last one used, or equal to the last one, is
         no news.
         """
+        if advance.disturbed and not state.disturbed:
+            state = self._untouched(state)
         advances = (*state.advances, advance)
-        present = state.present.after(advance)
-        state = state._replace(advances=advances, present=present)
+        present = state.present.after(advance, self.along)
+        state = state._replace(
+            advances=advances, present=present, disturbed=advance.disturbed
+        )
         if picture is None or picture.time <= state.used:
             return state
         frozen = picture.X_WG == state.pose.X_WG
@@ -208,8 +270,7 @@ class PoseFilter:
         after = state.advances[len(before) :]
         mean, P = self._predicted(state.mean, state.covariance, before)
         X = picture.X_WG
-        lx, ly = Pose2(0.0, 0.0, mean.yaw).rotate(self.point)
-        H = _jacobian(lx, ly)
+        H = _jacobian(self._arm_of(mean), mean.yaw)
         expected = self.pose(mean)
         error = np.array(
             (X.x - expected.x, X.y - expected.y, wrap_angle(X.yaw - expected.yaw))
@@ -224,7 +285,7 @@ class PoseFilter:
             used=picture.time,
             mean=corrected,
             covariance=0.5 * (P + P.T),
-            present=_led(corrected, after),
+            present=self._led(corrected, after),
             advances=after,
             strangers=(),
         )
@@ -247,9 +308,10 @@ class PoseFilter:
             picture,
             picture.time,
             mean,
-            self._prior(X, 1),
-            _led(mean, after),
+            self._prior(X, np.diag(self.noise**2)),
+            self._led(mean, after),
             after,
+            disturbed=state.disturbed,
         )
 
     def _predicted(
@@ -258,27 +320,37 @@ class PoseFilter:
         """Mean and covariance after ``advances``."""
         x = 0.0
         y = 0.0
+        F = np.eye(9)
         path = 0.0
         now = mean
         for one in advances:
-            dx, dy = Pose2(0.0, 0.0, now.yaw).unrotate(one.tip)
-            x += dx
-            y += dy
+            dx, dy = now.displacement(one)
             path += math.hypot(dx, dy)
-            now = now.after(one)
-        kept = 1.0 - mean.slip
-        F = np.eye(6)
-        F[:3, 5] = (mean.x - now.x, mean.y - now.y, mean.yaw - now.yaw)
-        F[:3, 5] /= kept
-        F[2, 2] -= kept * (mean.a * x + mean.b * y)
-        F[2, 3:5] = (kept * y, -kept * x)
+            sx, sy = (dx, dy) if one.touching else slippery((dx, dy), self.along)
+            wx, wy = Pose2(0.0, 0.0, now.yaw).rotate((sx, sy))
+            turn = mean.a * sy - mean.b * sx
+            if self.along is None:
+                turn += one.turn
+            if one.touching:
+                F[:3, 6] += (wx, wy, turn)
+                x += mean.pushed * dx
+                y += mean.pushed * dy
+            else:
+                F[:3, 5] -= (wx, wy, turn)
+                x += dx - mean.slip * sx
+                y += dy - mean.slip * sy
+            now = now.after(one, self.along)
+        F[2, 2] -= mean.a * x + mean.b * y
+        F[2, 3:5] = (y, -x)
         grown = np.diag(self._growth(advances, path))
         out: Array = F @ P @ F.T + grown
         return now, out
 
     def _growth(self, advances: list[Advance], path: float) -> Array:
-        """Growth (6,) of the variances over ``advances``, along a ``path`` [m]."""
-        growth = np.zeros(6)
+        """Growth (9,) of the variances over ``advances``, along a ``path`` [m]."""
+        growth = np.zeros(9)
+        touching = math.fsum(math.hypot(*one.tip) for one in advances if one.touching)
+        growth[6] = touching / PUSHED_LENGTH
         for one in advances:
             place, yaw = DISTURBED if one.disturbed else STILL
             growth[:2] += place * place * one.dt
@@ -290,34 +362,56 @@ class PoseFilter:
         growth[5] = SLIP * SLIP * path / SLIP_LENGTH
         return growth
 
+    def _led(self, mean: Mean, advances: Sequence[Advance]) -> Mean:
+        for advance in advances:
+            mean = mean.after(advance, self.along)
+        return mean
+
     def _mean_at(self, X_WG: Pose2) -> Mean:
         x, y = X_WG.apply(self.point)
         return Mean(x, y, X_WG.yaw, *self.arm)
 
-    def _prior(self, X_WG: Pose2, pictures: int) -> Array:
-        """Covariance (6, 6) after a number of ``pictures`` of an object at rest."""
+    def _prior(self, X_WG: Pose2, pose: Array) -> Array:
+        """Covariance (9, 9) before a touch, of an object whose pose has the covariance
+        ``pose`` (3, 3).
+        """
         lx, ly = X_WG.rotate(self.point)
         to_C = np.array(((1.0, 0.0, -ly), (0.0, 1.0, lx), (0.0, 0.0, 1.0)))
-        P = np.zeros((6, 6))
-        P[:3, :3] = to_C @ np.diag(self.noise**2 / pictures) @ to_C.T
+        P = np.zeros((9, 9))
+        P[:3, :3] = to_C @ pose @ to_C.T
         P[3, 3] = P[4, 4] = (ARM / self.radius) ** 2 + self.doubt * self.doubt
         P[5, 5] = SLIP * SLIP
+        c, s = X_WG.rotate((1.0, 0.0))
+        variance = HAND_EYE * HAND_EYE
+        P[:2, 7:] = variance * np.array(((c, -s), (s, c)))
+        P[7:, :2] = P[:2, 7:].T
+        P[0, 0] += variance
+        P[1, 1] += variance
+        P[7, 7] = P[8, 8] = variance
         return P
 
+    def _untouched(self, state: FilterState) -> FilterState:
+        """The ``state`` before a touch, which places the tip anew."""
+        means = [
+            self._mean_at(self.pose(one))._replace(a=one.a, b=one.b)
+            for one in (state.mean, state.present)
+        ]
+        P = self._prior(self.pose(state.mean), self._pose_covariance(state))
+        P[3:5, 3:5] = state.covariance[3:5, 3:5]
+        return state._replace(mean=means[0], present=means[1], covariance=P)
 
-def _jacobian(lx: float, ly: float) -> Array:
-    """Derivative (3, 6) of G's pose with respect to the state.
 
-    C is at ``lx``, ``ly`` [m] from G, in world axes.
+def _jacobian(arm: Point, yaw: float) -> Array:
+    """Derivative (3, 9) of G's pose with respect to the state.
+
+    C is at ``arm`` [m] from G, in world axes.
     """
-    H = np.zeros((3, 6))
+    H = np.zeros((3, 9))
     H[0, 0] = H[1, 1] = H[2, 2] = 1.0
-    H[0, 2] = ly
-    H[1, 2] = -lx
+    H[0, 2] = arm[1]
+    H[1, 2] = -arm[0]
+    c = math.cos(yaw)
+    s = math.sin(yaw)
+    H[0, 7:] = (-c, s)
+    H[1, 7:] = (-s, -c)
     return H
-
-
-def _led(mean: Mean, advances: list[Advance] | tuple[Advance, ...]) -> Mean:
-    for advance in advances:
-        mean = mean.after(advance)
-    return mean

@@ -68,6 +68,8 @@ class TipTouch:
     reaction: float = 0.0  # [s] until the arm follows a command
     samples: int = 1  # measurements of the force that are averaged
     look: float = 0.0  # [s] in which noisy sensors are averaged before the advance
+    noisy: bool = False  # whether forces have noise
+    light: bool = False  # whether the object may slide before it is felt
 
     def speed(self, contact: Contact) -> float:
         """Speed [m/s] of the advance. An arm that reacts late is slower: until the touch
@@ -75,11 +77,25 @@ class TipTouch:
         """
         arm = margins.ARM
         if self.reaction == 0.0:
-            return arm.touch_speed
+            return arm.light_speed if self.light else arm.touch_speed
         force = max(self.force_of(contact), arm.least_press)
         late = self.reaction + arm.felt_time
         speed = force / (arm.contact_stiffness * late)
         return min(arm.touch_speed, max(arm.slowest_touch, speed))
+
+    def _depth(self, contact: Contact, duration: float) -> float:
+        """Length [m] of an advance after its ``duration`` [s]. Before a light object it
+        is slow only near where it may touch.
+        """
+        speed = self.speed(contact)
+        if not self.light:
+            return speed * duration
+        arm = margins.ARM
+        fast = max(self.gap - arm.felt_near, 0.0)
+        late = duration - fast / arm.touch_speed
+        if late <= 0.0:
+            return arm.touch_speed * duration
+        return fast + speed * late
 
     def align_time(self, memory: TipMemory, contact: Contact, X_WB: Pose2) -> float:
         """Time [s] for the tip to line up before its contact."""
@@ -123,7 +139,8 @@ class TipTouch:
             least *= margins.KEPT_SHARE
         mean = averaged(memory.mean_force, context.tip.force, self.samples)
         memory = memory._replace(mean_force=mean)
-        here = pressed(mean, n) > least or self._pushes(context, found)
+        here = pressed(mean, n) > least and self._near(context)
+        here = here or self._pushes(context, found)
         memory = self._felt(memory, here, context, depth)
         if memory.resumed == context.time:
             return TouchStep(held_at(context, context.tip.position), memory, False)
@@ -165,13 +182,14 @@ class TipTouch:
         duration = elapsed - aligned
         if memory.resumed is not None:
             duration = context.time - memory.resumed
-        depth = self.speed(contact) * duration
+        depth = self._depth(contact, duration)
         if aligned > 0.0 and memory.resumed is None:
             return before, depth
         n = contact.direction(advance_start)
         start = memory.start
         ahead = sum((s - b) * d for s, b, d in zip(start, before, n, strict=True))
-        return _ahead(start, n, -ahead), depth + min(ahead, self.gap)
+        ahead = min(ahead, self.gap)
+        return _ahead(start, n, -ahead), depth + ahead
 
     def _felt(
         self, memory: TipMemory, here: bool, context: TipContext, depth: float
@@ -245,6 +263,19 @@ class TipTouch:
         if duration < most:
             return None
         return f"contact felt and lost again for {most:.1f} s"
+
+    def _near(self, context: TipContext) -> bool:
+        """Whether the tip is near its contact. What noise makes felt elsewhere is not
+        the object.
+        """
+        if not self.noisy:
+            return True
+        contact = context.contact
+        n = contact.direction(context.X_WB)
+        touching = tip_position(contact, context.X_WB, self.radius, 0.0)
+        pairs = zip(touching, context.tip.position, n, strict=True)
+        apart = sum((end - place) * along for end, place, along in pairs)
+        return apart < margins.ARM.felt_near
 
     def _pushes(self, context: TipContext, advance_start: Pose2) -> bool:
         """Whether the object is seen to move while the tip pushes it from the side.

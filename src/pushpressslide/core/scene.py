@@ -568,6 +568,11 @@ class Scene:
         return 0.0 if self.dares else self.center_error
 
     @property
+    def surest_drag(self) -> float:
+        """Smallest share of the support's believed friction force that errors allow."""
+        return (1.0 - self.friction_error) * (1.0 - self.mass_error)
+
+    @property
     def sure(self) -> float:
         """Factor that lowers the allowed friction utilisation if frictions are
         uncertain.

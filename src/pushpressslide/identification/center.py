@@ -85,6 +85,8 @@ def doubt(
 
 TOUCHED = 1e-3
 """Standard deviation [m] of the touched place, beside noise: errors of tip and base."""
+LEARNT = 0.7
+"""Largest standard deviation of an identified line, as a share of that of the belief."""
 LEAST_WINDOWS = 5
 """Smallest number of windows that give the centre an interval."""
 
@@ -193,10 +195,13 @@ class CenterIdentifier:
         return aside > max(self._off_line, sure * state.off)
 
     def aside(self, state: CenterState) -> Aside | None:
-        """The identified coordinate. None if few windows or a bound determine it."""
+        """The identified coordinate. None if few windows, a bound or nothing but the
+        belief determine it.
+        """
         value = self._aside(state.center)
         bounded = abs(value) > 0.99 * self._most * self._lever
-        if len(state.windows) < LEAST_WINDOWS or bounded:
+        seen = state.filtered or len(state.windows) >= LEAST_WINDOWS
+        if bounded or not seen or state.off > LEARNT / math.sqrt(self._prior):
             return None
         deviation = math.hypot(state.off * self._lever, TOUCHED)
         return Aside(value, deviation, self._across)
