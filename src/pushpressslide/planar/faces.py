@@ -63,11 +63,12 @@ class SideFace:
     def _gap(self, side: Side, tip: Point, height: float) -> tuple[float, Point]:
         gap, normal = side.gap(tip, self.tip_radius)
         above = max(0.0, height - self.top)
-        if above >= self.tip_radius or gap <= -PASSED:
+        if above >= self.tip_radius:
             return math.inf, normal
         # a tip whose centre is above the upper edge touches it later
         square = self.tip_radius * self.tip_radius - above * above
-        return gap + self.tip_radius - math.sqrt(square), normal
+        gap += self.tip_radius - math.sqrt(square)
+        return math.inf if gap <= -PASSED else gap, normal
 
 
 @dataclass(frozen=True, slots=True)

@@ -107,6 +107,9 @@ class PlanarPhysics:
         """A placement planner that accepts any plan."""
         return PlansAlone()
 
+    def restore(self) -> None:
+        """Do nothing: tips without arms have no joint paths."""
+
     def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
         """Take the contacts of the next placement. The tips keep their positions."""
         self._world = self._true_world(placement)
