@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import pytest
 
 import pushpressslide as pps
 from pushpressslide.control import recovery as module
+from pushpressslide.control.center_belief import CenterBelief
 from pushpressslide.core.bodies import start_state
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
@@ -127,3 +130,29 @@ def test_the_last_hope_ignores_the_errors_and_has_the_least_friction(
     assert asked[3].support_friction == believed
     assert asked[4].support_friction == pytest.approx(0.8 * believed)
     assert unsure.resumed(asked[4]).scene.planned_friction_error == 0.0
+
+
+def test_a_press_that_slid_has_a_tip_of_less_friction() -> None:
+    """Less than what drags the object under its load; a push says nothing."""
+    scene = TASK.scene
+    (segment,) = pps.plan(TASK).segments
+    begun = module.after_slides(BEGIN, scene, segment)
+    load = segment.contacts[0].load
+    drag = scene.support.friction * (scene.body.mass * GRAVITY + load)
+    assert begun.contact_friction == pytest.approx(
+        min(drag / load, scene.contact_friction)
+    )
+    assert TASK.resumed(begun).scene.contact_friction == begun.contact_friction
+    (push,) = pps.plan(pps.load_task("rear-push-rear")).segments
+    assert module.after_slides(BEGIN, scene, push) == BEGIN
+
+
+def test_a_restart_knows_the_centre_and_its_error() -> None:
+    task = pps.load_task("rear-push-rear", ["belief.center_error=0.02"])
+    (segment,) = pps.plan(task).segments
+    center = CenterBelief(0.01, 0.02, 1e-6, 0.0, 4e-6)
+    begun = module.restart(task.scene, segment, task.start, NOTHING, center)
+    belief = task.resumed(begun).belief
+    assert belief.center_of_mass == (0.01, 0.02)
+    assert belief.center_error == pytest.approx(center.error)
+    assert center.error == pytest.approx(math.sqrt(8e-6))

@@ -15,8 +15,8 @@ from pushpressslide.arms.placements import ArmPlacements
 from pushpressslide.control.approach import SETTLE
 from pushpressslide.control.cell import Cell, Clock, TrueState
 from pushpressslide.control.tracker import ObjectTracker
+from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.state import WorldState
 
 FALLEN = "the object has fallen over the edge of support.region"
@@ -44,20 +44,21 @@ def arm_cell(
     arms: Sequence[JointArm],
     placements: ArmPlacements,
     paths: Sequence[tuple[ArmPath, ...]],
-    query: MotionQuery,
+    plan: Plan,
     start: WorldState | None,
 ) -> Cell:
     """Cell of an engine of the given name, with its arms at the start of the first of
     ``paths``, or with arms and bodies as in ``start``.
     """
     postures = None if start is None else [np.array(q) for q in start.joints]
-    placements.begin_placement(query, postures)
+    placements.begin_placement(plan.query, postures)
     physics.put(arms, start)
     physics.facts.update(_path_facts(paths))
     physics.facts["start_tips"] = [
         arm.model.state_at(at_rest(arm.path.approach[-1])).position for arm in arms
     ]
-    return Cell(name, physics, arms, physics, placements, physics)
+    spacing = placements.spacing(plan.task.robots)
+    return Cell(name, physics, arms, physics, placements, physics, spacing)
 
 
 def _path_facts(paths: Sequence[tuple[ArmPath, ...]]) -> dict[str, Any]:

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 
 from pushpressslide.arms.joint_arm import JointArm
 from pushpressslide.arms.paths.approach import led_in
+from pushpressslide.arms.paths.capsules import least_distance
+from pushpressslide.arms.paths.clearance import LOOK
 from pushpressslide.arms.paths.joint_path import ArmPath
 from pushpressslide.arms.paths.library import ArmLibrary
 from pushpressslide.arms.paths.placements import PlacementPaths
+from pushpressslide.control.spacing import Spacing
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.query import MotionQuery
+from pushpressslide.core.task import Robot
 from pushpressslide.planning.free_space import Bounds
 
 
@@ -35,6 +40,7 @@ class ArmPlacements:
         self._within = within
         self._prepared = PlacementPaths(library)  # of what is ahead
         self._prepared.paths = list(paths)
+        self._ahead = self._prepared  # before the last planner was prepared
 
     def begin_placement(
         self, query: MotionQuery, postures: Sequence[Array] | None = None
@@ -52,6 +58,21 @@ class ArmPlacements:
         for arm, path, (_, attitude) in zip(self._arms, paths, taken, strict=True):
             arm.follow(path, attitude, period, frame)
 
+    def spacing(self, robots: Sequence[Robot]) -> Spacing | None:
+        """Distance between the arms of ``robots``. None of a single one."""
+        if len(robots) < 2:
+            return None
+        outlines = [self._library.capsules(one, i) for i, one in enumerate(robots)]
+
+        def distance(postures: Sequence[Array]) -> float:
+            arms = zip(outlines, (q[None] for q in postures), strict=True)
+            return min(
+                least_distance(one, other, q, its, LOOK)
+                for (one, q), (other, its) in combinations(arms, 2)
+            )
+
+        return distance
+
     def prepare(self) -> PlacementPaths:
         """Empty planner of placements and joint paths that starts from the last
         measured postures.
@@ -61,8 +82,13 @@ class ArmPlacements:
         )
         return self._prepared
 
+    def restore(self) -> None:
+        """Go on with the joint paths that no prepared planner has replaced."""
+        self._prepared = self._ahead
+
     def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
         """Take the next joint paths, from the last measured postures."""
+        self._ahead = self._prepared
         self.begin_placement(placement.query, self._postures())
 
     def _postures(self) -> tuple[Array, ...]:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, Protocol
 
 from pushpressslide.control.limits import ArmLimits, ArmReading
+from pushpressslide.control.spacing import Spacing
 from pushpressslide.control.tracker import ObjectTracker
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import ArmCommand, TipState, Vector3
@@ -130,6 +131,9 @@ class Placements(Protocol):
         replace all remaining ones.
         """
 
+    def restore(self) -> None:
+        """Keep the remaining placements: no planner prepared since has a plan."""
+
     def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
         """Continue with the next placement. Arms in ``kept_arms`` keep their contacts."""
 
@@ -140,6 +144,9 @@ class TipsAlone:
     def prepare(self) -> PlacementPlanner:
         """Planner that accepts any plan."""
         return PlansAlone()
+
+    def restore(self) -> None:
+        """Do nothing."""
 
     def hand_over(self, placement: Plan, kept_arms: frozenset[int]) -> None:
         """Do nothing."""
@@ -160,6 +167,7 @@ class Cell:
     tracker: ObjectTracker
     placements: Placements = field(default_factory=TipsAlone)
     witness: Witness | None = None  # None: what was measured is recorded
+    spacing: Spacing | None = None  # of the arms; None: not watched
 
     @property
     def arm_limits(self) -> tuple[ArmLimits, ...]:

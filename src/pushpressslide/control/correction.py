@@ -18,7 +18,7 @@ from pushpressslide.core.plan import Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.scene import ObjectModel
-from pushpressslide.geometry.sides import Side
+from pushpressslide.geometry.sides import FlatSide, Side
 from pushpressslide.identification.online import AxleEstimate
 from pushpressslide.identification.parameter_estimates import (
     NOTHING,
@@ -247,6 +247,18 @@ def side_slide(contacts: Sequence[Contact], contact_points: Sequence[Point]) -> 
     pairs = zip(contact_points, contacts, strict=True)
     return max(
         (math.dist(p, contact.point) for p, contact in pairs if contact.kind == "side"),
+        default=0.0,
+    )
+
+
+def beyond_ends(sides: Sequence[Side | None], contact_points: Sequence[Point]) -> float:
+    """Largest distance [m] of a contact beyond the ends of its flat side. 0 on it."""
+    return max(
+        (
+            side.beyond_ends(point)
+            for side, point in zip(sides, contact_points, strict=True)
+            if isinstance(side, FlatSide)
+        ),
         default=0.0,
     )
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+from pushpressslide.control.center_belief import CenterBelief
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan, Segment
 from pushpressslide.core.pose import Pose2
@@ -19,6 +20,7 @@ from pushpressslide.identification.parameter_estimates import (
     dragged_friction,
 )
 from pushpressslide.modes.base import ENOUGH
+from pushpressslide.planning.pressed.harder import slid_friction
 from pushpressslide.selection.placement_planner import PlacementPlanner
 from pushpressslide.selection.solve import solved
 
@@ -30,27 +32,47 @@ RECOVERABLE: frozenset[ReasonCode] = frozenset(
         "torque_limit",
         "joint_limit",
         "reference_jump",
+        "collision",
     }
 )
 """Failures after which arms that have drawn back can start again."""
 
 
 def restart(
-    scene: Scene, segment: Segment, pose: Pose2, estimates: ParameterEstimates
+    scene: Scene,
+    segment: Segment,
+    pose: Pose2,
+    estimates: ParameterEstimates,
+    center: CenterBelief | None = None,
 ) -> Restart:
     """Start of the remaining task in ``scene``.
 
-    The task was interrupted in ``segment``, with the object at ``pose``, X_WG.
+    The task was interrupted in ``segment``, with the object at ``pose``, X_WG. What is
+    believed of its ``center`` of mass replaces that of the estimates.
     """
-    x, y = scene.body.center_of_mass
-    dx, dy = estimates.center
     load = sum(contact.load for contact in segment.contacts)
     friction = dragged_friction(scene, load, estimates.drag)
     rho = scene.rho
     if rho is not None and estimates.rho is not None:
         rho = estimates.rho
     state = WorldState({OBJECT: pose})
+    if center is not None:
+        place, error = center.place, center.error
+        return Restart(state, segment.leg, place, friction, rho, center_error=error)
+    x, y = scene.body.center_of_mass
+    dx, dy = estimates.center
     return Restart(state, segment.leg, (x + dx, y + dy), friction, rho)
+
+
+def after_slides(start: Restart, scene: Scene, segment: Segment) -> Restart:
+    """The ``start`` after a ``segment`` whose press slid over the top: its tip has less
+    friction than believed.
+    """
+    if any(contact.kind == "side" for contact in segment.contacts):
+        return start
+    load = sum(contact.load for contact in segment.contacts)
+    friction = min(scene.contact_friction, slid_friction(scene, load))
+    return replace(start, contact_friction=friction)
 
 
 def planned_anew(

@@ -29,6 +29,7 @@ from pushpressslide.control.approach import (
     tip_path,
 )
 from pushpressslide.control.cell import Applied, Cell, TrueState
+from pushpressslide.control.center_belief import CenterBelief, beside_center
 from pushpressslide.control.controller import Controller
 from pushpressslide.control.estimator import Estimator, ObjectEstimator
 from pushpressslide.control.execution import USUAL, Execution
@@ -38,8 +39,14 @@ from pushpressslide.control.last_look import LastLook
 from pushpressslide.control.limits import ArmReading, Guard
 from pushpressslide.control.looking import RestingPose
 from pushpressslide.control.recording import Recorder, Tick
-from pushpressslide.control.recovery import RECOVERABLE, planned_anew, restart
+from pushpressslide.control.recovery import (
+    RECOVERABLE,
+    after_slides,
+    planned_anew,
+    restart,
+)
 from pushpressslide.control.sensing import sensed
+from pushpressslide.control.spacing import SpacingWatch
 from pushpressslide.control.state import (
     FREE_DAMPING,
     FREE_STIFFNESS,
@@ -190,6 +197,7 @@ class RunLoop:
         force = query.limits.normal_force
         self.guard = Guard(force, period, limits, goes_on, noise)
         self.joint_watches = [JointWatch(each.velocity.tolist()) for each in limits]
+        self.spacing = None if cell.spacing is None else SpacingWatch(cell.spacing)
         self.breach: Ending | None = None  # broken limit
         self.breaches: list[dict[str, Any]] = []  # all of them, with their times [s]
         self.stopping: Stop | None = None  # since then
@@ -199,6 +207,9 @@ class RunLoop:
         self.watches = (self._finished, *watches, self._failed, self._stopped)
         self.last_look: LastLook | None = None  # None: not needed
         self.identified = Identified()  # in the placements before this one
+        self.center: CenterBelief | None = None  # the same; None: it is sure
+        if self.believed.center_error > 0.0:
+            self.center = CenterBelief.before_run(self.believed)
         self.looked_on: float | None = None  # [s] since when for longer
         self.ticks = 0
         self.placements = plan.by_placement
@@ -229,7 +240,8 @@ class RunLoop:
             return Ending("time_limit", text)
         tick, measurement = self._tick()
         self.recorder.add(tick)
-        if self._placement_done() and self.number + 1 < len(self.placements):
+        more = self.number + 1 < len(self.placements)
+        if more and self._placement_done() and not self._plans_rest(tick):
             self._hand_over(tick, measurement)
         ended = self._ending(tick)
         if ended is not None:
@@ -311,6 +323,16 @@ class RunLoop:
         if self.state is not None:
             own = self.controller.identified(self.state, self.believed)
             self.identified = self.identified.better(own)
+            self.center = self._known_center()
+
+    def _known_center(self) -> CenterBelief | None:
+        """What is believed of the centre of mass after the present placement. None if
+        it is sure.
+        """
+        if self.center is None or self.state is None:
+            return self.center
+        found = self.controller.identified(self.state, self.believed).parameters
+        return self.center.knowing(found.get("center_of_mass"))
 
     def _knowledge(self) -> dict[str, Any]:
         """Note on what is known of the final pose, for the record: that only
@@ -341,6 +363,7 @@ class RunLoop:
                 self._stop(breach, measurement, log.phase)
                 commands, log = self._decide(measurement, readings)
         if self.stopping is not None:
+            self._hold_if_near(time, readings)
             sent = self.stopping.step(time, readings, runaways, commands)
             commands = sent
         decided = perf_counter()
@@ -464,7 +487,24 @@ class RunLoop:
             forces = [math.hypot(*tip.force) for tip in measurement.tips]
         else:
             forces = self.controller.normal_forces(self.state, measurement)
-        return self.guard.breach(forces, readings, commands)
+        breach = self.guard.breach(forces, readings, commands)
+        return breach or self._approached(measurement.time, readings)
+
+    def _approached(self, time: float, readings: Sequence[ArmReading]) -> Ending | None:
+        """Ending of a run whose arms would touch each other, or None. On the approach
+        they follow their plan.
+        """
+        if self.spacing is None or self.state is None:
+            return None
+        return self.spacing.step(time, [reading.q for reading in readings])
+
+    def _hold_if_near(self, time: float, readings: Sequence[ArmReading]) -> None:
+        """Hold arms that draw back from a limit, but towards each other."""
+        if self.stopping is None or self.spacing is None:
+            return
+        self._approached(time, readings)
+        if self.spacing.too_near:
+            self.stopping.hold()
 
     def _stop(self, breach: Ending, measurement: Measurement, phase: Phase) -> None:
         """Stop safely because of a ``breach`` in a ``phase``.
@@ -523,6 +563,8 @@ class RunLoop:
         if own and self.recoveries == 0:
             self.controller.supervisor.gives_up = False
         self.state = None
+        if self.spacing is not None:
+            self.spacing.forget()
         self.resting = RestingPose()
         self.expected = self._expected(time)
 
@@ -549,7 +591,11 @@ class RunLoop:
         self.number += 1
         self.cell.placements.hand_over(self.placements[self.number], kept_arms)
         self.guard.forget_references()
-        self._begin_placement(held_commands, tick.time, measurement)
+        time = tick.time
+        if self.cell.clock.time - time > 2.0 * self.guard.period:  # planned meanwhile
+            measurement, _ = self.measure()
+            time = measurement.time
+        self._begin_placement(held_commands, time, measurement)
         self.recorder.begin_placement(self.plan, self.number)
 
     def _recovers(self, ending: Ending, tick: Tick, measurement: Measurement) -> bool:
@@ -570,20 +616,48 @@ class RunLoop:
             return False
         time = tick.time
         try:
-            start = self._restart(pose)
-            held_commands = self._hold(tick)
-            prepare = self.cell.placements.prepare
-            plan = self._while_holding(
-                partial(planned_anew, self.plan, start, prepare), held_commands
-            )
-            self._check_in_time(plan)
+            plan, held_commands = self._planned_from(self._restart(pose), tick)
         except InfeasibleTaskError as error:
             self._note(time, reason, str(error))
             return False
         self._note(time, reason)
         self.looked_on = None
+        self.recoveries -= 1
         self._resume(plan, held_commands)
         return True
+
+    def _plans_rest(self, tick: Tick) -> bool:
+        """Replan the remaining placements, if the next one would push beside the centre
+        of mass. Return False if it would not, or if there is no other plan.
+        """
+        after = self.placements[self.number + 1]
+        center = self._known_center()
+        if self.state is None or center is None or self.controller.kept_arms:
+            return False
+        if not beside_center(after, center):
+            return False
+        leg = after.segments[0].leg
+        pose = self.controller.filtered_pose(self.state)
+        try:
+            start = replace(self._restart(pose), leg=leg)
+            plan, held_commands = self._planned_from(start, tick)
+        except InfeasibleTaskError:
+            self.cell.placements.restore()
+            return False
+        self._resume(plan, held_commands)
+        return True
+
+    def _planned_from(self, start: Restart, tick: Tick) -> tuple[Plan, Commands]:
+        """Plan of the remaining task from ``start``, and the commands that hold the arms
+        meanwhile. Raises InfeasibleTaskError if no plan ends in time.
+        """
+        held_commands = self._hold(tick)
+        prepare = self.cell.placements.prepare
+        plan = self._while_holding(
+            partial(planned_anew, self.plan, start, prepare), held_commands
+        )
+        self._check_in_time(plan)
+        return plan, held_commands
 
     def _verified(self, ending: Ending) -> Ending:
         """The ``ending``, or what the last look shows of a goal that should be reached,
@@ -636,7 +710,10 @@ class RunLoop:
             raise InfeasibleTaskError("one arm still holds the object")
         if not scene.carried(pose):
             raise InfeasibleTaskError("nothing but the arms carries the object")
-        return restart(scene, segment, pose, found)
+        start = restart(scene, segment, pose, found, self._known_center())
+        if self.state is None or self.state.watches.retouches == 0:
+            return start
+        return after_slides(start, scene, segment)
 
     def _hold(self, tick: Tick) -> Commands:
         """Command all arms, or tips without arms, to hold their positions. Returns the
@@ -688,7 +765,6 @@ class RunLoop:
         self.plan = plan
         self.placements = plan.by_placement
         self.number = 0
-        self.recoveries -= 1
         self.breach = None
         self.stopping = None
         self.looked_on = None

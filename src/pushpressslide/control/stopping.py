@@ -146,6 +146,10 @@ class Stop:
         """
         return any(self.levels)
 
+    def hold(self) -> None:
+        """Let no arm draw back any farther."""
+        self.levels = [max(level, StopLevel.HOLD) for level in self.levels]
+
     def step(
         self,
         time: float,
@@ -164,7 +168,7 @@ class Stop:
         for i, (reading, runaway) in enumerate(zip(readings, runaways, strict=True)):
             self.levels[i] = max(self.levels[i], self._level(i, time, reading, runaway))
         if StopLevel.BRAKE in self.levels:
-            self.levels = [max(level, StopLevel.HOLD) for level in self.levels]
+            self.hold()
         if drew_back and self.took_over:
             self._waiting = time
         self._watch_rest(readings)

@@ -13,6 +13,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from pushpressslide.control.correction import (
+    beyond_ends,
     press_creep,
     rest_of,
     side_slide,
@@ -43,6 +44,7 @@ from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.identification.parameter_estimates import ParameterEstimates
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Measured
+from pushpressslide.planning.pressed.harder import harder_presses
 from pushpressslide.planning.workspace import poses_along
 
 RETOUCHES = 3
@@ -258,6 +260,25 @@ class Supervisor:
             tips.append(memory._replace(held_command=command))
         return held._replace(phase=held.phase._replace(tips=tuple(tips), align=False))
 
+    def slid_off(self, moment: Moment) -> bool:
+        """A push has slid over the end of its face, and may not be corrected."""
+        place, _ = moment.state.estimate.spread
+        radius = max(robot.tip_radius for robot in self.placement.scene.robots)
+        allowed = radius + margins.ARM.retouch + margins.DOUBT * place
+        return self._beyond(moment) > allowed and not self._may_retouch(moment)
+
+    def stop_slid_off(self, moment: Moment) -> ControllerState:
+        """Stop: contact lost."""
+        text = (
+            f"a tip is {self._beyond(moment) * 1e3:.0f} mm beyond the end of its face"
+        )
+        return _stopped(moment, ("contact_lost", text))
+
+    def _beyond(self, moment: Moment) -> float:
+        """Distance [m] of a push beyond the end of its face."""
+        sides = moment.state.following.binding.sides
+        return beyond_ends(sides, moment.contact_points)
+
     def crept(self, moment: Moment) -> bool:
         """A press has crept, and enough path is left to correct it."""
         planned = self.placement.segments[0].contacts
@@ -278,8 +299,24 @@ class Supervisor:
         return len(contacts) > 1 and slide(contacts, moment.contact_points) > allowed
 
     def touch_harder(self, moment: Moment) -> ControllerState:
-        """Touch the planned place again, and press harder."""
+        """Touch the planned place again, and press harder. Stop if a tip that may have
+        less friction than believed cannot.
+        """
+        if self.placement.scene.friction_error > 0.0 and not self._harder(moment):
+            slid = slide(self.placement.segments[0].contacts, moment.contact_points)
+            text = f"a press slid by {slid * 1e3:.0f} mm, and cannot be harder"
+            stopped = _stopped(moment, ("contact_lost", text))
+            watches = stopped.watches
+            counted = watches._replace(retouches=watches.retouches + 1)
+            return stopped._replace(watches=counted)
         return self._touch_planned_place(moment.state, moment.instant, crept=True)
+
+    def _harder(self, moment: Moment) -> bool:
+        """Whether a press can be made harder."""
+        followed = moment.state.following.binding.segment
+        most = self.placement.queries[followed.leg].planned_force
+        contacts = followed.contacts
+        return harder_presses(self.placement.scene, contacts, most) != contacts
 
     def slid(self, moment: Moment) -> bool:
         """A push has slid along its face, and enough path is left to correct it."""
@@ -403,16 +440,7 @@ class Supervisor:
         )
         if crept:
             most = self.placement.queries[followed.leg].planned_force
-            scene = self.placement.scene
-            least = (1.0 - scene.friction_error) * (1.0 - scene.mass_error)
-            harder = max(margins.HARDER, 1.0 / math.sqrt(least))
-            contacts = tuple(
-                replace(
-                    contact,
-                    load=max(contact.load, min(harder * contact.load, most)),
-                )
-                for contact in contacts
-            )
+            contacts = harder_presses(self.placement.scene, contacts, most)
         drive = following.segment.drive
         segment = replace(followed, contacts=contacts, drive=drive)
         watches = state.watches
@@ -731,6 +759,7 @@ TRANSITIONS: tuple[Transition, ...] = (
     Transition(Supervisor.lost, Supervisor.touch_again),
     Transition(Supervisor.resisted, Supervisor.hold),
     Transition(Supervisor.mistaken, Supervisor.stop_mistaken),
+    Transition(Supervisor.slid_off, Supervisor.stop_slid_off),
     Transition(Supervisor.crept, Supervisor.touch_harder),
     Transition(Supervisor.slid, Supervisor.touch_planned),
     Transition(Supervisor.missing, Supervisor.wait),

@@ -94,6 +94,8 @@ class Restart:
     dares: bool = False
     # legs found for the rest; None: those of the task
     legs: tuple[Leg, ...] | None = None
+    center_error: float | None = None  # [m]; None: that of the task
+    contact_friction: float | None = None  # None: that of the task
 
 
 @documented
@@ -313,6 +315,10 @@ class Task:
             support_friction=restart.support_friction,
             rho=restart.rho,
         )
+        if restart.center_error is not None:
+            belief = replace(belief, center_error=restart.center_error)
+        if restart.contact_friction is not None:
+            belief = replace(belief, contact_friction=restart.contact_friction)
         dares = (self.dares or restart.dares) and belief.planned_for_errors
         task = replace(self, belief=belief, start_error=Pose2(), dares=dares)
         if restart.free:

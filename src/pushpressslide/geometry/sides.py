@@ -55,6 +55,13 @@ class FlatSide:
         across = (point[1] - y) * nx - (point[0] - x) * ny
         return (x - across * ny, y + across * nx)
 
+    def beyond_ends(self, point: Point) -> float:
+        """Distance [m] along the face of a ``point`` from the nearer end. 0 between."""
+        nx, ny = self.normal
+        along = -ny * point[0] + nx * point[1]
+        right, left = self.ends
+        return max(right - along, along - left, 0.0)
+
     def normal_at(self, point: Point) -> Point:
         """Normal of the face, the same at every point."""
         return self.normal

@@ -61,7 +61,6 @@ def mujoco_cell(
     Raises TaskError for a ``truth`` that MuJoCo does not have.
     """
     options = options or RunOptions()
-    query = plan.query
     _refuse_grain(plan.task)
     seed = options.true_world_seed
     true = true_plan(plan, seed)
@@ -70,7 +69,7 @@ def mujoco_cell(
     drives = [MujocoDrives(physics, i) for i in range(len(scene.arms))]
     arms = joint_arms(plan, MujocoArmModel, drives, options)
     placements = ArmPlacements(library, arms, paths)
-    return arm_cell("mujoco", physics, arms, placements, paths, query, options.begin)
+    return arm_cell("mujoco", physics, arms, placements, paths, plan, options.begin)
 
 
 def _refuse_grain(task: Task) -> None:

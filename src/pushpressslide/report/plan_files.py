@@ -103,7 +103,9 @@ def _restart_from_dict(data: Mapping[str, Any]) -> Restart:
     """Restart from the data of ``_restart_to_dict``."""
     hints = get_type_hints(Restart)
     del hints["state"]
-    values = {name: _of_type(kind, data[name]) for name, kind in hints.items()}
+    values = {
+        name: _of_type(kind, data[name]) for name, kind in hints.items() if name in data
+    }
     return Restart(WorldState({OBJECT: _of_type(Pose2, data["pose"])}), **values)
 
 

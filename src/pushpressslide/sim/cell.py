@@ -48,14 +48,13 @@ def drake_cell(
     takes over if the solver of ``station`` does not converge.
     """
     options = options or RunOptions()
-    query = plan.query
     physics = DrakePhysics(plan, station, spare)
     drives = [DrakeDrives(physics, i) for i in range(len(station.scene.robots))]
     make_model = partial(DrakeArmModel, models=models)
     arms = joint_arms(plan, make_model, drives, options)
     placements = ArmPlacements(DRAKE, arms, paths, station.scene.bounds)
     physics.facts["models"] = models
-    return arm_cell("drake", physics, arms, placements, paths, query, options.begin)
+    return arm_cell("drake", physics, arms, placements, paths, plan, options.begin)
 
 
 class DrakePhysics:
