@@ -34,9 +34,7 @@ STILL = (1e-4, math.radians(0.03))  # the same of an object that is held, or lef
 # growth with the square root of the tip's path
 SLIPPED = (4.5e-3, math.radians(2.2))  # [m], [rad] in 1 m
 HAND_EYE = 4e-3
-"""Standard deviation [m] of where a tip touches from where it was to touch: camera and
-arm do not agree better.
-"""
+"""Largest standard deviation [m] of where a tip touches from where it was to touch."""
 ARM = 0.2
 """Standard deviation of the turn arm, times the radius of the object."""
 ARM_LENGTH = 4.0  # [m] of path after which it may be another
@@ -44,6 +42,7 @@ CHANGED = 0.3
 """Standard deviation of a planned change of the turn arm, as a share of it."""
 SLIP = 0.15
 """Standard deviation of the share of its motion by which a tip slips."""
+SLIP_ALONG = 0.03  # the same of a push along its face: it sticks, or slides
 SLIP_LENGTH = 0.05  # [m] of path after which it may be another
 PUSHED_LENGTH = (
     0.02  # [m] of path after which a touching tip may push the object, or not
@@ -359,13 +358,25 @@ class PoseFilter:
         growth[:2] += place * place * path
         growth[2] += yaw * yaw * path
         growth[3:5] = (ARM / self.radius) ** 2 * path / ARM_LENGTH
-        growth[5] = SLIP * SLIP * path / SLIP_LENGTH
+        growth[5] = self._slip**2 * path / SLIP_LENGTH
         return growth
 
     def _led(self, mean: Mean, advances: Sequence[Advance]) -> Mean:
         for advance in advances:
             mean = mean.after(advance, self.along)
         return mean
+
+    @property
+    def _hand_eye(self) -> float:
+        """Standard deviation [m] of where the tip touches from where it was to touch: a
+        camera with less noise agrees better with the arm.
+        """
+        return min(HAND_EYE, 2.0 * float(self.noise[0]))
+
+    @property
+    def _slip(self) -> float:
+        """Standard deviation of the share of its motion by which the tip slips."""
+        return SLIP if self.along is None else SLIP_ALONG
 
     def _mean_at(self, X_WG: Pose2) -> Mean:
         x, y = X_WG.apply(self.point)
@@ -380,9 +391,9 @@ class PoseFilter:
         P = np.zeros((9, 9))
         P[:3, :3] = to_C @ pose @ to_C.T
         P[3, 3] = P[4, 4] = (ARM / self.radius) ** 2 + self.doubt * self.doubt
-        P[5, 5] = SLIP * SLIP
+        P[5, 5] = self._slip**2
         c, s = X_WG.rotate((1.0, 0.0))
-        variance = HAND_EYE * HAND_EYE
+        variance = self._hand_eye**2
         P[:2, 7:] = variance * np.array(((c, -s), (s, c)))
         P[7:, :2] = P[:2, 7:].T
         P[0, 0] += variance
