@@ -549,9 +549,8 @@ def _made_touches(
 
 def _light(query: MotionQuery, segment: Segment) -> bool:
     """Whether an object that ``segment`` pushes may slide before it is felt."""
-    scene = query.scene
-    least = scene.surest_drag
-    return query.sensing.felt_force > least * segment.drive.max_friction
+    lightest = query.scene.surest_drag * segment.drive.max_friction
+    return query.sensing.felt_force > lightest
 
 
 def _regulator(query: MotionQuery) -> NormalForceRegulator:

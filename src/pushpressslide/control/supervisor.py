@@ -382,9 +382,7 @@ class Supervisor:
         contacts = segment.contacts
         pushes = len(contacts) > 1 and all(c.kind == "side" for c in contacts)
         query = placement.queries[segment.leg]
-        if not pushes or placement.waits or any(query.scene.weight_along):
-            return False
-        if query.may_push or query.tool is not None:
+        if not pushes or placement.waits or not query.resisted_by_friction_alone:
             return False
         tips = [instant.tips[contact.arm] for contact in contacts]
         total = math.hypot(
