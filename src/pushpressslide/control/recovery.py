@@ -22,7 +22,7 @@ from pushpressslide.identification.parameter_estimates import (
 from pushpressslide.modes.base import ENOUGH
 from pushpressslide.planning.pressed.harder import slid_friction
 from pushpressslide.selection.placement_planner import PlacementPlanner
-from pushpressslide.selection.solve import solved
+from pushpressslide.selection.solve import nudged, solved
 
 RECOVERABLE: frozenset[ReasonCode] = frozenset(
     {
@@ -81,7 +81,8 @@ def planned_anew(
     """Plan for the remaining task of ``plan``, made by the empty placement planner that
     ``prepare`` returns.
 
-    The task's own mode and contacts are tried first, then any others. If neither gives
+    A short push that ends within the goal's tolerances is tried first, then the task's
+    own mode and contacts, then any others. If neither gives
     a plan, the identified friction is replaced by the believed friction, since a jammed
     object seems to have more friction than it has; then the errors of the belief are
     ignored; then the support has the least friction that they allow. Raises
@@ -89,6 +90,9 @@ def planned_anew(
     """
     task = plan.task
     free = replace(restart_state, free=True)
+    short = nudged(prepare(), _remaining(plan, free))
+    if short is not None:
+        return short
     believed = replace(free, support_friction=task.scene.support.friction)
     tried: list[Task] = []
     refused: InfeasibleTaskError | None = None
@@ -109,8 +113,12 @@ def planned_anew(
 
 
 def _planned(plan: Plan, restart_state: Restart, planner: PlacementPlanner) -> Plan:
+    return solved(planner, _remaining(plan, restart_state), ENOUGH).plan
+
+
+def _remaining(plan: Plan, restart_state: Restart) -> Plan:
+    """Plan for the remaining task of ``plan``, without segments."""
     if plan.from_search:  # other motions than those found before may lead on
         restart_state = replace(restart_state, leg=0, legs=())
     rest = plan.task.resumed(restart_state)
-    empty = Plan(rest, (), restart_state, plan.from_search, plan.may_push)
-    return solved(planner, empty, ENOUGH).plan
+    return Plan(rest, (), restart_state, plan.from_search, plan.may_push)

@@ -268,6 +268,16 @@ RUN_INS_ONWARD = (1.0, 0.5, 0.25, 0.125)
 """Run-ins of a rear push's replan that are tried, as shares of the planned one. The
 remaining part of the old run-in alone would leave no space for new turns.
 """
+NUDGE = 1.0
+"""Longest section of a short push, in radii of the object."""
+NUDGE_SPEED = 0.3
+"""Speed of a short push, as a share of ``motion.speed``: it is over before late pictures
+show where it leads.
+"""
+NUDGED = 0.2
+"""Final error that a short push may have, as a share of the goal's tolerances."""
+NUDGED_WITHIN = 0.6
+"""The same where a smaller one is out of reach."""
 REST_TO_REST = 1.2
 """Extra time that stopping before and after a turn costs, as a multiple of speed over
 acceleration.

@@ -206,6 +206,12 @@ class Mode(ABC, Generic[D]):
         """
         return ()
 
+    def nudges(self, query: MotionQuery) -> Sequence[Candidate | Choice]:
+        """Candidates of short pushes that end within the goal's tolerances. Empty if the
+        mode has none.
+        """
+        return ()
+
     def drive_of(self, segment: Segment) -> D:
         """Drive of one of the mode's own segments.
 

@@ -5,7 +5,7 @@ tracked at its virtual front axle (docs/mechanics.md, section 3).
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -13,8 +13,9 @@ from pushpressslide.allocation.allocator import Allocator
 from pushpressslide.allocation.one_contact import one_contact_allocator
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Choice, Contact, Segment
-from pushpressslide.core.pose import Point
+from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
+from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import Scene
 from pushpressslide.identification.center import CenterIdentifier, doubt
 from pushpressslide.identification.drag import DragIdentifier
@@ -26,9 +27,12 @@ from pushpressslide.identification.online import (
 )
 from pushpressslide.modes.base import Candidate, Continuation, Measured, Mode
 from pushpressslide.planning.either_arm import either_arm
+from pushpressslide.planning.nudge import Nudge, nudge
 from pushpressslide.planning.rear_car import (
+    HARDER,
     cone_margin,
     contact_refusal,
+    planned_share,
     resume_route,
     route,
     shortest_length,
@@ -47,8 +51,15 @@ from pushpressslide.planning.side_contacts import (
     untouchable,
 )
 from pushpressslide.rom.drives import ORIGIN, RearSteerDrive
+from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.tracking.rear_car import RearPushTracker
 from pushpressslide.tracking.rear_stanley import rear_stanley
+
+
+Drives = Mapping[float, RearSteerDrive]
+"""Drives of a face's cars. Each key is the factor by which the paths of a car turn
+harder than planned.
+"""
 
 
 class RearPush(Mode[RearSteerDrive]):
@@ -88,11 +99,22 @@ class RearPush(Mode[RearSteerDrive]):
 
     def candidates(self, query: MotionQuery) -> list[Candidate | Choice]:
         """One candidate per face."""
+        return self._candidates(query, self._driven)
+
+    def nudges(self, query: MotionQuery) -> list[Candidate | Choice]:
+        """One candidate of a short push per face."""
+        return self._candidates(query, self._nudged)
+
+    def _candidates(
+        self, query: MotionQuery, drive: Callable[[MotionQuery, Choice, Drives], Choice]
+    ) -> list[Candidate | Choice]:
         height = lone_contact_height(query.scene, query.motion)
         if not pushable(query.scene, height):
             return [Choice(self.name, refusal=untouchable(query.scene, height))]
         return [
-            Candidate(0.0, partial(self._push, query, fitted), contacts=(contact,))
+            Candidate(
+                0.0, partial(self._push, query, fitted, drive), contacts=(contact,)
+            )
             for fitted, contact in zip(
                 fitted_faces(query.scene, query.motion),
                 self.candidate_contacts(query),
@@ -101,9 +123,15 @@ class RearPush(Mode[RearSteerDrive]):
         ]
 
     def _push(
-        self, query: MotionQuery, fitted: FittedFace, evaluated: bool
+        self,
+        query: MotionQuery,
+        fitted: FittedFace,
+        drive: Callable[[MotionQuery, Choice, Drives], Choice],
+        evaluated: bool,
     ) -> list[Choice]:
-        """Evaluate a push on a face, without a check of the arms' reach."""
+        """Evaluate a push on a face along the path that ``drive`` adds to a choice,
+        without a check of the arms' reach.
+        """
         scene = query.scene
         face = fitted.face
         height = lone_contact_height(scene, query.motion)
@@ -118,14 +146,12 @@ class RearPush(Mode[RearSteerDrive]):
         refusal = refusal or fitted.refusal
         if not fitted.cars:
             return [choice.refused(refusal)]
-        driven = self._driven(query, choice, _drives(scene, fitted))
+        driven = drive(query, choice, _drives(scene, fitted))
         return either_arm(
             scene, query.body_ends, driven.refused(refusal or driven.refusal)
         )
 
-    def _driven(
-        self, query: MotionQuery, choice: Choice, drives: Mapping[float, RearSteerDrive]
-    ) -> Choice:
+    def _driven(self, query: MotionQuery, choice: Choice, drives: Drives) -> Choice:
         """Choice with the path of a car. Refused if the path turns too much."""
         best, looped = route(query, drives)
         car = best.drive.car
@@ -155,6 +181,26 @@ class RearPush(Mode[RearSteerDrive]):
             time=run_time(query.motion, (one_segment,)),
             summary=summary,
             refusal=turning_refusal(path),
+        )
+
+    def _nudged(self, query: MotionQuery, choice: Choice, drives: Drives) -> Choice:
+        """Choice with a short push. Refused if it ends beside the tolerances."""
+        hardest = HARDER[-1]
+        share = planned_share(query.motion, hardest)
+        drive = replace(drives[hardest], curvature_share=share, nudges=True)
+        start, _ = query.body_ends
+        best = nudged(query, drive, start)
+        one_segment = nudge_segment(query, choice.contacts, drive, best)
+        refusal = None
+        if best.off > margins.NUDGED_WITHIN:
+            text = "ends {figure:.2f} tolerances beside the goal, allowed {allowed:.2f}"
+            refusal = Refusal("nudge", text, best.off, margins.NUDGED_WITHIN)
+        return replace(
+            choice,
+            segments=(one_segment,),
+            time=run_time(query.motion, (one_segment,)),
+            summary=f"short push of {best.path.length * 1e3:.0f} mm",
+            refusal=refusal,
         )
 
     def tracker(self, query: MotionQuery, segment: Segment) -> RearPushTracker:
@@ -240,15 +286,43 @@ class RearPush(Mode[RearSteerDrive]):
     def retry(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> tuple[Segment, ...]:
-        """No segments, because a single push cannot back up."""
-        return ()
+        """A short push onwards that ends within the tolerances. No segments if there is
+        none: a single push cannot back up.
+        """
+        car = self._measured_car(query, segment, measured)
+        if car is None:
+            return ()
+        drive = replace(self.drive_of(segment), car=car, nudges=True)
+        best = nudged(query, drive, measured.X_WB)
+        if best.off > margins.NUDGED_WITHIN:
+            return ()
+        return (nudge_segment(query, measured.contacts, drive, best),)
 
     def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> Continuation | None:
-        """Continuation with the measured contact and the identified CoM.
+        """Continuation with the measured contact and the identified CoM."""
+        planned = self.drive_of(segment)
+        car = self._measured_car(query, segment, measured)
+        if car is None:
+            return None
+        contact = replace(measured.contacts[0], normal=car.normal)
+        drive = replace(planned, car=car)
+        if drive.nudges:
+            path = nudged(query, drive, measured.X_WB).path
+            return Continuation((contact,), drive, path)
+        ends = remaining_ends(query.body, segment, measured.X_WB, drive.X_BV)
+        turning = segment.arcs.turning
+        route_on = resume_route(ends, drive, measured.longest, turning)
+        return None if route_on is None else Continuation((contact,), drive, route_on)
 
-        The car keeps its rho unless rho was given or the axle was identified. Its heading
+    def _measured_car(
+        self, query: MotionQuery, segment: Segment, measured: Measured
+    ) -> RearSteerCar | None:
+        """Car of the measured contact and the identified CoM. None if it cannot drive
+        straight.
+
+        It keeps its rho unless rho was given or the axle was identified. Its heading
         axis leads from the measured contact through the identified CoM.
         """
         planned = self.drive_of(segment)
@@ -258,33 +332,54 @@ class RearPush(Mode[RearSteerDrive]):
         com = query.body.center_of_mass
         section = query.body.shape.section(contact.height)
         side = section.side(planned_at, contact.normal, com)
-        contact = replace(contact, normal=side.normal_at(contact.point))
+        normal = side.normal_at(contact.point)
         old = planned.car
         try:
             center = measured.estimates.center
             rho = query.scene.rho or old.rho
             car = replace(
-                old, contact=contact.point, normal=contact.normal, cop=center, rho=rho
+                old, contact=contact.point, normal=normal, cop=center, rho=rho
             )
             if measured.estimates.reach is not None:
                 car = car.reaching(measured.estimates.reach - planned.shift)
         except ValueError:
             return None
         low, high = car.curvature_limits
-        if not low < 0.0 < high:
-            return None
-        drive = replace(planned, car=car)
-        ends = remaining_ends(query.body, segment, measured.X_WB, drive.X_BV)
-        turning = segment.arcs.turning
-        path = resume_route(ends, drive, measured.longest, turning)
-        return None if path is None else Continuation((contact,), drive, path)
+        return car if low < 0.0 < high else None
 
 
-def _drives(scene: Scene, fitted: FittedFace) -> dict[float, RearSteerDrive]:
-    """Drives of a face's cars.
+def nudged(query: MotionQuery, drive: RearSteerDrive, X_WB: Pose2) -> Nudge:
+    """Best short push of a ``drive`` from ``X_WB`` towards the goal."""
+    low, high = drive.car.curvature_limits
+    share = drive.curvature_share
+    return nudge(
+        X_WB.compose(drive.X_BV),
+        query.goal,
+        query.X_GB.compose(drive.X_BV).inverse(),
+        (share * low, share * high),
+        query.tolerance,
+        margins.NUDGE * query.body.radius,
+    )
 
-    Each key is the factor by which the paths of a car turn harder than planned.
-    """
+
+def nudge_segment(
+    query: MotionQuery,
+    contacts: Sequence[Contact],
+    drive: RearSteerDrive,
+    best: Nudge,
+) -> Segment:
+    """Segment along a short push."""
+    speed = margins.NUDGE_SPEED * query.motion.speed
+    margin = cone_margin(drive.car, best.path)
+    led = segment(
+        query, MODE.name, contacts, drive, best.path, speed=speed, cone_margin=margin
+    )
+    end = best.path.end.compose(drive.X_BV.inverse()).compose(query.X_GB.inverse())
+    return replace(led, goal=end)
+
+
+def _drives(scene: Scene, fitted: FittedFace) -> Drives:
+    """Drives of the cars of a fitted face."""
     most = scene.max_friction()
     return {
         harder: RearSteerDrive(car, most, shift)

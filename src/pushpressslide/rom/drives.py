@@ -57,6 +57,7 @@ class RearSteerDrive(VehicleDrive):
     # share of the friction-limited curvature that the path uses
     curvature_share: float = 1.0
     run_in: float = 0.0  # [m] straight end of the path
+    nudges: bool = False  # whether its path ends within the tolerances, not at the goal
 
     @property
     def X_BV(self) -> Pose2:

@@ -21,7 +21,7 @@ from pushpressslide.core.scene import ARM_NAMES
 from pushpressslide.core.state import HeldContacts
 from pushpressslide.core.task import Task
 from pushpressslide.modes import MODES
-from pushpressslide.modes.base import ENOUGH, Feasibility, Mode, ranking_key
+from pushpressslide.modes.base import ENOUGH, Feasibility, Mode, ranking_key, search
 from pushpressslide.planning.either_arm import nearest_arms
 from pushpressslide.selection.clearance import path_refusal
 from pushpressslide.selection.odds import ranked_by_odds
@@ -181,6 +181,19 @@ def _select(
                     part, enough, Feasibility(part, _blocks(part), held_contacts)
                 )
     return ranked_by_odds((query,), _ranked(out))
+
+
+def nudges(query: MotionQuery) -> list[Choice]:
+    """Choices of short pushes that end within the goal's tolerances, best first."""
+    out: list[Choice] = []
+    arms = len(query.scene.arms)
+    names = MODES if query.modes is None else query.modes
+    for mode in (MODES[name] for name in names):
+        if mode.arms <= arms:
+            for part in _by_tip(query, mode):
+                feasibility = Feasibility(part, _blocks(part))
+                out += search(mode.nudges(part), ENOUGH, feasibility)
+    return _ranked(out)
 
 
 def _by_tip(query: MotionQuery, mode: Mode[Any]) -> list[MotionQuery]:

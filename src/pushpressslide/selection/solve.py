@@ -28,6 +28,7 @@ from pushpressslide.selection.search_notes import SearchNotes
 from pushpressslide.selection.select import (
     choices_at_goal,
     evaluate_motion,
+    nudges,
     of_leg,
     placements,
 )
@@ -103,6 +104,21 @@ def solved(
             raise
     clock.lap("pushing")
     return Solution(joined(planner, pushing), choices, clock.laps)
+
+
+def nudged(planner: PlacementPlanner, empty: Plan) -> Plan | None:
+    """Plan of one short push for the last leg of the plan ``empty``, which has no
+    segments yet. It ends within the goal's tolerances. None if there is none.
+    """
+    queries = empty.queries
+    query = queries[-1]
+    alone = query.resisted_by_friction_alone and query.scene.rests
+    if not alone or empty.first + 1 < len(queries):
+        return None
+    choices = [of_leg(choice, empty.first) for choice in nudges(query)]
+    if not add_first(planner, empty, choices, False, {}):
+        return None
+    return joined(planner, empty)
 
 
 def _pushing(planner: PlacementPlanner, pushing: Plan, enough: int) -> list[Choice]:
