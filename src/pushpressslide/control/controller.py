@@ -259,6 +259,8 @@ class Controller:
         instant = Instant(time, dt, X_WG, X_WG.compose(self.X_GB), tips, pace)
         if blind and phase.name == "move":
             following = following.delayed(dt)
+        elif blind and phase.name == "touch" and any(t.light for t in self.touches):
+            phase = phase.delayed(dt)
         estimated = ControllerState(
             phase, following, estimate, estimator, state.adaptation, state.watches
         )

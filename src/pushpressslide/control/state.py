@@ -125,6 +125,16 @@ class PhaseState(NamedTuple):
         1.0  # share of the retreat at which the tips stop, in a release
     )
 
+    def delayed(self, passed: float) -> PhaseState:
+        """Copy whose tips go on ``passed`` [s] later."""
+        tips = tuple(
+            memory
+            if memory.resumed is None
+            else memory._replace(resumed=memory.resumed + passed)
+            for memory in self.tips
+        )
+        return self._replace(since=self.since + passed, tips=tips)
+
 
 class ControllerState(NamedTuple):
     """State of the controller between ticks.
