@@ -20,6 +20,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.state import WorldState
 
 FALLEN = "the object has fallen over the edge of support.region"
+TIPPED = math.radians(60.0)  # no object comes back from this angle
 FAR = 2.0
 """Distance [m] from start and goal beyond which the simulation has diverged."""
 
@@ -74,13 +75,18 @@ def _path_facts(paths: Sequence[tuple[ArmPath, ...]]) -> dict[str, Any]:
 
 
 def lost_object(
-    total: float, X_WG: Pose2, ends: Sequence[Pose2], height: float | None
+    total: float,
+    X_WG: Pose2,
+    ends: Sequence[Pose2],
+    height: float | None,
+    tilt: float = 0.0,
 ) -> str | None:
     """Reason why a simulation cannot continue with an object at X_WG, or None.
 
     ``total`` is the sum of the state, which is not finite if the simulation has
     diverged; ``ends`` are the object's start and goal. ``height`` [m] above the support
-    is None if the support has no edge.
+    is None if the support has no edge. ``tilt`` [rad] is the angle by which the object
+    leans.
     """
     place = f"({X_WG.x:.2f}, {X_WG.y:.2f})"
     off = min(math.dist(X_WG.position, end.position) for end in ends)
@@ -88,4 +94,6 @@ def lost_object(
         return f"the object is at {place}"
     if height is not None and height < 0.0:
         return f"{FALLEN} at {place}"
+    if tilt > TIPPED:
+        return f"the object has tipped over at {place}"
     return None

@@ -26,6 +26,16 @@ def x_axis_of(quaternion: Quaternion) -> Vector3:
     return (1.0 - 2.0 * (y * y + z * z), 2.0 * (w * z + x * y), 2.0 * (x * z - w * y))
 
 
+def tilt_of(quaternion: Quaternion, frame: SupportFrame) -> float:
+    """Angle [rad] by which a body's z axis is tilted from its direction at rest on the
+    support.
+    """
+    w, x, y, z = quaternion
+    up = (2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y))
+    share = sum(a * b for a, b in zip(up, frame.spin_axis, strict=True))
+    return math.acos(min(max(share, -1.0), 1.0))
+
+
 def spatial_axes(yaw: float, frame: SupportFrame) -> Matrix3:
     """Directions in the world of a body's x, y and z axis at a yaw [rad]. The z axis
     points up on a table, and into the wall on a wall.

@@ -27,6 +27,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.spatial_pose import tilt_of
 from pushpressslide.core.state import WorldState
 from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.core.task import Task
@@ -206,14 +207,17 @@ class MujocoPhysics:
     def failure(self) -> str | None:
         """Reason that the simulation cannot continue, or None.
 
-        The object was far away or had fallen at the start of the last tick.
+        At the start of the last tick the object was far away, or had fallen or tipped
+        over.
         """
         q, pose, _ = self._before
         height = None
         if self._region.limited:
             px, py, pz = q[self._body : self._body + 3].tolist()
             height = self.frame.coordinates((px, py, pz))[2]
-        return lost_object(float(q.sum()), pose, self._ends, height)
+        w, x, y, z = q[self._body + 3 : self._body + 7].tolist()
+        tilt = tilt_of((w, x, y, z), self.frame)
+        return lost_object(float(q.sum()), pose, self._ends, height, tilt)
 
     def tip_force(self, arm: int) -> Vector3:
         """Force [N] of an arm's tip ON what it touches, world axes."""

@@ -25,6 +25,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.spatial_pose import tilt_of
 from pushpressslide.core.state import WorldState
 from pushpressslide.execution.arm import ArmDynamics
 from pushpressslide.sim.arm_library import DRAKE
@@ -164,15 +165,17 @@ class DrakePhysics:
     def failure(self) -> str | None:
         """Reason why the simulation cannot continue, or None.
 
-        At the start of the last tick the object was far away or had fallen, or the
-        simulator has reported a failure.
+        At the start of the last tick the object was far away, had fallen or tipped
+        over, or the simulator has reported a failure.
         """
         x, pose = self._before
         height = None
         if self._edged:
             px, py, pz = x[self._body + 4 : self._body + 7]
             height = self.frame.coordinates((px, py, pz))[2]
-        lost = lost_object(sum(x), pose, self._ends, height)
+        w, qx, qy, qz = x[self._body : self._body + 4]
+        tilt = tilt_of((w, qx, qy, qz), self.frame)
+        lost = lost_object(sum(x), pose, self._ends, height, tilt)
         return lost or self._failure
 
     def observe(self) -> TrueState:
