@@ -543,16 +543,10 @@ def _made_touches(
             query.sensing.felt_samples,
             0.0 if query.sensing.sure else margins.ARM.first_look,
             query.sensing.force_noise > 0.0,
-            contact.kind == "side" and _light(query, first),
+            contact.kind == "side" and query.slides_unfelt,
         )
         for contact in first.contacts
     )
-
-
-def _light(query: MotionQuery, segment: Segment) -> bool:
-    """Whether an object that ``segment`` pushes may slide before it is felt."""
-    lightest = query.scene.surest_drag * segment.drive.max_friction
-    return query.sensing.felt_force > lightest
 
 
 def _regulator(query: MotionQuery) -> NormalForceRegulator:

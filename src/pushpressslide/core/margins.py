@@ -274,6 +274,14 @@ NUDGE_SPEED = 0.3
 """Speed of a short push, as a share of ``motion.speed``: it is over before late pictures
 show where it leads.
 """
+NUDGE_STEERING = 0.6
+"""Share of the friction cone that a short push uses: the tip may have less friction than
+believed.
+"""
+NUDGE_BESIDE = 0.8
+"""Largest distance of a short push from the line through the centre of mass, in depths
+of the face.
+"""
 NUDGED = 0.2
 """Final error that a short push may have, as a share of the goal's tolerances."""
 NUDGED_WITHIN = 0.6

@@ -78,6 +78,12 @@ class MotionQuery:
         alone = self.tool is None and not self.may_push
         return alone and not any(self.scene.weight_along)
 
+    @property
+    def slides_unfelt(self) -> bool:
+        """Whether the object may slide before a push is felt."""
+        lightest = self.scene.surest_drag * self.scene.max_friction()
+        return self.sensing.felt_force > lightest
+
     def between(self, start: Pose2, goal: Pose2) -> MotionQuery:
         """The same query from one pose X_WG to another."""
         return replace(self, start=start, goal=goal)

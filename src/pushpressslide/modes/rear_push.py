@@ -5,7 +5,7 @@ tracked at its virtual front axle (docs/mechanics.md, section 3).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -15,7 +15,7 @@ from pushpressslide.core import margins
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
-from pushpressslide.core.refusal import Refusal
+from pushpressslide.core.refusal import Refusal, refusal_of
 from pushpressslide.core.scene import Scene
 from pushpressslide.identification.center import CenterIdentifier, doubt
 from pushpressslide.identification.drag import DragIdentifier
@@ -25,6 +25,7 @@ from pushpressslide.identification.online import (
     AxleIdentifier,
     window_of,
 )
+from pushpressslide.mechanics.faces import Face
 from pushpressslide.modes.base import Candidate, Continuation, Measured, Mode
 from pushpressslide.planning.either_arm import either_arm
 from pushpressslide.planning.nudge import Nudge, nudge
@@ -32,7 +33,6 @@ from pushpressslide.planning.rear_car import (
     HARDER,
     cone_margin,
     contact_refusal,
-    planned_share,
     resume_route,
     route,
     shortest_length,
@@ -46,15 +46,16 @@ from pushpressslide.planning.segments import (
     segment,
 )
 from pushpressslide.planning.side_contacts import (
+    drag_refusal,
     lone_contact_height,
     pushable,
+    side_contact,
     untouchable,
 )
 from pushpressslide.rom.drives import ORIGIN, RearSteerDrive
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.tracking.rear_car import RearPushTracker
 from pushpressslide.tracking.rear_stanley import rear_stanley
-
 
 Drives = Mapping[float, RearSteerDrive]
 """Drives of a face's cars. Each key is the factor by which the paths of a car turn
@@ -99,22 +100,11 @@ class RearPush(Mode[RearSteerDrive]):
 
     def candidates(self, query: MotionQuery) -> list[Candidate | Choice]:
         """One candidate per face."""
-        return self._candidates(query, self._driven)
-
-    def nudges(self, query: MotionQuery) -> list[Candidate | Choice]:
-        """One candidate of a short push per face."""
-        return self._candidates(query, self._nudged)
-
-    def _candidates(
-        self, query: MotionQuery, drive: Callable[[MotionQuery, Choice, Drives], Choice]
-    ) -> list[Candidate | Choice]:
         height = lone_contact_height(query.scene, query.motion)
         if not pushable(query.scene, height):
             return [Choice(self.name, refusal=untouchable(query.scene, height))]
         return [
-            Candidate(
-                0.0, partial(self._push, query, fitted, drive), contacts=(contact,)
-            )
+            Candidate(0.0, partial(self._push, query, fitted), contacts=(contact,))
             for fitted, contact in zip(
                 fitted_faces(query.scene, query.motion),
                 self.candidate_contacts(query),
@@ -122,16 +112,63 @@ class RearPush(Mode[RearSteerDrive]):
             )
         ]
 
-    def _push(
+    def nudges(self, query: MotionQuery) -> list[Candidate]:
+        """One candidate for each place of each face. A push beside the line through the
+        CoM turns the object whatever the friction; one that may slide before it is
+        felt is not touched there.
+        """
+        height = lone_contact_height(query.scene, query.motion)
+        arm = query.scene.arms[0]
+        return [
+            Candidate(0.0, partial(self._nudge, query, fitted, contact))
+            for fitted in fitted_faces(query.scene, query.motion)
+            for contact in _nudged_places(query, fitted.face, arm, height)
+        ]
+
+    def _nudge(
         self,
         query: MotionQuery,
         fitted: FittedFace,
-        drive: Callable[[MotionQuery, Choice, Drives], Choice],
+        contact: Contact,
         evaluated: bool,
     ) -> list[Choice]:
-        """Evaluate a push on a face along the path that ``drive`` adds to a choice,
-        without a check of the arms' reach.
-        """
+        """Evaluate a short push at a ``contact``, without a check of the arms' reach."""
+        scene = query.scene
+        face = fitted.face
+        label = f"short push on face {face.index} at {describe_points([contact.point])}"
+        choice = Choice(self.name, label, (contact,))
+        refusal = drag_refusal(query, (face,), 1, contact.height) or fitted.refusal
+        drives = _drives(scene, fitted)
+        if refusal is not None or not drives:
+            return [choice.refused(refusal)]
+        planned = drives[HARDER[-1]]
+        try:
+            car = replace(
+                planned.car, contact=contact.point, normal=contact.normal, bounds=None
+            )
+        except ValueError as error:
+            return [choice.refused(refusal_of(error, "offset_contact"))]
+        share = margins.NUDGE_STEERING
+        drive = replace(planned, car=car, curvature_share=share, nudges=True)
+        start, _ = query.body_ends
+        best = nudged(query, drive, start)
+        if best.off > margins.NUDGED_WITHIN:
+            text = "ends {figure:.2f} tolerances beside the goal, allowed {allowed:.2f}"
+            refusal = Refusal("nudge", text, best.off, margins.NUDGED_WITHIN)
+        one_segment = nudge_segment(query, choice.contacts, drive, best)
+        made = replace(
+            choice,
+            segments=(one_segment,),
+            time=run_time(query.motion, (one_segment,)),
+            summary=f"{best.path.length * 1e3:.0f} mm",
+            refusal=refusal,
+        )
+        return either_arm(scene, query.body_ends, made)
+
+    def _push(
+        self, query: MotionQuery, fitted: FittedFace, evaluated: bool
+    ) -> list[Choice]:
+        """Evaluate a push on a face, without a check of the arms' reach."""
         scene = query.scene
         face = fitted.face
         height = lone_contact_height(scene, query.motion)
@@ -146,7 +183,7 @@ class RearPush(Mode[RearSteerDrive]):
         refusal = refusal or fitted.refusal
         if not fitted.cars:
             return [choice.refused(refusal)]
-        driven = drive(query, choice, _drives(scene, fitted))
+        driven = self._driven(query, choice, _drives(scene, fitted))
         return either_arm(
             scene, query.body_ends, driven.refused(refusal or driven.refusal)
         )
@@ -181,26 +218,6 @@ class RearPush(Mode[RearSteerDrive]):
             time=run_time(query.motion, (one_segment,)),
             summary=summary,
             refusal=turning_refusal(path),
-        )
-
-    def _nudged(self, query: MotionQuery, choice: Choice, drives: Drives) -> Choice:
-        """Choice with a short push. Refused if it ends beside the tolerances."""
-        hardest = HARDER[-1]
-        share = planned_share(query.motion, hardest)
-        drive = replace(drives[hardest], curvature_share=share, nudges=True)
-        start, _ = query.body_ends
-        best = nudged(query, drive, start)
-        one_segment = nudge_segment(query, choice.contacts, drive, best)
-        refusal = None
-        if best.off > margins.NUDGED_WITHIN:
-            text = "ends {figure:.2f} tolerances beside the goal, allowed {allowed:.2f}"
-            refusal = Refusal("nudge", text, best.off, margins.NUDGED_WITHIN)
-        return replace(
-            choice,
-            segments=(one_segment,),
-            time=run_time(query.motion, (one_segment,)),
-            summary=f"short push of {best.path.length * 1e3:.0f} mm",
-            refusal=refusal,
         )
 
     def tracker(self, query: MotionQuery, segment: Segment) -> RearPushTracker:
@@ -319,8 +336,8 @@ class RearPush(Mode[RearSteerDrive]):
     def _measured_car(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> RearSteerCar | None:
-        """Car of the measured contact and the identified CoM. None if it cannot drive
-        straight.
+        """Car of the measured contact and the identified CoM. None if there is none, or
+        if it has to drive straight, and cannot.
 
         It keeps its rho unless rho was given or the axle was identified. Its heading
         axis leads from the measured contact through the identified CoM.
@@ -345,18 +362,41 @@ class RearPush(Mode[RearSteerDrive]):
         except ValueError:
             return None
         low, high = car.curvature_limits
-        return car if low < 0.0 < high else None
+        return car if low < 0.0 < high or planned.nudges else None
+
+
+def _nudged_places(
+    query: MotionQuery, face: Face, arm: int, height: float
+) -> list[Contact]:
+    """Contacts of an ``arm`` on a ``face`` at ``height`` [m] from which it is nudged."""
+    if not face.flat or query.slides_unfelt:
+        return [Contact(arm, "side", face.foot, face.normal, height)]
+    right, left = face.ends
+    inset = query.scene.inset
+    furthest = margins.NUDGE_BESIDE * face.depth
+    beside = (max(right + inset, -furthest), min(left - inset, furthest))
+    middle = Contact(arm, "side", face.foot, face.normal, height)
+    return [
+        middle,
+        *(
+            side_contact(arm, face, left, height)
+            for left, side in zip(beside, (-1.0, 1.0), strict=True)
+            if side * (left - face.offset) > margins.ARM.slid_side
+        ),
+    ]
 
 
 def nudged(query: MotionQuery, drive: RearSteerDrive, X_WB: Pose2) -> Nudge:
     """Best short push of a ``drive`` from ``X_WB`` towards the goal."""
-    low, high = drive.car.curvature_limits
-    share = drive.curvature_share
+    low, high = drive.car.steering_limits
+    middle = 0.5 * (low + high)
+    half = 0.5 * drive.curvature_share * (high - low)
+    right, left = (drive.car.curvature(middle + side * half) for side in (1.0, -1.0))
     return nudge(
         X_WB.compose(drive.X_BV),
         query.goal,
         query.X_GB.compose(drive.X_BV).inverse(),
-        (share * low, share * high),
+        (right, left),
         query.tolerance,
         margins.NUDGE * query.body.radius,
     )

@@ -14,7 +14,7 @@ from pushpressslide.core.path import ArcPath
 from pushpressslide.core.pose import Pose2, wrap_angle
 
 LENGTHS = 48  # of a path's first section that are tried
-BENDS = (-1.0, -0.5, 0.0, 0.5, 1.0)  # curvatures, as shares of the tightest
+BENDS = 5  # curvatures that are tried
 YAWS = (-0.25, 0.0, 0.25)  # final errors of yaw, as shares of the tolerance
 SHORTEST = 5e-4  # [m] first section
 
@@ -37,14 +37,13 @@ def nudge(
     """The path of two arcs or lines whose end is nearest to the ``goal`` X_WG.
 
     ``start`` is the pose X_WV of a car's axle, ``X_VG`` that of the shape in it. The
-    ``curvatures`` [1/m] are the tightest to the right, < 0, and to the left. No section
-    is longer than ``longest`` [m]. Of the paths that end within ``margins.NUDGED`` of
-    the ``tolerance``, the shortest is taken.
+    ``curvatures`` [1/m] are the least and the greatest. No section is longer than
+    ``longest`` [m]. Of the paths that end within ``margins.NUDGED`` of the
+    ``tolerance``, the shortest is taken.
     """
     target = start.inverse().compose(goal)
     turn = wrap_angle(target.yaw - X_VG.yaw)
-    right, left = curvatures
-    bends = np.array([share * (left if share > 0.0 else -right) for share in BENDS])
+    bends = np.linspace(*curvatures, BENDS)
     first, second, length, yaw = np.meshgrid(
         bends,
         bends,
