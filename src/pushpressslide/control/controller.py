@@ -571,6 +571,7 @@ def _law(query: MotionQuery, execution: Execution, placement: Placement) -> Law:
         tuple(robot.tip_radius for robot in query.scene.robots),
         _sunk(into),
         query.sensing.felt_samples,
+        query.slides_unfelt,
     )
     # the servo and its additions; an experiment without them commands the force alone
     servo = execution.servo and execution.force_gain is None

@@ -4,10 +4,12 @@ parameters and any allowed mode and contacts.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
 from pushpressslide.control.center_belief import CenterBelief
+from pushpressslide.core import margins
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan, Segment
 from pushpressslide.core.pose import Pose2
@@ -65,14 +67,21 @@ def restart(
 
 
 def after_slides(start: Restart, scene: Scene, segment: Segment) -> Restart:
-    """The ``start`` after a ``segment`` whose press slid over the top: its tip has less
-    friction than believed.
+    """The ``start`` after a ``segment`` whose contacts slid: the tip has less friction
+    than believed. Presses slide as well if the support has more: each has half of the
+    error.
     """
+    share = margins.SLID_SHARE
     if any(contact.kind == "side" for contact in segment.contacts):
-        return start
+        return replace(start, contact_friction=share * scene.contact_friction)
     load = sum(contact.load for contact in segment.contacts)
-    friction = min(scene.contact_friction, slid_friction(scene, load))
-    return replace(start, contact_friction=friction)
+    ratio = slid_friction(scene, load) / scene.contact_friction
+    share = min(math.sqrt(ratio), share)
+    return replace(
+        start,
+        contact_friction=share * scene.contact_friction,
+        support_friction=start.support_friction / share,
+    )
 
 
 def planned_anew(
@@ -82,24 +91,20 @@ def planned_anew(
     ``prepare`` returns.
 
     A short push that ends within the goal's tolerances is tried first, then the task's
-    own mode and contacts, then any others. If neither gives
-    a plan, the identified friction is replaced by the believed friction, since a jammed
-    object seems to have more friction than it has; then the errors of the belief are
-    ignored; then the support has the least friction that they allow. Raises
-    InfeasibleTaskError if there is no plan.
+    own mode and contacts, then any others. If none gives a plan, the identified
+    friction is replaced by the believed friction, since a jammed object seems to have
+    more friction than it has; then the errors of the belief are ignored; then the
+    support has the least friction that they allow. After a slide, the errors are
+    ignored; then the support alone has more friction; then the slide is ignored. Raises InfeasibleTaskError if there is no plan.
     """
     task = plan.task
     free = replace(restart_state, free=True)
     short = nudged(prepare(), _remaining(plan, free))
     if short is not None:
         return short
-    believed = replace(free, support_friction=task.scene.support.friction)
     tried: list[Task] = []
     refused: InfeasibleTaskError | None = None
-    dared = replace(believed, dares=True)
-    least = (1.0 - task.belief.friction_error) * task.scene.support.friction
-    hopeful = replace(dared, support_friction=least)
-    for one in (restart_state, free, believed, dared, hopeful):
+    for one in (restart_state, free, *_further(task, free)):
         rest = task.resumed(one)
         if rest in tried:
             continue
@@ -110,6 +115,23 @@ def planned_anew(
             refused = refused or error
     assert refused is not None
     raise refused
+
+
+def _further(task: Task, free: Restart) -> list[Restart]:
+    """Further beliefs from which a plan may lead on, if there is none from ``free``."""
+    if free.contact_friction is not None:
+        dared = replace(free, dares=True)
+        kept = replace(dared, contact_friction=None)
+        share = free.contact_friction / task.scene.contact_friction
+        return [
+            dared,
+            replace(kept, support_friction=free.support_friction / share),
+            kept,
+        ]
+    believed = replace(free, support_friction=task.scene.support.friction)
+    dared = replace(believed, dares=True)
+    least = (1.0 - task.belief.friction_error) * task.scene.support.friction
+    return [believed, dared, replace(dared, support_friction=least)]
 
 
 def _planned(plan: Plan, restart_state: Restart, planner: PlacementPlanner) -> Plan:

@@ -94,6 +94,7 @@ class TipMover:
     # [m] lower than it rests on top, at which a pressing tip has slid off
     sunk: float = margins.ARM.sunk
     felt_samples: int = 1  # measurements of a force that are averaged
+    unfelt: bool = False  # whether a push may be too weak to be felt: it is not missed
 
     def samples(self, contact: Contact) -> int:
         """Number of measurements of the normal force that are averaged to detect a loss
@@ -137,9 +138,11 @@ class TipMover:
         mean_normal = pressed(mean, direction)
         kept = averaged(memory.kept_force, tip.force, self.samples(contact))
         radius = self.radii[contact.arm]
+        absent = pressed(kept, direction) < self._loss_threshold(contact)
+        if self.unfelt and contact.kind == "side":
+            absent = False
         felt = Felt(
-            pressed(kept, direction) < self._loss_threshold(contact)
-            or sunk(contact, tip, radius, self.sunk + memory.lowered),
+            absent or sunk(contact, tip, radius, self.sunk + memory.lowered),
             self._utilisation(mean, direction, mean_normal),
         )
         force = X_WB.rotate(task.force)

@@ -286,6 +286,8 @@ NUDGED = 0.2
 """Final error that a short push may have, as a share of the goal's tolerances."""
 NUDGED_WITHIN = 0.6
 """The same where a smaller one is out of reach."""
+SLID_SHARE = 0.7
+"""Friction of a tip that has slid, as a share of the believed friction."""
 REST_TO_REST = 1.2
 """Extra time that stopping before and after a turn costs, as a multiple of speed over
 acceleration.
