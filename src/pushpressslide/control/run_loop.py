@@ -241,7 +241,7 @@ class RunLoop:
         tick, measurement = self._tick()
         self.recorder.add(tick)
         more = self.number + 1 < len(self.placements)
-        if more and self._placement_done() and not self._plans_rest(tick):
+        if more and self._placement_done() and not self._plans_rest(tick, measurement):
             self._hand_over(tick, measurement)
         ended = self._ending(tick)
         if ended is not None:
@@ -616,7 +616,8 @@ class RunLoop:
             return False
         time = tick.time
         try:
-            plan, held_commands = self._planned_from(self._restart(pose), tick)
+            start = self._restart(pose)
+            plan, held_commands = self._planned_from(start, tick, measurement)
         except InfeasibleTaskError as error:
             self._note(time, reason, str(error))
             return False
@@ -626,7 +627,7 @@ class RunLoop:
         self._resume(plan, held_commands)
         return True
 
-    def _plans_rest(self, tick: Tick) -> bool:
+    def _plans_rest(self, tick: Tick, measurement: Measurement) -> bool:
         """Replan the remaining placements, if the next one would push beside the centre
         of mass. Return False if it would not, or if there is no other plan.
         """
@@ -640,18 +641,20 @@ class RunLoop:
         pose = self.controller.filtered_pose(self.state)
         try:
             start = replace(self._restart(pose), leg=leg)
-            plan, held_commands = self._planned_from(start, tick)
+            plan, held_commands = self._planned_from(start, tick, measurement)
         except InfeasibleTaskError:
             self.cell.placements.restore()
             return False
         self._resume(plan, held_commands)
         return True
 
-    def _planned_from(self, start: Restart, tick: Tick) -> tuple[Plan, Commands]:
+    def _planned_from(
+        self, start: Restart, tick: Tick, measurement: Measurement
+    ) -> tuple[Plan, Commands]:
         """Plan of the remaining task from ``start``, and the commands that hold the arms
         meanwhile. Raises InfeasibleTaskError if no plan ends in time.
         """
-        held_commands = self._hold(tick)
+        held_commands = self._hold(tick, measurement)
         prepare = self.cell.placements.prepare
         plan = self._while_holding(
             partial(planned_anew, self.plan, start, prepare), held_commands
@@ -715,18 +718,17 @@ class RunLoop:
             return start
         return after_slides(start, scene, segment)
 
-    def _hold(self, tick: Tick) -> Commands:
-        """Command all arms, or tips without arms, to hold their positions. Returns the
-        commands.
+    def _hold(self, tick: Tick, measurement: Measurement) -> Commands:
+        """Command all arms, or tips without arms, to hold their measured positions.
+        Returns the commands.
         """
         held_commands: Commands = tuple(
             JointCommand(reading.q, np.zeros_like(reading.q))
             for reading, _ in tick.joints
         )
         if not tick.joints:
-            tips = tick.truth.tips
             held_commands = tuple(
-                free_tip(tip.position, (0.0, 0.0, 0.0)) for tip in tips
+                free_tip(tip.position, (0.0, 0.0, 0.0)) for tip in measurement.tips
             )
         self._send(held_commands)
         return held_commands

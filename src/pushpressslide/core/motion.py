@@ -146,7 +146,7 @@ class Motion:
         0.05, "distance from the contact at which the touch begins", "m", "[0.005, 0.5]"
     )
     recoveries: int = setting(
-        3,
+        6,
         "how often the arms may let go and replan, after a missed contact, a missed goal "
         "or a broken limit",
         within="[0, 20]",
