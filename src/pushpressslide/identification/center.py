@@ -87,6 +87,8 @@ TOUCHED = 1e-3
 """Standard deviation [m] of the touched place, beside noise: errors of tip and base."""
 LEARNT = 0.7
 """Largest standard deviation of an identified line, as a share of that of the belief."""
+BOUNDED = 0.3
+"""Standard deviation of a displacement at its bound, as a share of the lever."""
 LEAST_WINDOWS = 5
 """Smallest number of windows that give the centre an interval."""
 
@@ -195,15 +197,16 @@ class CenterIdentifier:
         return aside > max(self._off_line, sure * state.off)
 
     def aside(self, state: CenterState) -> Aside | None:
-        """The identified coordinate. None if few windows, a bound or nothing but the
-        belief determine it.
+        """The identified coordinate. None if few windows or nothing but the belief
+        determine it. A bound tells little more than the side.
         """
         value = self._aside(state.center)
-        bounded = abs(value) > 0.99 * self._most * self._lever
         seen = state.filtered or len(state.windows) >= LEAST_WINDOWS
-        if bounded or not seen or state.off > LEARNT / math.sqrt(self._prior):
+        if not seen or state.off > LEARNT / math.sqrt(self._prior):
             return None
         deviation = math.hypot(state.off * self._lever, TOUCHED)
+        if abs(value) > 0.99 * self._most * self._lever:
+            deviation = math.hypot(deviation, BOUNDED * self._lever)
         return Aside(value, deviation, self._across)
 
     def carry_over(self, state: CenterState) -> CenterState:
