@@ -95,7 +95,8 @@ def planned_anew(
     friction is replaced by the believed friction, since a jammed object seems to have
     more friction than it has; then the errors of the belief are ignored; then the
     support has the least friction that they allow. After a slide, the errors are
-    ignored; then the support alone has more friction; then the slide is ignored. Raises InfeasibleTaskError if there is no plan.
+    ignored; then the support alone has more friction; then the slide is ignored.
+    Raises InfeasibleTaskError if there is no plan.
     """
     task = plan.task
     free = replace(restart_state, free=True)

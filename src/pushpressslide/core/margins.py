@@ -467,7 +467,9 @@ class ArmMargins:
     """
     touch_speed: float = field(default=0.03, metadata={"unit": "m/s"})
     """Speed of a tip over the last centimetres before a contact."""
-    light_speed: float = field(default=0.008, metadata={"unit": "m/s"})
+    seen_late: float = field(default=0.5, metadata={"unit": "s"})
+    """Time after which the filtered pose follows a motion that begins."""
+    light_speed: float = field(default=0.006, metadata={"unit": "m/s"})
     """The same before an object that may slide before it is felt."""
     felt_near: float = field(default=0.015, metadata={"unit": "m"})
     """Distance of a tip from its contact below which a noisy force may be the object's:

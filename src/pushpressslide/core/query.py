@@ -84,6 +84,14 @@ class MotionQuery:
         lightest = self.scene.surest_drag * self.scene.max_friction()
         return self.sensing.felt_force > lightest
 
+    @property
+    def touch_travel(self) -> float:
+        """Distance [m] by which a touch moves the object before it is noticed."""
+        if not self.slides_unfelt:
+            return 0.0
+        late = self.sensing.delay_of_pose + margins.ARM.seen_late
+        return self.sensing.seen_motion + margins.ARM.light_speed * late
+
     def between(self, start: Pose2, goal: Pose2) -> MotionQuery:
         """The same query from one pose X_WG to another."""
         return replace(self, start=start, goal=goal)

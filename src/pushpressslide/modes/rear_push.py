@@ -63,6 +63,10 @@ harder than planned.
 """
 
 
+NUDGED_AT = (0.25, 0.5, 1.0)
+"""Contacts of short pushes, as shares of the way from a face's foot to its ends."""
+
+
 class RearPush(Mode[RearSteerDrive]):
     """One arm pushes a side face from behind."""
 
@@ -114,8 +118,7 @@ class RearPush(Mode[RearSteerDrive]):
 
     def nudges(self, query: MotionQuery) -> list[Candidate]:
         """One candidate for each place of each face. A push beside the line through the
-        CoM turns the object whatever the friction; one that may slide before it is
-        felt is not touched there.
+        CoM turns the object whatever the friction.
         """
         height = lone_contact_height(query.scene, query.motion)
         arm = query.scene.arms[0]
@@ -151,7 +154,7 @@ class RearPush(Mode[RearSteerDrive]):
         share = margins.NUDGE_STEERING
         drive = replace(planned, car=car, curvature_share=share, nudges=True)
         start, _ = query.body_ends
-        best = nudged(query, drive, start)
+        best = nudged(query, drive, start, query.touch_travel)
         if best.off > margins.NUDGED_WITHIN:
             text = "ends {figure:.2f} tolerances beside the goal, allowed {allowed:.2f}"
             refusal = Refusal("nudge", text, best.off, margins.NUDGED_WITHIN)
@@ -369,25 +372,27 @@ def _nudged_places(
     query: MotionQuery, face: Face, arm: int, height: float
 ) -> list[Contact]:
     """Contacts of an ``arm`` on a ``face`` at ``height`` [m] from which it is nudged."""
-    if not face.flat or query.slides_unfelt:
-        return [Contact(arm, "side", face.foot, face.normal, height)]
+    middle = Contact(arm, "side", face.foot, face.normal, height)
+    if not face.flat:
+        return [middle]
     right, left = face.ends
     inset = query.scene.inset
     furthest = margins.NUDGE_BESIDE * face.depth
-    beside = (max(right + inset, -furthest), min(left - inset, furthest))
-    middle = Contact(arm, "side", face.foot, face.normal, height)
-    return [
-        middle,
-        *(
-            side_contact(arm, face, left, height)
-            for left, side in zip(beside, (-1.0, 1.0), strict=True)
-            if side * (left - face.offset) > margins.ARM.slid_side
-        ),
-    ]
+    ends = (max(right + inset, -furthest), min(left - inset, furthest))
+    places = [middle]
+    for end, side in zip(ends, (-1.0, 1.0), strict=True):
+        if side * (end - face.offset) > margins.ARM.slid_side:
+            offsets = (face.offset + k * (end - face.offset) for k in NUDGED_AT)
+            places += [side_contact(arm, face, at, height) for at in offsets]
+    return places
 
 
-def nudged(query: MotionQuery, drive: RearSteerDrive, X_WB: Pose2) -> Nudge:
-    """Best short push of a ``drive`` from ``X_WB`` towards the goal."""
+def nudged(
+    query: MotionQuery, drive: RearSteerDrive, X_WB: Pose2, touch: float = 0.0
+) -> Nudge:
+    """Best short push of a ``drive`` from ``X_WB`` towards the goal. A ``touch`` moves
+    the object by this length [m] before it is noticed.
+    """
     low, high = drive.car.steering_limits
     middle = 0.5 * (low + high)
     half = 0.5 * drive.curvature_share * (high - low)
@@ -399,6 +404,7 @@ def nudged(query: MotionQuery, drive: RearSteerDrive, X_WB: Pose2) -> Nudge:
         (right, left),
         query.tolerance,
         margins.NUDGE * query.body.radius,
+        touch,
     )
 
 

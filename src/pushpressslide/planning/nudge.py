@@ -33,21 +33,23 @@ def nudge(
     curvatures: tuple[float, float],
     tolerance: Tolerance,
     longest: float,
+    touch: float = 0.0,
 ) -> Nudge:
     """The path of two arcs or lines whose end is nearest to the ``goal`` X_WG.
 
     ``start`` is the pose X_WV of a car's axle, ``X_VG`` that of the shape in it. The
     ``curvatures`` [1/m] are the least and the greatest. No section is longer than
     ``longest`` [m]. Of the paths that end within ``margins.NUDGED`` of the
-    ``tolerance``, the shortest is taken.
+    ``tolerance``, the shortest is taken. A ``touch`` moves the object by this length
+    [m] before it is noticed, at the middle curvature.
     """
     target = start.inverse().compose(goal)
     turn = wrap_angle(target.yaw - X_VG.yaw)
     bends = np.linspace(*curvatures, BENDS)
     first, second, length, yaw = np.meshgrid(
+        bends if touch == 0.0 else bends[BENDS // 2, None],
         bends,
-        bends,
-        np.linspace(SHORTEST, longest, LENGTHS),
+        touch + np.linspace(SHORTEST, longest, LENGTHS),
         turn + np.array(YAWS) * tolerance.yaw,
     )
     x, y, heading = _advanced(first, length)
