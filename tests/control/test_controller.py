@@ -661,3 +661,22 @@ def test_what_contacts_cannot_give_is_missing_from_the_log() -> None:
     pairs = zip(thought.wanted_wrench, thought.allocated_wrench, strict=True)
     off = [a - b for a, b in pairs]
     assert off == pytest.approx((0.1, 0.2, 0.03 + x * 0.2 - y * 0.1))
+
+
+def test_a_light_object_is_touched_only_while_it_is_seen() -> None:
+    """Its touch is noticed by its motion, in pictures."""
+    unseen = Sensing(force_noise=1.0, position_noise=0.0035, pose_rate=10.0)
+    for mass, waits in ((0.05, True), (10.0, False)):
+        task = pps.load_task(PUSH, [f"object.mass={mass}"])
+        task = replace(task, sensing=unseen)
+        controller = Controller(pps.plan(task))
+        state = controller.init(measured(PUSH, 0.0, 0.0))
+        since = [state.phase.since]
+        for i in range(1, 200):  # the last picture is that of the start
+            now = replace(measured(PUSH, i * DT, 0.0), pose_seen=False, pose_time=0.0)
+            _, _, state = stepped(controller, state, now)
+            since.append(state.phase.since)
+        blind = 200 * DT - controller.longest_blind
+        assert (since[-1] > 0.9 * blind) == waits
+        if not waits:
+            assert since[-1] == since[0]

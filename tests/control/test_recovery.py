@@ -10,6 +10,7 @@ import pytest
 import pushpressslide as pps
 from pushpressslide.control import recovery as module
 from pushpressslide.control.center_belief import CenterBelief
+from pushpressslide.core import margins
 from pushpressslide.core.bodies import start_state
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.errors import InfeasibleTaskError
@@ -132,19 +133,61 @@ def test_the_last_hope_ignores_the_errors_and_has_the_least_friction(
     assert unsure.resumed(asked[4]).scene.planned_friction_error == 0.0
 
 
-def test_a_press_that_slid_has_a_tip_of_less_friction() -> None:
-    """Less than what drags the object under its load; a push says nothing."""
+def test_a_press_that_slid_shares_the_error_between_both_frictions() -> None:
+    """A load that slides although it should stick drags with as much as it weighs."""
     scene = TASK.scene
     (segment,) = pps.plan(TASK).segments
     begun = module.after_slides(BEGIN, scene, segment)
     load = segment.contacts[0].load
     drag = scene.support.friction * (scene.body.mass * GRAVITY + load)
-    assert begun.contact_friction == pytest.approx(
-        min(drag / load, scene.contact_friction)
-    )
+    ratio = drag / load / scene.contact_friction
+    share = min(math.sqrt(ratio), margins.SLID_SHARE)
+    assert begun.contact_friction == pytest.approx(share * scene.contact_friction)
+    assert begun.support_friction == pytest.approx(BEGIN.support_friction / share)
     assert TASK.resumed(begun).scene.contact_friction == begun.contact_friction
-    (push,) = pps.plan(pps.load_task("rear-push-rear")).segments
-    assert module.after_slides(BEGIN, scene, push) == BEGIN
+
+
+def test_a_push_that_slid_has_a_smoother_tip() -> None:
+    push = pps.load_task("rear-push-rear")
+    (segment,) = pps.plan(push).segments
+    begun = module.after_slides(BEGIN, push.scene, segment)
+    expected = margins.SLID_SHARE * push.scene.contact_friction
+    assert begun == replace(BEGIN, contact_friction=expected)
+
+
+def test_after_a_slide_the_support_alone_may_be_to_blame_or_the_slide_is_ignored(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[Restart] = []
+
+    def refused(plan: Plan, begin: Restart, preparation: object) -> Plan:
+        asked.append(begin)
+        raise InfeasibleTaskError("no")
+
+    monkeypatch.setattr(module, "_planned", refused)
+    unsure = replace(TASK, belief=replace(TASK.belief, friction_error=0.2))
+    slid = 0.5 * unsure.scene.contact_friction
+    begin = replace(BEGIN, contact_friction=slid)
+    with pytest.raises(InfeasibleTaskError):
+        module.planned_anew(Plan(unsure), begin, lambda: None)  # type: ignore[arg-type,return-value]
+    assert [one.dares for one in asked] == [False, False, True, True, True]
+    assert [one.contact_friction for one in asked] == [slid, slid, slid, None, None]
+    friction = BEGIN.support_friction
+    assert [one.support_friction for one in asked[2:]] == pytest.approx(
+        [friction, 2.0 * friction, friction]
+    )
+
+
+def test_an_object_close_to_its_goal_is_nudged() -> None:
+    task = pps.load_task("rear-push-rear", ["tolerance.yaw_deg=2"])
+    goal = task.goal
+    close = Pose2(goal.x, goal.y, goal.yaw + math.radians(3.0))
+    begun = replace(BEGIN, state=WorldState({OBJECT: close}))
+    center = task.scene.body.center_of_mass
+    begun = replace(begun, center_of_mass=center, support_friction=0.35)
+    plan = module.planned_anew(Plan(task), begun, PlansAlone)
+    assert sum(segment.path.length for segment in plan.segments) < task.object.radius
+    assert plan.task.goal == goal
 
 
 def test_a_restart_knows_the_centre_and_its_error() -> None:

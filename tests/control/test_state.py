@@ -12,7 +12,9 @@ from pushpressslide.control.controller import Controller
 from pushpressslide.control.state import (
     ALIGN_SPEED,
     ControllerState,
+    PhaseState,
     StallWatch,
+    TipMemory,
     between,
     by_arm,
     contact_yaw,
@@ -211,3 +213,11 @@ def test_a_state_that_took_two_seconds_to_plan_begins_two_seconds_later() -> Non
     assert later.watches.still == StallWatch(POSE, 2.25)
     assert later.watches.replanned == 2.5
     assert later.following.clock_start == state.following.clock_start + 2.0
+
+
+def test_a_phase_that_is_delayed_goes_on_later() -> None:
+    """A tip that advances again from where it was does so later, too."""
+    tips = (TipMemory((0.0, 0.0, 0.0)), TipMemory((0.0, 0.0, 0.0), resumed=3.0))
+    phase = PhaseState("touch", 2.0, tips).delayed(0.5)
+    assert phase.since == 2.5
+    assert [tip.resumed for tip in phase.tips] == [None, 3.5]

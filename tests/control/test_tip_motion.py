@@ -235,6 +235,13 @@ def test_a_contact_is_lost_below_its_share_of_what_it_has(
     assert felt.lost == lost
 
 
+def test_a_push_too_weak_to_be_felt_is_not_missed() -> None:
+    light = replace(mover(), unfelt=True)
+    for contact, lost in ((PUSH, False), (PRESS, True)):
+        *_, felt = light.step(start(contact), at(contact), task(contact))
+        assert felt.lost == lost
+
+
 def test_a_light_press_is_lost_as_a_push_is() -> None:
     light = replace(PRESS, load=0.01)
     for force, lost in ((0.09, True), (0.11, False)):

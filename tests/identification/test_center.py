@@ -12,6 +12,7 @@ from pushpressslide.core.scene import ObjectModel, Scene, Support
 from pushpressslide.core.twist_path import integrate
 from pushpressslide.geometry.shapes import Box
 from pushpressslide.identification.center import (
+    BOUNDED,
     HEADING,
     CenterIdentifier,
     CenterState,
@@ -165,3 +166,20 @@ def test_the_more_windows_are_seen_the_better_the_centre_is_known() -> None:
     few = driven(planned(), 0.006, [0.0]).off
     many = driven(planned(), 0.006, [0.0] * 4).off
     assert many < few < HEADING
+
+
+def test_a_centre_at_its_bound_is_known_by_its_side() -> None:
+    """How far it is beyond the bound, nothing tells."""
+    unsure = doubt(scene(center_error=0.01), CONTACT, 0.04, 0.06, 0.08)
+    axle = Pose2(AXLE, 0.0, 0.0)
+    identifier = CenterIdentifier(axle, CONTACT, (0.0, 0.0), unsure)
+    lever = math.hypot(*CONTACT)
+    bound = unsure.max_share * lever
+    inside, outside = (
+        identifier.aside(CenterState(center=(0.0, place), off=0.02, filtered=True))
+        for place in (0.5 * bound, bound)
+    )
+    assert inside is not None
+    assert outside is not None
+    assert outside.value == pytest.approx(math.copysign(bound, outside.value))
+    assert outside.deviation > BOUNDED * lever > 2.0 * inside.deviation

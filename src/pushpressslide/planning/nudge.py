@@ -19,6 +19,10 @@ YAWS = (-0.25, 0.0, 0.25)  # final errors of yaw, as shares of the tolerance
 SHORTEST = 5e-4  # [m] first section
 
 
+Poses = tuple[Array, Array, Array]
+"""Coordinates [m] and heading [rad] of an axle, in its frame at the start."""
+
+
 class Nudge(NamedTuple):
     """A short push of a car's axle."""
 
@@ -45,6 +49,7 @@ def nudge(
     """
     target = start.inverse().compose(goal)
     turn = wrap_angle(target.yaw - X_VG.yaw)
+    wanted = (target.x, target.y, turn)
     bends = np.linspace(*curvatures, BENDS)
     first, second, length, yaw = np.meshgrid(
         bends if touch == 0.0 else bends[BENDS // 2, None],
@@ -52,32 +57,14 @@ def nudge(
         touch + np.linspace(SHORTEST, longest, LENGTHS),
         turn + np.array(YAWS) * tolerance.yaw,
     )
-    x, y, heading = _advanced(first, length)
-    place = np.array(X_VG.position)
-    # a line ends beside the goal, an arc at its yaw
-    c = np.cos(heading)
-    s = np.sin(heading)
-    gx = target.x - x - (c * place[0] - s * place[1])
-    gy = target.y - y - (s * place[0] + c * place[1])
-    straight = second == 0.0
-    with np.errstate(divide="ignore", invalid="ignore"):
-        rest = np.where(straight, gx * c + gy * s, (yaw - heading) / second)
-    rest = np.where((rest >= 0.0) & (rest <= longest), rest, 0.0)
-    dx, dy, turned = _advanced(second, rest)
-    x = x + c * dx - s * dy
-    y = y + s * dx + c * dy
-    heading = heading + turned
-    c = np.cos(heading)
-    s = np.sin(heading)
-    away = np.hypot(
-        x + c * place[0] - s * place[1] - target.x,
-        y + s * place[0] + c * place[1] - target.y,
-    )
-    off = np.maximum(
-        away / tolerance.position, np.abs(heading - turn) / tolerance.yaw
-    ).ravel()
-    total = (length + rest).ravel()
-    best = int(np.lexsort((total, np.maximum(off, margins.NUDGED)))[0])
+    begun = _advanced(first, length)
+    rest = _rests(begun, second, yaw, _beside(begun, X_VG, wanted), longest)
+    ends = _further(begun, _advanced(second, rest))
+    dx, dy = _beside(ends, X_VG, wanted)
+    place = np.hypot(dx, dy) / tolerance.position
+    off = np.maximum(place, np.abs(ends[2] - turn) / tolerance.yaw).ravel()
+    counted = np.maximum(off, margins.NUDGED)
+    best = int(np.lexsort(((length + rest).ravel(), counted))[0])
     sections = (
         (float(first.flat[best]), float(length.flat[best])),
         (float(second.flat[best]), float(rest.flat[best])),
@@ -86,10 +73,49 @@ def nudge(
     return Nudge(path, float(off[best]))
 
 
-def _advanced(curvature: Array, length: Array) -> tuple[Array, Array, Array]:
-    """Coordinates [m] and heading [rad] after a ``length`` [m] at a ``curvature``
-    [1/m].
+def _beside(
+    poses: Poses, X_VG: Pose2, wanted: tuple[float, float, float]
+) -> tuple[Array, Array]:
+    """Vector [m] from the shape's frame, with the axle at ``poses``, to the goal."""
+    x, y, heading = poses
+    c = np.cos(heading)
+    s = np.sin(heading)
+    gx, gy, _ = wanted
+    return (
+        gx - x - c * X_VG.x + s * X_VG.y,
+        gy - y - s * X_VG.x - c * X_VG.y,
+    )
+
+
+def _rests(
+    begun: Poses,
+    bends: Array,
+    yaws: Array,
+    beside: tuple[Array, Array],
+    longest: float,
+) -> Array:
+    """Lengths [m] of second sections: a line ends beside the goal, an arc at its yaw. 0
+    where this is behind, or too far.
     """
+    _, _, heading = begun
+    dx, dy = beside
+    ahead = dx * np.cos(heading) + dy * np.sin(heading)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rest = np.where(bends == 0.0, ahead, (yaws - heading) / bends)
+    return np.where((rest >= 0.0) & (rest <= longest), rest, 0.0)
+
+
+def _further(before: Poses, step: Poses) -> Poses:
+    """Poses after a ``step`` in the frames of ``before``."""
+    x, y, heading = before
+    dx, dy, turn = step
+    c = np.cos(heading)
+    s = np.sin(heading)
+    return x + c * dx - s * dy, y + s * dx + c * dy, heading + turn
+
+
+def _advanced(curvature: Array, length: Array) -> Poses:
+    """Poses after a ``length`` [m] at a ``curvature`` [1/m]."""
     half = 0.5 * curvature * length
     chord = length * np.sinc(half / math.pi)
     return chord * np.cos(half), chord * np.sin(half), 2.0 * half
