@@ -284,7 +284,7 @@ of the face.
 """
 NUDGED = 0.2
 """Final error that a short push may have, as a share of the goal's tolerances."""
-NUDGED_WITHIN = 0.6
+NUDGED_WITHIN = 0.85
 """The same where a smaller one is out of reach."""
 SLID_SHARE = 0.7
 """Friction of a tip that has slid, as a share of the believed friction."""

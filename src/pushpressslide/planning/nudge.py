@@ -58,9 +58,9 @@ def nudge(
         turn + np.array(YAWS) * tolerance.yaw,
     )
     begun = _advanced(first, length)
-    rest = _rests(begun, second, yaw, _beside(begun, X_VG, wanted), longest)
+    rest = _rests(begun, second, yaw, _remaining(begun, X_VG, wanted), longest)
     ends = _further(begun, _advanced(second, rest))
-    dx, dy = _beside(ends, X_VG, wanted)
+    dx, dy = _remaining(ends, X_VG, wanted)
     place = np.hypot(dx, dy) / tolerance.position
     off = np.maximum(place, np.abs(ends[2] - turn) / tolerance.yaw).ravel()
     counted = np.maximum(off, margins.NUDGED)
@@ -73,7 +73,7 @@ def nudge(
     return Nudge(path, float(off[best]))
 
 
-def _beside(
+def _remaining(
     poses: Poses, X_VG: Pose2, wanted: tuple[float, float, float]
 ) -> tuple[Array, Array]:
     """Vector [m] from the shape's frame, with the axle at ``poses``, to the goal."""
@@ -91,14 +91,14 @@ def _rests(
     begun: Poses,
     bends: Array,
     yaws: Array,
-    beside: tuple[Array, Array],
+    remaining: tuple[Array, Array],
     longest: float,
 ) -> Array:
     """Lengths [m] of second sections: a line ends beside the goal, an arc at its yaw. 0
     where this is behind, or too far.
     """
     _, _, heading = begun
-    dx, dy = beside
+    dx, dy = remaining
     ahead = dx * np.cos(heading) + dy * np.sin(heading)
     with np.errstate(divide="ignore", invalid="ignore"):
         rest = np.where(bends == 0.0, ahead, (yaws - heading) / bends)
