@@ -20,7 +20,7 @@ ON_WALL = SupportFrame(
 def test_an_object_that_leans_too_far_has_tipped_over() -> None:
     assert lost_object(1.0, ENDS[0], ENDS, None, 0.9 * TIPPED) is None
     text = lost_object(1.0, ENDS[0], ENDS, None, 1.1 * TIPPED)
-    assert text == "the object has tipped over at (0.40, 0.00)"
+    assert text == "the object has tipped and fallen over at (0.40, 0.00)"
 
 
 def test_an_object_far_off_or_below_its_support_is_lost() -> None:

@@ -95,5 +95,5 @@ def lost_object(
     if height is not None and height < 0.0:
         return f"{FALLEN} at {place}"
     if tilt > TIPPED:
-        return f"the object has tipped over at {place}"
+        return f"the object has tipped and fallen over at {place}"
     return None

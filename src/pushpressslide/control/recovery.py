@@ -100,7 +100,8 @@ def planned_anew(
     """
     task = plan.task
     free = replace(restart_state, free=True)
-    short = nudged(prepare(), _remaining(plan, free))
+    planner = prepare()
+    short = nudged(planner, _remaining(plan, free))
     if short is not None:
         return short
     tried: list[Task] = []
@@ -109,9 +110,11 @@ def planned_anew(
         rest = task.resumed(one)
         if rest in tried:
             continue
+        if tried:
+            planner = prepare()
         tried.append(rest)
         try:
-            return _planned(plan, one, prepare())
+            return _planned(plan, one, planner)
         except InfeasibleTaskError as error:
             refused = refused or error
     assert refused is not None

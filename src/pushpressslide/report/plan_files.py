@@ -5,7 +5,7 @@ plan.png.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields, is_dataclass
+from dataclasses import MISSING, asdict, fields, is_dataclass
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints
@@ -267,6 +267,7 @@ def _of_type(kind: Any, data: Any) -> Any:
         values = {
             field.name: _of_type(hints[field.name], data[field.name])
             for field in fields(kind)
+            if field.name in data or field.default is MISSING
         }
         assert callable(kind)
         return kind(**values)
