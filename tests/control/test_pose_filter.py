@@ -340,3 +340,21 @@ def test_a_force_in_another_direction_turns_the_arm_and_makes_it_less_certain() 
     np.testing.assert_array_equal(turned.covariance[:3, :3], state.covariance[:3, :3])
     same = FILTER.rescaled(state, 0.0, 1.0)
     np.testing.assert_allclose(same.covariance, state.covariance)
+
+
+def test_equal_pictures_of_an_object_at_rest_are_news_without_noise() -> None:
+    """A camera without noise sees an object that stands still in one place. Arms that
+    wait for news would wait for ever.
+    """
+    exact = PoseFilter.for_sensing(Sensing(pose_rate=10.0), (0.0, 0.0), 0.1)
+    X_WG = Pose2(0.4, 0.1, 0.3)
+    state = exact.start(StampedPose(0.0, X_WG))
+    for i in range(1, 6):
+        time = 0.1 * i
+        state = exact.step(state, Advance(time, 0.1), StampedPose(time, X_WG))
+        assert state.used == time
+    used = state.used
+    for i in range(6, 12):  # the tip drives it on, and the camera has stopped
+        advance = Advance(0.1 * i, 0.1, (0.005, 0.0))
+        state = exact.step(state, advance, StampedPose(0.1 * i, X_WG))
+    assert state.used == used

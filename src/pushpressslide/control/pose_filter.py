@@ -141,6 +141,7 @@ class PoseFilter:
     doubt: float = 0.0  # [rad/m] standard deviation of the turn arm from the belief
     # unit vector in G of the pushed face, along which the tip may slip; None: a press
     along: Point | None = None
+    repeats: bool = False  # whether pictures of an object at rest are equal
 
     @classmethod
     def for_sensing(
@@ -158,7 +159,9 @@ class PoseFilter:
         place = correlated * max(sensing.position_noise, LEAST_NOISE)
         yaw = correlated * max(sensing.yaw_noise, LEAST_YAW_NOISE)
         noise = np.array((place, place, yaw))
-        return cls(point, radius, noise, arm, doubt, along)
+        noisy = sensing.position_noise > 0.0 or sensing.yaw_noise > 0.0
+        repeats = not noisy or sensing.position_step > 0.0
+        return cls(point, radius, noise, arm, doubt, along, repeats)
 
     def start(self, pose: StampedPose) -> FilterState:
         """State with the object at ``pose``, the middle of its pictures."""
@@ -247,8 +250,8 @@ class PoseFilter:
     ) -> FilterState:
         """State after a tick, and after a ``picture`` if one has arrived.
 
-        A picture that is not newer than the last one used, or equal to the last one, is
-        no news.
+        A picture that is not newer than the last one used is no news, nor is one equal
+        to the last one, unless the object has stood still before a camera without noise.
         """
         if advance.disturbed and not state.disturbed:
             state = self._untouched(state)
@@ -259,9 +262,19 @@ class PoseFilter:
         )
         if picture is None or picture.time <= state.used:
             return state
-        frozen = picture.X_WG == state.pose.X_WG
+        frozen = picture.X_WG == state.pose.X_WG and (
+            not self.repeats or self._has_moved(state)
+        )
         state = state._replace(pose=picture)
         return state if frozen else self._corrected(state, picture)
+
+    def _has_moved(self, state: FilterState) -> bool:
+        """Whether tips have moved the object by more than a picture's noise since the
+        last one that was used.
+        """
+        x = math.fsum(one.tip[0] for one in state.advances)
+        y = math.fsum(one.tip[1] for one in state.advances)
+        return math.hypot(x, y) > float(self.noise[0])
 
     def _corrected(self, state: FilterState, picture: StampedPose) -> FilterState:
         """State after a picture that is used, or remembered as one that does not fit."""
