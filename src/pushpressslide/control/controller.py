@@ -37,7 +37,7 @@ from pushpressslide.control.insertion import Insertion
 from pushpressslide.control.joint_pace import JointPace
 from pushpressslide.control.last_look import LastLook
 from pushpressslide.control.law import Decision, Law
-from pushpressslide.control.placement import Placement, share_of_tolerance
+from pushpressslide.control.placement import Placement
 from pushpressslide.control.state import (
     ControllerState,
     Failure,
@@ -367,12 +367,9 @@ class Controller:
         """Ending of a placement whose goal is missed by an object at ``pose``, X_WG.
         None if the goal is reached, as far as the estimate in ``state`` is sure.
         """
-        goal = self.placement.last.goal
-        tolerance = self.placement.last.tolerance
-        unsure = self.placement.unsure(state.estimate.spread)
-        above = margins.retry_above(margins.RETRY_ABOVE, unsure)
-        if share_of_tolerance(pose, goal, tolerance) < above:
+        if self.placement.at_goal(pose, state.estimate.spread):
             return None
+        goal = self.placement.last.goal
         off = math.dist(pose.position, goal.position)
         turned = math.degrees(abs(wrap_angle(pose.yaw - goal.yaw)))
         return Ending("goal_missed", f"{off * 1e3:.1f} mm and {turned:.1f} deg off")

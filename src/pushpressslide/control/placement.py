@@ -101,6 +101,13 @@ class Placement:
         place, yaw = spread
         return max(place / tolerance.position, yaw / tolerance.yaw)
 
+    def at_goal(self, X_WG: Pose2, spread: tuple[float, float]) -> bool:
+        """Whether an object seen at ``X_WG``, with standard deviations ``spread`` [m],
+        [rad], counts as being at the last goal.
+        """
+        off = share_of_tolerance(X_WG, self.last.goal, self.last.tolerance)
+        return off < margins.retry_above(margins.RETRY_ABOVE, self.unsure(spread))
+
 
 def share_of_tolerance(pose: Pose2, goal: Pose2, tolerance: Tolerance) -> float:
     """Error of an object at ``pose``, X_WG, from its goal, as a fraction of the

@@ -155,7 +155,8 @@ class Supervisor:
 
     def stop_stalled(self, moment: Moment) -> ControllerState:
         """Let go if the goal is reached all the same. Otherwise stop: goal missed."""
-        if self._reached(moment):
+        spread = moment.state.estimate.spread
+        if self.placement.at_goal(moment.instant.X_WG, spread):
             return self._let_go(moment)
         rests = self._rested(moment)
         left = moment.left
@@ -197,14 +198,6 @@ class Supervisor:
         if retry:
             return self._next_segment(state, retry, instant)
         return self._let_go(moment)
-
-    def _reached(self, moment: Moment) -> bool:
-        """Whether the object is at the last goal, by its estimated pose."""
-        placement = self.placement
-        unsure = placement.unsure(moment.state.estimate.spread)
-        last = placement.last
-        off = share_of_tolerance(moment.instant.X_WG, last.goal, last.tolerance)
-        return off < margins.retry_above(margins.RETRY_ABOVE, unsure)
 
     def _let_go(self, moment: Moment) -> ControllerState:
         """State in which the tips draw back, or hold an object that nothing carries."""
