@@ -268,6 +268,8 @@ class Controller:
 
     def _pace(self, following: Following, estimate: Estimate) -> float:
         """Share of the planned speed that the estimated pose allows."""
+        if estimate.spread == (0.0, 0.0):
+            return 1.0
         ahead = (segment.path.length for segment in following.ahead)
         left = following.left + math.fsum(ahead)
         return self.placement.pace(estimate.spread, left)
@@ -625,6 +627,8 @@ def _seen_from(X_WB: Pose2, tip_error: Point) -> Pose2:
     ``tip_error`` [m].
     """
     x, y = tip_error
+    if x == 0.0 == y:
+        return X_WB
     return replace(X_WB, x=X_WB.x - x, y=X_WB.y - y)
 
 

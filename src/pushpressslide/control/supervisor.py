@@ -255,10 +255,12 @@ class Supervisor:
 
     def slid_off(self, moment: Moment) -> bool:
         """A push has slid over the end of its face, and may not be corrected."""
+        if self._may_retouch(moment):
+            return False
         place, _ = moment.state.estimate.spread
         radius = max(robot.tip_radius for robot in self.placement.scene.robots)
         allowed = radius + margins.ARM.retouch + margins.DOUBT * place
-        return self._beyond(moment) > allowed and not self._may_retouch(moment)
+        return self._beyond(moment) > allowed
 
     def stop_slid_off(self, moment: Moment) -> ControllerState:
         """Stop: contact lost."""
