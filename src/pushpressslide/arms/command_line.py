@@ -40,6 +40,8 @@ class CommandLine(Generic[T]):
     def through(self, command: T) -> T:
         """Command that the arm executes in a tick in which ``command`` is sent."""
         arriving = self._line.through(command)
+        if self._missed == 0.0:
+            return arriving
         lost = float(self._random.random()) < self._missed
         if self._last is None or not lost:
             self._last = arriving

@@ -50,6 +50,9 @@ def own_rates(limits: ArmLimits, reading: ArmReading) -> list[float]:
     """
     q, v = reading.q, reading.v
     near = margins.ARM.joint_buffer
+    if np.minimum(q - limits.lower, limits.upper - q).min() > near:
+        speeds: list[float] = v.tolist()
+        return speeds
     back = ((q < limits.lower + near) & (v > 0.0)) | (
         (q > limits.upper - near) & (v < 0.0)
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from pushpressslide.core.control import TipState, Vector3
 
@@ -33,6 +32,9 @@ class Tare:
         total = self._sums[arm]
         if total == (0.0, 0.0, 0.0):
             return tip
-        count = self._counts[arm]
-        x, y, z = (f - zero / count for f, zero in zip(tip.force, total, strict=True))
-        return replace(tip, force=(x, y, z))
+        share = 1.0 / self._counts[arm]
+        fx, fy, fz = tip.force
+        x = fx - share * total[0]
+        y = fy - share * total[1]
+        z = fz - share * total[2]
+        return TipState(tip.position, tip.velocity, (x, y, z))

@@ -34,10 +34,12 @@ class TorqueErrorObserver:
     awake: bool = False
     _before: ArmDynamics | None = None  # at the last tick
     _known: Array = field(init=False)  # (n,) [N m] then acting, by the model
+    _resolved: Array = field(init=False)  # (n,) [N m] below which it counts as zero
 
     def __post_init__(self) -> None:
         self.estimate = np.zeros(len(self.effort))
         self._known = np.zeros(len(self.effort))
+        self._resolved = RESOLUTION * self.effort
 
     def observe(self, arm: ArmDynamics, elapsed: float) -> None:
         """Take the joints' velocity ``elapsed`` [s] after the torques of ``acted`` began
@@ -51,7 +53,7 @@ class TorqueErrorObserver:
         self.estimate += share * (error - self.estimate)
         self._before = None
         if not self.awake:
-            self.awake = bool((abs(self.estimate) > RESOLUTION * self.effort).any())
+            self.awake = bool((abs(self.estimate) > self._resolved).any())
 
     def acted(self, arm: ArmDynamics, torque: Array, force: Array) -> None:
         """Note the ``torque`` (n,) [N m] that is applied in this tick, and the
