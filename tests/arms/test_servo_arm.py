@@ -169,13 +169,20 @@ EVERY = [
     # nor with torques: docs/limitations.md
     *((name, "mujoco") for name in TASKS if name != "press-fit"),
 ]
+INTERFACES = ("position", "velocity")
+TWICE = {*MODES.values(), "slot"}  # of the others each interface has every second one
+LATE = [
+    (name, engine, interface)
+    for i, (name, engine) in enumerate(EVERY)
+    for j, interface in enumerate(INTERFACES)
+    if name in TWICE or (i + j) % 2 == 0
+]
 MISSED = ("slot", "mujoco", "velocity")
 """The press creeps twice, and the object pushes a box of the slot aside: 17 mm off."""
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("interface", ["position", "velocity"])
-@pytest.mark.parametrize(("name", "engine"), EVERY)
+@pytest.mark.parametrize(("name", "engine", "interface"), LATE)
 def test_late_arms_do_every_shipped_task(
     name: str, engine: str, interface: str
 ) -> None:
