@@ -59,13 +59,7 @@ def test_the_first_refusal_is_the_one_that_is_told(
 def test_the_same_task_is_not_tried_twice(monkeypatch: pytest.MonkeyPatch) -> None:
     free = replace(TASK, motion=TASK.motion.freed)
     begin = replace(BEGIN, support_friction=free.scene.support.friction)
-    asked = []
-
-    def refused(plan: Plan, begin: Restart, preparation: object) -> Plan:
-        asked.append(begin)
-        raise InfeasibleTaskError("no")
-
-    monkeypatch.setattr(module, "_planned", refused)
+    asked = all_refused(monkeypatch)
     with pytest.raises(InfeasibleTaskError):
         module.planned_anew(Plan(free), begin, lambda: None)  # type: ignore[arg-type,return-value]
     assert len(asked) == 1
@@ -113,9 +107,8 @@ def test_the_plan_that_is_made_anew_begins_where_the_restart_says() -> None:
     assert plan.task.goal == TASK.goal
 
 
-def test_the_last_hope_ignores_the_errors_and_has_the_least_friction(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def all_refused(monkeypatch: pytest.MonkeyPatch) -> list[Restart]:
+    """Refuse every restart. Returns the list of those that will be asked for."""
     asked: list[Restart] = []
 
     def refused(plan: Plan, begin: Restart, preparation: object) -> Plan:
@@ -123,6 +116,13 @@ def test_the_last_hope_ignores_the_errors_and_has_the_least_friction(
         raise InfeasibleTaskError("no")
 
     monkeypatch.setattr(module, "_planned", refused)
+    return asked
+
+
+def test_the_last_hope_ignores_the_errors_and_has_the_least_friction(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked = all_refused(monkeypatch)
     unsure = replace(TASK, belief=replace(TASK.belief, friction_error=0.2))
     with pytest.raises(InfeasibleTaskError):
         module.planned_anew(Plan(unsure), BEGIN, lambda: None)  # type: ignore[arg-type,return-value]
@@ -158,13 +158,7 @@ def test_a_push_that_slid_has_a_smoother_tip() -> None:
 def test_after_a_slide_the_support_alone_may_be_to_blame_or_the_slide_is_ignored(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    asked: list[Restart] = []
-
-    def refused(plan: Plan, begin: Restart, preparation: object) -> Plan:
-        asked.append(begin)
-        raise InfeasibleTaskError("no")
-
-    monkeypatch.setattr(module, "_planned", refused)
+    asked = all_refused(monkeypatch)
     unsure = replace(TASK, belief=replace(TASK.belief, friction_error=0.2))
     slid = 0.5 * unsure.scene.contact_friction
     begin = replace(BEGIN, contact_friction=slid)

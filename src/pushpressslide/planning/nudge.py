@@ -18,7 +18,6 @@ BENDS = 5  # curvatures that are tried
 YAWS = (-0.25, 0.0, 0.25)  # final errors of yaw, as shares of the tolerance
 SHORTEST = 5e-4  # [m] first section
 
-
 Poses = tuple[Array, Array, Array]
 """Coordinates [m] and heading [rad] of an axle, in its frame at the start."""
 
@@ -49,7 +48,6 @@ def nudge(
     """
     target = start.inverse().compose(goal)
     turn = wrap_angle(target.yaw - X_VG.yaw)
-    wanted = (target.x, target.y, turn)
     bends = np.linspace(*curvatures, BENDS)
     first, second, length, yaw = np.meshgrid(
         bends if touch == 0.0 else bends[BENDS // 2, None],
@@ -58,9 +56,9 @@ def nudge(
         turn + np.array(YAWS) * tolerance.yaw,
     )
     begun = _advanced(first, length)
-    rest = _rests(begun, second, yaw, _remaining(begun, X_VG, wanted), longest)
+    rest = _rests(begun, second, yaw, _remaining(begun, X_VG, target), longest)
     ends = _further(begun, _advanced(second, rest))
-    dx, dy = _remaining(ends, X_VG, wanted)
+    dx, dy = _remaining(ends, X_VG, target)
     place = np.hypot(dx, dy) / tolerance.position
     off = np.maximum(place, np.abs(ends[2] - turn) / tolerance.yaw).ravel()
     counted = np.maximum(off, margins.NUDGED)
@@ -73,17 +71,14 @@ def nudge(
     return Nudge(path, float(off[best]))
 
 
-def _remaining(
-    poses: Poses, X_VG: Pose2, wanted: tuple[float, float, float]
-) -> tuple[Array, Array]:
+def _remaining(poses: Poses, X_VG: Pose2, target: Pose2) -> tuple[Array, Array]:
     """Vector [m] from the shape's frame, with the axle at ``poses``, to the goal."""
     x, y, heading = poses
     c = np.cos(heading)
     s = np.sin(heading)
-    gx, gy, _ = wanted
     return (
-        gx - x - c * X_VG.x + s * X_VG.y,
-        gy - y - s * X_VG.x - c * X_VG.y,
+        target.x - x - c * X_VG.x + s * X_VG.y,
+        target.y - y - s * X_VG.x - c * X_VG.y,
     )
 
 
