@@ -49,7 +49,9 @@ class CenterBelief(NamedTuple):
         return math.sqrt(max(variance, 0.0))
 
     def knowing(self, coordinate: Parameter | None) -> CenterBelief:
-        """The belief with an identified coordinate."""
+        """The belief with an identified coordinate. One at its bound leaves it as unsure
+        as before.
+        """
         if coordinate is None or coordinate.direction is None:
             return self
         ex, ey = coordinate.direction
@@ -59,9 +61,13 @@ class CenterBelief(NamedTuple):
         if total == 0.0:
             return self
         off = (coordinate.value - ex * self.x - ey * self.y) / total
+        x = self.x + off * px
+        y = self.y + off * py
+        if coordinate.at_bound:
+            return self._replace(x=x, y=y)
         return CenterBelief(
-            self.x + off * px,
-            self.y + off * py,
+            x,
+            y,
             self.xx - px * px / total,
             self.xy - px * py / total,
             self.yy - py * py / total,

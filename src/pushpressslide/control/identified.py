@@ -93,7 +93,7 @@ def _center_of_mass(
         one = state.filtered
         beside, unsure = one.filter.touch_offset(one.state, direction)
     deviation = math.hypot(aside.deviation, unsure)
-    return Parameter(value + beside, deviation, before, direction)
+    return Parameter(value + beside, deviation, before, direction, aside.at_bound)
 
 
 def _mass_times_friction(

@@ -11,6 +11,7 @@ from dataclasses import replace
 from pushpressslide.control.center_belief import CenterBelief
 from pushpressslide.core import margins
 from pushpressslide.core.errors import InfeasibleTaskError
+from pushpressslide.core.motion import Limits
 from pushpressslide.core.plan import Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import ReasonCode
@@ -84,6 +85,12 @@ def after_slides(start: Restart, scene: Scene, segment: Segment) -> Restart:
     )
 
 
+def after_force_limit(start: Restart, limits: Limits) -> Restart:
+    """The ``start`` after contacts that reached the force limit: plans have less."""
+    share = margins.LIMITED_SHARE * limits.planned_share
+    return replace(start, planned_share=share)
+
+
 def planned_anew(
     plan: Plan, restart_state: Restart, prepare: Callable[[], PlacementPlanner]
 ) -> Plan:
@@ -95,7 +102,8 @@ def planned_anew(
     friction is replaced by the believed friction, since a jammed object seems to have
     more friction than it has; then the errors of the belief are ignored; then the
     support has the least friction that they allow. After a slide, the errors are
-    ignored; then the support alone has more friction; then the slide is ignored.
+    ignored before all this; then the support alone has more friction; then the slide is
+    ignored. After a force limit, the last plan may have as much force as before.
     Raises InfeasibleTaskError if there is no plan.
     """
     task = plan.task
@@ -123,19 +131,21 @@ def planned_anew(
 
 def _further(task: Task, free: Restart) -> list[Restart]:
     """Further beliefs from which a plan may lead on, if there is none from ``free``."""
+    further: list[Restart] = []
     if free.contact_friction is not None:
         dared = replace(free, dares=True)
         kept = replace(dared, contact_friction=None)
         share = free.contact_friction / task.scene.contact_friction
-        return [
-            dared,
-            replace(kept, support_friction=free.support_friction / share),
-            kept,
-        ]
+        alone = replace(kept, support_friction=free.support_friction / share)
+        further += [dared, alone, kept]
+        free = replace(free, contact_friction=None)
     believed = replace(free, support_friction=task.scene.support.friction)
     dared = replace(believed, dares=True)
     least = (1.0 - task.belief.friction_error) * task.scene.support.friction
-    return [believed, dared, replace(dared, support_friction=least)]
+    further += [believed, dared, replace(dared, support_friction=least)]
+    if free.planned_share is not None:
+        further.append(replace(further[-1], planned_share=None))
+    return further
 
 
 def _planned(plan: Plan, restart_state: Restart, planner: PlacementPlanner) -> Plan:

@@ -41,6 +41,7 @@ from pushpressslide.control.looking import RestingPose
 from pushpressslide.control.recording import Recorder, Tick
 from pushpressslide.control.recovery import (
     RECOVERABLE,
+    after_force_limit,
     after_slides,
     planned_anew,
     restart,
@@ -617,6 +618,8 @@ class RunLoop:
         time = tick.time
         try:
             start = self._restart(pose)
+            if reason.code == "force_limit":
+                start = after_force_limit(start, self.plan.task.limits)
             plan, held_commands = self._planned_from(start, tick, measurement)
         except InfeasibleTaskError as error:
             self._note(time, reason, str(error))

@@ -288,6 +288,8 @@ NUDGED_WITHIN = 0.85
 """The same where a smaller one is out of reach."""
 SLID_SHARE = 0.7
 """Friction of a tip that has slid, as a share of the believed friction."""
+LIMITED_SHARE = 0.85
+"""Force that a plan may have after a force limit, as a share of that allowed before."""
 REST_TO_REST = 1.2
 """Extra time that stopping before and after a turn costs, as a multiple of speed over
 acceleration.

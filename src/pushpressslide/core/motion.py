@@ -103,6 +103,8 @@ class Limits:
         "the goal; 1: no sequences",
         within="[1, 20]",
     )
+    # of normal_force; less after a force limit
+    planned_share: float = PLANNED_SHARE
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -112,7 +114,7 @@ class Limits:
         """Normal force [N] allowed in plans. The remainder up to the limit is for the
         regulator's ripple.
         """
-        return PLANNED_SHARE * self.normal_force
+        return self.planned_share * self.normal_force
 
 
 @documented

@@ -96,6 +96,7 @@ class Restart:
     legs: tuple[Leg, ...] | None = None
     center_error: float | None = None  # [m]; None: that of the task
     contact_friction: float | None = None  # None: that of the task
+    planned_share: float | None = None  # of the force limit; None: that of the task
 
 
 @documented
@@ -319,8 +320,13 @@ class Task:
             belief = replace(belief, center_error=restart.center_error)
         if restart.contact_friction is not None:
             belief = replace(belief, contact_friction=restart.contact_friction)
+        limits = self.limits
+        if restart.planned_share is not None:
+            limits = replace(limits, planned_share=restart.planned_share)
         dares = (self.dares or restart.dares) and belief.planned_for_errors
-        task = replace(self, belief=belief, start_error=Pose2(), dares=dares)
+        task = replace(
+            self, belief=belief, limits=limits, start_error=Pose2(), dares=dares
+        )
         if restart.free:
             legs = (replace(leg, motion=leg.motion.freed) for leg in self.legs)
             task = replace(task, motion=self.motion.freed, legs=tuple(legs))

@@ -99,6 +99,7 @@ class Aside(NamedTuple):
     value: float  # [m] from B's origin
     deviation: float  # [m] standard deviation
     across: Point  # direction in B
+    at_bound: bool = False  # the centre may be farther off
 
 
 class Window(NamedTuple):
@@ -205,9 +206,10 @@ class CenterIdentifier:
         if not seen or state.off > LEARNT / math.sqrt(self._prior):
             return None
         deviation = math.hypot(state.off * self._lever, TOUCHED)
-        if abs(value) > 0.99 * self._most * self._lever:
+        at_bound = abs(value) > 0.99 * self._most * self._lever
+        if at_bound:
             deviation = math.hypot(deviation, BOUNDED * self._lever)
-        return Aside(value, deviation, self._across)
+        return Aside(value, deviation, self._across, at_bound)
 
     def carry_over(self, state: CenterState) -> CenterState:
         """State that remains valid after the end of a segment."""

@@ -17,6 +17,7 @@ class Parameter(NamedTuple):
     deviation: float  # standard deviation
     belief: float
     direction: Point | None = None  # in G, of a coordinate
+    at_bound: bool = False  # it may be farther from what was believed
 
     @property
     def low(self) -> float:

@@ -12,6 +12,7 @@ from functools import partial
 from pushpressslide.allocation.allocator import Allocator
 from pushpressslide.allocation.one_contact import one_contact_allocator
 from pushpressslide.core import margins
+from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
@@ -158,6 +159,10 @@ class RearPush(Mode[RearSteerDrive]):
         if best.off > margins.NUDGED_WITHIN:
             text = "ends {figure:.2f} tolerances beside the goal, allowed {allowed:.2f}"
             refusal = Refusal("nudge", text, best.off, margins.NUDGED_WITHIN)
+        unsure = _unsure_turn(scene, contact, best.path)
+        if unsure > query.tolerance.yaw:
+            text = "turns by {figure:deg.1f} more or less, allowed {allowed:deg.1f}"
+            refusal = Refusal("nudge", text, unsure, query.tolerance.yaw)
         one_segment = nudge_segment(query, choice.contacts, drive, best)
         made = replace(
             choice,
@@ -406,6 +411,14 @@ def nudged(
         margins.NUDGE * query.body.radius,
         touch,
     )
+
+
+def _unsure_turn(scene: Scene, contact: Contact, path: ArcPath) -> float:
+    """Part [rad] of the turns along a ``path`` that an uncertain centre of mass may
+    change: the lever of a ``contact`` is known no better.
+    """
+    turns = math.fsum(abs(bend * length) for bend, length in path.sections)
+    return turns * scene.center_error / math.hypot(*contact.point)
 
 
 def nudge_segment(
