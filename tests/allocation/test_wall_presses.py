@@ -59,12 +59,12 @@ def test_what_is_asked_at_least_is_given_and_the_cap_lets_more_of_the_friction_b
     [
         ({"cap": 8.0}, 2.0, "to hold 19.6 N"),
         ({"mu_a": 0.3, "mu_w": 0.3}, 2.0, "must exceed the wall's, 0.30"),
-        ({"cap": 15.0}, 2.0, "allowed 15 N, 0.9 of limits.normal_force"),
+        ({"cap": 15.0}, 2.0, "allowed 15 N by limits.normal_force"),
         ({"cap": 15.0}, 15.1, "takes 1[5-9].* N or more of each arm; allowed 15 N"),
         (
             {"cap": 60.0},
             65.4,
-            "65.4 N of each arm; allowed 60 N, 0.9 of limits.normal_force",
+            "65.4 N of each arm; allowed 60 N by limits.normal_force",
         ),
     ],
 )

@@ -34,7 +34,7 @@ def test_a_push_beyond_the_force_limit_runs(mode: str, tmp_path: Path) -> None:
     figures = json.loads((tmp_path / "out" / "result.json").read_text())
     assert figures["modes"] == [mode]
     assert "although it is refused" in " ".join(result.stdout.split())
-    assert "N, allowed 18 N, 0.9 of limits" in " ".join(result.stdout.split())
+    assert "N, allowed 18 N by limits" in " ".join(result.stdout.split())
 
 
 def test_what_has_no_path_at_all_says_so(tmp_path: Path) -> None:

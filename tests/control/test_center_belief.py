@@ -38,6 +38,16 @@ def test_two_coordinates_tell_the_place() -> None:
     assert both.error < 0.003
 
 
+def test_a_coordinate_at_its_bound_leaves_the_belief_as_unsure() -> None:
+    x, y = BEFORE.place
+    value = x + 0.01
+    unsure = Parameter(value, BEFORE.deviation((1.0, 0.0)), 0.0, (1.0, 0.0), True)
+    moved = BEFORE.knowing(unsure)
+    assert moved.place == pytest.approx((x + 0.005, y))
+    assert moved.error == pytest.approx(BEFORE.error)
+    assert moved.knowing(unsure).x == pytest.approx(x + 0.0075)
+
+
 def test_a_placement_may_push_beside_the_centre() -> None:
     x, y = BEFORE.place
     sure = BEFORE._replace(xx=1e-6, yy=1e-6)

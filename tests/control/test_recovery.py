@@ -164,12 +164,36 @@ def test_after_a_slide_the_support_alone_may_be_to_blame_or_the_slide_is_ignored
     begin = replace(BEGIN, contact_friction=slid)
     with pytest.raises(InfeasibleTaskError):
         module.planned_anew(Plan(unsure), begin, lambda: None)  # type: ignore[arg-type,return-value]
-    assert [one.dares for one in asked] == [False, False, True, True, True]
-    assert [one.contact_friction for one in asked] == [slid, slid, slid, None, None]
+    assert [one.dares for one in asked] == [False] * 2 + [True] * 3 + [
+        False,
+        True,
+        True,
+    ]
+    assert [one.contact_friction for one in asked] == [slid] * 3 + [None] * 5
     friction = BEGIN.support_friction
+    believed = unsure.scene.support.friction
     assert [one.support_friction for one in asked[2:]] == pytest.approx(
-        [friction, 2.0 * friction, friction]
+        [friction, 2.0 * friction, friction, believed, believed, 0.8 * believed]
     )
+
+
+def test_after_a_force_limit_plans_have_less_force_and_at_last_as_much_as_before(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    begin = module.after_force_limit(BEGIN, TASK.limits)
+    less = TASK.resumed(begin)
+    share = margins.LIMITED_SHARE
+    assert less.limits.planned_force == pytest.approx(share * TASK.limits.planned_force)
+    assert less.limits.normal_force == TASK.limits.normal_force
+    again = module.after_force_limit(BEGIN, less.limits)
+    expected = share * share * TASK.limits.planned_share
+    assert again.planned_share == pytest.approx(expected)
+    asked = all_refused(monkeypatch)
+    with pytest.raises(InfeasibleTaskError):
+        module.planned_anew(Plan(TASK), begin, lambda: None)  # type: ignore[arg-type,return-value]
+    *others, last = [one.planned_share for one in asked]
+    assert set(others) == {begin.planned_share}
+    assert last is None
 
 
 def test_an_object_close_to_its_goal_is_nudged() -> None:

@@ -183,3 +183,4 @@ def test_a_centre_at_its_bound_is_known_by_its_side() -> None:
     assert outside is not None
     assert outside.value == pytest.approx(math.copysign(bound, outside.value))
     assert outside.deviation > BOUNDED * lever > 2.0 * inside.deviation
+    assert (inside.at_bound, outside.at_bound) == (False, True)

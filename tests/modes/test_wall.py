@@ -79,7 +79,7 @@ def test_at_the_goal_the_load_is_in_the_middle_while_the_arms_carry_the_weight()
         (["limits.normal_force=5"], "to hold 19.6 N on the wall"),
         (
             ["limits.normal_force=40"],
-            "65.4 N of each arm; allowed 36 N, 0.9 of limits.normal_force",
+            "65.4 N of each arm; allowed 36 N by limits.normal_force",
         ),
         (["support.friction=0.7", "contact.friction=1.5"], "tip"),
     ],

@@ -14,6 +14,7 @@ import pytest
 import pushpressslide as pps
 from pushpressslide.control.recovery import restart
 from pushpressslide.control.run_loop import RunOptions
+from pushpressslide.core import margins
 from pushpressslide.core.control import Commands, TipCommand
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
@@ -60,6 +61,12 @@ def raised(command: Any) -> Any:
     return replace(command, position=(x, y, z + 0.05))
 
 
+def overloaded(command: Any) -> Any:
+    if not isinstance(command, TipCommand):
+        return command
+    return replace(command, force=(0.0, 0.0, -200.0), stiffness=(0.0, 0.0, 0.0))
+
+
 def run_of(
     task: Task, disturb: Callable[[float, Commands], Commands] | None = None
 ) -> tuple[Plan, Record, dict[str, Any]]:
@@ -82,6 +89,22 @@ def test_a_run_that_was_stopped_goes_on_and_reaches_its_goal(
     assert event["time"] > time
     assert found["success"], found["reason"]
     assert np.unique(record.arrays["placement"]).tolist() == [0.0, 1.0]
+
+
+def test_after_a_force_limit_the_rest_is_planned_with_less_force() -> None:
+    def overload(time: float, commands: Commands) -> Commands:
+        return tuple(map(overloaded, commands)) if 1.5 <= time < 1.6 else commands
+
+    task = pps.load_task("bimanual-slide")
+    made, _, found = run_of(task, overload)
+    (event,) = found["events"]
+    assert event["code"] == "force_limit"
+    assert found["success"], found["reason"]
+    (later,) = made.later
+    allowed = margins.LIMITED_SHARE * task.limits.planned_force
+    assert later.query.planned_force == pytest.approx(allowed)
+    back = plan_from_dict(plan_to_dict(made), task)
+    assert back.later[0].restart == later.restart
 
 
 def test_without_recoveries_the_same_run_ends_there() -> None:

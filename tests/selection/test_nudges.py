@@ -60,6 +60,17 @@ def test_no_short_push_leads_far() -> None:
     assert nudged(PlansAlone(), Plan(turned_by(60.0))) is None
 
 
+def test_a_push_about_an_unsure_centre_turns_by_little_only() -> None:
+    """Its lever is known to a third: so is the turn."""
+    unsure = replace(TASK, belief=replace(TASK.belief, center_error=0.025))
+    little = nudged(PlansAlone(), Plan(turned_by(3.0, unsure)))
+    assert little is not None
+    assert nudged(PlansAlone(), Plan(turned_by(12.0))) is not None
+    assert nudged(PlansAlone(), Plan(turned_by(12.0, unsure))) is None
+    reasons = [str(choice.refusal) for choice in nudges(turned_by(12.0, unsure).query)]
+    assert any("deg more or less, allowed 2.0 deg" in reason for reason in reasons)
+
+
 def test_only_allowed_modes_push_and_only_the_last_leg_ends_nearby() -> None:
     press = replace(turned_by(3.0), modes=("press_slide",))
     assert nudged(PlansAlone(), Plan(press)) is None

@@ -14,6 +14,7 @@ from pushpressslide.taskfile.kinds import Kind, degrees, nullable, number
 from pushpressslide.taskfile.place import Place
 
 DERIVED = {
+    "Limits.planned_share",
     "Robot.base_yaw",  # within base
     "Task.dares",
     "Task.source",

@@ -86,7 +86,7 @@ def _loads_at_limit(
         raise RefusedError(_cop_refusal(presses, cop, twist, allowed))
     normals = loads_with(pair, cop, pair.cap)
     utilisation = pair.loads_for(normals, twist).needed / sum(normals)
-    limit = f"; allowed {pair.cap:g} N, 0.9 of limits.normal_force"
+    limit = f"; allowed {pair.cap:g} N by limits.normal_force"
     return slip_refusal(normals, utilisation, allowed, limit), [normals]
 
 
@@ -142,6 +142,6 @@ def _cop_refusal(presses: Presses, cop: float, twist: Twist, allowed: float) -> 
         span = f"allowed from {can[0]:.2f} to {can[1]:.2f}"
     text = (
         "a centre of pressure {figure:g} of the way from left to right needs a contact "
-        f"that does not press, or more than {cap:g} N, 0.9 of limits.normal_force, {span}"
+        f"that does not press, or more than the {cap:g} N allowed by limits.normal_force, {span}"
     )
     return Refusal("cop", text, cop)

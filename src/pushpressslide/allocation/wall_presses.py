@@ -46,7 +46,7 @@ def _problem(presses: TwoPresses, steps: Sequence[Step], min_use: float) -> str:
     mu_w = presses.support_friction
     cap = presses.cap
     weight = max(math.hypot(*gravity) for _, gravity in steps)
-    allowed = f"allowed {cap:g} N, 0.9 of limits.normal_force"
+    allowed = f"allowed {cap:g} N by limits.normal_force"
     friction = f"{mu_a:.2f} of friction used at the tips"
     hold = 0.5 * wall_hold(weight, mu_a, mu_w)
     if hold > cap:

@@ -30,7 +30,7 @@ right one.
 
 
 PLANNED_SHARE = 0.9  # share of limits.normal_force
-FORCE_ALLOWED = f"allowed {{allowed:Ng}}, {PLANNED_SHARE:g} of limits.normal_force"
+FORCE_ALLOWED = "allowed {allowed:Ng} by limits.normal_force"
 """End of the text that refuses too large a normal force."""
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from pushpressslide.core import margins
-from pushpressslide.core.motion import FORCE_ALLOWED, PLANNED_SHARE
+from pushpressslide.core.motion import FORCE_ALLOWED
 from pushpressslide.core.pose import Point
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.refusal import Refusal, RefusedError
@@ -61,7 +61,7 @@ def pin_refusal(
         text = (
             f"pressed with {load:.1f} N the tip slips: holding the pivot takes "
             "{figure:.2f} of its friction, allowed {allowed:g}; allowed a press of "
-            f"{cap:g} N, {PLANNED_SHARE:g} of limits.normal_force"
+            f"{cap:g} N by limits.normal_force"
         )
         return Refusal("friction", text, utilisation, allowed)
     if push > cap:
