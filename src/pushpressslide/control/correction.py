@@ -111,7 +111,7 @@ class Replanner:
             abs(across) > arm.off_path + place or abs(heading) > arm.off_heading + yaw
         )
         slid = slide(followed.contacts, contact_points) > arm.slid
-        moved = _axle_error(followed, estimates.axle)
+        moved = axle_error(followed, estimates.axle)
         if not (off_path or slid or moved > arm.off_axle or estimates.elsewhere):
             return None
         if left < arm.least_left or since_last < arm.replan_pause:
@@ -165,7 +165,7 @@ def _free(query: MotionQuery, segments: Sequence[Segment]) -> bool:
     return skew is None or tool_refusal(query, here) is not None
 
 
-def _axle_error(segment: Segment, identified: AxleEstimate | None) -> float:
+def axle_error(segment: Segment, identified: AxleEstimate | None) -> float:
     """Distance [m] between the identified virtual axle and the planned one."""
     if identified is None:
         return 0.0

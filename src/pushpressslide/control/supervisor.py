@@ -13,6 +13,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from pushpressslide.control.correction import (
+    axle_error,
     beyond_ends,
     press_creep,
     rest_of,
@@ -41,6 +42,7 @@ from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
+from pushpressslide.identification.online import AxleEstimate
 from pushpressslide.identification.parameter_estimates import ParameterEstimates
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Measured
@@ -223,6 +225,7 @@ class Supervisor:
     def touch_again(self, moment: Moment) -> ControllerState:
         """Touch where the tips are."""
         state = _with_losses(moment, self._losses(moment)).state
+        state = self._forgetting(state, state.following.binding.segment)
         again = enter_phase(state, "touch", moment.instant)
         return again._replace(phase=again.phase._replace(align=False))
 
@@ -443,7 +446,16 @@ class Supervisor:
                 lost=instant.time, retouches=watches.retouches + 1
             ),
         )
-        return enter_phase(again, "touch", instant)
+        return enter_phase(self._forgetting(again, segment), "touch", instant)
+
+    def _forgetting(self, state: ControllerState, segment: Segment) -> ControllerState:
+        """State without what the last motion told of the virtual axle: where a contact
+        of the ``segment`` is lost, something else may have moved the object.
+        """
+        following = state.following
+        axle = self.placement.axle_identifier(segment)
+        prediction = following.prediction._replace(axle=axle)
+        return state._replace(following=following._replace(prediction=prediction))
 
     def replan(self, moment: Moment) -> ControllerState:
         """Follow a better plan from here, if there is one."""
@@ -454,6 +466,8 @@ class Supervisor:
             following = state.following._replace(rho=found.rho)
             state = state._replace(following=following)
         following = state.following
+        if found.axle is None:
+            found = found._replace(axle=_planned_axle(following))
         segments = (following.binding.segment, *following.ahead)
         since = time - state.watches.replanned
         better = self.placement.replanner.improve(
@@ -710,6 +724,18 @@ class Supervisor:
             if anew and self._can_follow(anew, instant.time):
                 return anew, estimates.center, retries + 1
         return fresh, center, retries
+
+
+def _planned_axle(following: Following) -> AxleEstimate | None:
+    """The axle as first planned, where it no longer contradicts what is measured, but
+    another one is followed.
+    """
+    identifier = following.prediction.axle
+    if identifier is None:
+        return None
+    planned = identifier.predicted
+    off = axle_error(following.binding.segment, planned)
+    return planned if off > margins.ARM.off_axle else None
 
 
 def _stopped(moment: Moment, failure: Failure) -> ControllerState:

@@ -95,7 +95,7 @@ class AxleIdentifier:
         """
         self._window = window
         self._axis = (math.cos(yaw), math.sin(yaw))
-        self._predicted = predicted
+        self.predicted = predicted
         self._lever = lever
         self._cop = cop
         self._off = off
@@ -165,14 +165,14 @@ class AxleIdentifier:
         if speed > LEAST_SPEED:
             return level if before is None else keep * before + (1.0 - keep) * level
         # it rests although it is pushed: what holds it is at least as much
-        known = self._predicted.drag if before is None else before
+        known = self.predicted.drag if before is None else before
         return level if level > known else before
 
     def identified(self, state: AxleState) -> AxleEstimate | None:
         """Estimates, within bounds about the prediction. None while they do not
         contradict it, or while the object has turned too little.
         """
-        axle, wheelbase, drag, _ = self._predicted
+        axle, wheelbase, drag, _ = self.predicted
         seen = (state.vw + PRIOR * axle) / (state.ww + PRIOR)
         if state.ww < ENOUGH or abs(seen - axle) < self._off * wheelbase:
             return None

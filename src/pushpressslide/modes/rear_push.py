@@ -142,18 +142,22 @@ class RearPush(Mode[RearSteerDrive]):
         label = f"short push on face {face.index} at {describe_points([contact.point])}"
         choice = Choice(self.name, label, (contact,))
         refusal = drag_refusal(query, (face,), 1, contact.height) or fitted.refusal
-        drives = _drives(scene, fitted)
-        if refusal is not None or not drives:
+        if refusal is not None or not fitted.cars:
             return [choice.refused(refusal)]
-        planned = drives[HARDER[-1]]
+        planned, shift = fitted.cars[HARDER[-1]]
         try:
             car = replace(
-                planned.car, contact=contact.point, normal=contact.normal, bounds=None
+                planned, contact=contact.point, normal=contact.normal, bounds=None
             )
         except ValueError as error:
             return [choice.refused(refusal_of(error, "offset_contact"))]
-        share = margins.NUDGE_STEERING
-        drive = replace(planned, car=car, curvature_share=share, nudges=True)
+        drive = RearSteerDrive(
+            car,
+            scene.max_friction(),
+            shift,
+            curvature_share=margins.NUDGE_STEERING,
+            nudges=True,
+        )
         start, _ = query.body_ends
         best = nudged(query, drive, start, query.touch_travel)
         if best.off > margins.NUDGED_WITHIN:
