@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -683,6 +683,39 @@ def test_the_axle_is_looked_for_anew_about_a_centre_that_is_found() -> None:
         assert prediction.followed_center == center
         assert (prediction.axle is before.axle) == (center == (0.0, 0.0))
         assert prediction.center is before.center
+
+
+def test_a_plan_follows_its_first_axle_again_if_that_is_not_contradicted() -> None:
+    well = watching(moment(PRESS), replanned=0.0)
+    first = well.state.following.segment.X_BV
+    identifier = well.state.following.prediction.axle
+    assert identifier is not None
+    planned = identifier.predicted
+    assert first.x == pytest.approx(planned.axle)
+    estimate = well.state.estimate
+    state = well.state
+    for axle in (planned._replace(axle=planned.axle - 0.1), None):
+        found = estimate.parameters._replace(axle=axle)
+        state = state._replace(estimate=estimate._replace(parameters=found))
+        watches = state.watches._replace(replanned=0.0)
+        state = after(PRESS, well._replace(state=state._replace(watches=watches)))[1]
+        followed = state.following.binding.segment.X_BV
+        assert followed.x == pytest.approx((axle or planned).axle)
+
+
+@pytest.mark.parametrize("touch", [Supervisor.touch_again, Supervisor.touch_planned])
+def test_what_a_lost_contact_told_of_the_axle_is_forgotten(
+    touch: Callable[[Supervisor, Moment], ControllerState],
+) -> None:
+    """A knock moves the object otherwise than the tip."""
+    well = moment(PRESS)
+    before = well.state.following.prediction
+    again = touch(controller(PRESS).supervisor, well).following.prediction
+    assert before.axle is not None
+    assert again.axle is not None
+    assert again.axle is not before.axle
+    assert again.axle.predicted == before.axle.predicted
+    assert again.center is before.center
 
 
 def test_ways_are_beside_the_planned_one_that_come_near_it_everywhere() -> None:
