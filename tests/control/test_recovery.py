@@ -30,7 +30,9 @@ def test_a_friction_that_leads_nowhere_is_given_up_for_the_believed_one(
 ) -> None:
     asked: list[Restart] = []
 
-    def planned(plan: Plan, begin: Restart, preparation: object) -> Plan:
+    def planned(
+        plan: Plan, begin: Restart, preparation: object, sequences: bool
+    ) -> Plan:
         asked.append(begin)
         if begin.support_friction > 1.0:
             raise InfeasibleTaskError("no press drags it")
@@ -46,9 +48,9 @@ def test_a_friction_that_leads_nowhere_is_given_up_for_the_believed_one(
 def test_the_first_refusal_is_the_one_that_is_told(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    reasons = iter(["first", "second", "third"])
+    reasons = iter(["first", "second", "third", "fourth"])
 
-    def refused(plan: Plan, begin: Restart, preparation: object) -> Plan:
+    def refused(*_: object) -> Plan:
         raise InfeasibleTaskError(next(reasons))
 
     monkeypatch.setattr(module, "_planned", refused)
@@ -107,12 +109,21 @@ def test_the_plan_that_is_made_anew_begins_where_the_restart_says() -> None:
     assert plan.task.goal == TASK.goal
 
 
-def all_refused(monkeypatch: pytest.MonkeyPatch) -> list[Restart]:
-    """Refuse every restart. Returns the list of those that will be asked for."""
+def all_refused(
+    monkeypatch: pytest.MonkeyPatch, searched: list[Restart] | None = None
+) -> list[Restart]:
+    """Refuse every restart. Returns the list of those for which one motion will be asked
+    for; ``searched`` is filled with those for which sequences are searched as well.
+    """
     asked: list[Restart] = []
 
-    def refused(plan: Plan, begin: Restart, preparation: object) -> Plan:
-        asked.append(begin)
+    def refused(
+        plan: Plan, begin: Restart, preparation: object, sequences: bool
+    ) -> Plan:
+        if sequences and searched is not None:
+            searched.append(begin)
+        if begin not in asked:
+            asked.append(begin)
         raise InfeasibleTaskError("no")
 
     monkeypatch.setattr(module, "_planned", refused)
@@ -177,6 +188,24 @@ def test_after_a_slide_the_support_alone_may_be_to_blame_or_the_slide_is_ignored
     )
 
 
+def test_sequences_are_searched_for_few_beliefs_only(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The arms wait meanwhile."""
+    searched: list[Restart] = []
+    asked = all_refused(monkeypatch, searched)
+    unsure = replace(TASK, belief=replace(TASK.belief, friction_error=0.2))
+    slid = 0.5 * unsure.scene.contact_friction
+    begin = replace(BEGIN, contact_friction=slid)
+    with pytest.raises(InfeasibleTaskError):
+        module.planned_anew(Plan(unsure), begin, lambda: None)  # type: ignore[arg-type,return-value]
+    first, second, last = searched
+    assert (first, second) == (begin, replace(begin, free=True))
+    assert last == asked[-2]
+    assert (last.dares, last.contact_friction) == (True, None)
+    assert last.support_friction == unsure.scene.support.friction
+
+
 def test_after_a_force_limit_plans_have_less_force_and_at_last_as_much_as_before(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -188,11 +217,12 @@ def test_after_a_force_limit_plans_have_less_force_and_at_last_as_much_as_before
     again = module.after_force_limit(BEGIN, less.limits)
     expected = share * share * TASK.limits.planned_share
     assert again.planned_share == pytest.approx(expected)
-    asked = all_refused(monkeypatch)
+    searched: list[Restart] = []
+    asked = all_refused(monkeypatch, searched)
     with pytest.raises(InfeasibleTaskError):
         module.planned_anew(Plan(TASK), begin, lambda: None)  # type: ignore[arg-type,return-value]
-    *others, last = [one.planned_share for one in asked]
-    assert set(others) == {begin.planned_share}
+    *others, last = [one.planned_share for one in asked if one not in searched]
+    assert {*others, *(one.planned_share for one in searched)} == {begin.planned_share}
     assert last is None
 
 

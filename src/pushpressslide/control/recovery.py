@@ -104,6 +104,9 @@ def planned_anew(
     support has the least friction that they allow. After a slide, the errors are
     ignored before all this; then the support alone has more friction; then the slide is
     ignored. After a force limit, the last plan may have as much force as before.
+
+    The arms wait meanwhile: of these further beliefs, sequences of motions are searched
+    for the believed friction without errors only, and after all others.
     Raises InfeasibleTaskError if there is no plan.
     """
     task = plan.task
@@ -112,17 +115,23 @@ def planned_anew(
     short = nudged(planner, _remaining(plan, free))
     if short is not None:
         return short
-    tried: list[Task] = []
+    further = [(one, False) for one in _further(task, free)]
+    tried: list[tuple[Task, bool]] = []
     refused: InfeasibleTaskError | None = None
-    for one in (restart_state, free, *_further(task, free)):
+    for one, sequences in (
+        (restart_state, True),
+        (free, True),
+        *further,
+        (_daring(task, free), True),
+    ):
         rest = task.resumed(one)
-        if rest in tried:
+        if (rest, True) in tried or (rest, sequences) in tried:
             continue
         if tried:
             planner = prepare()
-        tried.append(rest)
+        tried.append((rest, sequences))
         try:
-            return _planned(plan, one, planner)
+            return _planned(plan, one, planner, sequences)
         except InfeasibleTaskError as error:
             refused = refused or error
     assert refused is not None
@@ -138,18 +147,26 @@ def _further(task: Task, free: Restart) -> list[Restart]:
         share = free.contact_friction / task.scene.contact_friction
         alone = replace(kept, support_friction=free.support_friction / share)
         further += [dared, alone, kept]
-        free = replace(free, contact_friction=None)
-    believed = replace(free, support_friction=task.scene.support.friction)
-    dared = replace(believed, dares=True)
+    dared = _daring(task, free)
     least = (1.0 - task.belief.friction_error) * task.scene.support.friction
-    further += [believed, dared, replace(dared, support_friction=least)]
+    weakest = replace(dared, support_friction=least)
+    further += [replace(dared, dares=free.dares), dared, weakest]
     if free.planned_share is not None:
-        further.append(replace(further[-1], planned_share=None))
+        further.append(replace(weakest, planned_share=None))
     return further
 
 
-def _planned(plan: Plan, restart_state: Restart, planner: PlacementPlanner) -> Plan:
-    return solved(planner, _remaining(plan, restart_state), ENOUGH).plan
+def _daring(task: Task, free: Restart) -> Restart:
+    """The belief before the run, without its errors, from the place of ``free``."""
+    believed = task.scene.support.friction
+    return replace(free, contact_friction=None, support_friction=believed, dares=True)
+
+
+def _planned(
+    plan: Plan, restart_state: Restart, planner: PlacementPlanner, sequences: bool
+) -> Plan:
+    empty = _remaining(plan, restart_state)
+    return solved(planner, empty, ENOUGH, sequences=sequences).plan
 
 
 def _remaining(plan: Plan, restart_state: Restart) -> Plan:

@@ -36,13 +36,13 @@ from pushpressslide.selection.waypoints import free_space, push_successors, wayp
 
 TRIES = 4  # single motions whose joint paths are sought before sequences
 SEQUENCES = 16  # sequences whose joint paths are sought
-# the same when a task continues after a recovery, with plans for up to five beliefs
+# the same when a task continues after a recovery, with plans for several beliefs
 TRIES_ANEW = 2
 SEQUENCES_ANEW = 6
 JUDGED = 320  # budget for evaluating motions between two poses in a search
 MOST_FORCE = 1000.0  # [N] largest limit that a task file may allow
 MOST_FURTHER = 640  # the same if pushes from the via poses are evaluated too
-# the same when a task continues after a recovery: the arms wait for up to five plans
+# the same when a task continues after a recovery: the arms wait for several plans
 JUDGED_ANEW = 100
 MOST_FURTHER_ANEW = 100
 
@@ -82,16 +82,22 @@ def rest(task: Task) -> Solution:
 
 
 def solved(
-    planner: PlacementPlanner, empty: Plan, enough: int, *, force: bool = False
+    planner: PlacementPlanner,
+    empty: Plan,
+    enough: int,
+    *,
+    force: bool = False,
+    sequences: bool = True,
 ) -> Solution:
     """Solution, as from ``solve``, for the task of the plan ``empty``, which has no
     segments yet.
 
-    A task that was already started is continued from the plan's ``restart``.
+    A task that was already started is continued from the plan's ``restart``. Without
+    ``sequences``, one motion must lead to the goal.
     """
     clock = _Clock()
     try:
-        return _solved(planner, empty, enough, force, clock)
+        return _solved(planner, empty, enough, force, sequences, clock)
     except InfeasibleTaskError:
         task = empty.task
         may = any(obstacle.may_move for obstacle in task.obstacles)
@@ -139,7 +145,12 @@ def _selected(empty: Plan, enough: int) -> list[Choice]:
 
 
 def _solved(
-    planner: PlacementPlanner, empty: Plan, enough: int, force: bool, clock: _Clock
+    planner: PlacementPlanner,
+    empty: Plan,
+    enough: int,
+    force: bool,
+    sequences: bool,
+    clock: _Clock,
 ) -> Solution:
     """Solution for the task of the plan ``empty``, which has no segments yet. ``clock``
     records the time of each stage.
@@ -158,6 +169,8 @@ def _solved(
     clock.lap("joint_paths")
     if added:
         return Solution(joined(planner, empty), choices, clock.laps)
+    if not sequences:
+        raise infeasible(empty, choices)
     plan, searched = _search_sequence(planner, empty, choices)
     clock.lap("search")
     return Solution(plan, choices, clock.laps, searched)
