@@ -52,7 +52,7 @@ class SweepOptions:
             "--vary",
             help="truth: what is true of the task; tasks: new tasks for its robots; "
             "start: other starts; knocks: another body pushes the object 3 cm and about "
-            "15 degrees aside in mid-contact (on drake).",
+            "15 degrees aside in mid-contact (with arms).",
         ),
     ] = Variation.truth
     draw: Annotated[
