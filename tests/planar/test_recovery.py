@@ -4,6 +4,7 @@ pose.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.control import run_loop
 from pushpressslide.control.recovery import restart
 from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.core import margins
@@ -25,6 +27,8 @@ from pushpressslide.planar.engine import run
 from pushpressslide.report.metrics import result
 from pushpressslide.report.plan_files import plan_from_dict, plan_to_dict
 from pushpressslide.report.series import by_placement
+from pushpressslide.selection import placement_planner
+from pushpressslide.selection.placement_planner import ALIKE
 from pushpressslide.taskfile.load import task_from_data
 
 TWO_LEGS: dict[str, Any] = {
@@ -105,6 +109,30 @@ def test_after_a_force_limit_the_rest_is_planned_with_less_force() -> None:
     assert later.query.planned_force == pytest.approx(allowed)
     back = plan_from_dict(plan_to_dict(made), task)
     assert back.later[0].restart == later.restart
+
+
+def test_an_arm_that_failed_is_given_other_contacts_if_there_are_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(run_loop, "OF_ARMS", frozenset({"reference_jump"}))
+    made, _, found = run_of(pps.load_task("press-slide"), jumps_at(1.5))
+    assert found["success"], found["reason"]
+    (later,) = made.later
+    first = made.segments[0]
+    again = later.segments[0]
+    near = math.dist(first.contacts[0].point, again.contacts[0].point) < ALIKE
+    assert not (near and first.mode == again.mode)
+
+
+def test_an_arm_that_failed_repeats_the_only_contacts(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(run_loop, "OF_ARMS", frozenset({"reference_jump"}))
+    monkeypatch.setattr(placement_planner, "ALIKE", math.inf)
+    task = replace(pps.load_task("rear-push-rear"), modes=("rear_push",))
+    made, _, found = run_of(task, jumps_at(5.0))
+    assert found["success"], found["reason"]
+    assert made.later[0].segments[0].mode == "rear_push"
 
 
 def test_without_recoveries_the_same_run_ends_there() -> None:

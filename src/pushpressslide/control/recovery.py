@@ -24,7 +24,7 @@ from pushpressslide.identification.parameter_estimates import (
 )
 from pushpressslide.modes.base import ENOUGH
 from pushpressslide.planning.pressed.harder import slid_friction
-from pushpressslide.selection.placement_planner import PlacementPlanner
+from pushpressslide.selection.placement_planner import OtherPlacements, PlacementPlanner
 from pushpressslide.selection.solve import nudged, solved
 
 RECOVERABLE: frozenset[ReasonCode] = frozenset(
@@ -39,6 +39,10 @@ RECOVERABLE: frozenset[ReasonCode] = frozenset(
     }
 )
 """Failures after which arms that have drawn back can start again."""
+
+
+OF_ARMS: frozenset[ReasonCode] = frozenset({"torque_limit", "joint_limit", "collision"})
+"""Failures of the arms, which the same contacts would repeat."""
 
 
 def restart(
@@ -136,6 +140,25 @@ def planned_anew(
             refused = refused or error
     assert refused is not None
     raise refused
+
+
+def planned_otherwise(
+    plan: Plan,
+    restart_state: Restart,
+    prepare: Callable[[], PlacementPlanner],
+    failed: Segment,
+) -> Plan:
+    """Plan for the remaining task, as from ``planned_anew``, that does not begin like
+    the ``failed`` segment, if there is another.
+
+    Raises InfeasibleTaskError if there is no plan.
+    """
+    try:
+        return planned_anew(
+            plan, restart_state, lambda: OtherPlacements(prepare(), failed)
+        )
+    except InfeasibleTaskError:
+        return planned_anew(plan, restart_state, prepare)
 
 
 def _further(task: Task, free: Restart) -> list[Restart]:

@@ -40,10 +40,12 @@ from pushpressslide.control.limits import ArmReading, Guard
 from pushpressslide.control.looking import RestingPose
 from pushpressslide.control.recording import Recorder, Tick
 from pushpressslide.control.recovery import (
+    OF_ARMS,
     RECOVERABLE,
     after_force_limit,
     after_slides,
     planned_anew,
+    planned_otherwise,
     restart,
 )
 from pushpressslide.control.sensing import sensed
@@ -72,7 +74,7 @@ from pushpressslide.core.control import (
     TipState,
 )
 from pushpressslide.core.errors import InfeasibleTaskError, Shown, TaskError
-from pushpressslide.core.plan import Plan
+from pushpressslide.core.plan import Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.record import Ending, Record
@@ -620,7 +622,8 @@ class RunLoop:
             start = self._restart(pose)
             if reason.code == "force_limit":
                 start = after_force_limit(start, self.plan.task.limits)
-            plan, held_commands = self._planned_from(start, tick, measurement)
+            failed = self._followed if reason.code in OF_ARMS else None
+            plan, held_commands = self._planned_from(start, tick, measurement, failed)
         except InfeasibleTaskError as error:
             self._note(time, reason, str(error))
             return False
@@ -651,17 +654,29 @@ class RunLoop:
         self._resume(plan, held_commands)
         return True
 
+    @property
+    def _followed(self) -> Segment | None:
+        """The segment that is followed. None in an approach."""
+        return None if self.state is None else self.state.following.binding.segment
+
     def _planned_from(
-        self, start: Restart, tick: Tick, measurement: Measurement
+        self,
+        start: Restart,
+        tick: Tick,
+        measurement: Measurement,
+        failed: Segment | None = None,
     ) -> tuple[Plan, Commands]:
         """Plan of the remaining task from ``start``, and the commands that hold the arms
-        meanwhile. Raises InfeasibleTaskError if no plan ends in time.
+        meanwhile. It begins otherwise than a ``failed`` segment, if it can.
+
+        Raises InfeasibleTaskError if no plan ends in time.
         """
         held_commands = self._hold(tick, measurement)
         prepare = self.cell.placements.prepare
-        plan = self._while_holding(
-            partial(planned_anew, self.plan, start, prepare), held_commands
-        )
+        make = partial(planned_anew, self.plan, start, prepare)
+        if failed is not None:
+            make = partial(planned_otherwise, self.plan, start, prepare, failed)
+        plan = self._while_holding(make, held_commands)
         self._check_in_time(plan)
         return plan, held_commands
 

@@ -11,10 +11,12 @@ from itertools import chain, groupby
 from typing import Any, Protocol
 
 from pushpressslide.core.errors import InfeasibleTaskError
-from pushpressslide.core.plan import Choice, Contact, Plan
+from pushpressslide.core.plan import Choice, Contact, Plan, Segment
 from pushpressslide.core.refusal import Refusal, literal
 from pushpressslide.selection.planner import infeasible, selectable
 from pushpressslide.selection.select import MANY, placements
+
+ALIKE = 0.02  # [m] between the contacts of two placements that count as alike
 
 Problems = dict[tuple[str, tuple[Contact, ...], str, str], InfeasibleTaskError]
 
@@ -63,6 +65,45 @@ class PlansAlone:
     def after(self) -> PlansAlone:
         """New planner without placements. There is no state to carry over without arms."""
         return PlansAlone()
+
+
+@dataclass
+class OtherPlacements:
+    """Placement planner that refuses placements like one in which the arms failed."""
+
+    planner: PlacementPlanner
+    failed: Segment
+
+    @property
+    def plans(self) -> Sequence[Plan]:
+        """The plans so far, one per placement."""
+        return self.planner.plans
+
+    @property
+    def paths(self) -> Sequence[tuple[Any, ...]]:
+        """Joint paths of each plan."""
+        return self.planner.paths
+
+    def add(self, placement: Plan) -> None:
+        """Append the plan of a placement.
+
+        Raises InfeasibleTaskError if it begins with the mode and the contacts of the
+        failed one, or if an arm has no joint path.
+        """
+        first = placement.segments[0]
+        pairs = list(zip(first.contacts, self.failed.contacts, strict=False))
+        near = all(math.dist(a.point, b.point) < ALIKE for a, b in pairs)
+        if near and first.mode == self.failed.mode:
+            raise InfeasibleTaskError("the arms failed with these contacts")
+        self.planner.add(placement)
+
+    def keep(self, count: int) -> None:
+        """Forget all placements but the first ``count``."""
+        self.planner.keep(count)
+
+    def after(self) -> PlacementPlanner:
+        """Planner that starts after all placements, and refuses none."""
+        return self.planner.after()
 
 
 def prepared(
