@@ -8,8 +8,14 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
-from pushpressslide.arms.paths import joint_path
-from pushpressslide.arms.paths.all_arms import APART, ArmPath, drawn_back, joint_paths
+from pushpressslide.arms.paths import all_arms, joint_path
+from pushpressslide.arms.paths.all_arms import (
+    APART,
+    ROOMY,
+    ArmPath,
+    drawn_back,
+    joint_paths,
+)
 from pushpressslide.arms.paths.approach import CAREFUL, LEAST_GAP
 from pushpressslide.arms.paths.capsules import least_distance
 from pushpressslide.arms.paths.clearance import CLEARANCE, LOOK
@@ -95,6 +101,26 @@ def turned(start: Pose2, point: Point, degrees: float) -> Pose2:
     cx, cy = start.apply(point)
     x, y = Pose2(0.0, 0.0, start.yaw + yaw).rotate(point)
     return Pose2(cx - x, cy - y, start.yaw + yaw)
+
+
+def along_contacts(plan: Plan) -> float:
+    """Least distance [m] of the two arms of ``plan`` along their contacts."""
+    (left, _), (right, _) = joint_paths(DRAKE, plan)
+    one, other = (arm_capsules(robot, i) for i, robot in enumerate(plan.task.robots))
+    return least_distance(one, other, left.move, right.move, LOOK)
+
+
+def test_arms_have_more_room_beside_an_object_that_may_leave_its_plan(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    base = pps.load_task("bimanual-slide", ["modes=null", "tolerance.position=0.01"])
+    plan = pps.plan(random_task(replace(base, obstacles=()), 1, 6006, "any"))
+    unsure = replace(plan.task, belief=Belief(friction_error=0.01))
+    assert APART <= along_contacts(plan) < ROOMY
+    assert along_contacts(replace(plan, task=unsure)) >= ROOMY
+    # where there is none, they are as near as those beside a sure one
+    monkeypatch.setattr(all_arms, "ROOMY", 2.0 * LOOK)
+    assert along_contacts(replace(plan, task=unsure)) >= APART
 
 
 def test_an_arm_goes_from_the_top_to_the_rear_face() -> None:

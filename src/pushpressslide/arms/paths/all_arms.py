@@ -34,6 +34,8 @@ Pair = Sequence[Solution]  # one joint path of each arm
 # [m] smallest distance between the arms' capsules, which contain the real outline with
 # 1 cm to spare
 APART = 0.01
+# [m] the same along contacts of an object that may leave its plan, where there is room
+ROOMY = 0.03
 PERIOD = 0.02  # [s] at most, between samples of an approach
 GLANCE = 6  # every sixth sample is checked before all of them are
 RETREAT_SAMPLES = 7
@@ -194,6 +196,9 @@ class _TwoArms:
         self.problems = problems
         self.force = force
         self._capsules = [_capsules(problem) for problem in problems]
+        scene = plan.query.scene
+        unsure = scene.friction_error > 0.0 or scene.center_error > 0.0
+        self._wanted = ROOMY if unsure else APART
 
     def paths(self) -> tuple[ArmPath, ...]:
         """First attempt without a conflict. Raises InfeasibleTaskError with the largest
@@ -213,8 +218,10 @@ class _TwoArms:
 
     def _attempts(self) -> Iterator[tuple[ArmPath, ...] | Conflict]:
         """Yield both paths, or their conflict: each arm's best path first, then all
-        pairs, ordered by the lower of their scores.
+        pairs, ordered by the lower of their scores. Pairs that are nearer than wanted
+        come last.
         """
+        tight: list[tuple[Pair, float]] = []
         searches = [search(problem, force=self.force) for problem in self.problems]
         results = []
         best = []
@@ -222,7 +229,7 @@ class _TwoArms:
             results.append(next(stream))
             best.append(results[-1].best(problem))
         along = self._along(best)
-        if along >= APART or self.force:
+        if along >= self._wanted or self.force:
             yield from self._waiting(best, along)
         for arm, problem in enumerate(self.problems):
             if problem.along is None:
@@ -231,7 +238,7 @@ class _TwoArms:
                     results[arm] = result
                     best[arm] = result.solutions[-1]
                     along = self._along(best)
-                    if along >= APART:
+                    if along >= self._wanted:
                         yield from self._waiting(best, along)
         options = []
         upper = FEW if self.plan.from_search else None
@@ -247,8 +254,13 @@ class _TwoArms:
             if along < APART:
                 yield Conflict(0, "along the contacts", along)
                 continue
-            yield from self._waiting(pair, along)
             apart.append((pair, along))
+            if along < self._wanted:
+                tight.append((pair, along))
+                continue
+            yield from self._waiting(pair, along)
+        for pair, along in tight:
+            yield from self._waiting(pair, along)
         for pair, along in apart[:IN_TURN]:
             yield from self._in_turn(pair, along)
 
