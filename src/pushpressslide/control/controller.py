@@ -14,7 +14,7 @@ supervisor decides on events, and may plan.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from time import perf_counter
@@ -32,6 +32,7 @@ from pushpressslide.control.estimator import (
 )
 from pushpressslide.control.execution import USUAL, Execution
 from pushpressslide.control.following import Following, Prediction
+from pushpressslide.control.hand_eye import HandEye
 from pushpressslide.control.identified import Identified, identified
 from pushpressslide.control.insertion import Insertion
 from pushpressslide.control.joint_pace import JointPace
@@ -344,6 +345,25 @@ class Controller:
     def keep_pace(self, pace: JointPace | None) -> None:
         """Follow paths no faster than ``pace``."""
         self.law = replace(self.law, pace=pace)
+
+    def know_tips(self, known: Mapping[int, HandEye]) -> None:
+        """Start with what other placements have told of the arms' tips."""
+        if isinstance(self.estimator, ObjectEstimator):
+            first = self.segments[0].contacts[0]
+            self.estimator.know_tip(known.get(first.arm))
+
+    def seen_tip(self, state: ControllerState) -> tuple[int, HandEye] | None:
+        """Arm of the only contact, and where this placement has seen its tip. None if
+        it has not moved the object in pictures.
+        """
+        estimator = state.estimator
+        contacts = self.segments[0].contacts
+        if not isinstance(estimator, EstimatorState) or len(contacts) > 1:
+            return None
+        filtered = estimator.filtered
+        if filtered is None or filtered.hand_eye.xx == 0.0:
+            return None
+        return contacts[0].arm, filtered.hand_eye.elsewhere()
 
     def filtered_pose(self, state: ControllerState) -> Pose2:
         """Filtered X_WG at the last tick."""

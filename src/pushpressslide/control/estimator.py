@@ -11,8 +11,11 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
 
+import numpy as np
+
 from pushpressslide.control.correction import touched_point
 from pushpressslide.control.following import BoundLaws, Prediction
+from pushpressslide.control.hand_eye import HandEye
 from pushpressslide.control.pose_filter import Advance, FilterState, PoseFilter
 from pushpressslide.control.sightings import PictureComparison, Sightings
 from pushpressslide.control.tracker import StampedPose
@@ -105,6 +108,14 @@ class EstimatorState(NamedTuple):
     sightings: Sightings = Sightings()  # for the result alone
 
 
+class Began(NamedTuple):
+    """When the first tip began to move the object."""
+
+    X_WG: Pose2
+    place: float  # [m] standard deviation of the pose's place
+    tip: Point  # [m] as measured
+
+
 class Filtered(NamedTuple):
     """A filter of the pose with its state."""
 
@@ -117,10 +128,8 @@ class Filtered(NamedTuple):
     # corrections [m], [m], [rad] of the pose that are still to be followed
     ahead: tuple[float, float, float] = (0.0, 0.0, 0.0)
     smoothed: float = 0.01  # [s] in which they are followed
-    # pose X_WG and place [m] of the first tip when it began to move the object
-    began: tuple[Pose2, Point] | None = None
-    # [m] from where the first tip is measured to where the filter sees it, world
-    tip_error: Point = (0.0, 0.0)
+    began: Began | None = None
+    hand_eye: HandEye = HandEye()  # of the first tip, as the filter sees it
 
     @property
     def X_WG(self) -> Pose2:
@@ -155,13 +164,14 @@ class Filtered(NamedTuple):
         )
         began = None
         if observation.driven:
-            began = self.began or (self.filter.pose(self.state.present), self.tips[0])
+            X_WG = self.filter.pose(self.state.present)
+            began = self.began or Began(X_WG, self.spread[0], self.tips[0])
         spread = self.spread
-        tip_error = self.tip_error
+        hand_eye = self.hand_eye
         if state.covariance is not self.state.covariance:
             spread = self.filter.spread(state)
             if began is not None:
-                tip_error = self._tip_error(state, *began)
+                hand_eye = self._hand_eye(state, began)
         return Filtered(
             self.filter,
             state,
@@ -172,15 +182,17 @@ class Filtered(NamedTuple):
             ahead,
             self.smoothed,
             began,
-            tip_error,
+            hand_eye,
         )
 
-    def _tip_error(self, state: FilterState, X_WG: Pose2, tip: Point) -> Point:
-        """Vector [m] from a ``tip`` as measured when it began to move an object at
-        ``X_WG``, to where it then was.
+    def _hand_eye(self, state: FilterState, began: Began) -> HandEye:
+        """Where the tip was when it ``began`` to move the object, beside where it was
+        measured.
         """
-        x, y = X_WG.apply(self.filter.place(state.present))
-        return x - tip[0], y - tip[1]
+        x, y = began.X_WG.apply(self.filter.place(state.present))
+        offset = (x - began.tip[0], y - began.tip[1])
+        covariance = self.filter.tip_covariance(state) + began.place**2 * np.eye(2)
+        return HandEye.of(offset, covariance, began.X_WG.yaw)
 
     def _pushed(self, tip: Point) -> Point:
         """Displacement [m] by which a ``tip`` that touches may move the object: none
@@ -191,8 +203,9 @@ class Filtered(NamedTuple):
         tx, ty = Pose2(0.0, 0.0, now.yaw).rotate(self.filter.along)
         nx, ny = ty, -tx
         x, y = tip
-        x += self.tip_error[0]
-        y += self.tip_error[1]
+        off_x, off_y = self.hand_eye.offset
+        x += off_x
+        y += off_y
         beyond = (x - now.x) * nx + (y - now.y) * ny + NEAR
         before_x, before_y = self.tips[0]
         ahead = min(beyond, (tip[0] - before_x) * nx + (tip[1] - before_y) * ny)
@@ -270,6 +283,13 @@ class ObjectEstimator:
         self._radii = [robot.tip_radius for robot in query.scene.robots]
         self._center_error = query.scene.center_error
         self._pictures = PictureComparison(query)
+        self._hand_eye: HandEye | None = None
+
+    def know_tip(self, hand_eye: HandEye | None) -> None:
+        """Start with what other placements have told of the first tip's ``hand_eye``
+        offset. None: nothing.
+        """
+        self._hand_eye = hand_eye
 
     def start(self, pose: StampedPose) -> EstimatorState:
         """State without identified parameters."""
@@ -293,7 +313,7 @@ class ObjectEstimator:
             used = filtered.state.used
             spread = filtered.spread
             if len(observation.binding.segment.contacts) == 1:
-                tip_error = filtered.tip_error
+                tip_error = filtered.hand_eye.offset
         predicted = observation.prediction
         axle = state.axle
         center = state.center
@@ -363,12 +383,23 @@ class ObjectEstimator:
             self._X_GB.rotate(arm),
             doubt,
             _face(first, self._X_GB),
+            self._hand_eye,
         )
         started = own.start(state.pose)
         smoothed = min(max(0.01, SMOOTHED * self._sensing.yaw_noise), LONGEST_SMOOTHED)
         tips = _tips(observation)
         spread = own.spread(started)
-        return Filtered(own, started, segment, place, tips, spread, smoothed=smoothed)
+        hand_eye = self._hand_eye or HandEye()
+        return Filtered(
+            own,
+            started,
+            segment,
+            place,
+            tips,
+            spread,
+            smoothed=smoothed,
+            hand_eye=hand_eye,
+        )
 
     def _pose(self, state: EstimatorState, observation: Observation) -> Pose2:
         """X_WG predicted from the motion since the last tick.

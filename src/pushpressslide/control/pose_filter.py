@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pushpressslide.control.hand_eye import HandEye
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
@@ -142,6 +143,8 @@ class PoseFilter:
     # unit vector in G of the pushed face, along which the tip may slip; None: a press
     along: Point | None = None
     repeats: bool = False  # whether pictures of an object at rest are equal
+    # of the tip, once it is corrected by the known offset; None: not known
+    hand_eye: HandEye | None = None
 
     @classmethod
     def for_sensing(
@@ -152,6 +155,7 @@ class PoseFilter:
         arm: Point = (0.0, 0.0),
         doubt: float = 0.0,
         along: Point | None = None,
+        hand_eye: HandEye | None = None,
     ) -> PoseFilter:
         """Filter for the camera of ``sensing``."""
         pictures = sensing.noise_time * (sensing.pose_rate or 100.0)
@@ -161,7 +165,7 @@ class PoseFilter:
         noise = np.array((place, place, yaw))
         noisy = sensing.position_noise > 0.0 or sensing.yaw_noise > 0.0
         repeats = not noisy or sensing.position_step > 0.0
-        return cls(point, radius, noise, arm, doubt, along, repeats)
+        return cls(point, radius, noise, arm, doubt, along, repeats, hand_eye)
 
     def start(self, pose: StampedPose) -> FilterState:
         """State with the object at ``pose``, the middle of its pictures."""
@@ -213,6 +217,10 @@ class PoseFilter:
         variance = float(u @ state.covariance[7:, 7:] @ u)
         off = across[0] * state.mean.ox + across[1] * state.mean.oy
         return off, math.sqrt(variance)
+
+    def tip_covariance(self, state: FilterState) -> Array:
+        """Covariance (2, 2) [m^2] in G of where the tip touches."""
+        return state.covariance[7:, 7:]
 
     def reach(self, state: FilterState) -> tuple[float, float]:
         """Distance [m] from C to the point that moves along the line from C to the
@@ -406,12 +414,13 @@ class PoseFilter:
         P[3, 3] = P[4, 4] = (ARM / self.radius) ** 2 + self.doubt * self.doubt
         P[5, 5] = self._slip**2
         c, s = X_WG.rotate((1.0, 0.0))
-        variance = self._hand_eye**2
-        P[:2, 7:] = variance * np.array(((c, -s), (s, c)))
+        R = np.array(((c, -s), (s, c)))
+        hand_eye = self.hand_eye or HandEye.within(self._hand_eye)
+        offset = hand_eye.covariance_in(X_WG)
+        P[:2, 7:] = R @ offset
         P[7:, :2] = P[:2, 7:].T
-        P[0, 0] += variance
-        P[1, 1] += variance
-        P[7, 7] = P[8, 8] = variance
+        P[:2, :2] += R @ offset @ R.T
+        P[7:, 7:] = offset
         return P
 
     def _untouched(self, state: FilterState) -> FilterState:

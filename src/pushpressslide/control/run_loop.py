@@ -33,6 +33,7 @@ from pushpressslide.control.center_belief import CenterBelief, beside_center
 from pushpressslide.control.controller import Controller
 from pushpressslide.control.estimator import Estimator, ObjectEstimator
 from pushpressslide.control.execution import USUAL, Execution
+from pushpressslide.control.hand_eye import HandEye
 from pushpressslide.control.identified import Identified
 from pushpressslide.control.joint_pace import joint_pace
 from pushpressslide.control.last_look import LastLook
@@ -213,6 +214,7 @@ class RunLoop:
         self.center: CenterBelief | None = None  # the same; None: it is sure
         if self.believed.center_error > 0.0:
             self.center = CenterBelief.before_run(self.believed)
+        self.hand_eyes: dict[int, HandEye] = {}  # by arm, as seen before
         self.looked_on: float | None = None  # [s] since when for longer
         self.ticks = 0
         self.placements = plan.by_placement
@@ -327,6 +329,12 @@ class RunLoop:
             own = self.controller.identified(self.state, self.believed)
             self.identified = self.identified.better(own)
             self.center = self._known_center()
+            seen = None
+            if isinstance(self.controller, Controller):
+                seen = self.controller.seen_tip(self.state)
+            if seen is not None:
+                arm, hand_eye = seen
+                self.hand_eyes[arm] = hand_eye
 
     def _known_center(self) -> CenterBelief | None:
         """What is believed of the centre of mass after the present placement. None if
@@ -563,6 +571,8 @@ class RunLoop:
         own = isinstance(self.controller, Controller)
         if own and paths and len(limits) == len(paths):
             self.controller.keep_pace(joint_pace(paths, limits))
+        if own:
+            self.controller.know_tips(self.hand_eyes)
         if own and self.recoveries == 0:
             self.controller.supervisor.gives_up = False
         self.state = None
