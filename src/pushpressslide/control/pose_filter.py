@@ -52,6 +52,12 @@ GATE = 25.0
 """Squared Mahalanobis distance of a picture above which it does not fit (3 degrees of
 freedom; exceeded by one in 65,000).
 """
+RECENT = 0.9
+"""Weight of a picture's error in ``FilterState.errors``, relative to the next one."""
+CONTRADICTED = 4.0
+"""Standard deviations of the weighted sum of errors from which pictures contradict the
+predicted motion.
+"""
 STRANGERS = 3
 """Number of pictures in a row that do not fit but agree, and then replace the estimate."""
 
@@ -129,6 +135,8 @@ class FilterState(NamedTuple):
     advances: tuple[Advance, ...] = ()  # since then
     strangers: tuple[Pose2, ...] = ()  # the last pictures, if they do not fit
     disturbed: bool = False  # whether tips were about to touch, or to let go
+    # weighted sums of the last pictures' errors in x, y and yaw, each over its deviation
+    errors: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -298,6 +306,10 @@ class PoseFilter:
         S = H @ P @ H.T + np.diag(self.noise**2)
         if float(error @ np.linalg.solve(S, error)) > GATE:
             return self._doubted(state, picture, after)
+        errors, doubt = _weighed(state.errors, error, S)
+        if doubt.any():
+            P[:3, :3] += np.diag(doubt)
+            S = H @ P @ H.T + np.diag(self.noise**2)
         gain = np.linalg.solve(S, H @ P).T
         corrected = Mean(*(np.array(mean) + gain @ error).tolist())
         P = P - gain @ S @ gain.T
@@ -308,6 +320,7 @@ class PoseFilter:
             present=self._led(corrected, after),
             advances=after,
             strangers=(),
+            errors=errors,
         )
 
     def _doubted(
@@ -432,6 +445,23 @@ class PoseFilter:
         P = self._prior(self.pose(state.mean), self._pose_covariance(state))
         P[3:5, 3:5] = state.covariance[3:5, 3:5]
         return state._replace(mean=means[0], present=means[1], covariance=P)
+
+
+def _weighed(
+    before: tuple[float, float, float], error: Array, S: Array
+) -> tuple[tuple[float, float, float], Array]:
+    """Weighted sums of pictures' errors after one more ``error`` (3,) with covariance
+    ``S`` (3, 3), and variances (3,) to add to those of a pose that all of them contradict.
+
+    A contradicted sum starts over.
+    """
+    deviation = np.sqrt(np.diag(S))
+    sums = RECENT * np.array(before) + error / deviation
+    contradicted = np.abs(sums) * math.sqrt(1.0 - RECENT * RECENT) > CONTRADICTED
+    mean = (1.0 - RECENT) * sums * deviation
+    doubt: Array = np.where(contradicted, mean * mean, 0.0)
+    x, y, yaw = np.where(contradicted, 0.0, sums).tolist()
+    return (x, y, yaw), doubt
 
 
 def _jacobian(arm: Point, yaw: float) -> Array:
