@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.stats import chi2
 
+from pushpressslide.control import pose_filter
 from pushpressslide.control.camera import Camera
+from pushpressslide.control.hand_eye import OTHERWISE, HandEye
 from pushpressslide.control.pose_filter import (
     CHANGED,
     HAND_EYE,
@@ -358,3 +361,57 @@ def test_equal_pictures_of_an_object_at_rest_are_news_without_noise() -> None:
         advance = Advance(0.1 * i, 0.1, (0.005, 0.0))
         state = exact.step(state, advance, StampedPose(0.1 * i, X_WG))
     assert state.used == used
+
+
+def lost_by(seed: int) -> float:
+    """Error of the yaw [rad] of an object that two tips have turned for 5 s, and over
+    which they have slid for 2 s.
+    """
+    coarse = Sensing(position_noise=3.5e-3, yaw_noise=math.radians(2.1), pose_rate=10.0)
+    random = np.random.default_rng(seed)
+    own = PoseFilter.for_sensing(coarse, (0.0, 0.0), RADIUS)
+    true = Pose2(0.0, 0.0, 0.4)
+    state = own.start(StampedPose(0.0, true, 30))
+    for i in range(1, 1751):
+        turn = 0.06 * PERIOD
+        if i <= 1250:
+            true = replace(true, yaw=true.yaw + turn)
+        x, y, yaw = own.noise * random.standard_normal(3)
+        seen = Pose2(true.x + x, true.y + y, true.yaw + yaw)
+        picture = StampedPose(i * PERIOD, seen) if i % 25 == 0 else None
+        state = own.step(state, Advance(i * PERIOD, PERIOD, turn=turn), picture)
+    return abs(wrap_angle(state.present.yaw - true.yaw))
+
+
+def test_pictures_that_all_contradict_the_motion_are_believed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Each of them alone could be an error of the camera."""
+    believed = [lost_by(seed) for seed in range(20)]
+    monkeypatch.setattr(pose_filter, "CONTRADICTED", math.inf)
+    ignored = [lost_by(seed) for seed in range(20)]
+    assert np.mean(believed) < 0.5 * np.mean(ignored)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7, math.pi / 2])
+def test_the_known_offset_of_a_tip_narrows_where_it_touches(yaw: float) -> None:
+    """A tip known along x alone is known along that direction of the object alone."""
+    known = HandEye((3e-3, 0.0), 1e-6, 0.0, HAND_EYE**2)
+    one = replace(FILTER, hand_eye=known)
+    state = one.start(StampedPose(0.0, Pose2(0.1, 0.2, yaw)))
+    along = (math.cos(yaw), -math.sin(yaw))  # world x in G
+    across = (math.sin(yaw), math.cos(yaw))
+    assert one.touch_offset(state, along)[1] == pytest.approx(1e-3)
+    assert one.touch_offset(state, across)[1] == pytest.approx(HAND_EYE)
+    again = HandEye.of((3e-3, 0.0), one.tip_covariance(state), yaw)
+    assert again.offset == known.offset
+    assert again[1:] == pytest.approx(known[1:])
+
+
+def test_a_tip_in_another_posture_is_known_less() -> None:
+    seen = HandEye((3e-3, -1e-3), 1e-6, 2e-7, 4e-6)
+    moved = seen.elsewhere()
+    assert moved.offset == seen.offset
+    assert math.sqrt(moved.xx - seen.xx) == pytest.approx(OTHERWISE)
+    assert math.sqrt(moved.yy - seen.yy) == pytest.approx(OTHERWISE)
+    assert moved.xy == seen.xy

@@ -206,7 +206,7 @@ def test_sequences_are_searched_for_few_beliefs_only(
     assert last.support_friction == unsure.scene.support.friction
 
 
-def test_after_a_force_limit_plans_have_less_force_and_at_last_as_much_as_before(
+def test_after_a_force_limit_plans_have_less_force_where_they_lead_on(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     begin = module.after_force_limit(BEGIN, TASK.limits)
@@ -221,9 +221,12 @@ def test_after_a_force_limit_plans_have_less_force_and_at_last_as_much_as_before
     asked = all_refused(monkeypatch, searched)
     with pytest.raises(InfeasibleTaskError):
         module.planned_anew(Plan(TASK), begin, lambda: None)  # type: ignore[arg-type,return-value]
-    *others, last = [one.planned_share for one in asked if one not in searched]
-    assert {*others, *(one.planned_share for one in searched)} == {begin.planned_share}
-    assert last is None
+    assert {one.planned_share for one in searched} == {begin.planned_share}
+    shares = [one.planned_share for one in asked]
+    assert shares[0] == begin.planned_share
+    full = [one for one in asked if one.planned_share is None]
+    assert full[0] == replace(begin, free=True, planned_share=None)
+    assert all(one.dares for one in full[1:])
 
 
 def test_an_object_close_to_its_goal_is_nudged() -> None:

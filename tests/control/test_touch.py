@@ -253,6 +253,11 @@ def test_what_is_seen_grows_with_the_noise() -> None:
     assert Sensing(position_noise=0.002).seen_motion == pytest.approx(0.008)
     assert Sensing().seen_motion == margins.ARM.slid
     assert math.isclose(SEEN, margins.ARM.slid)
+    noisy = Sensing(yaw_noise=0.02)
+    assert noisy.seen_turn(0.1) == pytest.approx(0.08)
+    assert noisy.seen_turn(0.01) == pytest.approx(margins.ARM.slid / 0.01)
+    rare = replace(noisy, pose_rate=16.0)
+    assert rare.seen_turn(1.0) == pytest.approx(0.02)
 
 
 def test_a_tip_that_is_drawn_back_is_told_how_its_reference_moves() -> None:
@@ -546,6 +551,33 @@ def test_an_object_that_moved_before_its_tip_is_pushed(
     place = tuple(t - apart * SEEN * d for t, d in zip(touching, n, strict=True))
     memory = TipMemory(place, advance_start=START)
     step = made().step(memory, at(place, X_WB=X_WB), 2.0, 1.0)
+    assert (step.memory.felt is not None) == pushes
+
+
+@pytest.mark.parametrize(
+    ("moved", "turned", "apart", "pushes"),
+    [
+        (1.1, 0.0, 0.014, True),
+        (1.1, 0.0, 0.016, False),
+        (0.0, 0.11, 0.0, True),
+        (0.0, -0.11, 0.0, True),
+        (0.0, 0.09, 0.0, False),
+        (0.0, 0.11, 0.016, False),
+    ],
+)
+def test_a_light_object_that_moves_or_turns_before_a_near_tip_is_pushed(
+    moved: float, turned: float, apart: float, pushes: bool
+) -> None:
+    """Nothing but the tip moves it, though the tip may be seen elsewhere."""
+    touch = replace(made(), light=True, min_turn=0.1)
+    n = BEHIND.direction(START)
+    on = moved * SEEN
+    yaw = START.yaw + turned
+    X_WB = Pose2(START.x + on * n[0], START.y + on * n[1], yaw)
+    touching = tip_position(BEHIND, X_WB, RADIUS)
+    place = tuple(t - apart * d for t, d in zip(touching, n, strict=True))
+    memory = TipMemory(place, advance_start=START)
+    step = touch.step(memory, at(place, X_WB=X_WB), 2.0, 1.0)
     assert (step.memory.felt is not None) == pushes
 
 

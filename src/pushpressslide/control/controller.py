@@ -563,6 +563,7 @@ def _made_touches(
             0.0 if query.sensing.sure else margins.ARM.first_look,
             query.sensing.force_noise > 0.0,
             contact.kind == "side" and query.slides_unfelt,
+            query.sensing.seen_turn(query.scene.body.radius),
         )
         for contact in first.contacts
     )

@@ -40,7 +40,6 @@ RECOVERABLE: frozenset[ReasonCode] = frozenset(
 )
 """Failures after which arms that have drawn back can start again."""
 
-
 OF_ARMS: frozenset[ReasonCode] = frozenset({"torque_limit", "joint_limit", "collision"})
 """Failures of the arms, which the same contacts would repeat."""
 
@@ -107,7 +106,7 @@ def planned_anew(
     more friction than it has; then the errors of the belief are ignored; then the
     support has the least friction that they allow. After a slide, the errors are
     ignored before all this; then the support alone has more friction; then the slide is
-    ignored. After a force limit, the last plan may have as much force as before.
+    ignored. After a force limit, plans that lead on with less force are tried first.
 
     The arms wait meanwhile: of these further beliefs, sequences of motions are searched
     for the believed friction without errors only, and after all others.
@@ -164,6 +163,8 @@ def planned_otherwise(
 def _further(task: Task, free: Restart) -> list[Restart]:
     """Further beliefs from which a plan may lead on, if there is none from ``free``."""
     further: list[Restart] = []
+    if free.planned_share is not None:
+        further.append(replace(free, planned_share=None))
     if free.contact_friction is not None:
         dared = replace(free, dares=True)
         kept = replace(dared, contact_friction=None)
@@ -173,10 +174,10 @@ def _further(task: Task, free: Restart) -> list[Restart]:
     dared = _daring(task, free)
     least = (1.0 - task.belief.friction_error) * task.scene.support.friction
     weakest = replace(dared, support_friction=least)
-    further += [replace(dared, dares=free.dares), dared, weakest]
-    if free.planned_share is not None:
+    further += [replace(dared, dares=free.dares), dared]
+    if free.planned_share is not None:  # what slides at best needs all the force
         further.append(replace(weakest, planned_share=None))
-    return further
+    return [*further, weakest]
 
 
 def _daring(task: Task, free: Restart) -> Restart:

@@ -30,7 +30,7 @@ from pushpressslide.control.state import (
 from pushpressslide.core import margins
 from pushpressslide.core.control import TipCommand, Vector3
 from pushpressslide.core.plan import Contact
-from pushpressslide.core.pose import Pose2
+from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 
 STILL = (0.0, 0.0, 0.0)
@@ -70,6 +70,7 @@ class TipTouch:
     look: float = 0.0  # [s] in which noisy sensors are averaged before the advance
     noisy: bool = False  # whether forces have noise
     light: bool = False  # whether the object may slide before it is felt
+    min_turn: float = math.inf  # [rad] smallest turn of a light object that is detected
 
     def speed(self, contact: Contact) -> float:
         """Speed [m/s] of the advance. An arm that reacts late is slower: until the touch
@@ -281,7 +282,8 @@ class TipTouch:
         """Whether the object is seen to move while the tip pushes it from the side.
 
         The object has then left its pose ``advance_start``, X_WB, and the tip is at its
-        contact.
+        contact. A light object may also turn, and nothing else moves it: its tip is near
+        the contact.
         """
         contact = context.contact
         if contact.kind == "top":
@@ -293,7 +295,11 @@ class TipTouch:
         touching = tip_position(contact, context.X_WB, self.radius, 0.0)
         px, py, _ = context.tip.position
         apart = (touching[0] - px) * x + (touching[1] - py) * y
-        return moved > self.min_displacement and apart < self.min_displacement
+        if moved > self.min_displacement and apart < self.min_displacement:
+            return True
+        turned = abs(wrap_angle(context.X_WB.yaw - advance_start.yaw))
+        moves = moved > self.min_displacement or turned > self.min_turn
+        return self.light and moves and apart < margins.ARM.felt_near
 
 
 def held_at(

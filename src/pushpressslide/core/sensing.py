@@ -143,9 +143,19 @@ class Sensing:
     @property
     def seen_motion(self) -> float:
         """Displacement [m] above which an object's motion is detected."""
-        pictures = 1.0 if self.every_pose else margins.SEEN_TIME * self.picture_rate
-        noise = self.position_noise / math.sqrt(max(pictures, 1.0))
+        noise = self.position_noise / math.sqrt(self._seen_pictures)
         return max(margins.ARM.slid, margins.FELT_SIGMAS * noise)
+
+    def seen_turn(self, radius: float) -> float:
+        """Turn [rad] above which one of an object with a ``radius`` [m] is detected."""
+        noise = self.yaw_noise / math.sqrt(self._seen_pictures)
+        return max(margins.ARM.slid / radius, margins.FELT_SIGMAS * noise)
+
+    @property
+    def _seen_pictures(self) -> float:
+        """Number of pictures whose mean tells whether an object has moved."""
+        pictures = 1.0 if self.every_pose else margins.SEEN_TIME * self.picture_rate
+        return max(pictures, 1.0)
 
     @property
     def delay_of_pose(self) -> float:
