@@ -27,23 +27,21 @@ def contact_height(scene: Scene, motion: Motion) -> float:
     It is as low as possible with the wrists above the object, since a push at height h
     shifts the CoP by h mu_s.
     """
-    return _height(scene, motion, _upright(scene), margins.ARM.low)
+    return _height(scene, motion, _upright(scene))
 
 
 def lone_contact_height(scene: Scene, motion: Motion) -> float:
     """Height [m] of the single contact of a push.
 
-    If a push at its usual height might tip the object, the contact is lower. If one
-    with the wrist above the object might, the tool leans back, with its wrist behind the
-    object.
+    If a push with the wrist above the object would tip it, the contact is lower and the
+    tool leans back, with its wrist behind the object.
     """
     body = scene.body
     slack = body.shape.base_depth(body.center_of_mass)
     # [m] up to which the object surely stands, whatever the direction of the push
     stands = margins.PUSH_STANDS * slack / max(scene.most_friction, 1e-9)
     upright = _upright(scene)
-    usual = min(margins.ARM.low, stands)
-    return _height(scene, motion, upright if upright <= stands else 0.0, usual)
+    return _height(scene, motion, upright if upright <= stands else 0.0)
 
 
 def _upright(scene: Scene) -> float:
@@ -52,10 +50,8 @@ def _upright(scene: Scene) -> float:
     return scene.body.shape.height + margins.ARM.wrist_gap - reach
 
 
-def _height(scene: Scene, motion: Motion, min_height: float, usual: float) -> float:
-    """Height [m] of contacts, as near to the ``usual`` one as the object and its need of
-    at least ``min_height`` [m] allow.
-    """
+def _height(scene: Scene, motion: Motion, min_height: float) -> float:
+    """Height [m] of contacts that need at least ``min_height`` [m]."""
     if motion.contact_height is not None:
         return motion.contact_height
     height = scene.body.shape.height
@@ -64,7 +60,7 @@ def _height(scene: Scene, motion: Motion, min_height: float, usual: float) -> fl
     low = max(radius + arm.tool_gap, min_height)
     lowest = radius + arm.table_gap
     highest = height - 0.5 * radius
-    inside = max(min(max(low, min(usual, 0.5 * height)), highest), lowest)
+    inside = max(min(max(low, min(arm.low, 0.5 * height)), highest), lowest)
     lean = margins.side_lean(scene.contact_friction)
     return scene.body.shape.side_height(inside, (lowest, highest), radius, lean)
 
