@@ -403,7 +403,7 @@ def test_the_known_offset_of_a_tip_narrows_where_it_touches(yaw: float) -> None:
     across = (math.sin(yaw), math.cos(yaw))
     assert one.touch_offset(state, along)[1] == pytest.approx(1e-3)
     assert one.touch_offset(state, across)[1] == pytest.approx(HAND_EYE)
-    again = HandEye.of((3e-3, 0.0), one.tip_covariance(state), yaw)
+    again = HandEye.from_axes((3e-3, 0.0), one.tip_covariance(state), yaw)
     assert again.offset == known.offset
     assert again[1:] == pytest.approx(known[1:])
 

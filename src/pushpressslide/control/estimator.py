@@ -192,7 +192,7 @@ class Filtered(NamedTuple):
         x, y = began.X_WG.apply(self.filter.place(state.present))
         offset = (x - began.tip[0], y - began.tip[1])
         covariance = self.filter.tip_covariance(state) + began.place**2 * np.eye(2)
-        return HandEye.of(offset, covariance, began.X_WG.yaw)
+        return HandEye.from_axes(offset, covariance, began.X_WG.yaw)
 
     def _pushed(self, tip: Point) -> Point:
         """Displacement [m] by which a ``tip`` that touches may move the object: none

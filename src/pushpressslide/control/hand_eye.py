@@ -33,7 +33,7 @@ class HandEye(NamedTuple):
         return cls((0.0, 0.0), variance, 0.0, variance)
 
     @classmethod
-    def of(cls, offset: Point, covariance: Array, yaw: float) -> HandEye:
+    def from_axes(cls, offset: Point, covariance: Array, yaw: float) -> HandEye:
         """An ``offset`` [m] with a ``covariance`` (2, 2) [m^2] in axes at ``yaw`` [rad]."""
         P = _turned(covariance, yaw)
         return cls(offset, float(P[0, 0]), float(P[0, 1]), float(P[1, 1]))
