@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 import pytest
@@ -303,3 +304,62 @@ def test_a_contact_turns_an_object_as_its_planned_axle_moves(name: str) -> None:
         )
         skewed += abs(segment.drive.skew) > 0.2
     assert (skewed > 0) == (name in ("post", "l-shape"))
+
+
+def test_a_tip_that_pushed_is_known_where_it_is_seen_in_the_next_placement() -> None:
+    """The object is seen 4 mm from where the tip is measured to touch it, and moves with
+    the tip.
+    """
+    task = pps.load_task(
+        "rear-push-rear", ["sensing.pose_rate=30", "sensing.position_noise=0.001"]
+    )
+    plan = pps.plan(task)
+    made = Controller(plan)
+    first = plan.segments[0]
+    (contact,) = first.contacts
+    radius = task.robots[0].tip_radius
+    place, _ = contact.tip_place(radius)
+    X_WB = first.body_pose(0.0)
+    off = (0.004, -0.003)
+    x, y = X_WB.apply(place)
+    tip = TipState((x - off[0], y - off[1], 0.05), (0, 0, 0), (1.0, 0.5, 0.0))
+    state = made.init(Measurement(0.0, task.start, (tip,)))
+    assert made.seen_tip(state) is None
+    known = state.estimator
+    for i in range(1, 500):
+        ahead = 0.05 * DT * i
+        X_WG = Pose2(task.start.x + ahead, task.start.y, task.start.yaw)
+        moved = replace(tip, position=(x - off[0] + ahead, y - off[1], 0.05))
+        _, known = made.estimator.step(
+            known,
+            Observation(
+                i * DT,
+                StampedPose(i * DT, X_WG) if i % 8 == 0 else None,
+                FORWARD,
+                True,
+                (moved,),
+                state.following.binding,
+                state.following.prediction,
+            ),
+        )
+    seen = made.seen_tip(state._replace(estimator=known))
+    assert seen is not None
+    arm, hand_eye = seen
+    assert arm == contact.arm
+    assert hand_eye.offset == pytest.approx(off, abs=1.5e-3)
+    after = Controller(plan)
+    after.know_tips({arm: hand_eye})
+    begun = after.init(Measurement(0.0, task.start, (tip,)))
+    estimate, _ = after.estimator.step(
+        begun.estimator,
+        Observation(
+            DT,
+            None,
+            FORWARD,
+            False,
+            (tip,),
+            begun.following.binding,
+            begun.following.prediction,
+        ),
+    )
+    assert estimate.tip_error == hand_eye.offset

@@ -361,9 +361,8 @@ class Controller:
         if not isinstance(estimator, EstimatorState) or len(contacts) > 1:
             return None
         filtered = estimator.filtered
-        if filtered is None or filtered.hand_eye.xx == 0.0:
-            return None
-        return contacts[0].arm, filtered.hand_eye.elsewhere()
+        seen = None if filtered is None else filtered.seen_tip
+        return None if seen is None else (contacts[0].arm, seen)
 
     def filtered_pose(self, state: ControllerState) -> Pose2:
         """Filtered X_WG at the last tick."""

@@ -129,7 +129,9 @@ class Filtered(NamedTuple):
     ahead: tuple[float, float, float] = (0.0, 0.0, 0.0)
     smoothed: float = 0.01  # [s] in which they are followed
     began: Began | None = None
-    hand_eye: HandEye = HandEye()  # of the first tip, as the filter sees it
+    # of the first tip where it began to move the object, and where it last did
+    hand_eye: HandEye = HandEye()
+    hand_eye_now: HandEye | None = None
 
     @property
     def X_WG(self) -> Pose2:
@@ -168,10 +170,12 @@ class Filtered(NamedTuple):
             began = self.began or Began(X_WG, self.spread[0], self.tips[0])
         spread = self.spread
         hand_eye = self.hand_eye
+        hand_eye_now = self.hand_eye_now
         if state.covariance is not self.state.covariance:
             spread = self.filter.spread(state)
             if began is not None:
                 hand_eye = self._hand_eye(state, began)
+                hand_eye_now = self._hand_eye_now(state, tips[0])
         return Filtered(
             self.filter,
             state,
@@ -183,6 +187,7 @@ class Filtered(NamedTuple):
             self.smoothed,
             began,
             hand_eye,
+            hand_eye_now,
         )
 
     def _hand_eye(self, state: FilterState, began: Began) -> HandEye:
@@ -193,6 +198,25 @@ class Filtered(NamedTuple):
         offset = (x - began.tip[0], y - began.tip[1])
         covariance = self.filter.tip_covariance(state) + began.place**2 * np.eye(2)
         return HandEye.from_axes(offset, covariance, began.X_WG.yaw)
+
+    def _hand_eye_now(self, state: FilterState, tip: Point) -> HandEye:
+        """Where a measured ``tip`` is now, if it has not slid."""
+        now = state.present
+        offset = (now.x - tip[0], now.y - tip[1])
+        return HandEye.from_axes(offset, state.covariance[:2, :2], 0.0)
+
+    @property
+    def seen_tip(self) -> HandEye | None:
+        """Where the first tip is seen beside where it is measured, for another placement.
+        None if it has not moved the object in pictures.
+        """
+        if self.hand_eye_now is None:
+            return None
+        first = self.hand_eye.elsewhere()
+        now = self.hand_eye_now.elsewhere()
+        # a press creeps, and a push may slide: then only the first says where it is
+        pushes = self.filter.along is not None
+        return now if pushes and now.agrees(first) else first
 
     def _pushed(self, tip: Point) -> Point:
         """Displacement [m] by which a ``tip`` that touches may move the object: none

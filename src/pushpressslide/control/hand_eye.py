@@ -10,10 +10,13 @@ import numpy as np
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point, Pose2
 
-OTHERWISE = 2e-3
+OTHERWISE = 3e-3
 """Standard deviation [m] by which the offset of a tip differs in another posture: its arm's
 base and its tool are turned.
 """
+
+SURE = 3.0
+"""Standard deviations within which two offsets of a tip agree."""
 
 
 class HandEye(NamedTuple):
@@ -42,6 +45,15 @@ class HandEye(NamedTuple):
         """The same tip in another posture of its arm."""
         grown = OTHERWISE * OTHERWISE
         return self._replace(xx=self.xx + grown, yy=self.yy + grown)
+
+    def agrees(self, other: HandEye) -> bool:
+        """Whether two offsets may be of one tip: one that slid is elsewhere."""
+        x = self.offset[0] - other.offset[0]
+        y = self.offset[1] - other.offset[1]
+        xx, xy, yy = self.xx + other.xx, self.xy + other.xy, self.yy + other.yy
+        return yy * x * x - 2.0 * xy * x * y + xx * y * y < SURE**2 * (
+            xx * yy - xy * xy
+        )
 
     def covariance_in(self, X_WG: Pose2) -> Array:
         """Covariance (2, 2) [m^2] in the axes of G."""
