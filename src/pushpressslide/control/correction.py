@@ -18,7 +18,7 @@ from pushpressslide.core.plan import Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.scene import ObjectModel
-from pushpressslide.geometry.sides import FlatSide, Side
+from pushpressslide.geometry.sides import Side
 from pushpressslide.identification.online import AxleEstimate
 from pushpressslide.identification.parameter_estimates import (
     NOTHING,
@@ -251,13 +251,13 @@ def side_slide(contacts: Sequence[Contact], contact_points: Sequence[Point]) -> 
     )
 
 
-def beyond_ends(sides: Sequence[Side | None], contact_points: Sequence[Point]) -> float:
-    """Largest distance [m] of a contact beyond the ends of its flat side. 0 on it."""
+def side_distance(sides: Sequence[Side | None], points: Sequence[Point]) -> float:
+    """Largest distance [m] of a point in B from its side. 0 on it."""
     return max(
         (
-            side.beyond_ends(point)
-            for side, point in zip(sides, contact_points, strict=True)
-            if isinstance(side, FlatSide)
+            side.distance(point)
+            for side, point in zip(sides, points, strict=True)
+            if side is not None
         ),
         default=0.0,
     )

@@ -14,9 +14,9 @@ from typing import NamedTuple
 
 from pushpressslide.control.correction import (
     axle_error,
-    beyond_ends,
     press_creep,
     rest_of,
+    side_distance,
     side_slide,
     sides_of,
     slide,
@@ -257,25 +257,36 @@ class Supervisor:
         return held._replace(phase=held.phase._replace(tips=tuple(tips), align=False))
 
     def slid_off(self, moment: Moment) -> bool:
-        """A push has slid over the end of its face, and may not be corrected."""
-        if self._may_retouch(moment):
-            return False
-        place, _ = moment.state.estimate.spread
-        radius = max(robot.tip_radius for robot in self.placement.scene.robots)
-        allowed = radius + margins.ARM.retouch + margins.DOUBT * place
-        return self._beyond(moment) > allowed
+        """A push has left its side, and may not be corrected."""
+        return self._left_side(moment) and not self._may_retouch(moment)
 
     def stop_slid_off(self, moment: Moment) -> ControllerState:
         """Stop: contact lost."""
-        text = (
-            f"a tip is {self._beyond(moment) * 1e3:.0f} mm beyond the end of its face"
-        )
+        text = f"a tip is {self._off(moment) * 1e3:.0f} mm off the side that it pushed"
         return _stopped(moment, ("contact_lost", text))
 
-    def _beyond(self, moment: Moment) -> float:
-        """Distance [m] of a push beyond the end of its face."""
-        sides = moment.state.following.binding.sides
-        return beyond_ends(sides, moment.contact_points)
+    def _left_side(self, moment: Moment) -> bool:
+        """Whether a push is surely off its side, though its force does not tell."""
+        return not self.missing(moment) and (
+            self._off(moment) > self._allowed_slide(moment)
+        )
+
+    def _allowed_slide(self, moment: Moment) -> float:
+        """Distance [m] by which a push may slide from its planned place."""
+        place, _ = moment.state.estimate.spread
+        return margins.ARM.retouch + margins.DOUBT * place
+
+    def _off(self, moment: Moment) -> float:
+        """Gap [m] between a push, where it is seen, and the side that it pushes."""
+        instant = moment.instant
+        off_x, off_y = moment.state.estimate.tip_error
+        binding = moment.state.following.binding
+        points = []
+        for contact in binding.segment.contacts:
+            x, y, _ = instant.tips[contact.arm].position
+            points.append(instant.X_WB.unapply((x + off_x, y + off_y)))
+        radius = max(robot.tip_radius for robot in self.placement.scene.robots)
+        return side_distance(binding.sides, points) - radius
 
     def crept(self, moment: Moment) -> bool:
         """A press has crept, and enough path is left to correct it."""
@@ -317,12 +328,12 @@ class Supervisor:
         return harder_presses(self.placement.scene, contacts, most) != contacts
 
     def slid(self, moment: Moment) -> bool:
-        """A push has slid along its face, and enough path is left to correct it."""
+        """A push has slid along its side, or left it, and enough path is left to correct
+        it.
+        """
         contacts = moment.state.following.segment.contacts
-        place, _ = moment.state.estimate.spread
-        allowed = margins.ARM.retouch + margins.DOUBT * place
-        slid = side_slide(contacts, moment.contact_points) > allowed
-        return slid and self._may_retouch(moment)
+        slid = side_slide(contacts, moment.contact_points) > self._allowed_slide(moment)
+        return (slid or self._left_side(moment)) and self._may_retouch(moment)
 
     def touch_planned(self, moment: Moment) -> ControllerState:
         """Touch the planned place again."""

@@ -55,12 +55,14 @@ class FlatSide:
         across = (point[1] - y) * nx - (point[0] - x) * ny
         return (x - across * ny, y + across * nx)
 
-    def beyond_ends(self, point: Point) -> float:
-        """Distance [m] along the face of a ``point`` from the nearer end. 0 between."""
+    def distance(self, point: Point) -> float:
+        """Distance [m] of a ``point`` outside from the face, its ends included."""
         nx, ny = self.normal
         along = -ny * point[0] + nx * point[1]
         right, left = self.ends
-        return max(right - along, along - left, 0.0)
+        beyond = max(right - along, along - left, 0.0)
+        ahead = self.depth - (nx * point[0] + ny * point[1])
+        return math.hypot(beyond, max(ahead, 0.0))
 
     def normal_at(self, point: Point) -> Point:
         """Normal of the face, the same at every point."""
@@ -94,6 +96,10 @@ class RoundSide:
         if self.arc is not None and not on_arc(self.arc, (-x, -y)):
             gap = math.inf
         return gap, (x / distance, y / distance) if distance > 0.0 else self.normal
+
+    def distance(self, point: Point) -> float:
+        """Distance [m] of a ``point`` from the circle of the arc. 0 inside."""
+        return max(math.dist(point, self.center) - self.radius, 0.0)
 
     def foot(self, point: Point) -> Point:
         """Point [m] of the arc's circle in the direction of ``point`` from its centre."""
