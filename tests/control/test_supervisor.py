@@ -104,6 +104,18 @@ def slipped(of: Moment, way: float) -> Moment:
     return of._replace(contact_points=((x - way * ny, y + way * nx),))
 
 
+def behind(of: Moment, way: float) -> Moment:
+    """Return a tick at which all tips have fallen ``way`` [m] behind their sides."""
+    contacts = of.state.following.segment.contacts
+    tips = list(of.instant.tips)
+    for contact in contacts:
+        nx, ny = of.instant.X_WB.rotate(contact.normal)
+        x, y, z = tips[contact.arm].position
+        place = (x - way * nx, y - way * ny, z)
+        tips[contact.arm] = replace(tips[contact.arm], position=place)
+    return of._replace(instant=of.instant._replace(tips=tuple(tips)))
+
+
 def pushing(of: Moment, share: float) -> Moment:
     """Return a tick at which the tips push ahead with a ``share`` of the object's
     friction.
@@ -304,6 +316,33 @@ def test_a_push_that_slid_touches_its_place_again() -> None:
     assert event == "otherwise"
     event, _ = after(PUSH, at_the_end(slid, last=True))
     assert event == "arrived"
+
+
+@pytest.mark.parametrize("name", [PUSH, BOTH])
+def test_a_tip_away_from_its_side_touches_again_and_lets_go_at_last(name: str) -> None:
+    """Its force does not tell: light objects are not felt."""
+    well = moment(name)
+    assert after(name, behind(well, margins.ARM.retouch - 1e-3))[0] == "otherwise"
+    off = behind(well, margins.ARM.retouch + 1e-3)
+    assert after(name, off)[0] == "slid"
+    event, state = after(name, watching(off, retouches=RETOUCHES))
+    assert event == "slid off"
+    assert state.phase.failure == (
+        "contact_lost",
+        "a tip is 13 mm off the side that it pushed",
+    )
+    # a force that is missing tells more
+    assert after(name, watching(off, retouches=RETOUCHES, lost=TIME))[0] == "missing"
+    # a tip is where it is seen
+    x, y = (
+        a.position[i] - b.position[i]
+        for a, b, i in zip(
+            2 * well.instant.tips[:1], 2 * off.instant.tips[:1], (0, 1), strict=True
+        )
+    )
+    seen = off.state.estimate._replace(tip_error=(x, y))
+    state = off.state._replace(estimate=seen)
+    assert after(name, off._replace(state=state))[0] == "otherwise"
 
 
 def test_a_press_beside_a_push_that_slid_is_pressed_no_harder() -> None:
