@@ -9,6 +9,7 @@ import pytest
 
 from pushpressslide.control.estimator import filtered_noise, pose_gain
 from pushpressslide.control.last_look import LastLook
+from pushpressslide.core import margins
 from pushpressslide.core.motion import Tolerance
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.sensing import Sensing
@@ -43,6 +44,14 @@ def test_a_goal_is_reached_or_missed_only_by_two_standard_deviations(
     off: float, turned: float, place: float, yaw: float, expected: str
 ) -> None:
     assert code(off, turned, place, yaw) == expected
+
+
+def test_a_look_that_may_go_on_is_surer() -> None:
+    """Whoever looks until two deviations fit is deceived too often."""
+    look = LastLook(Pose2(GOAL.x + 0.0075, GOAL.y, GOAL.yaw), (0.001, 0.0))
+    assert look.ending(GOAL, ALLOWED).code == "goal_reached"
+    early = look.ending(GOAL, ALLOWED, margins.EARLY_DOUBT)
+    assert early.code == "not_verified"
 
 
 def test_what_is_not_verified_says_what_was_seen_and_how_well() -> None:

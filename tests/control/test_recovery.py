@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
@@ -19,7 +20,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.state import OBJECT, WorldState
 from pushpressslide.core.task import Restart
 from pushpressslide.identification.parameter_estimates import NOTHING
-from pushpressslide.selection.placement_planner import PlansAlone
+from pushpressslide.selection.placement_planner import PlacementPlanner, PlansAlone
 
 TASK = pps.load_task("press-slide")
 BEGIN = Restart(start_state(TASK), 0, TASK.object.center_of_mass, 1.2, None)
@@ -188,6 +189,24 @@ def test_after_a_slide_the_support_alone_may_be_to_blame_or_the_slide_is_ignored
     )
 
 
+def test_after_a_slide_pushes_are_planned_for_the_likeliest_centre(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A centre that is wrong rules out pushes, and presses have just slid."""
+    asked = all_refused(monkeypatch)
+    believed = (0.03, 0.0)
+    belief = replace(TASK.belief, center_of_mass=believed, center_error=0.02)
+    unsure = replace(TASK, belief=belief)
+    begin = replace(BEGIN, center_of_mass=believed, contact_friction=0.2)
+    for known, expected in ((None, 0.01), (0.005, 0.025)):
+        asked.clear()
+        start = replace(begin, center_error=known)
+        with pytest.raises(InfeasibleTaskError):
+            module.planned_anew(Plan(unsure), start, lambda: None)  # type: ignore[arg-type,return-value]
+        assert asked[2].center_of_mass == pytest.approx((expected, 0.0))
+        assert {one.center_of_mass for one in asked[3:-1]} == {believed}
+
+
 def test_sequences_are_searched_for_few_beliefs_only(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -204,6 +223,44 @@ def test_sequences_are_searched_for_few_beliefs_only(
     assert last == asked[-2]
     assert (last.dares, last.contact_friction) == (True, None)
     assert last.support_friction == unsure.scene.support.friction
+
+
+def test_after_presses_slid_anything_else_is_planned_before_another_press(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A harder press is not to be had, and a top is as smooth elsewhere."""
+    planned = pps.plan(TASK)
+    (pressed,) = planned.segments
+    (contact,) = pressed.contacts
+    (pushed,) = pps.plan(pps.load_task("rear-push-rear")).segments
+    x, y = contact.point
+    elsewhere = replace(contact, point=(x + 0.03, y))
+    another = replace(planned, segments=(replace(pressed, contacts=(elsewhere,)),))
+    push = replace(planned, segments=(pushed,))
+    slid = replace(BEGIN, contact_friction=0.2)
+    refused = []
+    for start in (BEGIN, slid):
+        made: list[PlacementPlanner] = []
+
+        def plans(
+            plan: Plan,
+            _: Restart,
+            prepare: Callable[[], PlacementPlanner],
+            made: list[PlacementPlanner] = made,
+        ) -> Plan:
+            made.append(prepare())
+            return plan
+
+        monkeypatch.setattr(module, "planned_anew", plans)
+        module.planned_otherwise(Plan(TASK), start, PlansAlone, pressed)
+        (planner,) = made
+        planner.add(push)
+        for placement in (planned, another):
+            try:
+                planner.add(placement)
+            except InfeasibleTaskError:
+                refused.append((start, placement))
+    assert refused == [(BEGIN, planned), (slid, planned), (slid, another)]
 
 
 def test_after_a_force_limit_plans_have_less_force_where_they_lead_on(

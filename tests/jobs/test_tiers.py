@@ -101,6 +101,20 @@ def test_a_refusal_within_the_errors_of_the_belief_is_tried() -> None:
     assert str(again.value) == str(refused.value)
 
 
+def test_a_refusal_because_of_the_centre_of_mass_is_tried_with_the_likeliest() -> None:
+    believed = (0.03, -0.04)
+    task = load_task(PUSH)
+    belief = replace(task.belief, center_of_mass=believed, center_error=0.02)
+    unsure = replace(task, belief=belief)
+    centers = [one.belief.center_of_mass for one in hopes(unsure)]
+    assert centers[:2] == [believed, believed]
+    assert centers[2] == pytest.approx((0.018, -0.024))
+    surer = replace(unsure, belief=replace(belief, center_error=0.1))
+    (_, _, likeliest, _) = hopes(surer)
+    assert likeliest.belief.center_of_mass == pytest.approx((0.0, 0.0))
+    assert likeliest.dares
+
+
 def test_the_lightest_mass_is_that_of_the_error_of_the_mass() -> None:
     task = load_task(PUSH)
     assert task.object.mass > 0.0

@@ -17,13 +17,15 @@ class LastLook(NamedTuple):
     X_WG: Pose2
     spread: tuple[float, float]  # [m], [rad] standard deviations of place and yaw
 
-    def ending(self, goal: Pose2, tolerance: Tolerance) -> Ending:
+    def ending(
+        self, goal: Pose2, tolerance: Tolerance, doubt: float = margins.DOUBT
+    ) -> Ending:
         """Goal reached or missed, if the errors are inside or outside the tolerance by
-        ``margins.DOUBT`` standard deviations. Otherwise not verified.
+        ``doubt`` standard deviations. Otherwise not verified.
         """
         off = math.dist(self.X_WG.position, goal.position)
         turned = abs(wrap_angle(self.X_WG.yaw - goal.yaw))
-        place, yaw = (margins.DOUBT * deviation for deviation in self.spread)
+        place, yaw = (doubt * deviation for deviation in self.spread)
         text = f"seen {off * 1e3:.1f} mm and {math.degrees(turned):.1f} deg off"
         near = off + place <= tolerance.position
         if near and turned + yaw <= tolerance.yaw:

@@ -24,7 +24,11 @@ from pushpressslide.identification.parameter_estimates import (
 )
 from pushpressslide.modes.base import ENOUGH
 from pushpressslide.planning.pressed.harder import slid_friction
-from pushpressslide.selection.placement_planner import OtherPlacements, PlacementPlanner
+from pushpressslide.selection.placement_planner import (
+    ALIKE,
+    OtherPlacements,
+    PlacementPlanner,
+)
 from pushpressslide.selection.solve import nudged, solved
 
 RECOVERABLE: frozenset[ReasonCode] = frozenset(
@@ -104,9 +108,10 @@ def planned_anew(
     own mode and contacts, then any others. If none gives a plan, the identified
     friction is replaced by the believed friction, since a jammed object seems to have
     more friction than it has; then the errors of the belief are ignored; then the
-    support has the least friction that they allow. After a slide, the errors are
-    ignored before all this; then the support alone has more friction; then the slide is
-    ignored. After a force limit, plans that lead on with less force are tried first.
+    support has the least friction that they allow; then the centre of mass is the
+    likeliest one. After a slide, the errors are ignored before all this, first with
+    that centre; then the support alone has more friction; then the slide is ignored.
+    After a force limit, plans that lead on with less force are tried first.
 
     The arms wait meanwhile: of these further beliefs, sequences of motions are searched
     for the believed friction without errors only, and after all others.
@@ -148,13 +153,15 @@ def planned_otherwise(
     failed: Segment,
 ) -> Plan:
     """Plan for the remaining task, as from ``planned_anew``, that does not begin like
-    the ``failed`` segment, if there is another.
+    the ``failed`` segment, if there is another. A press slides at any place of a top.
 
     Raises InfeasibleTaskError if there is no plan.
     """
+    pressed = any(contact.kind == "top" for contact in failed.contacts)
+    near = math.inf if pressed and restart_state.contact_friction is not None else ALIKE
     try:
         return planned_anew(
-            plan, restart_state, lambda: OtherPlacements(prepare(), failed)
+            plan, restart_state, lambda: OtherPlacements(prepare(), failed, near)
         )
     except InfeasibleTaskError:
         return planned_anew(plan, restart_state, prepare)
@@ -170,14 +177,23 @@ def _further(task: Task, free: Restart) -> list[Restart]:
         kept = replace(dared, contact_friction=None)
         share = free.contact_friction / task.scene.contact_friction
         alone = replace(kept, support_friction=free.support_friction / share)
-        further += [dared, alone, kept]
+        further += [_likeliest(task, dared), dared, alone, kept]
     dared = _daring(task, free)
     least = (1.0 - task.belief.friction_error) * task.scene.support.friction
     weakest = replace(dared, support_friction=least)
     further += [replace(dared, dares=free.dares), dared]
     if free.planned_share is not None:  # what slides at best needs all the force
         further.append(replace(weakest, planned_share=None))
-    return [*further, weakest]
+    return [*further, weakest, _likeliest(task, dared)]
+
+
+def _likeliest(task: Task, dared: Restart) -> Restart:
+    """The belief of ``dared`` with the likeliest centre of mass."""
+    error = dared.center_error
+    if error is None:
+        error = task.belief.center_error
+    body = replace(task.object, center_of_mass=dared.center_of_mass)
+    return replace(dared, center_of_mass=body.likeliest_center(error))
 
 
 def _daring(task: Task, free: Restart) -> Restart:

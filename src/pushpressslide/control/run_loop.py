@@ -250,8 +250,9 @@ class RunLoop:
             self._hand_over(tick, measurement)
         ended = self._ending(tick)
         if ended is not None:
-            verified = self._verified(ended)
-            looks_on = self._looks_on(verified, tick.time)
+            may_look = self._may_look(tick.time)
+            verified = self._verified(ended, may_look)
+            looks_on = may_look and verified.code == "not_verified"
             if not looks_on and not self._recovers(ended, tick, measurement):
                 return verified
         self._report(tick.time)
@@ -632,7 +633,9 @@ class RunLoop:
             start = self._restart(pose)
             if reason.code == "force_limit":
                 start = after_force_limit(start, self.plan.task.limits)
-            failed = self._followed if reason.code in OF_ARMS else None
+            slid = reason.code == "contact_lost" and self._presses_slid
+            again = slid or reason.code in OF_ARMS
+            failed = self._followed if again else None
             plan, held_commands = self._planned_from(start, tick, measurement, failed)
         except InfeasibleTaskError as error:
             self._note(time, reason, str(error))
@@ -642,6 +645,14 @@ class RunLoop:
         self.recoveries -= 1
         self._resume(plan, held_commands)
         return True
+
+    @property
+    def _presses_slid(self) -> bool:
+        """Whether presses alone slid in the placement."""
+        if self.state is None or self.state.watches.retouches == 0:
+            return False
+        contacts = self.state.following.segment.contacts
+        return all(contact.kind == "top" for contact in contacts)
 
     def _plans_rest(self, tick: Tick, measurement: Measurement) -> bool:
         """Replan the remaining placements, if the next one would push beside the centre
@@ -690,9 +701,9 @@ class RunLoop:
         self._check_in_time(plan)
         return plan, held_commands
 
-    def _verified(self, ending: Ending) -> Ending:
+    def _verified(self, ending: Ending, may_look: bool) -> Ending:
         """The ``ending``, or what the last look shows of a goal that should be reached,
-        unless every pose is exact.
+        unless every pose is exact. It is surer if it ``may_look`` on.
         """
         task = self.plan.task
         exact = task.sensing.exact_pose
@@ -702,15 +713,15 @@ class RunLoop:
         self.last_look = look
         if task.tool is not None:
             return Ending("not_verified", f"{task.tool.body!r} is not looked at")
-        return look.ending(task.goal, task.tolerance)
+        doubt = margins.EARLY_DOUBT if may_look else margins.DOUBT
+        return look.ending(task.goal, task.tolerance, doubt)
 
-    def _looks_on(self, ending: Ending, time: float) -> bool:
-        """Whether more pictures of the object at rest may verify its goal, at ``time``
-        [s].
+    def _may_look(self, time: float) -> bool:
+        """Whether more pictures of an object left alone may verify its goal, at
+        ``time`` [s].
         """
         task = self.plan.task
-        surer = not task.sensing.every_pose and task.tool is None
-        if ending.code != "not_verified" or not surer:
+        if task.sensing.every_pose or task.tool is not None:
             return False
         if self.looked_on is None:
             self.looked_on = time

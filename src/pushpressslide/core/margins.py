@@ -391,6 +391,8 @@ object need not be looked at any longer.
 """
 DOUBT = 2.0
 """Standard deviations by which an error has to stay within the goal's tolerances."""
+EARLY_DOUBT = 3.0
+"""The same while more pictures may tell: of many looks, one deceives sooner."""
 TOOL_ASIDE = 0.2
 """Largest distance of a tool from the line of its straight push, as a share of
 ``tolerance.position``.

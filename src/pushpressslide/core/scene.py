@@ -175,6 +175,16 @@ class ObjectModel:
         """Distance [m] of the farthest corner from the centre of mass."""
         return self.shape.farthest(self.center_of_mass)
 
+    def likeliest_center(self, error: float) -> Point:
+        """Point [m] in G within an ``error`` [m] of the centre of mass that is nearest
+        to that of a uniform density.
+        """
+        x, y = self.center_of_mass
+        dx = self.shape.centroid[0] - x
+        dy = self.shape.centroid[1] - y
+        share = min(1.0, error / max(math.hypot(dx, dy), 1e-9))
+        return x + share * dx, y + share * dy
+
 
 MODELS: tuple[str, ...] = (
     "panda",

@@ -17,13 +17,18 @@ from pushpressslide.jobs.tiers import FRICTION, drawn_world
 
 
 def hopes(task: Task) -> Iterator[Task]:
-    """Yield the task as it is, planned without its uncertainties, and planned with the
-    most favourable frictions and mass that they allow.
+    """Yield the task as it is, planned without its uncertainties, with the likeliest
+    centre of mass, and with the most favourable frictions and mass that they allow.
     """
     yield task
     planned = task.belief.planned_for_errors
     if planned:
         yield replace(task, dares=True)
+    error = task.belief.center_error
+    if error > 0.0:
+        center = task.scene.body.likeliest_center(error)
+        belief = replace(task.belief, center_of_mass=center)
+        yield replace(task, belief=belief, dares=True)
     if planned or task.belief.mass_error > 0.0:
         yield replace(task, belief=_favourable(task), dares=True)
 

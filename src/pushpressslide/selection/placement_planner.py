@@ -69,10 +69,11 @@ class PlansAlone:
 
 @dataclass
 class OtherPlacements:
-    """Placement planner that refuses placements like one in which the arms failed."""
+    """Placement planner that refuses placements like one that failed."""
 
     planner: PlacementPlanner
     failed: Segment
+    near: float = ALIKE  # [m] between the contacts of placements like it
 
     @property
     def plans(self) -> Sequence[Plan]:
@@ -92,9 +93,9 @@ class OtherPlacements:
         """
         first = placement.segments[0]
         pairs = list(zip(first.contacts, self.failed.contacts, strict=False))
-        near = all(math.dist(a.point, b.point) < ALIKE for a, b in pairs)
-        if near and first.mode == self.failed.mode:
-            raise InfeasibleTaskError("the arms failed with these contacts")
+        same = all(math.dist(a.point, b.point) < self.near for a, b in pairs)
+        if same and first.mode == self.failed.mode:
+            raise InfeasibleTaskError("a motion with such contacts has failed")
         self.planner.add(placement)
 
     def keep(self, count: int) -> None:
