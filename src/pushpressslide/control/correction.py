@@ -251,18 +251,6 @@ def side_slide(contacts: Sequence[Contact], contact_points: Sequence[Point]) -> 
     )
 
 
-def side_distance(sides: Sequence[Side | None], points: Sequence[Point]) -> float:
-    """Largest distance [m] of a point in B from its side. 0 on it."""
-    return max(
-        (
-            side.distance(point)
-            for side, point in zip(sides, points, strict=True)
-            if side is not None
-        ),
-        default=0.0,
-    )
-
-
 def press_creep(contacts: Sequence[Contact], contact_points: Sequence[Point]) -> float:
     """Slide of a single press, as a fraction of its planned distance from the CoM. 0
     for other contacts, and for a press at the CoM.

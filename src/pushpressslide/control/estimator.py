@@ -174,7 +174,7 @@ class Filtered(NamedTuple):
         if state.covariance is not self.state.covariance:
             spread = self.filter.spread(state)
             if began is not None:
-                hand_eye = self._hand_eye(state, began)
+                hand_eye = self._hand_eye_begun(state, began)
                 hand_eye_now = self._hand_eye_now(state, tips[0])
         return Filtered(
             self.filter,
@@ -190,7 +190,7 @@ class Filtered(NamedTuple):
             hand_eye_now,
         )
 
-    def _hand_eye(self, state: FilterState, began: Began) -> HandEye:
+    def _hand_eye_begun(self, state: FilterState, began: Began) -> HandEye:
         """Where the tip was when it ``began`` to move the object, beside where it was
         measured.
         """

@@ -222,7 +222,7 @@ class PoseFilter:
         it was to touch, and its standard deviation.
         """
         u = np.array(across)
-        variance = float(u @ state.covariance[7:, 7:] @ u)
+        variance = float(u @ self.tip_covariance(state) @ u)
         off = across[0] * state.mean.ox + across[1] * state.mean.oy
         return off, math.sqrt(variance)
 
@@ -401,7 +401,7 @@ class PoseFilter:
         return mean
 
     @property
-    def _hand_eye(self) -> float:
+    def _tip_deviation(self) -> float:
         """Standard deviation [m] of where the tip touches from where it was to touch: a
         camera with less noise agrees better with the arm.
         """
@@ -428,7 +428,7 @@ class PoseFilter:
         P[5, 5] = self._slip**2
         c, s = X_WG.rotate((1.0, 0.0))
         R = np.array(((c, -s), (s, c)))
-        hand_eye = self.hand_eye or HandEye.within(self._hand_eye)
+        hand_eye = self.hand_eye or HandEye.within(self._tip_deviation)
         offset = hand_eye.covariance_in(X_WG)
         P[:2, 7:] = R @ offset
         P[7:, :2] = P[:2, 7:].T

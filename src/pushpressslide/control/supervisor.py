@@ -16,7 +16,6 @@ from pushpressslide.control.correction import (
     axle_error,
     press_creep,
     rest_of,
-    side_distance,
     side_slide,
     sides_of,
     slide,
@@ -258,7 +257,7 @@ class Supervisor:
 
     def slid_off(self, moment: Moment) -> bool:
         """A push has left its side, and may not be corrected."""
-        return self._left_side(moment) and not self._may_retouch(moment)
+        return not self._may_retouch(moment) and self._left_side(moment)
 
     def stop_slid_off(self, moment: Moment) -> ControllerState:
         """Stop: contact lost."""
@@ -280,13 +279,15 @@ class Supervisor:
         """Gap [m] between a push, where it is seen, and the side that it pushes."""
         instant = moment.instant
         off_x, off_y = moment.state.estimate.tip_error
+        robots = self.placement.scene.robots
         binding = moment.state.following.binding
-        points = []
-        for contact in binding.segment.contacts:
-            x, y, _ = instant.tips[contact.arm].position
-            points.append(instant.X_WB.unapply((x + off_x, y + off_y)))
-        radius = max(robot.tip_radius for robot in self.placement.scene.robots)
-        return side_distance(binding.sides, points) - radius
+        gaps = [0.0]
+        for contact, side in zip(binding.segment.contacts, binding.sides, strict=True):
+            if side is not None:
+                x, y, _ = instant.tips[contact.arm].position
+                place = instant.X_WB.unapply((x + off_x, y + off_y))
+                gaps.append(side.distance(place) - robots[contact.arm].tip_radius)
+        return max(gaps)
 
     def crept(self, moment: Moment) -> bool:
         """A press has crept, and enough path is left to correct it."""
@@ -331,9 +332,11 @@ class Supervisor:
         """A push has slid along its side, or left it, and enough path is left to correct
         it.
         """
+        if not self._may_retouch(moment):
+            return False
         contacts = moment.state.following.segment.contacts
-        slid = side_slide(contacts, moment.contact_points) > self._allowed_slide(moment)
-        return (slid or self._left_side(moment)) and self._may_retouch(moment)
+        slid = side_slide(contacts, moment.contact_points)
+        return slid > self._allowed_slide(moment) or self._left_side(moment)
 
     def touch_planned(self, moment: Moment) -> ControllerState:
         """Touch the planned place again."""
