@@ -266,9 +266,9 @@ class Supervisor:
 
     def _left_side(self, moment: Moment) -> bool:
         """Whether a push is surely off its side, though its force does not tell."""
-        return not self.missing(moment) and (
-            self._off(moment) > self._allowed_slide(moment)
-        )
+        radius = max(robot.tip_radius for robot in self.placement.scene.robots)
+        allowed = radius + self._allowed_slide(moment)
+        return not self.missing(moment) and self._off(moment) > allowed
 
     def _allowed_slide(self, moment: Moment) -> float:
         """Distance [m] by which a push may slide from its planned place."""
