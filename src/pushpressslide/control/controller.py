@@ -21,6 +21,7 @@ from time import perf_counter
 from typing import NamedTuple
 
 from pushpressslide.control.adaptation import TipSpeed, most_force_scale
+from pushpressslide.control.correction import seen_from
 from pushpressslide.control.estimator import (
     Estimate,
     Estimator,
@@ -68,7 +69,7 @@ from pushpressslide.core.control import (
     TipState,
 )
 from pushpressslide.core.plan import Contact, Plan, Segment
-from pushpressslide.core.pose import Point, Pose2, wrap_angle
+from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.record import Ending
 from pushpressslide.core.scene import Scene
@@ -396,7 +397,7 @@ class Controller:
         return Ending("goal_missed", f"{off * 1e3:.1f} mm and {turned:.1f} deg off")
 
     def _touch(self, state: ControllerState, instant: Instant) -> PhaseStep:
-        X_WB = _seen_from(instant.X_WB, state.estimate.tip_error)
+        X_WB = seen_from(instant.X_WB, state.estimate.tip_error)
         seen = instant._replace(X_WB=X_WB)
         phase = state.phase
         contacts = state.following.binding.segment.contacts
@@ -477,7 +478,7 @@ class Controller:
             watches,
         )
         place, _ = state.estimate.spread
-        seen = _seen_from(instant.X_WB, state.estimate.tip_error)
+        seen = seen_from(instant.X_WB, state.estimate.tip_error)
         touched = binding.sure_contact_points(seen, instant.tips, place)
         moment = Moment(next_state, instant, touched, guidance)
         return PhaseStep(commands, next_state, decision, moment)
@@ -640,16 +641,6 @@ def _way_back(phase: PhaseState, time: float) -> WayBack:
     u = _ramp_back(phase, time)
     duration = ramp_time(margins.ARM.retreat)
     return WayBack(share, smooth_rate(u) / duration, smooth_change(u) / duration**2)
-
-
-def _seen_from(X_WB: Pose2, tip_error: Point) -> Pose2:
-    """Pose of the object relative to a tip as it is measured, if it is measured with a
-    ``tip_error`` [m].
-    """
-    x, y = tip_error
-    if x == 0.0 == y:
-        return X_WB
-    return replace(X_WB, x=X_WB.x - x, y=X_WB.y - y)
 
 
 def _disturbs(phase: PhaseState, time: float) -> bool:

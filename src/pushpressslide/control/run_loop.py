@@ -250,7 +250,9 @@ class RunLoop:
             self._hand_over(tick, measurement)
         ended = self._ending(tick)
         if ended is not None:
-            may_look = self._may_look(tick.time)
+            if self.looked_on is None:
+                self.looked_on = tick.time
+            may_look = self._may_look(tick.time, self.looked_on)
             verified = self._verified(ended, may_look)
             looks_on = may_look and verified.code == "not_verified"
             if not looks_on and not self._recovers(ended, tick, measurement):
@@ -647,12 +649,17 @@ class RunLoop:
         return True
 
     @property
+    def _slid(self) -> bool:
+        """Whether contacts slid in the placement."""
+        return self.state is not None and self.state.watches.retouches > 0
+
+    @property
     def _presses_slid(self) -> bool:
         """Whether presses alone slid in the placement."""
-        if self.state is None or self.state.watches.retouches == 0:
+        followed = self._followed
+        if followed is None or not self._slid:
             return False
-        contacts = self.state.following.segment.contacts
-        return all(contact.kind == "top" for contact in contacts)
+        return all(contact.kind == "top" for contact in followed.contacts)
 
     def _plans_rest(self, tick: Tick, measurement: Measurement) -> bool:
         """Replan the remaining placements, if the next one would push beside the centre
@@ -716,16 +723,14 @@ class RunLoop:
         doubt = margins.EARLY_DOUBT if may_look else margins.DOUBT
         return look.ending(task.goal, task.tolerance, doubt)
 
-    def _may_look(self, time: float) -> bool:
-        """Whether more pictures of an object left alone may verify its goal, at
-        ``time`` [s].
+    def _may_look(self, time: float, since: float) -> bool:
+        """Whether more pictures may verify the goal of an object left alone ``since``
+        [s], at ``time`` [s].
         """
         task = self.plan.task
         if task.sensing.every_pose or task.tool is not None:
             return False
-        if self.looked_on is None:
-            self.looked_on = time
-        ends = min(self.looked_on + margins.ARM.longest_look, self.time_limit)
+        ends = min(since + margins.ARM.longest_look, self.time_limit)
         return time + self.guard.period < ends
 
     def _retriable_ending(self, ending: Ending, pose: Pose2) -> Ending | None:
@@ -753,9 +758,7 @@ class RunLoop:
         if not scene.carried(pose):
             raise InfeasibleTaskError("nothing but the arms carries the object")
         start = restart(scene, segment, pose, found, self._known_center())
-        if self.state is None or self.state.watches.retouches == 0:
-            return start
-        return after_slides(start, scene, segment)
+        return after_slides(start, scene, segment) if self._slid else start
 
     def _hold(self, tick: Tick, measurement: Measurement) -> Commands:
         """Command all arms, or tips without arms, to hold their measured positions.

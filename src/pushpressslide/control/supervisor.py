@@ -16,6 +16,7 @@ from pushpressslide.control.correction import (
     axle_error,
     press_creep,
     rest_of,
+    seen_from,
     side_slide,
     sides_of,
     slide,
@@ -72,6 +73,13 @@ class Settled(NamedTuple):
 
     state: ControllerState
     instant: Instant
+
+
+class SeenGap(NamedTuple):
+    """Gap of a pushing tip from its side."""
+
+    gap: float  # [m]
+    tip_radius: float  # [m]
 
 
 class Supervisor:
@@ -261,33 +269,36 @@ class Supervisor:
 
     def stop_slid_off(self, moment: Moment) -> ControllerState:
         """Stop: contact lost."""
-        text = f"a tip is {self._off(moment) * 1e3:.0f} mm off the side that it pushed"
+        off = max(beside.gap for beside in self._gaps(moment))
+        text = f"a tip is {off * 1e3:.0f} mm off the side that it pushed"
         return _stopped(moment, ("contact_lost", text))
 
     def _left_side(self, moment: Moment) -> bool:
         """Whether a push is surely off its side, though its force does not tell."""
-        radius = max(robot.tip_radius for robot in self.placement.scene.robots)
-        allowed = radius + self._allowed_slide(moment)
-        return not self.missing(moment) and self._off(moment) > allowed
+        if self.missing(moment):
+            return False
+        allowed = self._allowed_slide(moment)
+        return any(one.gap > one.tip_radius + allowed for one in self._gaps(moment))
 
     def _allowed_slide(self, moment: Moment) -> float:
         """Distance [m] by which a push may slide from its planned place."""
         place, _ = moment.state.estimate.spread
         return margins.ARM.retouch + margins.DOUBT * place
 
-    def _off(self, moment: Moment) -> float:
-        """Gap [m] between a push, where it is seen, and the side that it pushes."""
+    def _gaps(self, moment: Moment) -> list[SeenGap]:
+        """Gap of each push, where it is seen, from the side that it pushes."""
         instant = moment.instant
-        off_x, off_y = moment.state.estimate.tip_error
+        X_WB = seen_from(instant.X_WB, moment.state.estimate.tip_error)
         robots = self.placement.scene.robots
         binding = moment.state.following.binding
-        gaps = [0.0]
+        gaps = []
         for contact, side in zip(binding.segment.contacts, binding.sides, strict=True):
             if side is not None:
                 x, y, _ = instant.tips[contact.arm].position
-                place = instant.X_WB.unapply((x + off_x, y + off_y))
-                gaps.append(side.distance(place) - robots[contact.arm].tip_radius)
-        return max(gaps)
+                radius = robots[contact.arm].tip_radius
+                gap = side.distance(X_WB.unapply((x, y))) - radius
+                gaps.append(SeenGap(gap, radius))
+        return gaps
 
     def crept(self, moment: Moment) -> bool:
         """A press has crept, and enough path is left to correct it."""
