@@ -174,7 +174,8 @@ class Filtered(NamedTuple):
         if state.covariance is not self.state.covariance:
             spread = self.filter.spread(state)
             if began is not None:
-                hand_eye = self._hand_eye_begun(state, began)
+                begun = self._hand_eye_begun(state, began)
+                hand_eye = begun if begun.plausible else self.hand_eye
                 hand_eye_now = self._hand_eye_now(state, tips[0])
         return Filtered(
             self.filter,
@@ -208,15 +209,16 @@ class Filtered(NamedTuple):
     @property
     def seen_tip(self) -> HandEye | None:
         """Where the first tip is seen beside where it is measured, for another placement.
-        None if it has not moved the object in pictures.
+        None if it has not moved the object in pictures, or not where it was to.
         """
-        if self.hand_eye_now is None:
+        if self.hand_eye_now is None or self.hand_eye.xx == 0.0:
             return None
         first = self.hand_eye.elsewhere()
         now = self.hand_eye_now.elsewhere()
         # a press creeps, and a push may slide: then only the first says where it is
         pushes = self.filter.along is not None
-        return now if pushes and now.agrees(first) else first
+        sticks = pushes and now.plausible and now.agrees(first)
+        return now if sticks else first
 
     def _pushed(self, tip: Point) -> Point:
         """Displacement [m] by which a ``tip`` that touches may move the object: none

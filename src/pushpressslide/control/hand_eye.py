@@ -15,6 +15,11 @@ OTHERWISE = 3e-3
 base and its tool are turned.
 """
 
+MOST = 16e-3
+"""Largest offset [m] that base, tool and camera give a tip: one that is farther off is
+elsewhere on the object.
+"""
+
 SURE = 3.0
 """Standard deviations within which two offsets of a tip agree."""
 
@@ -45,6 +50,11 @@ class HandEye(NamedTuple):
         """The same tip in another posture of its arm."""
         grown = OTHERWISE * OTHERWISE
         return self._replace(xx=self.xx + grown, yy=self.yy + grown)
+
+    @property
+    def plausible(self) -> bool:
+        """Whether base, tool and camera may be off by this much."""
+        return math.hypot(*self.offset) < MOST
 
     def agrees(self, other: HandEye) -> bool:
         """Whether two offsets may be of one tip: one that slid is elsewhere."""

@@ -338,6 +338,8 @@ class RunLoop:
             if seen is not None:
                 arm, hand_eye = seen
                 self.hand_eyes[arm] = hand_eye
+            elif self._missed_object:
+                self.hand_eyes.clear()
 
     def _known_center(self) -> CenterBelief | None:
         """What is believed of the centre of mass after the present placement. None if
@@ -681,6 +683,15 @@ class RunLoop:
             return False
         self._resume(plan, held_commands)
         return True
+
+    @property
+    def _missed_object(self) -> bool:
+        """Whether tips have not found the object in the placement."""
+        state = self.state
+        if state is None or state.phase.failure is None:
+            return False
+        code, _ = state.phase.failure
+        return code == "contact_lost" and state.following.began is None
 
     @property
     def _followed(self) -> Segment | None:
