@@ -568,8 +568,9 @@ class Supervisor:
             margins.TOUCH_DETOUR, rest.path.length, self.placement.object.radius
         )
         X_WB = instant.X_WB
+        seen = seen_from(X_WB, state.estimate.tip_error)
         place, _ = state.estimate.spread
-        touched = following.binding.sure_contact_points(X_WB, instant.tips, place)
+        touched = following.binding.sure_contact_points(seen, instant.tips, place)
         found = estimates(state)
         measured = Measured.touching(X_WB, rest.contacts, touched, longest, found)
         fresh = self.placement.replanner.believing(following.rho).replan(
@@ -629,7 +630,8 @@ class Supervisor:
         if off < above or state.watches.retries == RETRIES:
             return ()
         segment = following.binding.segment
-        touched = following.binding.contact_points(instant.X_WB, instant.tips)
+        seen = seen_from(instant.X_WB, state.estimate.tip_error)
+        touched = following.binding.contact_points(seen, instant.tips)
         replanner = self.placement.replanner.believing(following.rho)
         measured = Measured.touching(
             instant.X_WB, segment.contacts, touched, estimates=estimates(state)
