@@ -264,14 +264,30 @@ class Supervisor:
         return held._replace(phase=held.phase._replace(tips=tuple(tips), align=False))
 
     def slid_off(self, moment: Moment) -> bool:
-        """A push has left its side, and may not be corrected."""
-        return not self._may_retouch(moment) and self._left_side(moment)
+        """A push has left its side, or a press slides on, and may not be corrected."""
+        if self._may_retouch(moment):
+            return False
+        return self._left_side(moment) or self._slides_on(moment)
 
     def stop_slid_off(self, moment: Moment) -> ControllerState:
         """Stop: contact lost."""
-        off = max(beside.gap for beside in self._gaps(moment))
-        text = f"a tip is {off * 1e3:.0f} mm off the side that it pushed"
+        gaps = [one.gap for one in self._gaps(moment)]
+        if gaps:
+            text = f"a tip is {max(gaps) * 1e3:.0f} mm off the side that it pushed"
+        else:
+            slid = slide(self.placement.segments[0].contacts, moment.contact_points)
+            text = f"a press slid by {slid * 1e3:.0f} mm, touched {RETOUCHES} times"
         return _stopped(moment, ("contact_lost", text))
+
+    def _slides_on(self, moment: Moment) -> bool:
+        """Whether a press that may have less friction than believed slides though it was
+        touched again and again.
+        """
+        unsure = self.placement.scene.friction_error > 0.0
+        again = moment.state.watches.retouches >= RETOUCHES
+        if not (unsure and again) or moment.left <= margins.ARM.retouch:
+            return False
+        return self._creeps(moment)
 
     def _left_side(self, moment: Moment) -> bool:
         """Whether a push is surely off its side, though its force does not tell."""
@@ -302,9 +318,13 @@ class Supervisor:
 
     def crept(self, moment: Moment) -> bool:
         """A press has crept, and enough path is left to correct it."""
+        return self._creeps(moment) and self._may_retouch(moment)
+
+    def _creeps(self, moment: Moment) -> bool:
+        """Whether a press has slid from its planned place."""
         planned = self.placement.segments[0].contacts
         crept = press_creep(planned, moment.contact_points) > margins.CREPT
-        return (crept or self._dragged_off(moment)) and self._may_retouch(moment)
+        return crept or self._dragged_off(moment)
 
     def _dragged_off(self, moment: Moment) -> bool:
         """Whether two presses have slid over the top, under an object that may have
@@ -724,12 +744,13 @@ class Supervisor:
         They come with the planned centre of mass p_BCom [m] and the number of retries.
         """
         X_WB = instant.X_WB
+        seen = seen_from(X_WB, state.estimate.tip_error)
         following = state.following
         planned = ahead[0]
         part = self.placement.queries[planned.leg]
         mode = MODES[planned.mode]
         sides = sides_of(self.placement.object, planned.contacts)
-        touched = touched_points(planned.contacts, sides, X_WB, instant.tips)
+        touched = touched_points(planned.contacts, sides, seen, instant.tips)
         longest = margins.longest(
             margins.TOUCH_DETOUR, planned.path.length, self.placement.object.radius
         )
