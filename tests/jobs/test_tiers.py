@@ -14,6 +14,7 @@ from pushpressslide.core.task import Task
 from pushpressslide.core.truth import EXACT, Truth
 from pushpressslide.jobs.hopes import hopeful_runner, hopes
 from pushpressslide.jobs.run import simulate
+from pushpressslide.jobs.sampling import random_task
 from pushpressslide.jobs.stages import StageOptions, StageRunner
 from pushpressslide.jobs.sweep import SweepOptions, sweep
 from pushpressslide.jobs.tiers import TIERS, drawn_world
@@ -94,7 +95,7 @@ def test_a_refusal_within_the_errors_of_the_belief_is_tried() -> None:
         StageRunner(task, StageOptions("planar"))
     hopeful = replace(task, belief=replace(task.belief, friction_error=0.5))
     assert len(list(hopes(task))) == 1
-    assert len(list(hopes(hopeful))) == 3
+    assert len(list(hopes(hopeful))) == 4
     hopeful_runner(hopeful, StageOptions("planar"))
     with pytest.raises(InfeasibleTaskError) as again:
         hopeful_runner(task, StageOptions("planar"))
@@ -110,22 +111,35 @@ def test_a_refusal_because_of_the_centre_of_mass_is_tried_with_the_likeliest() -
     assert centers[:2] == [believed, believed]
     assert centers[2] == pytest.approx((0.018, -0.024))
     surer = replace(unsure, belief=replace(belief, center_error=0.1))
-    (_, _, likeliest, _) = hopes(surer)
+    (_, _, likeliest, *_) = hopes(surer)
     assert likeliest.belief.center_of_mass == pytest.approx((0.0, 0.0))
     assert likeliest.dares
 
 
-def test_the_lightest_mass_is_that_of_the_error_of_the_mass() -> None:
+def test_hopes_are_within_the_error_of_the_mass_and_differ() -> None:
     task = load_task(PUSH)
-    assert task.object.mass > 0.0
-    sure = replace(task, belief=replace(task.belief, friction_error=0.2))
-    heavy = replace(sure, belief=replace(sure.belief, mass_error=0.4))
-    masses = [list(hopes(one))[-1].belief.mass for one in (sure, heavy)]
     believed = task.full_belief.mass
     assert believed is not None
-    assert masses == pytest.approx([believed, 0.6 * believed])
+    sure = replace(task, belief=replace(task.belief, friction_error=0.2))
+    heavy = replace(sure, belief=replace(sure.belief, mass_error=0.4))
+    assert {one.belief.mass for one in list(hopes(sure))[2:]} == {believed}
+    masses = [one.belief.mass for one in list(hopes(heavy))[2:]]
+    assert masses == pytest.approx([0.6 * believed, believed, 1.4 * believed])
+    for one in (sure, heavy):
+        beliefs = [(hope.belief, hope.dares) for hope in hopes(one)]
+        assert len(set(beliefs)) == len(beliefs)
     only = replace(task, belief=replace(task.belief, mass_error=0.4))
-    assert [one.belief.mass for one in hopes(only)][1:] == [0.6 * believed]
+    assert 0.6 * believed in [one.belief.mass for one in hopes(only)]
+
+
+def test_an_object_that_might_slide_before_it_is_felt_is_tried() -> None:
+    """With the least drag it would, and with the believed one it is not felt either."""
+    task = random_task(load_task("press-slide", ["modes=null"]), 26, 612, "any")
+    options = StageOptions("planar", 612026)
+    drawn = drawn_world(replace(task, truth=Truth(tier="tier3")), 612026, "planar")
+    with pytest.raises(InfeasibleTaskError, match="before the contacts are felt"):
+        StageRunner(drawn, options)
+    assert hopeful_runner(drawn, options).task.dares
 
 
 @pytest.mark.parametrize("name", list(TIERS))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import NamedTuple
 
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.scene import Belief
@@ -21,51 +22,65 @@ def hopes(task: Task) -> Iterator[Task]:
     centre of mass, and with the most favourable frictions and masses that they allow.
     """
     yield task
-    planned = task.belief.planned_for_errors
-    if planned:
-        yield replace(task, dares=True)
-    likeliest = _likeliest(task)
-    if likeliest is not None:
-        yield replace(task, belief=likeliest, dares=True)
-    if planned or task.belief.mass_error > 0.0:
-        for belief in _favourable(task, likeliest):
+    tried: list[Belief] = []
+    for belief in _beliefs(task):
+        if belief not in tried:
+            tried.append(belief)
             yield replace(task, belief=belief, dares=True)
 
 
-def _likeliest(task: Task) -> Belief | None:
-    """Belief in the likeliest centre of mass. None if it is sure."""
+def _beliefs(task: Task) -> Iterator[Belief]:
+    """Yield beliefs within the errors of that of the ``task``."""
+    centers = [task.belief]
     error = task.belief.center_error
-    if error == 0.0:
-        return None
-    center = task.scene.body.likeliest_center(error)
-    return replace(task.belief, center_of_mass=center)
+    if error > 0.0:
+        likeliest = task.scene.body.likeliest_center(error)
+        centers.append(replace(task.belief, center_of_mass=likeliest))
+    if task.belief.planned_for_errors:
+        yield from centers
+    if task.belief.planned_for_errors or task.belief.mass_error > 0.0:
+        for amounts in _favourable(task):
+            for belief in centers:
+                yield amounts.believed(belief)
 
 
-def _favourable(task: Task, likeliest: Belief | None) -> Iterator[Belief]:
-    """Yield beliefs in more grip, by the errors that the task states, and in less drag
-    that rules nothing out, or more that can be felt. After each comes the same with the
-    ``likeliest`` centre of mass.
+class _Amounts(NamedTuple):
+    """Frictions and mass that a belief may have."""
+
+    support: float
+    contact: float
+    mass: float  # [kg]
+
+    def believed(self, belief: Belief) -> Belief:
+        """The ``belief`` with these amounts."""
+        return replace(
+            belief,
+            support_friction=self.support,
+            contact_friction=self.contact,
+            mass=self.mass,
+        )
+
+
+def _favourable(task: Task) -> list[_Amounts]:
+    """Amounts with the most grip and the least drag, by the errors that the ``task``
+    states, and with more drag: a light object slides before it is felt.
     """
     error = task.belief.friction_error
-    lighter, heavier = (1.0 + sign * task.belief.mass_error for sign in (-1.0, 1.0))
     full = task.full_belief
     _, most = FRICTION
     assert full.support_friction is not None
     assert full.contact_friction is not None
     assert full.mass is not None
     grip = min((1.0 + error) * full.contact_friction, most)
-    tried: list[tuple[float, float]] = []
-    for drag, weight in ((1.0 - error, lighter), (1.0 - error, 1.0), (1.0, heavier)):
-        amounts = (drag * full.support_friction, weight * full.mass)
-        if amounts in tried:
-            continue
-        tried.append(amounts)
-        for belief in (task.belief, likeliest):
-            if belief is not None:
-                support, mass = amounts
-                yield replace(
-                    belief, support_friction=support, contact_friction=grip, mass=mass
-                )
+    least = (1.0 - error) * full.support_friction
+    lighter, heavier = (
+        (1.0 + sign * task.belief.mass_error) * full.mass for sign in (-1.0, 1.0)
+    )
+    return [
+        _Amounts(least, grip, lighter),
+        _Amounts(least, grip, full.mass),
+        _Amounts(full.support_friction, grip, heavier),
+    ]
 
 
 def hopeful_runner(task: Task, options: StageOptions) -> StageRunner:
