@@ -437,13 +437,15 @@ class PoseFilter:
         return P
 
     def _untouched(self, state: FilterState) -> FilterState:
-        """The ``state`` before a touch, which places the tip anew."""
-        means = [
-            self._mean_at(self.pose(one))._replace(a=one.a, b=one.b)
-            for one in (state.mean, state.present)
-        ]
+        """The ``state`` before a touch, which places the tip anew. A push that was lost
+        did not turn the object as a tip that sticks does: its turns are forgotten.
+        """
+        means = [self._mean_at(self.pose(one)) for one in (state.mean, state.present)]
         P = self._prior(self.pose(state.mean), self._pose_covariance(state))
-        P[3:5, 3:5] = state.covariance[3:5, 3:5]
+        if self.along is None:
+            arm = {"a": state.mean.a, "b": state.mean.b}
+            means = [one._replace(**arm) for one in means]
+            P[3:5, 3:5] = state.covariance[3:5, 3:5]
         return state._replace(mean=means[0], present=means[1], covariance=P)
 
 
