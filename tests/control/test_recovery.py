@@ -237,9 +237,10 @@ def test_after_presses_slid_anything_else_is_planned_before_another_press(
     elsewhere = replace(contact, point=(x + 0.03, y))
     another = replace(planned, segments=(replace(pressed, contacts=(elsewhere,)),))
     push = replace(planned, segments=(pushed,))
-    slid = replace(BEGIN, contact_friction=0.2)
+    here = module.FailedPlacement(pressed)
+    anywhere = module.FailedPlacement.anywhere(pressed)
     refused = []
-    for start in (BEGIN, slid):
+    for failed in (here, anywhere):
         made: list[PlacementPlanner] = []
 
         def plans(
@@ -252,15 +253,15 @@ def test_after_presses_slid_anything_else_is_planned_before_another_press(
             return plan
 
         monkeypatch.setattr(module, "planned_anew", plans)
-        module.planned_otherwise(Plan(TASK), start, PlansAlone, pressed)
+        module.planned_otherwise(Plan(TASK), BEGIN, PlansAlone, failed)
         (planner,) = made
         planner.add(push)
         for placement in (planned, another):
             try:
                 planner.add(placement)
             except InfeasibleTaskError:
-                refused.append((start, placement))
-    assert refused == [(BEGIN, planned), (slid, planned), (slid, another)]
+                refused.append((failed, placement))
+    assert refused == [(here, planned), (anywhere, planned), (anywhere, another)]
 
 
 def test_after_a_force_limit_plans_have_less_force_where_they_lead_on(

@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import NamedTuple
 
 from pushpressslide.control.center_belief import CenterBelief
 from pushpressslide.core import margins
@@ -146,23 +147,36 @@ def planned_anew(
     raise refused
 
 
+class FailedPlacement(NamedTuple):
+    """First segment of a placement that failed."""
+
+    segment: Segment
+    near: float = ALIKE  # [m] between the contacts of placements that would fail, too
+
+    @classmethod
+    def anywhere(cls, segment: Segment) -> FailedPlacement:
+        """Presses that slid: they would at any place of a top."""
+        return cls(segment, math.inf)
+
+
 def planned_otherwise(
     plan: Plan,
     restart_state: Restart,
     prepare: Callable[[], PlacementPlanner],
-    failed: Segment,
+    failed: FailedPlacement,
 ) -> Plan:
     """Plan for the remaining task, as from ``planned_anew``, that does not begin like
-    the ``failed`` segment, if there is another. A press slides at any place of a top.
+    the ``failed`` placement, if there is another.
 
     Raises InfeasibleTaskError if there is no plan.
     """
-    pressed = any(contact.kind == "top" for contact in failed.contacts)
-    near = math.inf if pressed and restart_state.contact_friction is not None else ALIKE
+
+    def prepare_others() -> PlacementPlanner:
+        """Empty planner of other placements."""
+        return OtherPlacements(prepare(), failed.segment, failed.near)
+
     try:
-        return planned_anew(
-            plan, restart_state, lambda: OtherPlacements(prepare(), failed, near)
-        )
+        return planned_anew(plan, restart_state, prepare_others)
     except InfeasibleTaskError:
         return planned_anew(plan, restart_state, prepare)
 

@@ -43,6 +43,7 @@ from pushpressslide.control.recording import Recorder, Tick
 from pushpressslide.control.recovery import (
     OF_ARMS,
     RECOVERABLE,
+    FailedPlacement,
     after_force_limit,
     after_slides,
     planned_anew,
@@ -215,6 +216,7 @@ class RunLoop:
         if self.believed.center_error > 0.0:
             self.center = CenterBelief.before_run(self.believed)
         self.hand_eyes: dict[int, HandEye] = {}  # by arm, as seen before
+        self.slid_presses: FailedPlacement | None = None  # None: no press slid
         self.looked_on: float | None = None  # [s] since when for longer
         self.ticks = 0
         self.placements = plan.by_placement
@@ -637,9 +639,7 @@ class RunLoop:
             start = self._restart(pose)
             if reason.code == "force_limit":
                 start = after_force_limit(start, self.plan.task.limits)
-            slid = reason.code == "contact_lost" and self._presses_slid
-            again = slid or reason.code in OF_ARMS
-            failed = self._followed if again else None
+            failed = self._failed_placement(reason)
             plan, held_commands = self._planned_from(start, tick, measurement, failed)
         except InfeasibleTaskError as error:
             self._note(time, reason, str(error))
@@ -654,6 +654,16 @@ class RunLoop:
     def _slid(self) -> bool:
         """Whether contacts slid in the placement."""
         return self.state is not None and self.state.watches.retouches > 0
+
+    def _failed_placement(self, reason: Ending) -> FailedPlacement | None:
+        """Placement that the next one should not repeat. None if it may."""
+        followed = self._followed
+        if followed is not None and reason.code in OF_ARMS:
+            return FailedPlacement(followed)
+        lost = reason.code == "contact_lost"
+        if followed is not None and lost and self._presses_slid:
+            self.slid_presses = FailedPlacement.anywhere(followed)
+        return self.slid_presses
 
     @property
     def _presses_slid(self) -> bool:
@@ -703,10 +713,10 @@ class RunLoop:
         start: Restart,
         tick: Tick,
         measurement: Measurement,
-        failed: Segment | None = None,
+        failed: FailedPlacement | None = None,
     ) -> tuple[Plan, Commands]:
         """Plan of the remaining task from ``start``, and the commands that hold the arms
-        meanwhile. It begins otherwise than a ``failed`` segment, if it can.
+        meanwhile. It begins otherwise than a ``failed`` placement, if it can.
 
         Raises InfeasibleTaskError if no plan ends in time.
         """
