@@ -19,6 +19,7 @@ from pushpressslide.control.approach import TRAVEL_SPEED
 from pushpressslide.control.controller import Step
 from pushpressslide.control.estimator import Estimator, ObjectEstimator
 from pushpressslide.control.execution import USUAL, Execution
+from pushpressslide.control.hand_eye import HandEye
 from pushpressslide.control.identified import Identified
 from pushpressslide.control.last_look import LastLook
 from pushpressslide.control.limits import (
@@ -143,6 +144,7 @@ class Followed:
     """What the scripted controller follows."""
 
     reference: Segment
+    began: float | None = None
 
 
 @dataclass(frozen=True)
@@ -309,6 +311,20 @@ def test_the_arm_with_the_least_room_and_gap_decides_for_both(two, scripts) -> N
         run_loop(Diary(arms=2, joint_paths=paths), two)
     assert {script.back for script in scripts} == {0.02}
     assert {script.gap for script in scripts} == {0.003}
+
+
+@pytest.mark.parametrize("code", [None, "contact_lost", "goal_missed"])
+def test_what_is_known_of_tips_that_find_no_object_is_forgotten(
+    one, scripts, monkeypatch, code: str | None
+) -> None:
+    monkeypatch.setattr(Script, "failure", None if code is None else (code, ""))
+    cell = cell_of(Diary(arms=1), 1)
+    loop = module.RunLoop(cell, one, RunOptions(controller=Script))
+    known = {0: HandEye((0.01, 0.0))}
+    loop.hand_eyes.update(known)
+    with cell.connected():
+        loop.run()
+    assert loop.hand_eyes == ({} if code == "contact_lost" else known)
 
 
 def test_every_tick_is_recorded_once_and_at_its_own_time(one, scripts) -> None:

@@ -301,6 +301,21 @@ def test_a_press_that_crept_touches_its_place_again_and_harder() -> None:
     assert again.point == contact.point
 
 
+def test_a_press_that_slides_however_often_it_touches_ends_the_attempt() -> None:
+    """Only a tip that may have less friction than believed slides that far."""
+    slid = watching(slipped(moment(PRESS), 0.08), retouches=RETOUCHES)
+    assert after(PRESS, slid)[0] == "otherwise"
+    task = pps.load_task(PRESS, ["belief.friction_error=0.3"])
+    unsure = Controller(pps.plan(task)).supervisor
+    row = next(row for row in TRANSITIONS if row.holds(unsure, slid))
+    assert row.event == "slid off"
+    failure = row.act(unsure, slid).phase.failure
+    assert failure is not None
+    code, text = failure
+    assert code == "contact_lost"
+    assert text.endswith(f"mm, touched {RETOUCHES} times")
+
+
 def test_a_push_that_slid_touches_its_place_again() -> None:
     well = moment(PUSH)
     slid = slipped(well, margins.ARM.retouch + 1e-3)
