@@ -20,7 +20,11 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.state import OBJECT, WorldState
 from pushpressslide.core.task import Restart
 from pushpressslide.identification.parameter_estimates import NOTHING
-from pushpressslide.selection.placement_planner import PlacementPlanner, PlansAlone
+from pushpressslide.selection.placement_planner import (
+    FailedPlacement,
+    PlacementPlanner,
+    PlansAlone,
+)
 
 TASK = pps.load_task("press-slide")
 BEGIN = Restart(start_state(TASK), 0, TASK.object.center_of_mass, 1.2, None)
@@ -237,8 +241,8 @@ def test_after_presses_slid_anything_else_is_planned_before_another_press(
     elsewhere = replace(contact, point=(x + 0.03, y))
     another = replace(planned, segments=(replace(pressed, contacts=(elsewhere,)),))
     push = replace(planned, segments=(pushed,))
-    here = module.FailedPlacement(pressed)
-    anywhere = module.FailedPlacement.anywhere(pressed)
+    here = FailedPlacement(pressed)
+    anywhere = FailedPlacement.anywhere(pressed)
     refused = []
     for failed in (here, anywhere):
         made: list[PlacementPlanner] = []

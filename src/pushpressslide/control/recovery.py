@@ -7,7 +7,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
 
 from pushpressslide.control.center_belief import CenterBelief
 from pushpressslide.core import margins
@@ -26,7 +25,7 @@ from pushpressslide.identification.parameter_estimates import (
 from pushpressslide.modes.base import ENOUGH
 from pushpressslide.planning.pressed.harder import slid_friction
 from pushpressslide.selection.placement_planner import (
-    ALIKE,
+    FailedPlacement,
     OtherPlacements,
     PlacementPlanner,
 )
@@ -147,18 +146,6 @@ def planned_anew(
     raise refused
 
 
-class FailedPlacement(NamedTuple):
-    """First segment of a placement that failed."""
-
-    segment: Segment
-    near: float = ALIKE  # [m] between the contacts of placements that would fail, too
-
-    @classmethod
-    def anywhere(cls, segment: Segment) -> FailedPlacement:
-        """Presses that slid: they would at any place of a top."""
-        return cls(segment, math.inf)
-
-
 def planned_otherwise(
     plan: Plan,
     restart_state: Restart,
@@ -173,7 +160,7 @@ def planned_otherwise(
 
     def prepare_others() -> PlacementPlanner:
         """Empty planner of other placements."""
-        return OtherPlacements(prepare(), failed.segment, failed.near)
+        return OtherPlacements(prepare(), failed)
 
     try:
         return planned_anew(plan, restart_state, prepare_others)

@@ -43,7 +43,6 @@ from pushpressslide.control.recording import Recorder, Tick
 from pushpressslide.control.recovery import (
     OF_ARMS,
     RECOVERABLE,
-    FailedPlacement,
     after_force_limit,
     after_slides,
     planned_anew,
@@ -85,6 +84,7 @@ from pushpressslide.core.task import Restart
 from pushpressslide.core.truth import EXACT, refuse_truth
 from pushpressslide.identification.parameter_estimates import NOTHING
 from pushpressslide.planning.side_contacts import before_contacts
+from pushpressslide.selection.placement_planner import FailedPlacement
 
 AT_BASE = 0.01  # [m] from its robot's base at which a tip without an arm waits
 T = TypeVar("T")
@@ -216,6 +216,7 @@ class RunLoop:
         if self.believed.center_error > 0.0:
             self.center = CenterBelief.before_run(self.believed)
         self.hand_eyes: dict[int, HandEye] = {}  # by arm, as seen before
+        self.lost: list[Segment] = []  # whose contacts were lost before
         self.slid_presses: FailedPlacement | None = None  # None: no press slid
         self.looked_on: float | None = None  # [s] since when for longer
         self.ticks = 0
@@ -660,9 +661,14 @@ class RunLoop:
         followed = self._followed
         if followed is not None and reason.code in OF_ARMS:
             return FailedPlacement(followed)
-        lost = reason.code == "contact_lost"
-        if followed is not None and lost and self._presses_slid:
-            self.slid_presses = FailedPlacement.anywhere(followed)
+        if followed is not None and reason.code == "contact_lost":
+            planned = self.controller.segments[0]
+            failed = FailedPlacement(planned)
+            if self._presses_slid:
+                self.slid_presses = FailedPlacement.anywhere(followed)
+            elif any(failed.repeated_by(one) for one in self.lost):
+                return failed
+            self.lost.append(planned)
         return self.slid_presses
 
     @property

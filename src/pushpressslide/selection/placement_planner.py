@@ -8,7 +8,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import chain, groupby
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Choice, Contact, Plan, Segment
@@ -67,13 +67,30 @@ class PlansAlone:
         return PlansAlone()
 
 
+class FailedPlacement(NamedTuple):
+    """First segment of a placement that failed."""
+
+    segment: Segment
+    near: float = ALIKE  # [m] between the contacts of placements that would fail, too
+
+    @classmethod
+    def anywhere(cls, segment: Segment) -> FailedPlacement:
+        """Presses that slid: they would at any place of a top."""
+        return cls(segment, math.inf)
+
+    def repeated_by(self, first: Segment) -> bool:
+        """Whether a placement that begins with ``first`` would fail as this one did."""
+        pairs = zip(first.contacts, self.segment.contacts, strict=False)
+        near = all(math.dist(a.point, b.point) < self.near for a, b in pairs)
+        return near and first.mode == self.segment.mode
+
+
 @dataclass
 class OtherPlacements:
     """Placement planner that refuses placements like one that failed."""
 
     planner: PlacementPlanner
-    failed: Segment
-    near: float = ALIKE  # [m] between the contacts of placements like it
+    failed: FailedPlacement
 
     @property
     def plans(self) -> Sequence[Plan]:
@@ -91,10 +108,7 @@ class OtherPlacements:
         Raises InfeasibleTaskError if it begins with the mode and the contacts of the
         failed one, or if an arm has no joint path.
         """
-        first = placement.segments[0]
-        pairs = list(zip(first.contacts, self.failed.contacts, strict=False))
-        same = all(math.dist(a.point, b.point) < self.near for a, b in pairs)
-        if same and first.mode == self.failed.mode:
+        if self.failed.repeated_by(placement.segments[0]):
             raise InfeasibleTaskError("a motion with such contacts has failed")
         self.planner.add(placement)
 
