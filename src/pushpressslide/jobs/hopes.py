@@ -41,7 +41,7 @@ def _beliefs(task: Task) -> Iterator[Belief]:
     if task.belief.planned_for_errors or task.belief.mass_error > 0.0:
         for amounts in _favourable(task):
             for belief in centers:
-                yield amounts.believed(belief)
+                yield amounts.put_into(belief)
 
 
 class _Amounts(NamedTuple):
@@ -51,7 +51,7 @@ class _Amounts(NamedTuple):
     contact: float
     mass: float  # [kg]
 
-    def believed(self, belief: Belief) -> Belief:
+    def put_into(self, belief: Belief) -> Belief:
         """The ``belief`` with these amounts."""
         return replace(
             belief,
