@@ -408,9 +408,12 @@ def test_the_known_offset_of_a_tip_narrows_where_it_touches(yaw: float) -> None:
     assert again[1:] == pytest.approx(known[1:])
 
 
+@pytest.mark.parametrize("lets_go", [True, False])
 @pytest.mark.parametrize("pushes", [True, False])
-def test_turns_of_a_lost_push_are_forgotten_at_the_next_touch(pushes: bool) -> None:
-    """A press creeps, and its turns are those of a tip that sticks."""
+def test_turns_of_a_push_are_forgotten_as_it_touches_again(
+    pushes: bool, lets_go: bool
+) -> None:
+    """It may have slid. A press creeps, and its turns are those of a tip that sticks."""
     one = replace(FILTER, along=(0.0, 1.0) if pushes else None)
     state = one.start(StampedPose(0.0, Pose2(0.1, 0.2, 0.4)))
     before = state.covariance[3:5, 3:5]
@@ -418,12 +421,13 @@ def test_turns_of_a_lost_push_are_forgotten_at_the_next_touch(pushes: bool) -> N
     known[3:5, 3:5] *= 0.1
     learnt = state.mean._replace(a=4.0, b=-2.0)
     state = state._replace(mean=learnt, present=learnt, covariance=known)
-    touch = Advance(PERIOD, PERIOD, disturbed=True)
+    touch = Advance(PERIOD, PERIOD, disturbed=True, lets_go=lets_go)
     touched = one.step(state, touch, None)
+    forgotten = pushes and not lets_go
     for mean in (touched.mean, touched.present):
-        assert (mean.a, mean.b) == (one.arm if pushes else (4.0, -2.0))
+        assert (mean.a, mean.b) == (one.arm if forgotten else (4.0, -2.0))
         assert one.pose(mean).position == pytest.approx((0.1, 0.2))
-    expected = before if pushes else 0.1 * before
+    expected = before if forgotten else 0.1 * before
     assert touched.covariance[3:5, 3:5] == pytest.approx(expected)
 
 

@@ -257,7 +257,7 @@ def test_after_presses_slid_anything_else_is_planned_before_another_press(
             return plan
 
         monkeypatch.setattr(module, "planned_anew", plans)
-        module.planned_otherwise(Plan(TASK), BEGIN, PlansAlone, failed)
+        module.planned_otherwise(Plan(TASK), BEGIN, PlansAlone, (failed,))
         (planner,) = made
         planner.add(push)
         for placement in (planned, another):

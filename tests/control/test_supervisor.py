@@ -313,7 +313,7 @@ def test_a_press_that_slides_however_often_it_touches_ends_the_attempt() -> None
     assert failure is not None
     code, text = failure
     assert code == "contact_lost"
-    assert text.endswith(f"mm, touched {RETOUCHES} times")
+    assert text.endswith(f"mm, although touched {RETOUCHES} times again")
 
 
 def test_a_push_that_slid_touches_its_place_again() -> None:

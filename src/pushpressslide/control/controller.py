@@ -251,6 +251,7 @@ class Controller:
             following.binding,
             following.prediction,
             _disturbs(phase, time),
+            phase.name == "release",
         )
         estimate, estimator = self.estimator.step(state.estimator, observation)
         X_WG = estimate.X_WG

@@ -79,6 +79,7 @@ class Observation(NamedTuple):
     binding: BoundLaws  # the followed segment with its laws
     prediction: Prediction  # prediction of the plan
     disturbed: bool = False  # whether tips touch or let go of the object
+    lets_go: bool = False  # whether they let go of it
 
 
 class Estimator(Protocol):
@@ -145,7 +146,12 @@ class Filtered(NamedTuple):
     def step(self, observation: Observation, dt: float) -> Filtered:
         """The filter after a tick of ``dt`` [s]."""
         tips = _tips(observation)
-        advance = Advance(observation.time, dt, disturbed=observation.disturbed)
+        advance = Advance(
+            observation.time,
+            dt,
+            disturbed=observation.disturbed,
+            lets_go=observation.lets_go,
+        )
         if observation.driven:
             (x, y), (before_x, before_y) = tips[0], self.tips[0]
             moved = (x - before_x, y - before_y)
@@ -175,7 +181,8 @@ class Filtered(NamedTuple):
             spread = self.filter.spread(state)
             if began is not None:
                 begun = self._hand_eye_begun(state, began)
-                hand_eye = begun if begun.plausible else self.hand_eye
+                before = self.filter.hand_eye or HandEye()
+                hand_eye = begun if begun.plausible else before
                 hand_eye_now = self._hand_eye_now(state, tips[0])
         return Filtered(
             self.filter,
@@ -209,7 +216,7 @@ class Filtered(NamedTuple):
     @property
     def seen_tip(self) -> HandEye | None:
         """Where the first tip is seen beside where it is measured, for another placement.
-        None if it has not moved the object in pictures, or not where it was to.
+        None if it has not moved the object in pictures, or its offset is not plausible.
         """
         if self.hand_eye_now is None or self.hand_eye.xx == 0.0:
             return None
@@ -236,6 +243,12 @@ class Filtered(NamedTuple):
         before_x, before_y = self.tips[0]
         ahead = min(beyond, (tip[0] - before_x) * nx + (tip[1] - before_y) * ny)
         return (ahead * nx, ahead * ny) if ahead > 0.0 else (0.0, 0.0)
+
+    def touches_anew(self, before: Filtered | None) -> bool:
+        """Whether the tips have begun to touch in this tick, ``before`` which they did
+        not.
+        """
+        return before is not None and self.state.disturbed > before.state.disturbed
 
     def tips_seen(self, before: Filtered) -> tuple[Point, ...]:
         """Places [m] of the tips at the stamp of the picture that this tick has used,
@@ -356,7 +369,8 @@ class ObjectEstimator:
         learning = filtered if self._center_error > 0.0 else None
         if learning is not None:
             center = learning.center(center, observation.binding.segment, self._X_BG)
-        if observation.driven or predicted is not state.prediction:
+        anew = filtered is not None and filtered.touches_anew(state.filtered)
+        if observation.driven or anew or predicted is not state.prediction:
             found = _estimates(predicted, axle, center)
             if learning is not None:
                 found = learning.with_reach(found, observation.binding.segment)

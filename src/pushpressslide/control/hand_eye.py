@@ -15,7 +15,7 @@ OTHERWISE = 3e-3
 base and its tool are turned.
 """
 
-MOST = 16e-3
+MOST_OFFSET = 16e-3
 """Largest offset [m] that base, tool and camera give a tip: one that is farther off is
 elsewhere on the object.
 """
@@ -54,7 +54,7 @@ class HandEye(NamedTuple):
     @property
     def plausible(self) -> bool:
         """Whether base, tool and camera may be off by this much."""
-        return math.hypot(*self.offset) < MOST
+        return math.hypot(*self.offset) < MOST_OFFSET
 
     def agrees(self, other: HandEye) -> bool:
         """Whether two offsets may be of one tip: one that slid is elsewhere."""

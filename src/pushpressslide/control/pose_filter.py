@@ -70,6 +70,7 @@ class Advance(NamedTuple):
     tip: Point = (0.0, 0.0)  # [m] displacement of the tip, world
     turn: float = 0.0  # [rad] of the object, as several tips turn it
     disturbed: bool = False  # whether tips may move it besides
+    lets_go: bool = False  # whether they do so since they let go of it
     touching: bool = False  # whether the tip may or may not move it
     tips: tuple[Point, ...] = ()  # [m] at its end, of the contacts that drive it
 
@@ -270,7 +271,7 @@ class PoseFilter:
         to the last one, unless the object has stood still before a camera without noise.
         """
         if advance.disturbed and not state.disturbed:
-            state = self._untouched(state)
+            state = self._untouched(state, advance.lets_go)
         advances = (*state.advances, advance)
         present = state.present.after(advance, self.along)
         state = state._replace(
@@ -436,13 +437,16 @@ class PoseFilter:
         P[7:, 7:] = offset
         return P
 
-    def _untouched(self, state: FilterState) -> FilterState:
-        """The ``state`` before a touch, which places the tip anew. A push that was lost
-        did not turn the object as a tip that sticks does: its turns are forgotten.
+    def _untouched(self, state: FilterState, lets_go: bool) -> FilterState:
+        """The ``state`` before a touch, which places the tip anew, or before the tip
+        ``lets_go``.
+
+        A push that touches again may have slid along its face: the turn arm learnt from
+        it is discarded.
         """
         means = [self._mean_at(self.pose(one)) for one in (state.mean, state.present)]
         P = self._prior(self.pose(state.mean), self._pose_covariance(state))
-        if self.along is None:
+        if lets_go or self.along is None:
             arm = {"a": state.mean.a, "b": state.mean.b}
             means = [one._replace(**arm) for one in means]
             P[3:5, 3:5] = state.covariance[3:5, 3:5]

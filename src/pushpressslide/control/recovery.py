@@ -5,7 +5,7 @@ parameters and any allowed mode and contacts.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from pushpressslide.control.center_belief import CenterBelief
@@ -150,10 +150,10 @@ def planned_otherwise(
     plan: Plan,
     restart_state: Restart,
     prepare: Callable[[], PlacementPlanner],
-    failed: FailedPlacement,
+    failed: Sequence[FailedPlacement],
 ) -> Plan:
     """Plan for the remaining task, as from ``planned_anew``, that does not begin like
-    the ``failed`` placement, if there is another.
+    a ``failed`` placement, if there is another.
 
     Raises InfeasibleTaskError if there is no plan.
     """

@@ -217,7 +217,7 @@ class RunLoop:
             self.center = CenterBelief.before_run(self.believed)
         self.hand_eyes: dict[int, HandEye] = {}  # by arm, as seen before
         self.lost: list[Segment] = []  # whose contacts were lost before
-        self.slid_presses: FailedPlacement | None = None  # None: no press slid
+        self.failed: list[FailedPlacement] = []  # which are not repeated
         self.looked_on: float | None = None  # [s] since when for longer
         self.ticks = 0
         self.placements = plan.by_placement
@@ -341,8 +341,9 @@ class RunLoop:
             if seen is not None:
                 arm, hand_eye = seen
                 self.hand_eyes[arm] = hand_eye
-            elif self._missed_object:
-                self.hand_eyes.clear()
+            elif self._touch_failed:
+                for contact in self.controller.segments[0].contacts:
+                    self.hand_eyes.pop(contact.arm, None)
 
     def _known_center(self) -> CenterBelief | None:
         """What is believed of the centre of mass after the present placement. None if
@@ -640,7 +641,10 @@ class RunLoop:
             start = self._restart(pose)
             if reason.code == "force_limit":
                 start = after_force_limit(start, self.plan.task.limits)
-            failed = self._failed_placement(reason)
+            self._remember_failure(reason)
+            failed = list(self.failed)
+            if reason.code in OF_ARMS and self._followed is not None:
+                failed.append(FailedPlacement(self._followed))
             plan, held_commands = self._planned_from(start, tick, measurement, failed)
         except InfeasibleTaskError as error:
             self._note(time, reason, str(error))
@@ -650,6 +654,24 @@ class RunLoop:
         self.recoveries -= 1
         self._resume(plan, held_commands)
         return True
+
+    @property
+    def _slid(self) -> bool:
+        """Whether contacts slid in the placement."""
+        return self.state is not None and self.state.watches.retouches > 0
+
+    def _remember_failure(self, reason: Ending) -> None:
+        """Remember presses that slid, and a placement whose contacts were lost twice."""
+        if reason.code != "contact_lost" or self.state is None:
+            return
+        planned = self.controller.segments[0]
+        here = FailedPlacement(planned)
+        if self._presses_slid:
+            self.failed.append(FailedPlacement.anywhere(planned))
+        elif any(here.repeated_by(one) for one in self.lost):
+            self.failed.append(here)
+        else:
+            self.lost.append(planned)
 
     @property
     def _slid(self) -> bool:
@@ -693,7 +715,9 @@ class RunLoop:
         pose = self.controller.filtered_pose(self.state)
         try:
             start = replace(self._restart(pose), leg=leg)
-            plan, held_commands = self._planned_from(start, tick, measurement)
+            plan, held_commands = self._planned_from(
+                start, tick, measurement, self.failed
+            )
         except InfeasibleTaskError:
             self.cell.placements.restore()
             return False
@@ -701,8 +725,8 @@ class RunLoop:
         return True
 
     @property
-    def _missed_object(self) -> bool:
-        """Whether tips have not found the object in the placement."""
+    def _touch_failed(self) -> bool:
+        """Whether tips have failed to touch the object in the placement."""
         state = self.state
         if state is None or state.phase.failure is None:
             return False
@@ -719,17 +743,17 @@ class RunLoop:
         start: Restart,
         tick: Tick,
         measurement: Measurement,
-        failed: FailedPlacement | None = None,
+        failed: Sequence[FailedPlacement],
     ) -> tuple[Plan, Commands]:
         """Plan of the remaining task from ``start``, and the commands that hold the arms
-        meanwhile. It begins otherwise than a ``failed`` placement, if it can.
+        meanwhile. It begins otherwise than all ``failed`` placements, if it can.
 
         Raises InfeasibleTaskError if no plan ends in time.
         """
         held_commands = self._hold(tick, measurement)
         prepare = self.cell.placements.prepare
         make = partial(planned_anew, self.plan, start, prepare)
-        if failed is not None:
+        if failed:
             make = partial(planned_otherwise, self.plan, start, prepare, failed)
         plan = self._while_holding(make, held_commands)
         self._check_in_time(plan)
@@ -751,8 +775,8 @@ class RunLoop:
         return look.ending(task.goal, task.tolerance, doubt)
 
     def _may_look(self, time: float, since: float) -> bool:
-        """Whether more pictures may verify the goal of an object left alone ``since``
-        [s], at ``time`` [s].
+        """Whether more pictures may still verify the goal, at ``time`` [s], of an object
+        let go at ``since`` [s].
         """
         task = self.plan.task
         if task.sensing.every_pose or task.tool is not None:

@@ -264,7 +264,7 @@ class Supervisor:
         return held._replace(phase=held.phase._replace(tips=tuple(tips), align=False))
 
     def slid_off(self, moment: Moment) -> bool:
-        """A push has left its side, or a press slides on, and may not be corrected."""
+        """A push has left its side, or a press keeps sliding, and no correction is left."""
         if self._may_retouch(moment):
             return False
         return self._left_side(moment) or self._slides_on(moment)
@@ -275,19 +275,33 @@ class Supervisor:
         if gaps:
             text = f"a tip is {max(gaps) * 1e3:.0f} mm off the side that it pushed"
         else:
-            slid = slide(self.placement.segments[0].contacts, moment.contact_points)
-            text = f"a press slid by {slid * 1e3:.0f} mm, touched {RETOUCHES} times"
+            text = (
+                f"{self._slid_text(moment)}, although touched {RETOUCHES} times again"
+            )
         return _stopped(moment, ("contact_lost", text))
 
     def _slides_on(self, moment: Moment) -> bool:
-        """Whether a press that may have less friction than believed slides though it was
-        touched again and again.
+        """Whether a press that may be smoother or carry more than believed has slid again
+        after its last correction, and a recovery is left.
         """
-        unsure = self.placement.scene.friction_error > 0.0
         again = moment.state.watches.retouches >= RETOUCHES
-        if not (unsure and again) or moment.left <= margins.ARM.retouch:
+        left = moment.left > margins.ARM.retouch and not self.missing(moment)
+        if not (self._unsure_of_friction and self.gives_up and again and left):
             return False
         return self._creeps(moment)
+
+    @property
+    def _unsure_of_friction(self) -> bool:
+        """Whether the object may have more friction or mass than believed, or its tips
+        less friction.
+        """
+        scene = self.placement.scene
+        return scene.friction_error > 0.0 or scene.mass_error > 0.0
+
+    def _slid_text(self, moment: Moment) -> str:
+        """How far a press has slid."""
+        slid = slide(self.placement.segments[0].contacts, moment.contact_points)
+        return f"a press slid by {slid * 1e3:.0f} mm"
 
     def _left_side(self, moment: Moment) -> bool:
         """Whether a push is surely off its side, though its force does not tell."""
@@ -297,7 +311,7 @@ class Supervisor:
         return any(one.gap > one.tip_radius + allowed for one in self._gaps(moment))
 
     def _allowed_slide(self, moment: Moment) -> float:
-        """Distance [m] by which a push may slide from its planned place."""
+        """Distance [m] by which a contact may slide from its planned place."""
         place, _ = moment.state.estimate.spread
         return margins.ARM.retouch + margins.DOUBT * place
 
@@ -330,22 +344,18 @@ class Supervisor:
         """Whether two presses have slid over the top, under an object that may have
         more friction or mass than believed.
         """
-        scene = self.placement.scene
         contacts = self.placement.segments[0].contacts
-        unsure = scene.friction_error > 0.0 or scene.mass_error > 0.0
-        if not unsure or any(contact.kind != "top" for contact in contacts):
+        pressed = all(contact.kind == "top" for contact in contacts)
+        if not (self._unsure_of_friction and pressed) or len(contacts) == 1:
             return False
-        place, _ = moment.state.estimate.spread
-        allowed = margins.ARM.retouch + margins.DOUBT * place
-        return len(contacts) > 1 and slide(contacts, moment.contact_points) > allowed
+        return slide(contacts, moment.contact_points) > self._allowed_slide(moment)
 
     def touch_harder(self, moment: Moment) -> ControllerState:
         """Touch the planned place again, and press harder. Stop if a tip that may have
         less friction than believed cannot.
         """
         if self.placement.scene.friction_error > 0.0 and not self._harder(moment):
-            slid = slide(self.placement.segments[0].contacts, moment.contact_points)
-            text = f"a press slid by {slid * 1e3:.0f} mm, and cannot be harder"
+            text = f"{self._slid_text(moment)}, and cannot be harder"
             stopped = _stopped(moment, ("contact_lost", text))
             watches = stopped.watches
             counted = watches._replace(retouches=watches.retouches + 1)
@@ -485,8 +495,13 @@ class Supervisor:
         drive = following.segment.drive
         segment = replace(followed, contacts=contacts, drive=drive)
         watches = state.watches
+        prediction = following.prediction
+        if prediction.center is not None and not crept:  # it may be that of a slide
+            prediction = prediction._replace(followed_center=drive.center)
         again = state._replace(
-            following=following._replace(binding=self.placement.bound_laws(segment)),
+            following=following._replace(
+                binding=self.placement.bound_laws(segment), prediction=prediction
+            ),
             watches=watches._replace(
                 lost=instant.time, retouches=watches.retouches + 1
             ),

@@ -22,11 +22,13 @@ def hopes(task: Task) -> Iterator[Task]:
     centre of mass, and with the most favourable frictions and masses that they allow.
     """
     yield task
-    tried: list[Belief] = []
+    # planned for no errors, the task is what it would be without them
+    tried = [] if task.belief.planned_for_errors else [task.full_belief]
     for belief in _beliefs(task):
-        if belief not in tried:
-            tried.append(belief)
-            yield replace(task, belief=belief, dares=True)
+        hope = replace(task, belief=belief, dares=True)
+        if hope.full_belief not in tried:
+            tried.append(hope.full_belief)
+            yield hope
 
 
 def _beliefs(task: Task) -> Iterator[Belief]:
@@ -62,8 +64,9 @@ class _Amounts(NamedTuple):
 
 
 def _favourable(task: Task) -> list[_Amounts]:
-    """Amounts with the most grip and the least drag, by the errors that the ``task``
-    states, and with more drag: a light object slides before it is felt.
+    """Amounts within the errors that the ``task`` states, all with the most grip: the
+    least drag, the least friction of the support alone, and a heavier object, which is
+    felt before it slides.
     """
     error = task.belief.friction_error
     full = task.full_belief

@@ -75,7 +75,7 @@ class FailedPlacement(NamedTuple):
 
     @classmethod
     def anywhere(cls, segment: Segment) -> FailedPlacement:
-        """Presses that slid: they would at any place of a top."""
+        """A press that slid: it would slide anywhere on the top."""
         return cls(segment, math.inf)
 
     def repeated_by(self, first: Segment) -> bool:
@@ -87,10 +87,10 @@ class FailedPlacement(NamedTuple):
 
 @dataclass
 class OtherPlacements:
-    """Placement planner that refuses placements like one that failed."""
+    """Placement planner that refuses placements like those that failed."""
 
     planner: PlacementPlanner
-    failed: FailedPlacement
+    failed: Sequence[FailedPlacement]
 
     @property
     def plans(self) -> Sequence[Plan]:
@@ -105,10 +105,11 @@ class OtherPlacements:
     def add(self, placement: Plan) -> None:
         """Append the plan of a placement.
 
-        Raises InfeasibleTaskError if it begins with the mode and the contacts of the
+        Raises InfeasibleTaskError if it begins with the mode and the contacts of a
         failed one, or if an arm has no joint path.
         """
-        if self.failed.repeated_by(placement.segments[0]):
+        first = placement.segments[0]
+        if any(failed.repeated_by(first) for failed in self.failed):
             raise InfeasibleTaskError("a motion with such contacts has failed")
         self.planner.add(placement)
 
