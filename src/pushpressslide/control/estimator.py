@@ -181,8 +181,8 @@ class Filtered(NamedTuple):
             spread = self.filter.spread(state)
             if began is not None:
                 begun = self._hand_eye_begun(state, began)
-                before = self.filter.hand_eye or HandEye()
-                hand_eye = begun if begun.plausible else before
+                known = self.filter.hand_eye or HandEye()
+                hand_eye = begun if begun.plausible else known
                 hand_eye_now = self._hand_eye_now(state, tips[0])
         return Filtered(
             self.filter,

@@ -655,11 +655,6 @@ class RunLoop:
         self._resume(plan, held_commands)
         return True
 
-    @property
-    def _slid(self) -> bool:
-        """Whether contacts slid in the placement."""
-        return self.state is not None and self.state.watches.retouches > 0
-
     def _remember_failure(self, reason: Ending) -> None:
         """Remember presses that slid, and a placement whose contacts were lost twice."""
         if reason.code != "contact_lost" or self.state is None:
@@ -677,21 +672,6 @@ class RunLoop:
     def _slid(self) -> bool:
         """Whether contacts slid in the placement."""
         return self.state is not None and self.state.watches.retouches > 0
-
-    def _failed_placement(self, reason: Ending) -> FailedPlacement | None:
-        """Placement that the next one should not repeat. None if it may."""
-        followed = self._followed
-        if followed is not None and reason.code in OF_ARMS:
-            return FailedPlacement(followed)
-        if followed is not None and reason.code == "contact_lost":
-            planned = self.controller.segments[0]
-            failed = FailedPlacement(planned)
-            if self._presses_slid:
-                self.slid_presses = FailedPlacement.anywhere(followed)
-            elif any(failed.repeated_by(one) for one in self.lost):
-                return failed
-            self.lost.append(planned)
-        return self.slid_presses
 
     @property
     def _presses_slid(self) -> bool:
