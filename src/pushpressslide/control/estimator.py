@@ -245,10 +245,12 @@ class Filtered(NamedTuple):
         return (ahead * nx, ahead * ny) if ahead > 0.0 else (0.0, 0.0)
 
     def touches_anew(self, before: Filtered | None) -> bool:
-        """Whether the tips have begun to touch in this tick, ``before`` which they did
-        not.
+        """Whether the tips have begun to touch, or to let go, in this tick, ``before``
+        which they did not.
         """
-        return before is not None and self.state.disturbed > before.state.disturbed
+        if before is None:
+            return False
+        return self.state.disturbed and not before.state.disturbed
 
     def tips_seen(self, before: Filtered) -> tuple[Point, ...]:
         """Places [m] of the tips at the stamp of the picture that this tick has used,
