@@ -209,6 +209,28 @@ def test_a_way_with_a_loop_ends_on_the_longest_run_in_that_is_no_great_detour() 
         assert other.length > most
 
 
+def test_the_quickest_of_ways_with_a_loop_is_taken() -> None:
+    """The tightest turns make the shortest way, and the slowest."""
+    sets = ["goal={x: 0.45, y: -0.1, yaw_deg: 0}", "motion.face=3", "limits.legs=1"]
+    task = load_task(
+        "rear-push-rear",
+        [*sets, "contact.friction=0.9", "belief.center_error=0.002"],
+    )
+    face = next(face for face in pushable(task.scene, 0.04) if face.index == 3)
+    drives = {}
+    for harder in HARDER:
+        car, shift = fitted_to(task.scene, face, harder)
+        drives[harder] = RearSteerDrive(car, 3.0, shift)
+    best, looped = route(task.query, drives)
+    assert looped
+    ends = axle_ends(task.query.body_ends, best.drive)
+    _, high = best.drive.car.curvature_limits
+    shortest = with_run_in(ends, high, high, best.run_in)
+    tightest = max(abs(bend) for bend, _ in shortest.sections)
+    assert best.path.length > shortest.length
+    assert best.time < shortest.length * tightest / margins.ARM.turn_rate
+
+
 @pytest.mark.parametrize("ahead", [0.06, 0.1, 0.2])
 @pytest.mark.parametrize("left", [-0.003, 0.003])
 def test_a_push_that_is_a_little_off_has_a_way_on_to_its_goal(

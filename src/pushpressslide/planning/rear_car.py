@@ -17,6 +17,7 @@ from pushpressslide.mechanics.faces import Face
 from pushpressslide.planning.dubins import shortest_path
 from pushpressslide.planning.run_in import longest_way, with_run_in
 from pushpressslide.planning.side_contacts import drag_refusal
+from pushpressslide.planning.workspace import poses_of, workspace_refusal
 from pushpressslide.rom.drives import RearSteerDrive
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 
@@ -54,6 +55,11 @@ class Route(NamedTuple):
     curvature_share: float
     speed: float  # [m/s]
 
+    @property
+    def time(self) -> float:
+        """Time [s] at full speed."""
+        return self.path.length / self.speed
+
 
 def contact_refusal(query: MotionQuery, face: Face, height: float) -> Refusal | None:
     """Refusal of one push on a face at ``height`` [m] because of its place, tipping or
@@ -87,8 +93,9 @@ def route(
     """Gentlest path without a loop, and False; or if every path has a loop, one of
     these, and True.
 
-    Of the paths with a loop, the one with the longest run-in is taken unless it is much
-    longer than the shortest path. ``drives`` holds the drives of the cars fitted to the
+    Of the paths with a loop that stay in the workspace, the one with the longest run-in
+    is taken unless it is much longer than the shortest path, and the quickest of several.
+    ``drives`` holds the drives of the cars fitted to the
     paths. Each key is the factor by which the paths turn harder than planned.
     """
     routes = []
@@ -106,10 +113,8 @@ def route(
             )
         upper = margins.LOOP_FOR_RUN_IN * min(one.path.length for one in routes)
         loops = [one for one in routes if one.path.length <= upper]
-        best = max(loops, key=lambda one: (one.run_in, -one.path.length))
-    turns = [abs(k) for k, _ in best.path.sections if k]
-    if turns:
-        best = best._replace(speed=min(best.speed, margins.ARM.turn_rate / max(turns)))
+        loops = [one for one in loops if _stays(query, one)] or loops
+        best = max(loops, key=lambda one: (one.run_in, -one.time))
     return best, _looped(radius, best.path)
 
 
@@ -134,7 +139,16 @@ def _routed(
     path = with_run_in(
         axle_ends(query.body_ends, drive), high * share, -low * share, run_in
     )
+    turns = [abs(k) for k, _ in path.sections if k]
+    if turns:
+        speed = min(speed, margins.ARM.turn_rate / max(turns))
     return Route(drive, path, run_in, share, speed)
+
+
+def _stays(query: MotionQuery, one: Route) -> bool:
+    """Whether an object that is pushed along a route stays in the workspace."""
+    poses = poses_of(one.path, one.drive.X_BV)
+    return workspace_refusal(query.body, query.limits, poses) is None
 
 
 def planned_share(motion: Motion, harder: float) -> float:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from pushpressslide.core.motion import Limits
-from pushpressslide.core.plan import Segment
+from pushpressslide.core.plan import MotionPath, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import ObjectModel
@@ -16,8 +16,12 @@ STEP = 0.03  # [m] of path between the checked poses
 
 def poses_along(segment: Segment) -> list[Pose2]:
     """Poses X_WB along a segment, at most ``STEP`` apart."""
-    path = segment.path
-    X_VB = segment.X_BV.inverse()
+    return poses_of(segment.path, segment.X_BV)
+
+
+def poses_of(path: MotionPath, X_BV: Pose2) -> list[Pose2]:
+    """Poses X_WB along a path of V, at most ``STEP`` apart."""
+    X_VB = X_BV.inverse()
     steps = max(3, math.ceil(path.length / STEP))
     return [path.pose(path.length * i / steps).compose(X_VB) for i in range(steps + 1)]
 
