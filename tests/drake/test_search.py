@@ -14,7 +14,12 @@ from pushpressslide.arms.paths import all_arms
 from pushpressslide.arms.paths import joint_path as joint_paths
 from pushpressslide.arms.paths.all_arms import Conflict
 from pushpressslide.arms.paths.approach import Descent
-from pushpressslide.arms.paths.arm_problem import STEP, ArmProblem, object_path
+from pushpressslide.arms.paths.arm_problem import (
+    LEAVING,
+    STEP,
+    ArmProblem,
+    object_path,
+)
 from pushpressslide.arms.paths.joint_path import (
     SearchResult,
     _approach_miss,
@@ -136,6 +141,28 @@ def test_an_arm_that_could_not_let_go_is_refused_at_once(
     )
     with pytest.raises(TypeError):  # an arm that stands clear is not refused
         next(search(ArmProblem(DRAKE, push, 0, start=path.approach[0])))
+
+
+def test_an_arm_that_stands_too_near_may_leave(
+    push: Plan, results: list[SearchResult]
+) -> None:
+    """It stands where a joint limit has ended its retreat."""
+    path = results[0].solutions[0].path
+    problem = ArmProblem(DRAKE, push, 0)
+    shapes = problem.object_path.shapes[:1]
+    touches, back = path.move[0], path.approach[-1]
+    postures = [touches + k * (back - touches) for k in np.linspace(0.0, 1.0, 200)]
+    stands = {
+        problem.clearance.min_distance(q[None], shapes, touching=False).distance: q
+        for q in postures
+    }
+    near = [gap for gap in stands if 0.002 < gap < 0.0045]
+    assert near
+    gap = max(near)
+    leaving = ArmProblem(DRAKE, push, 0, start=stands[gap])
+    assert next(search(leaving)).solutions
+    stays = leaving.approach_clearance(leaving.clearance, stands[gap][None])
+    assert stays.allowed == pytest.approx(gap - LEAVING)
 
 
 def test_the_refusal_depends_on_nothing_but_the_result(push: Plan) -> None:

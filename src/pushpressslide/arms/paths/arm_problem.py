@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from pushpressslide.arms.model import ArmModel
 from pushpressslide.arms.paths.approach import Approach
-from pushpressslide.arms.paths.clearance import Clearance, Gap
+from pushpressslide.arms.paths.clearance import CLEARANCE, Clearance, Gap
 from pushpressslide.arms.paths.library import ArmLibrary
 from pushpressslide.arms.paths.postures import POSE, TipPath, ToolOption, tool_options
 from pushpressslide.core.arrays import Array
@@ -32,6 +32,7 @@ from pushpressslide.robots.tool import ToolAttitude
 
 STEP = 0.015  # [m] of the object's path between samples
 TURN_ARM = 0.2  # [m] of path that a turn by one radian counts as
+LEAVING = 1e-3  # [m] by which an arm that stands too near may come nearer as it leaves
 GLANCE = 4  # every fourth posture along a contact is checked before all of them are
 
 
@@ -205,8 +206,22 @@ class ArmProblem:
 
     def approach_clearance(self, model: Clearance, postures: Array) -> Gap:
         """Tightest gap of postures (m, n) during the approach."""
+        gap = self._apart(model, postures)
+        return replace(gap, allowed=min(gap.allowed, self._allowed))
+
+    def _apart(self, model: Clearance, postures: Array) -> Gap:
         poses = self.object_path.shapes[:1] * len(postures)
         return model.min_distance(postures, poses, touching=False)
+
+    @cached_property
+    def _allowed(self) -> float:
+        """Least distance [m] during the approach. An arm that stands nearer than this, as
+        one whose retreat a joint limit has ended, may leave.
+        """
+        if self.start is None:
+            return CLEARANCE
+        stands = self._apart(self.clearance, self.start[None]).distance - LEAVING
+        return CLEARANCE if stands < LEAVING else min(CLEARANCE, stands)
 
     def free(self, model: Clearance, q: Array) -> bool:
         """Whether an arm keeps its clearance in a posture (n,) during the approach."""
