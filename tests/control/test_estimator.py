@@ -9,6 +9,7 @@ from typing import NamedTuple
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.control.center_belief import CenterBelief
 from pushpressslide.control.controller import Controller
 from pushpressslide.control.estimator import (
     NO_TWIST,
@@ -31,6 +32,7 @@ from pushpressslide.core.task import Sensing, Task
 from pushpressslide.core.wrench import Twist
 from pushpressslide.identification.center import CenterState, Window
 from pushpressslide.identification.online import AxleState
+from pushpressslide.identification.parameter import Parameter
 from pushpressslide.modes import MODES
 from pushpressslide.planar.cell import planar_cell
 
@@ -291,7 +293,7 @@ def test_a_contact_turns_an_object_as_its_planned_axle_moves(name: str) -> None:
         if not isinstance(segment.drive, ONE_CONTACT):
             continue
         place = segment.contacts[0].point
-        (a, b), _ = _turn_arm(segment, place, 0.01)
+        a, b = _turn_arm(segment, place)
         ex, ey = segment.X_BV.rotate((1.0, 0.0))
         x, y = place
         for curvature in (-3.0, 0.0, 5.0):
@@ -305,6 +307,38 @@ def test_a_contact_turns_an_object_as_its_planned_axle_moves(name: str) -> None:
         )
         skewed += abs(segment.drive.skew) > 0.2
     assert (skewed > 0) == (name in ("post", "l-shape"))
+
+
+def test_a_centre_known_across_the_push_narrows_the_line_to_it() -> None:
+    """One that is known along the push does not."""
+    sets = ["sensing.pose_rate=30", "sensing.position_noise=0.001"]
+    task = pps.load_task("rear-push-rear", [*sets, "belief.center_error=0.02"])
+    plan = pps.plan(task)
+    (contact,) = plan.segments[0].contacts
+    X_GB = plan.query.X_GB
+    lever = math.hypot(*contact.point)
+    ex, ey = X_GB.rotate((contact.point[0] / lever, contact.point[1] / lever))
+    before = CenterBelief.before_run(task.scene)
+    x, y = before.place
+    errors = []
+    for direction in (None, (ex, ey), (-ey, ex)):
+        known = before
+        if direction is not None:
+            value = x * direction[0] + y * direction[1]
+            known = before.knowing(Parameter(value, 1e-3, 0.0, direction))
+        made = Controller(plan)
+        made.know_center(known)
+        tip = TipState((0, 0, 0), (0, 0, 0), (0, 0, 0))
+        begun = made.init(Measurement(0.0, task.start, (tip,)))
+        observation = observed(0.0)._replace(
+            binding=begun.following.binding, tips=(tip,)
+        )
+        _, state = made.estimator.step(begun.estimator, observation)
+        assert state.filtered is not None
+        errors.append(state.filtered.filter.line(state.filtered.state)[1])
+    unknown, along, across = errors
+    assert along == pytest.approx(unknown)
+    assert 0.4 * unknown < across < 0.7 * unknown
 
 
 @pytest.mark.parametrize("off", [(0.004, -0.003), (0.03, -0.02)])
@@ -369,3 +403,28 @@ def test_a_tip_that_pushed_is_known_where_it_is_seen_in_the_next_placement(
         ),
     )
     assert estimate.tip_error == hand_eye.offset
+
+
+def test_a_tip_touched_beside_where_it_is_followed() -> None:
+    """It is followed where a replan has put its contact, and has touched where it was
+    planned to.
+    """
+    task = pps.load_task("rear-push-rear", ["sensing.pose_rate=30"])
+    plan = pps.plan(task)
+    made = Controller(plan)
+    tip = TipState((0, 0, 0), (0, 0, 0), (0, 0, 0))
+    begun = made.init(Measurement(0.0, task.start, (tip,)))
+    observation = observed(0.0)._replace(binding=begun.following.binding, tips=(tip,))
+    _, state = made.estimator.step(begun.estimator, observation)
+    filtered = state.filtered
+    assert filtered is not None
+    X_GB = plan.query.X_GB
+    radius = task.robots[0].tip_radius
+    assert filtered.touch_offset((0.0, 1.0), X_GB, radius)[0] == 0.0
+    segment = filtered.segment
+    (contact,) = segment.contacts
+    aside = (contact.point[0], contact.point[1] + 0.005)
+    elsewhere = replace(segment, contacts=(replace(contact, point=aside),))
+    along = X_GB.rotate((0.0, 1.0))
+    off, _ = filtered._replace(segment=elsewhere).touch_offset(along, X_GB, radius)
+    assert off == pytest.approx(-0.005)

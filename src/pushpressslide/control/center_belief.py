@@ -20,13 +20,14 @@ class CenterBelief(NamedTuple):
     xx: float  # [m^2]
     xy: float = 0.0
     yy: float = 0.0
+    before: float = 0.0  # [m] standard deviation in every direction, before the run
 
     @classmethod
     def before_run(cls, scene: Scene) -> CenterBelief:
         """The belief of a ``scene`` before a run."""
         x, y = scene.body.center_of_mass
-        variance = 0.5 * scene.center_error**2
-        return cls(x, y, variance, 0.0, variance)
+        before = math.sqrt(0.5) * scene.center_error
+        return cls(x, y, before * before, 0.0, before * before, before)
 
     @property
     def place(self) -> Point:
@@ -71,6 +72,7 @@ class CenterBelief(NamedTuple):
             self.xx - px * px / total,
             self.xy - px * py / total,
             self.yy - py * py / total,
+            self.before,
         )
 
 

@@ -21,7 +21,7 @@ from time import perf_counter
 from typing import NamedTuple
 
 from pushpressslide.control.adaptation import TipSpeed, most_force_scale
-from pushpressslide.control.correction import seen_from
+from pushpressslide.control.center_belief import CenterBelief
 from pushpressslide.control.estimator import (
     Estimate,
     Estimator,
@@ -354,6 +354,11 @@ class Controller:
             first = self.segments[0].contacts[0]
             self.estimator.know_tip(known.get(first.arm))
 
+    def know_center(self, center: CenterBelief) -> None:
+        """Start with what other placements have told of the ``center`` of mass."""
+        if isinstance(self.estimator, ObjectEstimator):
+            self.estimator.know_center(center)
+
     def seen_tip(self, state: ControllerState) -> tuple[int, HandEye] | None:
         """Arm of the only contact, and where this placement has seen its tip. None if
         it has not moved the object in pictures.
@@ -398,7 +403,7 @@ class Controller:
         return Ending("goal_missed", f"{off * 1e3:.1f} mm and {turned:.1f} deg off")
 
     def _touch(self, state: ControllerState, instant: Instant) -> PhaseStep:
-        X_WB = seen_from(instant.X_WB, state.estimate.tip_error)
+        X_WB = state.estimate.from_tip(instant.X_WB)
         seen = instant._replace(X_WB=X_WB)
         phase = state.phase
         contacts = state.following.binding.segment.contacts
@@ -479,7 +484,7 @@ class Controller:
             watches,
         )
         place, _ = state.estimate.spread
-        seen = seen_from(instant.X_WB, state.estimate.tip_error)
+        seen = state.estimate.from_tip(instant.X_WB)
         touched = binding.sure_contact_points(seen, instant.tips, place)
         moment = Moment(next_state, instant, touched, guidance)
         return PhaseStep(commands, next_state, decision, moment)

@@ -194,16 +194,6 @@ def sides_of(body: ObjectModel, contacts: Sequence[Contact]) -> tuple[Side | Non
     )
 
 
-def seen_from(X_WB: Pose2, tip_error: Point) -> Pose2:
-    """Pose of the object relative to a tip as it is measured, if it is measured with a
-    ``tip_error`` [m].
-    """
-    x, y = tip_error
-    if x == 0.0 == y:
-        return X_WB
-    return replace(X_WB, x=X_WB.x - x, y=X_WB.y - y)
-
-
 def touched_points(
     contacts: Sequence[Contact],
     sides: Sequence[Side | None],

@@ -13,12 +13,14 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from pushpressslide.control.center_belief import CenterBelief
 from pushpressslide.control.correction import touched_point
 from pushpressslide.control.following import BoundLaws, Prediction
 from pushpressslide.control.hand_eye import HandEye
-from pushpressslide.control.pose_filter import Advance, FilterState, PoseFilter
+from pushpressslide.control.pose_filter import ARM, Advance, FilterState, PoseFilter
 from pushpressslide.control.sightings import PictureComparison, Sightings
 from pushpressslide.control.tracker import StampedPose
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Measurement, TipState
 from pushpressslide.core.plan import Contact, Segment
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
@@ -45,6 +47,8 @@ LEAST_GAIN = 0.1
 STEEPEST = math.atan(0.5)  # [rad] of the line to the centre of friction from the belief
 # error of the line of an object that is turned by a force off it, as a share of the angle
 SKEWED = 0.4
+# smallest share of the turn arm's error of a model, where the centre is learnt from turns
+LEARNT = 0.7
 NEAR = 5e-3  # [m] before its estimated place, from where a tip may touch an object
 OFF_REACH = 0.15  # share by which an axle is off before it contradicts the plan
 # [s] per [rad] of noise of the yaw: in this time two thirds of a correction are followed
@@ -66,6 +70,13 @@ class Estimate(NamedTuple):
     spread: tuple[float, float] = (0.0, 0.0)
     # [m] from where the only tip is measured to where it is seen to be, world
     tip_error: Point = (0.0, 0.0)
+
+    def from_tip(self, X_WB: Pose2) -> Pose2:
+        """Pose of an object at ``X_WB`` relative to the only tip as it is measured."""
+        x, y = self.tip_error
+        if x == 0.0 == y:
+            return X_WB
+        return Pose2(X_WB.x - x, X_WB.y - y, X_WB.yaw)
 
 
 class Observation(NamedTuple):
@@ -244,6 +255,17 @@ class Filtered(NamedTuple):
         ahead = min(beyond, (tip[0] - before_x) * nx + (tip[1] - before_y) * ny)
         return (ahead * nx, ahead * ny) if ahead > 0.0 else (0.0, 0.0)
 
+    def touch_offset(
+        self, across: Point, X_GB: Pose2, radius: float
+    ) -> tuple[float, float]:
+        """Distance [m] along a unit vector in G by which the first tip, of a ``radius``
+        [m], has touched beside where it is followed, and its standard deviation.
+        """
+        off, deviation = self.filter.touch_offset(self.state, across)
+        x, y = self.segment.contacts[0].tip_place(radius)[0]
+        followed = X_GB.rotate((x - self.place[0], y - self.place[1]))
+        return off - followed[0] * across[0] - followed[1] * across[1], deviation
+
     def touches_anew(self, before: Filtered | None) -> bool:
         """Whether the tips have begun to touch, or to let go, in this tick, ``before``
         which they did not.
@@ -325,12 +347,17 @@ class ObjectEstimator:
         self._center_error = query.scene.center_error
         self._pictures = PictureComparison(query)
         self._hand_eye: HandEye | None = None
+        self._center = CenterBelief.before_run(query.scene)
 
     def know_tip(self, hand_eye: HandEye | None) -> None:
         """Start with what other placements have told of the first tip's ``hand_eye``
         offset. None: nothing.
         """
         self._hand_eye = hand_eye
+
+    def know_center(self, center: CenterBelief) -> None:
+        """Start with what other placements have told of the ``center`` of mass."""
+        self._center = center
 
     def start(self, pose: StampedPose) -> EstimatorState:
         """State without identified parameters."""
@@ -415,14 +442,15 @@ class ObjectEstimator:
         segment = observation.binding.segment
         first = segment.contacts[0]
         place, _ = first.tip_place(self._radii[first.arm])
-        arm, doubt = (0.0, 0.0), 0.0
+        arm, doubt = (0.0, 0.0), None
         if isinstance(segment.drive, ONE_CONTACT):
-            arm, doubt = _turn_arm(segment, place, self._center_error)
+            arm = self._X_GB.rotate(_turn_arm(segment, place))
+            doubt = self._arm_covariance(segment, arm)
         own = PoseFilter.for_sensing(
             self._sensing,
             self._X_GB.apply(place),
             self._radius,
-            self._X_GB.rotate(arm),
+            arm,
             doubt,
             _face(first, self._X_GB),
             self._hand_eye,
@@ -442,6 +470,27 @@ class ObjectEstimator:
             smoothed=smoothed,
             hand_eye=hand_eye,
         )
+
+    def _arm_covariance(self, segment: Segment, arm: Point) -> Array:
+        """Covariance (2, 2) [rad^2/m^2] of the believed turn ``arm`` in G: along the line
+        from the centre of mass to a segment's only contact, and across it. The more is
+        learnt of the centre, the surer is the model.
+        """
+        x, y = segment.contacts[0].point
+        center_x, center_y = segment.drive.center
+        lever = math.hypot(x - center_x, y - center_y)
+        ex, ey = self._X_GB.rotate(((x - center_x) / lever, (y - center_y) / lever))
+        size = math.hypot(*arm)
+        center = self._center
+        P = np.zeros((2, 2))
+        for direction in ((ex, ey), (-ey, ex)):
+            deviation = center.deviation(direction)
+            unsure = math.sqrt(2.0) * size * deviation / lever
+            model = ARM / self._radius
+            if center.before > 0.0:
+                model *= max(LEARNT, min(deviation / center.before, 1.0))
+            P += (unsure * unsure + model * model) * np.outer(direction, direction)
+        return P
 
     def _pose(self, state: EstimatorState, observation: Observation) -> Pose2:
         """X_WG predicted from the motion since the last tick.
@@ -533,18 +582,13 @@ def _ahead(segment: Segment, place: Point) -> float:
     return segment.X_VB.apply(place)[0]
 
 
-def _turn_arm(
-    segment: Segment, place: Point, center_error: float
-) -> tuple[Point, float]:
+def _turn_arm(segment: Segment, place: Point) -> Point:
     """Believed turn arm [rad/m] in B of the ``place`` of the tip at a segment's only
-    contact, and the standard deviation that an error [m] of the centre of mass gives it.
-
-    The axle moves along its heading, however the object turns.
+    contact: the axle moves along its heading, however the object turns.
     """
     reach = _ahead(segment, place)
     ex, ey = segment.X_BV.rotate((1.0, 0.0))
-    lever = math.dist(segment.contacts[0].point, segment.drive.center)
-    return (ex / reach, ey / reach), center_error / abs(reach * lever)
+    return ex / reach, ey / reach
 
 
 def _carried_over(

@@ -80,7 +80,7 @@ def _center_of_mass(
     state: EstimatorState, query: MotionQuery, belief: Scene, aside: Aside | None
 ) -> Parameter | None:
     """Coordinate [m] of the centre of mass across the line to the contact, which may be
-    beside the planned one.
+    beside the followed one.
     """
     if aside is None:
         return None
@@ -90,8 +90,9 @@ def _center_of_mass(
     before = _along(belief.body.center_of_mass, direction)
     beside, unsure = 0.0, 0.0
     if state.filtered is not None:
-        one = state.filtered
-        beside, unsure = one.filter.touch_offset(one.state, direction)
+        first = state.filtered.segment.contacts[0]
+        radius = query.scene.robots[first.arm].tip_radius
+        beside, unsure = state.filtered.touch_offset(direction, X_GB, radius)
     deviation = math.hypot(aside.deviation, unsure)
     return Parameter(value + beside, deviation, before, direction, aside.at_bound)
 

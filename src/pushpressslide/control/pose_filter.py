@@ -148,7 +148,8 @@ class PoseFilter:
     radius: float  # [m] of the object
     noise: Array  # (3,) standard deviations of a picture's x, y [m] and yaw [rad]
     arm: Point = (0.0, 0.0)  # [rad/m] turn arm as believed
-    doubt: float = 0.0  # [rad/m] standard deviation of the turn arm from the belief
+    # (2, 2) [rad^2/m^2] covariance of the turn arm before a touch. None: that of a known centre
+    doubt: Array | None = None
     # unit vector in G of the pushed face, along which the tip may slip; None: a press
     along: Point | None = None
     repeats: bool = False  # whether pictures of an object at rest are equal
@@ -162,7 +163,7 @@ class PoseFilter:
         point: Point,
         radius: float,
         arm: Point = (0.0, 0.0),
-        doubt: float = 0.0,
+        doubt: Array | None = None,
         along: Point | None = None,
         hand_eye: HandEye | None = None,
     ) -> PoseFilter:
@@ -425,7 +426,8 @@ class PoseFilter:
         to_C = np.array(((1.0, 0.0, -ly), (0.0, 1.0, lx), (0.0, 0.0, 1.0)))
         P = np.zeros((9, 9))
         P[:3, :3] = to_C @ pose @ to_C.T
-        P[3, 3] = P[4, 4] = (ARM / self.radius) ** 2 + self.doubt * self.doubt
+        known = (ARM / self.radius) ** 2 * np.eye(2)
+        P[3:5, 3:5] = known if self.doubt is None else self.doubt
         P[5, 5] = self._slip**2
         c, s = X_WG.rotate((1.0, 0.0))
         R = np.array(((c, -s), (s, c)))

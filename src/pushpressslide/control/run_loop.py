@@ -582,6 +582,8 @@ class RunLoop:
             self.controller.keep_pace(joint_pace(paths, limits))
         if own:
             self.controller.know_tips(self.hand_eyes)
+            if self.center is not None:
+                self.controller.know_center(self.center)
         if own and self.recoveries == 0:
             self.controller.supervisor.gives_up = False
         self.state = None

@@ -16,7 +16,6 @@ from pushpressslide.control.correction import (
     axle_error,
     press_creep,
     rest_of,
-    seen_from,
     side_slide,
     sides_of,
     slide,
@@ -318,7 +317,7 @@ class Supervisor:
     def _gaps(self, moment: Moment) -> list[SeenGap]:
         """Gap of each push, where it is seen, from the side that it pushes."""
         instant = moment.instant
-        X_WB = seen_from(instant.X_WB, moment.state.estimate.tip_error)
+        X_WB = moment.state.estimate.from_tip(instant.X_WB)
         robots = self.placement.scene.robots
         binding = moment.state.following.binding
         gaps = []
@@ -603,7 +602,7 @@ class Supervisor:
             margins.TOUCH_DETOUR, rest.path.length, self.placement.object.radius
         )
         X_WB = instant.X_WB
-        seen = seen_from(X_WB, state.estimate.tip_error)
+        seen = state.estimate.from_tip(X_WB)
         place, _ = state.estimate.spread
         touched = following.binding.sure_contact_points(seen, instant.tips, place)
         found = estimates(state)
@@ -665,7 +664,7 @@ class Supervisor:
         if off < above or state.watches.retries == RETRIES:
             return ()
         segment = following.binding.segment
-        seen = seen_from(instant.X_WB, state.estimate.tip_error)
+        seen = state.estimate.from_tip(instant.X_WB)
         touched = following.binding.contact_points(seen, instant.tips)
         replanner = self.placement.replanner.believing(following.rho)
         measured = Measured.touching(
@@ -759,7 +758,7 @@ class Supervisor:
         They come with the planned centre of mass p_BCom [m] and the number of retries.
         """
         X_WB = instant.X_WB
-        seen = seen_from(X_WB, state.estimate.tip_error)
+        seen = state.estimate.from_tip(X_WB)
         following = state.following
         planned = ahead[0]
         part = self.placement.queries[planned.leg]
