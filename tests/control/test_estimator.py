@@ -405,26 +405,72 @@ def test_a_tip_that_pushed_is_known_where_it_is_seen_in_the_next_placement(
     assert estimate.tip_error == hand_eye.offset
 
 
-def test_a_tip_touched_beside_where_it_is_followed() -> None:
-    """It is followed where a replan has put its contact, and has touched where it was
-    planned to.
+@pytest.mark.parametrize("lets_go", [False, True])
+def test_a_tip_touched_beside_where_it_is_followed(lets_go: bool) -> None:
+    """It is followed where a replan has put its contact. Where it has touched is known
+    after it has let go, as well.
     """
-    task = pps.load_task("rear-push-rear", ["sensing.pose_rate=30"])
+    sets = ["sensing.pose_rate=30", "sensing.position_noise=0.001"]
+    task = pps.load_task("rear-push-rear", sets)
     plan = pps.plan(task)
     made = Controller(plan)
     tip = TipState((0, 0, 0), (0, 0, 0), (0, 0, 0))
     begun = made.init(Measurement(0.0, task.start, (tip,)))
-    observation = observed(0.0)._replace(binding=begun.following.binding, tips=(tip,))
+    observation = observed(0.0)._replace(
+        binding=begun.following.binding, tips=(tip,), driven=True
+    )
     _, state = made.estimator.step(begun.estimator, observation)
     filtered = state.filtered
     assert filtered is not None
     X_GB = plan.query.X_GB
     radius = task.robots[0].tip_radius
-    assert filtered.touch_offset((0.0, 1.0), X_GB, radius)[0] == 0.0
-    segment = filtered.segment
-    (contact,) = segment.contacts
-    aside = (contact.point[0], contact.point[1] + 0.005)
-    elsewhere = replace(segment, contacts=(replace(contact, point=aside),))
     along = X_GB.rotate((0.0, 1.0))
+    assert filtered.touch_offset(along, X_GB, radius) == (0.0, 0.0)
+    mean = filtered.state.mean._replace(ox=0.003 * along[0], oy=0.003 * along[1])
+    filtered = filtered._replace(state=filtered.state._replace(mean=mean))
+    seen = StampedPose(0.02, task.start.compose(Pose2(1e-4, 0.0, 0.0)))
+    filtered = filtered.step(observation._replace(time=0.02, pose=seen), 0.02)
+    before, unsure = filtered.touch_offset(along, X_GB, radius)
+    assert before == pytest.approx(0.003, abs=5e-4)
+    assert 0.0 < unsure < 0.005
+    if lets_go:
+        away = observation._replace(
+            time=0.04, driven=False, disturbed=True, lets_go=True
+        )
+        filtered = filtered.step(away, 0.02)
+        assert filtered.state.mean.ox == filtered.state.mean.oy == 0.0
+    (contact,) = filtered.segment.contacts
+    aside = (contact.point[0], contact.point[1] + 0.005)
+    elsewhere = replace(filtered.segment, contacts=(replace(contact, point=aside),))
     off, _ = filtered._replace(segment=elsewhere).touch_offset(along, X_GB, radius)
-    assert off == pytest.approx(-0.005)
+    assert off == pytest.approx(before - 0.005)
+
+
+def test_a_line_is_told_by_pictures_alone() -> None:
+    """One that is known from placements before is not told again."""
+    sets = ["sensing.pose_rate=30", "sensing.position_noise=0.001"]
+    task = pps.load_task("rear-push-rear", [*sets, "belief.center_error=0.02"])
+    plan = pps.plan(task)
+    made = Controller(plan)
+    center = CenterBelief.before_run(task.scene)
+    made.know_center(center._replace(xx=1e-6, yy=1e-6))
+    tip = TipState((0, 0, 0), (0, 0, 0), (0, 0, 0))
+    begun = made.init(Measurement(0.0, task.start, (tip,)))
+    observation = observed(0.0)._replace(
+        binding=begun.following.binding, tips=(tip,), driven=True
+    )
+    _, state = made.estimator.step(begun.estimator, observation)
+    filtered = state.filtered
+    assert filtered is not None
+    assert not filtered.tells_line
+    known = begun._replace(
+        estimator=state._replace(center=state.center._replace(off=0.02))
+    )
+    assert "center_of_mass" not in made.identified(known, task.scene).parameters
+    P = filtered.state.covariance.copy()
+    P[3:5, 3:5] *= 0.25
+    narrowed = filtered._replace(state=filtered.state._replace(covariance=P))
+    assert narrowed.tells_line
+    surer = state.center._replace(off=0.02)
+    known = begun._replace(estimator=state._replace(filtered=narrowed, center=surer))
+    assert "center_of_mass" in made.identified(known, task.scene).parameters

@@ -49,6 +49,8 @@ STEEPEST = math.atan(0.5)  # [rad] of the line to the centre of friction from th
 SKEWED = 0.4
 # smallest share of the turn arm's error of a model, where the centre is learnt from turns
 LEARNT = 0.7
+# largest standard deviation of a line that pictures have told, as a share of that before
+TOLD = 0.7
 NEAR = 5e-3  # [m] before its estimated place, from where a tip may touch an object
 OFF_REACH = 0.15  # share by which an axle is off before it contradicts the plan
 # [s] per [rad] of noise of the yaw: in this time two thirds of a correction are followed
@@ -144,6 +146,9 @@ class Filtered(NamedTuple):
     # of the first tip where it began to move the object, and where it last did
     hand_eye: HandEye = HandEye()
     hand_eye_now: HandEye | None = None
+    # state of the filter when the tips last moved the object in pictures
+    touched: FilterState | None = None
+    unsure: float = math.inf  # [rad] standard deviation of the line before the touch
 
     @property
     def X_WG(self) -> Pose2:
@@ -188,6 +193,7 @@ class Filtered(NamedTuple):
         spread = self.spread
         hand_eye = self.hand_eye
         hand_eye_now = self.hand_eye_now
+        touched = self.touched
         if state.covariance is not self.state.covariance:
             spread = self.filter.spread(state)
             if began is not None:
@@ -195,6 +201,7 @@ class Filtered(NamedTuple):
                 known = self.filter.hand_eye or HandEye()
                 hand_eye = begun if begun.plausible else known
                 hand_eye_now = self._hand_eye_now(state, tips[0])
+                touched = state
         return Filtered(
             self.filter,
             state,
@@ -207,6 +214,8 @@ class Filtered(NamedTuple):
             began,
             hand_eye,
             hand_eye_now,
+            touched,
+            self.unsure,
         )
 
     def _hand_eye_begun(self, state: FilterState, began: Began) -> HandEye:
@@ -261,10 +270,17 @@ class Filtered(NamedTuple):
         """Distance [m] along a unit vector in G by which the first tip, of a ``radius``
         [m], has touched beside where it is followed, and its standard deviation.
         """
-        off, deviation = self.filter.touch_offset(self.state, across)
+        if self.touched is None:
+            return 0.0, 0.0
+        off, deviation = self.filter.touch_offset(self.touched, across)
         x, y = self.segment.contacts[0].tip_place(radius)[0]
         followed = X_GB.rotate((x - self.place[0], y - self.place[1]))
         return off - followed[0] * across[0] - followed[1] * across[1], deviation
+
+    @property
+    def tells_line(self) -> bool:
+        """Whether pictures have told the line to the centre of mass."""
+        return self.filter.line(self.state)[1] < TOLD * self.unsure
 
     def touches_anew(self, before: Filtered | None) -> bool:
         """Whether the tips have begun to touch, or to let go, in this tick, ``before``
@@ -469,27 +485,33 @@ class ObjectEstimator:
             spread,
             smoothed=smoothed,
             hand_eye=hand_eye,
+            unsure=own.line(started)[1],
         )
 
     def _arm_covariance(self, segment: Segment, arm: Point) -> Array:
-        """Covariance (2, 2) [rad^2/m^2] of the believed turn ``arm`` in G: along the line
-        from the centre of mass to a segment's only contact, and across it. The more is
-        learnt of the centre, the surer is the model.
+        """Covariance (2, 2) [rad^2/m^2] of the believed turn ``arm`` in G. The centre of
+        mass is known along the line to a segment's only contact, and across it. The
+        more is learnt of it, the surer is the model.
         """
         x, y = segment.contacts[0].point
         center_x, center_y = segment.drive.center
         lever = math.hypot(x - center_x, y - center_y)
         ex, ey = self._X_GB.rotate(((x - center_x) / lever, (y - center_y) / lever))
         size = math.hypot(*arm)
+        ax, ay = arm[0] / size, arm[1] / size
         center = self._center
+        planned_x, planned_y = self._X_GB.position
+        off = (center.x - planned_x, center.y - planned_y)
         P = np.zeros((2, 2))
-        for direction in ((ex, ey), (-ey, ex)):
-            deviation = center.deviation(direction)
-            unsure = math.sqrt(2.0) * size * deviation / lever
+        for line, axis in (((ex, ey), (ax, ay)), ((-ey, ex), (-ay, ax))):
+            deviation = center.deviation(line)
+            beside = off[0] * line[0] + off[1] * line[1]
+            error = math.hypot(math.sqrt(2.0) * deviation, beside)
+            unsure = size * error / lever
             model = ARM / self._radius
             if center.before > 0.0:
                 model *= max(LEARNT, min(deviation / center.before, 1.0))
-            P += (unsure * unsure + model * model) * np.outer(direction, direction)
+            P += (unsure * unsure + model * model) * np.outer(axis, axis)
         return P
 
     def _pose(self, state: EstimatorState, observation: Observation) -> Pose2:

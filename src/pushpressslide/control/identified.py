@@ -89,10 +89,13 @@ def _center_of_mass(
     value = _along(X_GB.position, direction) + aside.value
     before = _along(belief.body.center_of_mass, direction)
     beside, unsure = 0.0, 0.0
-    if state.filtered is not None:
-        first = state.filtered.segment.contacts[0]
+    if state.center.filtered:
+        filtered = state.filtered
+        if filtered is None or not filtered.tells_line:
+            return None
+        first = filtered.segment.contacts[0]
         radius = query.scene.robots[first.arm].tip_radius
-        beside, unsure = state.filtered.touch_offset(direction, X_GB, radius)
+        beside, unsure = filtered.touch_offset(direction, X_GB, radius)
     deviation = math.hypot(aside.deviation, unsure)
     return Parameter(value + beside, deviation, before, direction, aside.at_bound)
 

@@ -254,7 +254,12 @@ class PoseFilter:
         s = scale * math.sin(angle)
         a, b = state.mean.a, state.mean.b
         turned = (c * a - s * b, s * a + c * b)
-        P = state.covariance.copy()
+        R = np.eye(9)
+        R[3:5, 3:5] = (
+            (math.cos(angle), -math.sin(angle)),
+            (math.sin(angle), math.cos(angle)),
+        )
+        P = R @ state.covariance @ R.T
         P[3, 3] += (CHANGED * (turned[0] - a)) ** 2
         P[4, 4] += (CHANGED * (turned[1] - b)) ** 2
         return state._replace(

@@ -93,7 +93,7 @@ def route(
     """Gentlest path without a loop, and False; or if every path has a loop, one of
     these, and True.
 
-    Of the paths with a loop that stay in the workspace, the one with the longest run-in
+    Of the paths with a loop that are allowed, the one with the longest run-in
     is taken unless it is much longer than the shortest path, and the quickest of several.
     ``drives`` holds the drives of the cars fitted to the
     paths. Each key is the factor by which the paths turn harder than planned.
@@ -111,9 +111,9 @@ def route(
             routes.append(
                 _routed(query, drives, hardest._replace(run_in=run_in), False)
             )
+        routes = [one for one in routes if _allowed(query, one)] or routes
         upper = margins.LOOP_FOR_RUN_IN * min(one.path.length for one in routes)
         loops = [one for one in routes if one.path.length <= upper]
-        loops = [one for one in loops if _stays(query, one)] or loops
         best = max(loops, key=lambda one: (one.run_in, -one.time))
     return best, _looped(radius, best.path)
 
@@ -145,8 +145,12 @@ def _routed(
     return Route(drive, path, run_in, share, speed)
 
 
-def _stays(query: MotionQuery, one: Route) -> bool:
-    """Whether an object that is pushed along a route stays in the workspace."""
+def _allowed(query: MotionQuery, one: Route) -> bool:
+    """Whether an object that is pushed along a route stays in the workspace, and does
+    not turn too much.
+    """
+    if turning_refusal(one.path) is not None:
+        return False
     poses = poses_of(one.path, one.drive.X_BV)
     return workspace_refusal(query.body, query.limits, poses) is None
 

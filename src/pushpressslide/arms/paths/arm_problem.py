@@ -14,7 +14,7 @@ import numpy as np
 
 from pushpressslide.arms.model import ArmModel
 from pushpressslide.arms.paths.approach import Approach
-from pushpressslide.arms.paths.clearance import CLEARANCE, Clearance, Gap
+from pushpressslide.arms.paths.clearance import Clearance, Gap
 from pushpressslide.arms.paths.library import ArmLibrary
 from pushpressslide.arms.paths.postures import POSE, TipPath, ToolOption, tool_options
 from pushpressslide.core.arrays import Array
@@ -207,21 +207,24 @@ class ArmProblem:
     def approach_clearance(self, model: Clearance, postures: Array) -> Gap:
         """Tightest gap of postures (m, n) during the approach."""
         gap = self._apart(model, postures)
-        return replace(gap, allowed=min(gap.allowed, self._allowed))
+        near = self._near
+        if near is None or gap.pair != near.pair:
+            return gap
+        return replace(gap, allowed=near.distance - LEAVING)
 
     def _apart(self, model: Clearance, postures: Array) -> Gap:
         poses = self.object_path.shapes[:1] * len(postures)
         return model.min_distance(postures, poses, touching=False)
 
     @cached_property
-    def _allowed(self) -> float:
-        """Least distance [m] during the approach. An arm that stands nearer than this, as
-        one whose retreat a joint limit has ended, may leave.
+    def _near(self) -> Gap | None:
+        """Gap of an arm that stands too near, as one whose retreat a joint limit has
+        ended, but may leave. None: it stands clear, or touches.
         """
         if self.start is None:
-            return CLEARANCE
-        stands = self._apart(self.clearance, self.start[None]).distance - LEAVING
-        return CLEARANCE if stands < LEAVING else min(CLEARANCE, stands)
+            return None
+        gap = self._apart(self.clearance, self.start[None])
+        return None if gap.clear or gap.distance < 2.0 * LEAVING else gap
 
     def free(self, model: Clearance, q: Array) -> bool:
         """Whether an arm keeps its clearance in a posture (n,) during the approach."""
