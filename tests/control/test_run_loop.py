@@ -16,6 +16,7 @@ from whole_plant import PlantRow, cell_of
 import pushpressslide as pps
 from pushpressslide.control import run_loop as module
 from pushpressslide.control.approach import TRAVEL_SPEED
+from pushpressslide.control.center_belief import CenterBelief
 from pushpressslide.control.controller import Step
 from pushpressslide.control.estimator import Estimator, ObjectEstimator
 from pushpressslide.control.execution import USUAL, Execution
@@ -57,6 +58,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
 from pushpressslide.core.scene import Scene
 from pushpressslide.core.task import Motion, Sensing, Task
+from pushpressslide.identification.parameter import Parameter
 
 PERIOD = 0.01
 TICKS = 10  # that a scripted placement takes
@@ -325,6 +327,27 @@ def test_what_is_known_of_tips_that_find_no_object_is_forgotten(
     with cell.connected():
         loop.run()
     assert loop.hand_eyes == ({} if code == "contact_lost" else known)
+
+
+@pytest.mark.parametrize("slid", [False, True])
+def test_presses_that_slid_tell_no_centre_of_mass(
+    one, scripts, monkeypatch, slid: bool
+) -> None:
+    found = {
+        "center_of_mass": Parameter(0.01, 0.002, 0.0, (1.0, 0.0)),
+        "rho": Parameter(0.05, 0.002, 0.0),
+    }
+    monkeypatch.setattr(Script, "identified", lambda *_: Identified(found))
+    monkeypatch.setattr(module.RunLoop, "_presses_slid", slid)
+    cell = cell_of(Diary(arms=1), 1)
+    loop = module.RunLoop(cell, one, RunOptions(controller=Script))
+    believed = replace(loop.believed, center_error=0.02)
+    loop.center = before = CenterBelief.before_run(believed)
+    with cell.connected():
+        record = loop.run()
+    kept = {"rho"} if slid else set(found)
+    assert set(record.meta["parameters"]) == kept
+    assert (loop.center == before) == slid
 
 
 def test_every_tick_is_recorded_once_and_at_its_own_time(one, scripts) -> None:

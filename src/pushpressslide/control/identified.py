@@ -44,6 +44,11 @@ class Identified(NamedTuple):
                 surer[name] = parameter
         return Identified(surer)
 
+    def without(self, name: str) -> Identified:
+        """The same without the parameter of a ``name``."""
+        kept = {one: self.parameters[one] for one in self.parameters if one != name}
+        return Identified(kept)
+
     @property
     def figures(self) -> dict[str, Any]:
         """Entry ``parameters`` of the record. Empty if nothing is identified."""

@@ -332,8 +332,7 @@ class RunLoop:
     def _learn(self) -> None:
         """Add what the present placement has identified."""
         if self.state is not None:
-            own = self.controller.identified(self.state, self.believed)
-            self.identified = self.identified.better(own)
+            self.identified = self.identified.better(self._identified_now(self.state))
             self.center = self._known_center()
             seen = None
             if isinstance(self.controller, Controller):
@@ -351,8 +350,17 @@ class RunLoop:
         """
         if self.center is None or self.state is None:
             return self.center
-        found = self.controller.identified(self.state, self.believed).parameters
+        found = self._identified_now(self.state).parameters
         return self.center.knowing(found.get("center_of_mass"))
+
+    def _identified_now(self, state: ControllerState) -> Identified:
+        """What the present placement has identified: no centre of mass from presses that
+        slid.
+        """
+        found = self.controller.identified(state, self.believed)
+        if "center_of_mass" in found.parameters and self._presses_slid:
+            return found.without("center_of_mass")
+        return found
 
     def _knowledge(self) -> dict[str, Any]:
         """Note on what is known of the final pose, for the record: that only
