@@ -206,13 +206,13 @@ class ArmProblem:
 
     def approach_clearance(self, model: Clearance, postures: Array) -> Gap:
         """Tightest gap of postures (m, n) during the approach."""
-        gap = self._apart(model, postures)
+        gap = self._gap(model, postures)
         near = self._near
         if near is None or gap.pair != near.pair:
             return gap
         return replace(gap, allowed=near.distance - LEAVING)
 
-    def _apart(self, model: Clearance, postures: Array) -> Gap:
+    def _gap(self, model: Clearance, postures: Array) -> Gap:
         poses = self.object_path.shapes[:1] * len(postures)
         return model.min_distance(postures, poses, touching=False)
 
@@ -223,7 +223,7 @@ class ArmProblem:
         """
         if self.start is None:
             return None
-        gap = self._apart(self.clearance, self.start[None])
+        gap = self._gap(self.clearance, self.start[None])
         return None if gap.clear or gap.distance < 2.0 * LEAVING else gap
 
     def free(self, model: Clearance, q: Array) -> bool:
