@@ -25,6 +25,7 @@ from pushpressslide.control.estimator import (
 from pushpressslide.control.following import Prediction
 from pushpressslide.control.hand_eye import HandEye
 from pushpressslide.control.run_loop import RunOptions, run_loop
+from pushpressslide.control.state import ControllerState
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import Measurement, TipState
 from pushpressslide.core.pose import Pose2
@@ -283,6 +284,21 @@ def test_a_pose_has_its_own_time_or_that_of_the_measurement() -> None:
     assert stamped(late) == StampedPose(0.0, pose)
 
 
+def begun(
+    made: Controller, task: Task, driven: bool = True
+) -> tuple[ControllerState, Observation, EstimatorState]:
+    """State of a controller at its first tick, what it observes, and the state of its
+    estimator after it.
+    """
+    tip = TipState((0, 0, 0), (0, 0, 0), (0, 0, 0))
+    state = made.init(Measurement(0.0, task.start, (tip,)))
+    observation = observed(0.0)._replace(
+        binding=state.following.binding, tips=(tip,), driven=driven
+    )
+    _, known = made.estimator.step(state.estimator, observation)
+    return state, observation, known
+
+
 @pytest.mark.parametrize(
     "name", ["rear-push-rear", "push-t", "press-slide", "post", "l-shape", "book"]
 )
@@ -328,12 +344,7 @@ def test_a_centre_known_across_the_push_narrows_the_line_to_it() -> None:
             known = before.knowing(Parameter(value, 1e-3, 0.0, direction))
         made = Controller(plan)
         made.know_center(known)
-        tip = TipState((0, 0, 0), (0, 0, 0), (0, 0, 0))
-        begun = made.init(Measurement(0.0, task.start, (tip,)))
-        observation = observed(0.0)._replace(
-            binding=begun.following.binding, tips=(tip,)
-        )
-        _, state = made.estimator.step(begun.estimator, observation)
+        _, _, state = begun(made, task, driven=False)
         assert state.filtered is not None
         errors.append(state.filtered.filter.line(state.filtered.state)[1])
     unknown, along, across = errors
@@ -414,12 +425,7 @@ def test_a_tip_touched_beside_where_it_is_followed(lets_go: bool) -> None:
     task = pps.load_task("rear-push-rear", sets)
     plan = pps.plan(task)
     made = Controller(plan)
-    tip = TipState((0, 0, 0), (0, 0, 0), (0, 0, 0))
-    begun = made.init(Measurement(0.0, task.start, (tip,)))
-    observation = observed(0.0)._replace(
-        binding=begun.following.binding, tips=(tip,), driven=True
-    )
-    _, state = made.estimator.step(begun.estimator, observation)
+    _, observation, state = begun(made, task)
     filtered = state.filtered
     assert filtered is not None
     X_GB = plan.query.X_GB
@@ -454,16 +460,11 @@ def test_a_line_is_told_by_pictures_alone() -> None:
     made = Controller(plan)
     center = CenterBelief.before_run(task.scene)
     made.know_center(center._replace(xx=1e-6, yy=1e-6))
-    tip = TipState((0, 0, 0), (0, 0, 0), (0, 0, 0))
-    begun = made.init(Measurement(0.0, task.start, (tip,)))
-    observation = observed(0.0)._replace(
-        binding=begun.following.binding, tips=(tip,), driven=True
-    )
-    _, state = made.estimator.step(begun.estimator, observation)
+    first, _, state = begun(made, task)
     filtered = state.filtered
     assert filtered is not None
     assert not filtered.tells_line
-    known = begun._replace(
+    known = first._replace(
         estimator=state._replace(center=state.center._replace(off=0.02))
     )
     assert "center_of_mass" not in made.identified(known, task.scene).parameters
@@ -472,5 +473,5 @@ def test_a_line_is_told_by_pictures_alone() -> None:
     narrowed = filtered._replace(state=filtered.state._replace(covariance=P))
     assert narrowed.tells_line
     surer = state.center._replace(off=0.02)
-    known = begun._replace(estimator=state._replace(filtered=narrowed, center=surer))
+    known = first._replace(estimator=state._replace(filtered=narrowed, center=surer))
     assert "center_of_mass" in made.identified(known, task.scene).parameters

@@ -185,15 +185,21 @@ def test_a_contact_beside_the_centre_of_mass_turns_farther_to_one_side() -> None
     assert left - right == pytest.approx(exact[1] - exact[0], rel=0.15)
 
 
+def drives_of(pushed: Scene, index: int) -> dict[float, RearSteerDrive]:
+    """Drives of the cars that push a face, by how much harder than planned they turn."""
+    face = next(face for face in pushable(pushed, 0.04) if face.index == index)
+    drives = {}
+    for harder in HARDER:
+        car, shift = fitted_to(pushed, face, harder)
+        drives[harder] = RearSteerDrive(car, 3.0, shift)
+    return drives
+
+
 def test_a_way_with_a_loop_ends_on_the_longest_run_in_that_is_no_great_detour() -> None:
     """To a goal beside and behind the object every way has a loop."""
     sets = ["goal={x: 0.3, y: -0.1, yaw_deg: 0}", "motion.face=3", "limits.legs=1"]
     task = load_task("rear-push-rear", sets)
-    face = next(face for face in pushable(task.scene, 0.04) if face.index == 3)
-    drives = {}
-    for harder in HARDER:
-        car, shift = fitted_to(task.scene, face, harder)
-        drives[harder] = RearSteerDrive(car, 3.0, shift)
+    drives = drives_of(task.scene, 3)
     best, looped = route(task.query, drives)
     assert looped
     assert best.path.sections[-1] == (0.0, best.run_in)
@@ -216,11 +222,7 @@ def test_the_quickest_of_ways_with_a_loop_is_taken() -> None:
         "rear-push-rear",
         [*sets, "contact.friction=0.9", "belief.center_error=0.002"],
     )
-    face = next(face for face in pushable(task.scene, 0.04) if face.index == 3)
-    drives = {}
-    for harder in HARDER:
-        car, shift = fitted_to(task.scene, face, harder)
-        drives[harder] = RearSteerDrive(car, 3.0, shift)
+    drives = drives_of(task.scene, 3)
     best, looped = route(task.query, drives)
     assert looped
     ends = axle_ends(task.query.body_ends, best.drive)

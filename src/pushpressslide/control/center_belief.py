@@ -66,13 +66,12 @@ class CenterBelief(NamedTuple):
         y = self.y + off * py
         if coordinate.at_bound:
             return self._replace(x=x, y=y)
-        return CenterBelief(
-            x,
-            y,
-            self.xx - px * px / total,
-            self.xy - px * py / total,
-            self.yy - py * py / total,
-            self.before,
+        return self._replace(
+            x=x,
+            y=y,
+            xx=self.xx - px * px / total,
+            xy=self.xy - px * py / total,
+            yy=self.yy - py * py / total,
         )
 
 

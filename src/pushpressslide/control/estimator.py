@@ -47,7 +47,7 @@ LEAST_GAIN = 0.1
 STEEPEST = math.atan(0.5)  # [rad] of the line to the centre of friction from the belief
 # error of the line of an object that is turned by a force off it, as a share of the angle
 SKEWED = 0.4
-# smallest share of the turn arm's error of a model, where the centre is learnt from turns
+# smallest factor on ARM, across a line to the centre of mass that turns have told
 LEARNT = 0.7
 # largest standard deviation of a line that pictures have told, as a share of that before
 TOLD = 0.7

@@ -148,7 +148,7 @@ class PoseFilter:
     radius: float  # [m] of the object
     noise: Array  # (3,) standard deviations of a picture's x, y [m] and yaw [rad]
     arm: Point = (0.0, 0.0)  # [rad/m] turn arm as believed
-    # (2, 2) [rad^2/m^2] covariance of the turn arm before a touch. None: that of a known centre
+    # (2, 2) [rad^2/m^2] covariance of the believed turn arm. None: ARM in every direction
     doubt: Array | None = None
     # unit vector in G of the pushed face, along which the tip may slip; None: a press
     along: Point | None = None

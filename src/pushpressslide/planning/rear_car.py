@@ -93,10 +93,10 @@ def route(
     """Gentlest path without a loop, and False; or if every path has a loop, one of
     these, and True.
 
-    Of the paths with a loop that are allowed, the one with the longest run-in
-    is taken unless it is much longer than the shortest path, and the quickest of several.
-    ``drives`` holds the drives of the cars fitted to the
-    paths. Each key is the factor by which the paths turn harder than planned.
+    Of the allowed paths with a loop, the quickest of those with the longest run-in is
+    taken; much longer ones than the shortest do not count. ``drives`` holds the drives
+    of the cars fitted to the paths. Each key is the factor by which the paths turn
+    harder than planned.
     """
     routes = []
     radius = query.body.radius
