@@ -49,10 +49,12 @@ def contact_figures(placements: Sequence[tuple[Plan, Record]]) -> dict[str, Any]
         for n, part in zip(counts, parts, strict=True)
     )
     means = [part["mean_force"] for part in parts if part["mean_force"] is not None]
+    kept = [part["kept_force"] for part in parts if part["kept_force"] is not None]
     commanded = [part.pop("commanded") for part in parts]
     return {
         "max_normal_force": max(forces, default=None),
         "max_mean_normal_force": max(means, default=None),
+        "max_force_without_stop": max(kept, default=None),
         "cone_use_commanded": _commanded(commanded),
         "contact_loss_time": sum(part["contact_loss_time"] for part in parts),
         "cone_violation_fraction": outside / sum(counts) if sum(counts) else None,
@@ -66,7 +68,9 @@ def _placement_figures(plan: Plan, record: Record) -> dict[str, Any]:
     normals, tangents = series.contact_forces(plan, record)
     move = series.in_phase(record, "move")
     contact = series.contact_phase(record)
-    felt = normals[series.in_phase(record, "touch", "move", "release")]
+    pressing = series.in_phase(record, "touch", "move", "release")
+    felt = normals[pressing]
+    kept = normals[pressing & ~_stopping(record)]
     step = np.diff(time, append=time[-1])
     lost = contact[:, None] & (normals < series.CONTACT_FORCE)
     touching = move[:, None] & (normals >= series.CONTACT_FORCE)
@@ -78,6 +82,7 @@ def _placement_figures(plan: Plan, record: Record) -> dict[str, Any]:
     return {
         "max_normal_force": _largest(felt),
         "mean_force": _largest_mean(felt, time),
+        "kept_force": _largest_mean(kept, time),
         "commanded": _outside_commanded(plan, record, touching),
         "contact_loss_time": float(step[lost.any(axis=1)].sum()),
         "cone_violation_fraction": _mean(outside[touching]),
@@ -111,6 +116,18 @@ def _largest_mean(forces: Array, time: Array) -> float | None:
         return None
     total = np.cumsum(np.vstack([np.zeros(forces.shape[1]), forces]), axis=0)
     return float((total[count:] - total[:-count]).max() / count)
+
+
+def _stopping(record: Record) -> Mask:
+    """Ticks of one placement after a broken limit has stopped the arms, with the
+    MEAN_TIME in which it is noticed.
+    """
+    time = record.arrays["time"]
+    stopping = np.zeros(len(time), dtype=bool)
+    for breach in record.meta.get("breaches", ()):
+        if time[0] <= breach["time"] <= time[-1]:
+            stopping |= time > breach["time"] - MEAN_TIME
+    return stopping
 
 
 def _outside_commanded(

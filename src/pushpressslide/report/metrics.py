@@ -31,6 +31,7 @@ SCHEMA = 4
 CONTACT_FIELDS = (
     "max_normal_force",
     "max_mean_normal_force",
+    "max_force_without_stop",
     "contact_loss_time",
     "cone_violation_fraction",
     "cone_use_commanded",

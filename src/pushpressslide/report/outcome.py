@@ -96,11 +96,14 @@ def _fault(task: Task, record: Record, figures: Mapping[str, Any]) -> Ending | N
 
 
 def _force_fault(task: Task, figures: Mapping[str, Any]) -> Ending | None:
-    force = figures.get("max_mean_normal_force")
+    force = figures.get("max_force_without_stop")
     limit = task.limits.normal_force
     if force is None or force <= limit:
         return None
-    text = f"{force:.1f} N over {MEAN_TIME * 1e3:.0f} ms, limits.normal_force is {limit:g} N"
+    text = (
+        f"{force:.1f} N over {MEAN_TIME * 1e3:.0f} ms without a stop, "
+        f"limits.normal_force is {limit:g} N"
+    )
     return Ending("force_limit", text)
 
 

@@ -40,6 +40,7 @@ LARGEST = (
     "path_max_error",
     "max_normal_force",
     "max_mean_normal_force",
+    "max_force_without_stop",
     "max_tilt_deg",
     "support_gap_max",
     "max_torque_share",
