@@ -202,3 +202,21 @@ def test_a_run_identifies_a_heavier_object_than_believed() -> None:
     assert found["low"] <= true <= found["high"]
     assert found["believed"] == pytest.approx(0.8 * true)
     assert found["contradicts_belief"]
+
+
+def test_a_press_that_slides_identifies_the_friction_of_its_tip() -> None:
+    overrides = {
+        "motion.press_force": None,
+        "contact.friction": 0.4,
+        "belief.contact_friction": 0.8,
+        "belief.friction_error": 0.1,
+        "belief.mass_error": 0.1,
+        "sensing.position_noise": 1e-3,
+        "sensing.force_noise": 0.3,
+    }
+    record = run(load_task("press-slide"), overrides=overrides, engine="planar", seed=1)
+    friction = record.meta["parameters"]["tip_friction"]
+    assert friction["low"] < 0.4 < friction["high"]
+    assert friction["high"] - friction["low"] < 0.06
+    assert friction["contradicts_belief"]
+    assert record.reason == "goal_reached"

@@ -163,6 +163,23 @@ def test_a_press_that_slid_shares_the_error_between_both_frictions() -> None:
     assert TASK.resumed(begun).scene.contact_friction == begun.contact_friction
 
 
+@pytest.mark.parametrize("share", [0.8, 1.1, 3.0])
+def test_after_a_slide_the_measured_friction_of_the_tips_is_known(share: float) -> None:
+    """Tips that dragged with more than the support should resist tell of the support."""
+    scene = TASK.scene
+    (segment,) = pps.plan(TASK).segments
+    load = segment.contacts[0].load
+    drag = scene.support.friction * (scene.body.mass * GRAVITY + load)
+    measured = share * drag / load
+    begun = module.after_slides(BEGIN, scene, segment, measured)
+    assert begun.contact_friction == measured
+    support = BEGIN.support_friction
+    if share > 1.0:
+        least = share * scene.support.friction / margins.SLID_SHARE
+        support = max(support, least)
+    assert begun.support_friction == pytest.approx(support)
+
+
 def test_a_push_that_slid_has_a_smoother_tip() -> None:
     push = pps.load_task("rear-push-rear")
     (segment,) = pps.plan(push).segments

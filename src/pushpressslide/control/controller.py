@@ -389,7 +389,11 @@ class Controller:
         if not isinstance(state.estimator, EstimatorState):
             return Identified()
         query = self.placement.query
-        return identified(state.estimator, query, self.segments[0], belief)
+        found = identified(state.estimator, query, self.segments[0], belief)
+        friction = state.watches.tip_friction
+        if friction is None:
+            return found
+        return found.knowing("tip_friction", friction.beside(belief.contact_friction))
 
     def missed(self, state: ControllerState, pose: Pose2) -> Ending | None:
         """Ending of a placement whose goal is missed by an object at ``pose``, X_WG.

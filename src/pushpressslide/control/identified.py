@@ -44,6 +44,10 @@ class Identified(NamedTuple):
                 surer[name] = parameter
         return Identified(surer)
 
+    def knowing(self, name: str, parameter: Parameter) -> Identified:
+        """The same with a ``parameter`` of a ``name``."""
+        return Identified({**self.parameters, name: parameter})
+
     def without(self, name: str) -> Identified:
         """The same without the parameter of a ``name``."""
         kept = {one: self.parameters[one] for one in self.parameters if one != name}

@@ -74,17 +74,25 @@ def restart(
     return Restart(state, segment.leg, (x + dx, y + dy), friction, rho)
 
 
-def after_slides(start: Restart, scene: Scene, segment: Segment) -> Restart:
+def after_slides(
+    start: Restart, scene: Scene, segment: Segment, friction: float | None = None
+) -> Restart:
     """The ``start`` after a ``segment`` whose contacts slid: the tip has less friction
     than believed. Presses slide as well if the support has more: each has half of the
-    error.
+    error, unless the tips' ``friction`` was measured as they slid.
     """
     share = margins.SLID_SHARE
     if any(contact.kind == "side" for contact in segment.contacts):
         return replace(start, contact_friction=share * scene.contact_friction)
     load = sum(contact.load for contact in segment.contacts)
-    ratio = slid_friction(scene, load) / scene.contact_friction
-    share = min(math.sqrt(ratio), share)
+    needed = slid_friction(scene, load)
+    if friction is not None:
+        support = start.support_friction
+        if friction > needed:  # and it stood still
+            least = scene.support.friction * friction / needed
+            support = max(support, least / share)
+        return replace(start, contact_friction=friction, support_friction=support)
+    share = min(math.sqrt(needed / scene.contact_friction), share)
     return replace(
         start,
         contact_friction=share * scene.contact_friction,
@@ -176,7 +184,7 @@ def _further(task: Task, free: Restart) -> list[Restart]:
     if free.contact_friction is not None:
         dared = replace(free, dares=True)
         kept = replace(dared, contact_friction=None)
-        share = free.contact_friction / task.scene.contact_friction
+        share = min(1.0, free.contact_friction / task.scene.contact_friction)
         alone = replace(kept, support_friction=free.support_friction / share)
         further += [_likeliest(task, dared), dared, alone, kept]
     dared = _daring(task, free)

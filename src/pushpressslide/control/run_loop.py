@@ -799,7 +799,12 @@ class RunLoop:
         if not scene.carried(pose):
             raise InfeasibleTaskError("nothing but the arms carries the object")
         start = restart(scene, segment, pose, found, self._known_center())
-        return after_slides(start, scene, segment) if self._slid else start
+        if self.state is None or not self._slid:
+            return start
+        slid = self.state.watches.tip_friction
+        friction = None if slid is None else slid.value
+        pressed = self.state.following.binding.segment
+        return after_slides(start, scene, pressed, friction)
 
     def _hold(self, tick: Tick, measurement: Measurement) -> Commands:
         """Command all arms, or tips without arms, to hold their measured positions.

@@ -22,6 +22,7 @@ from pushpressslide.core.record import ReasonCode
 from pushpressslide.core.wrench import Twist
 from pushpressslide.execution.normal_force import NormalForceState
 from pushpressslide.identification.parameter_estimates import ParameterEstimates
+from pushpressslide.identification.tip_friction import TipFriction
 
 FREE_STIFFNESS = (1500.0, 1500.0, 3000.0)  # [N/m] of a tip that touches nothing
 FREE_DAMPING = (150.0, 150.0, 250.0)  # [N s/m]
@@ -105,6 +106,7 @@ class Watches(NamedTuple):
     # [s] since when no path leads on from an object that turns otherwise than planned
     mistaken: float | None = None
     retouches: int = 0
+    tip_friction: TipFriction | None = None  # of presses that slid
     retries: int = 0
     looked: float | None = (
         None  # [s] since when an object that has arrived is looked at

@@ -43,6 +43,7 @@ from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.identification.online import AxleEstimate
 from pushpressslide.identification.parameter_estimates import ParameterEstimates
+from pushpressslide.identification.tip_friction import TipFriction
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Measured
 from pushpressslide.planning.pressed.harder import harder_presses
@@ -277,7 +278,7 @@ class Supervisor:
             text = (
                 f"{self._slid_text(moment)}, although touched {RETOUCHES} times again"
             )
-        return _stopped(moment, ("contact_lost", text))
+        return _stopped(self._with_friction(moment), ("contact_lost", text))
 
     def _slides_on(self, moment: Moment) -> bool:
         """Whether a press that may be smoother or carry more than believed has slid again
@@ -353,6 +354,7 @@ class Supervisor:
         """Touch the planned place again, and press harder. Stop if a tip that may have
         less friction than believed cannot.
         """
+        moment = self._with_friction(moment)
         if self.placement.scene.friction_error > 0.0 and not self._harder(moment):
             text = f"{self._slid_text(moment)}, and cannot be harder"
             stopped = _stopped(moment, ("contact_lost", text))
@@ -360,6 +362,19 @@ class Supervisor:
             counted = watches._replace(retouches=watches.retouches + 1)
             return stopped._replace(watches=counted)
         return self._touch_planned_place(moment.state, moment.instant, crept=True)
+
+    def _with_friction(self, moment: Moment) -> Moment:
+        """The moment with the friction of tips that slide over the top."""
+        state = moment.state
+        contacts = state.following.binding.segment.contacts
+        forces = [memory.mean_force for memory in state.phase.tips]
+        felt = [force for force in forces if force is not None]
+        if any(one.kind != "top" for one in contacts) or len(felt) < len(contacts):
+            return moment
+        unsure = self.placement.query.sensing.felt_noise
+        found = TipFriction.of_slide(felt, unsure)
+        watches = state.watches._replace(tip_friction=found)
+        return moment._replace(state=state._replace(watches=watches))
 
     def _harder(self, moment: Moment) -> bool:
         """Whether a press can be made harder."""

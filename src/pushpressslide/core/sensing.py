@@ -141,6 +141,11 @@ class Sensing:
         return min(margins.FELT_SAMPLES, math.ceil(0.5 * (noise * noise + 1.0)))
 
     @property
+    def felt_noise(self) -> float:
+        """Standard deviation [N] of a force averaged over ``felt_samples``."""
+        return self.force_noise / math.sqrt(2.0 * self.felt_samples - 1.0)
+
+    @property
     def seen_motion(self) -> float:
         """Displacement [m] above which an object's motion is detected."""
         noise = self.position_noise / math.sqrt(self._seen_pictures)

@@ -23,6 +23,7 @@ LABELS = {
     "center_of_mass": Label("centre of mass", 1e3, "mm", 1),
     "pose_delay": Label("delay of pictures", 1e3, "ms", 1),
     "rho": Label("rho", 1e3, "mm", 1),
+    "tip_friction": Label("friction of the tips", 1.0, "", 3),
     "tip_offset": Label("tip offset", 1e3, "mm", 1),
     "tip_offset_left": Label("left tip offset", 1e3, "mm", 1),
     "tip_offset_right": Label("right tip offset", 1e3, "mm", 1),
@@ -76,4 +77,6 @@ def _texts(key: str, figures: Mapping[str, Any]) -> tuple[str, str, str]:
         f"{factor * figures[name]:.{decimals}f}"
         for name in ("value", "low", "high", "believed")
     )
-    return f"{value} {unit}", f"{low} to {high} {unit}", f"{belief} {unit}"
+    texts = (f"{value} {unit}", f"{low} to {high} {unit}", f"{belief} {unit}")
+    value, interval, belief = (text.rstrip() for text in texts)
+    return value, interval, belief
