@@ -294,13 +294,13 @@ def test_a_force_above_its_limit_is_a_fault_unless_the_arms_stopped(pressed):
     limit = pressed.task.limits.normal_force
     force = pressed.record.arrays["measured_force"].copy()
     (at,) = np.nonzero(pressed.move)
-    force[at[-40:], 0, 2] = -1.1 * limit
+    force[at[-25:], 0, 2] = -1.1 * limit
     broken = pressed.with_arrays(measured_force=force)
     out = figures(broken)
     assert not out["success"]
     assert out["reason"]["code"] == "force_limit"
     assert out["max_force_without_stop"] == pytest.approx(1.1 * limit)
-    noticed = float(pressed.record.arrays["time"][at[-40]]) + 0.02
+    noticed = float(pressed.record.arrays["time"][at[-25]]) + 0.02
     breach = {"time": noticed, "code": "force_limit", "text": ""}
     stopped = replace(broken.record, meta={"breaches": [breach]})
     out = result(broken.task, broken.plan, stopped)

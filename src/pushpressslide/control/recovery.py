@@ -22,6 +22,7 @@ from pushpressslide.identification.parameter_estimates import (
     ParameterEstimates,
     dragged_friction,
 )
+from pushpressslide.identification.tip_friction import TipFriction
 from pushpressslide.modes.base import ENOUGH
 from pushpressslide.planning.pressed.harder import slid_friction
 from pushpressslide.selection.placement_planner import (
@@ -75,7 +76,7 @@ def restart(
 
 
 def after_slides(
-    start: Restart, scene: Scene, segment: Segment, friction: float | None = None
+    start: Restart, scene: Scene, segment: Segment, friction: TipFriction | None = None
 ) -> Restart:
     """The ``start`` after a ``segment`` whose contacts slid: the tip has less friction
     than believed. Presses slide as well if the support has more: each has half of the
@@ -84,20 +85,29 @@ def after_slides(
     share = margins.SLID_SHARE
     if any(contact.kind == "side" for contact in segment.contacts):
         return replace(start, contact_friction=share * scene.contact_friction)
-    load = sum(contact.load for contact in segment.contacts)
-    needed = slid_friction(scene, load)
     if friction is not None:
-        support = start.support_friction
-        if friction > needed:  # and it stood still
-            least = scene.support.friction * friction / needed
-            support = max(support, least / share)
-        return replace(start, contact_friction=friction, support_friction=support)
-    share = min(math.sqrt(needed / scene.contact_friction), share)
+        return _after_known_slides(start, scene, friction)
+    load = sum(contact.load for contact in segment.contacts)
+    ratio = slid_friction(scene, load) / scene.contact_friction
+    share = min(math.sqrt(ratio), share)
     return replace(
         start,
         contact_friction=share * scene.contact_friction,
         support_friction=start.support_friction / share,
     )
+
+
+def _after_known_slides(start: Restart, scene: Scene, friction: TipFriction) -> Restart:
+    """The ``start`` after slides that told the tips' ``friction``. Where they dragged
+    with more than the support resists as believed, the support has more friction.
+    """
+    support = start.support_friction
+    resisted = scene.max_friction(friction.load)
+    unsure = friction.drag * friction.deviation / friction.value
+    if friction.drag - margins.DOUBT * unsure > resisted:
+        least = scene.support.friction * friction.drag / resisted
+        support = max(support, least / margins.SLID_SHARE)
+    return replace(start, contact_friction=friction.value, support_friction=support)
 
 
 def after_force_limit(start: Restart, limits: Limits) -> Restart:

@@ -801,10 +801,7 @@ class RunLoop:
         start = restart(scene, segment, pose, found, self._known_center())
         if self.state is None or not self._slid:
             return start
-        slid = self.state.watches.tip_friction
-        friction = None if slid is None else slid.value
-        pressed = self.state.following.binding.segment
-        return after_slides(start, scene, pressed, friction)
+        return after_slides(start, scene, segment, self.state.watches.tip_friction)
 
     def _hold(self, tick: Tick, measurement: Measurement) -> Commands:
         """Command all arms, or tips without arms, to hold their measured positions.

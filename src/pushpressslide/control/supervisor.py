@@ -364,16 +364,24 @@ class Supervisor:
         return self._touch_planned_place(moment.state, moment.instant, crept=True)
 
     def _with_friction(self, moment: Moment) -> Moment:
-        """The moment with the friction of tips that slide over the top."""
+        """The moment with the friction of the tips, if presses surely slide. A single
+        one may have rolled, until it creeps again.
+        """
         state = moment.state
         contacts = state.following.binding.segment.contacts
+        watches = state.watches
         forces = [memory.mean_force for memory in state.phase.tips]
         felt = [force for force in forces if force is not None]
-        if any(one.kind != "top" for one in contacts) or len(felt) < len(contacts):
+        pressed = all(contact.kind == "top" for contact in contacts)
+        rolled = len(contacts) == 1 and watches.retouches == 0
+        if not pressed or rolled or self.missing(moment) or len(felt) < len(contacts):
             return moment
+        planned = min(contact.load for contact in contacts)
         unsure = self.placement.query.sensing.felt_noise
-        found = TipFriction.of_slide(felt, unsure)
-        watches = state.watches._replace(tip_friction=found)
+        found = TipFriction.of_slide(felt, planned, unsure)
+        if found is None:
+            return moment
+        watches = watches._replace(tip_friction=found)
         return moment._replace(state=state._replace(watches=watches))
 
     def _harder(self, moment: Moment) -> bool:

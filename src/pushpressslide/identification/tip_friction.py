@@ -9,32 +9,45 @@ from typing import NamedTuple
 from pushpressslide.core.control import Vector3
 from pushpressslide.identification.parameter import Parameter
 
-ROLLED = 0.02
-"""Standard deviation of an identified friction of the tips, as a share of it: a tip also
-rolls and sinks in.
+ROLLED = 0.015
+"""Standard deviation of a friction that forces without noise tell: a tip also rolls and
+sinks in.
 """
+MOST_UNSURE = 0.2
+"""Largest standard deviation, as a share of the friction."""
+
+LEAST_LOAD = 0.5
+"""Smallest load of a tip that tells its friction, as a share of the planned one."""
 
 
 class TipFriction(NamedTuple):
-    """Identified friction of the tips."""
+    """Identified friction of the tips, and the forces that told it."""
 
     value: float
     deviation: float  # standard deviation
+    load: float  # [N] of all tips on the object
+    drag: float  # [N] of all tips along the top
 
     @classmethod
-    def of_slide(cls, forces: Sequence[Vector3], unsure: float) -> TipFriction | None:
-        """Friction of presses that slide with the ``forces`` [N] on the object, in the
-        support's frame. None if they do not press.
+    def of_slide(
+        cls, forces: Sequence[Vector3], planned: float, unsure: float
+    ) -> TipFriction | None:
+        """Friction of presses with the ``forces`` [N] on the object, in the support's
+        frame, of which one slides: that with the largest share of its load.
 
-        ``unsure`` [N] is the standard deviation of each component.
+        ``unsure`` [N] is the standard deviation of each component. None if a tip
+        hardly presses, beside the ``planned`` load [N] of each, or too little is known.
         """
-        normal = -math.fsum(z for _, _, z in forces)
-        along = math.fsum(math.hypot(x, y) for x, y, _ in forces)
-        if normal <= 0.0:
+        loads = [-z for _, _, z in forces]
+        drags = [math.hypot(x, y) for x, y, _ in forces]
+        if not min(loads) >= LEAST_LOAD * planned > 0.0 or not max(drags) > 0.0:
             return None
-        value = along / normal
-        force = math.sqrt(len(forces) * (1.0 + value * value)) * unsure
-        return cls(value, math.hypot(force / normal, ROLLED * value))
+        value, load = max((drag / n, n) for drag, n in zip(drags, loads, strict=True))
+        force = math.sqrt(1.0 + value * value) * unsure
+        deviation = math.hypot(force / load, ROLLED)
+        if not deviation < MOST_UNSURE * value:
+            return None
+        return cls(value, deviation, math.fsum(loads), math.fsum(drags))
 
     def beside(self, believed: float) -> Parameter:
         """The identified friction beside the ``believed`` one."""

@@ -26,6 +26,10 @@ outside the cone.
 """
 
 
+STOPPING = 0.3
+"""Time [s] that arms may take to stop pressing too hard."""
+
+
 def contact_figures(placements: Sequence[tuple[Plan, Record]]) -> dict[str, Any]:
     """Figures of the contacts, over all placements and for each placement.
 
@@ -70,7 +74,7 @@ def _placement_figures(plan: Plan, record: Record) -> dict[str, Any]:
     contact = series.contact_phase(record)
     pressing = series.in_phase(record, "touch", "move", "release")
     felt = normals[pressing]
-    kept = normals[pressing & ~_stopping(record)]
+    kept = normals[pressing & ~_stopping(plan, record)]
     step = np.diff(time, append=time[-1])
     lost = contact[:, None] & (normals < series.CONTACT_FORCE)
     touching = move[:, None] & (normals >= series.CONTACT_FORCE)
@@ -118,15 +122,17 @@ def _largest_mean(forces: Array, time: Array) -> float | None:
     return float((total[count:] - total[:-count]).max() / count)
 
 
-def _stopping(record: Record) -> Mask:
-    """Ticks of one placement after a broken limit has stopped the arms, with the
-    MEAN_TIME in which it is noticed.
+def _stopping(plan: Plan, record: Record) -> Mask:
+    """Ticks in which arms stop for too much force, from the window in which it is
+    noticed on.
     """
     time = record.arrays["time"]
+    noticed = MEAN_TIME + plan.task.sensing.delay_of_force
     stopping = np.zeros(len(time), dtype=bool)
     for breach in record.meta.get("breaches", ()):
-        if time[0] <= breach["time"] <= time[-1]:
-            stopping |= time > breach["time"] - MEAN_TIME
+        if breach["code"] == "force_limit":
+            since = time - breach["time"]
+            stopping |= (since > -noticed) & (since < STOPPING)
     return stopping
 
 

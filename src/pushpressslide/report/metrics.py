@@ -27,7 +27,7 @@ from pushpressslide.report.stage_figures import stage_figures
 from pushpressslide.report.stages import StageRun
 from pushpressslide.report.support import support_figures
 
-SCHEMA = 4
+SCHEMA = 5
 CONTACT_FIELDS = (
     "max_normal_force",
     "max_mean_normal_force",

@@ -95,6 +95,7 @@ GROUPS: Groups = (
         (
             Row("Largest normal force", "max_normal_force", 1.0, "N", 1),
             Row("Its largest mean over 20 ms", "max_mean_normal_force", 1.0, "N", 1),
+            Row("The same without stops", "max_force_without_stop", 1.0, "N", 1),
             Row("Contact lost for", "contact_loss_time", 1e3, "ms", 0),
             Row(
                 "Outside the friction cone",
