@@ -164,9 +164,9 @@ def test_a_press_that_slid_shares_the_error_between_both_frictions() -> None:
     assert TASK.resumed(begun).scene.contact_friction == begun.contact_friction
 
 
-@pytest.mark.parametrize("share", [0.8, 1.02, 1.1, 3.0])
+@pytest.mark.parametrize("share", [0.8, 1.1, 3.0])
 def test_after_a_slide_the_measured_friction_of_the_tips_is_known(share: float) -> None:
-    """Tips that surely dragged with more than the support should resist tell of it."""
+    """Tips that dragged with more than the support should resist tell of the support."""
     scene = TASK.scene
     (segment,) = pps.plan(TASK).segments
     resisted = scene.support.friction * (scene.body.mass * GRAVITY + 10.0)
@@ -175,7 +175,7 @@ def test_after_a_slide_the_measured_friction_of_the_tips_is_known(share: float) 
     begun = module.after_slides(BEGIN, scene, segment, measured)
     assert begun.contact_friction == measured.value
     support = BEGIN.support_friction
-    if share > 1.05:
+    if share > 1.0:
         least = share * scene.support.friction / margins.SLID_SHARE
         support = max(support, least)
     assert begun.support_friction == pytest.approx(support)

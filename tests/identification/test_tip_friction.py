@@ -15,7 +15,7 @@ def test_of_two_tips_the_one_that_slides_tells_their_friction() -> None:
     found = TipFriction.of_slide(forces, 10.0, 0.0)
     assert found == pytest.approx((0.5, ROLLED, 25.0, 8.0))
     assert found is not None
-    assert found.beside(0.7).contradicts_belief
+    assert found.parameter(0.7).contradicts_belief
 
 
 def test_noise_of_the_forces_makes_it_less_sure() -> None:

@@ -393,7 +393,9 @@ class Controller:
         friction = state.watches.tip_friction
         if friction is None:
             return found
-        return found.knowing("tip_friction", friction.beside(belief.contact_friction))
+        return found.knowing(
+            "tip_friction", friction.parameter(belief.contact_friction)
+        )
 
     def missed(self, state: ControllerState, pose: Pose2) -> Ending | None:
         """Ending of a placement whose goal is missed by an object at ``pose``, X_WG.

@@ -103,8 +103,7 @@ def _after_known_slides(start: Restart, scene: Scene, friction: TipFriction) -> 
     """
     support = start.support_friction
     resisted = scene.max_friction(friction.load)
-    unsure = friction.drag * friction.deviation / friction.value
-    if friction.drag - margins.DOUBT * unsure > resisted:
+    if friction.drag > resisted:
         least = scene.support.friction * friction.drag / resisted
         support = max(support, least / margins.SLID_SHARE)
     return replace(start, contact_friction=friction.value, support_friction=support)

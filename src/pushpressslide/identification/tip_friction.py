@@ -49,6 +49,6 @@ class TipFriction(NamedTuple):
             return None
         return cls(value, deviation, math.fsum(loads), math.fsum(drags))
 
-    def beside(self, believed: float) -> Parameter:
+    def parameter(self, believed: float) -> Parameter:
         """The identified friction beside the ``believed`` one."""
         return Parameter(self.value, self.deviation, believed)
