@@ -49,6 +49,6 @@ class TipFriction(NamedTuple):
             return None
         return cls(value, deviation, math.fsum(loads), math.fsum(drags))
 
-    def parameter(self, believed: float) -> Parameter:
-        """The identified friction beside the ``believed`` one."""
-        return Parameter(self.value, self.deviation, believed)
+    def parameter(self, belief: float) -> Parameter:
+        """The identified friction beside the ``belief`` before."""
+        return Parameter(self.value, self.deviation, belief)
