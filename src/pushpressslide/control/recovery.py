@@ -99,11 +99,12 @@ def after_slides(
 
 def _after_known_slides(start: Restart, scene: Scene, friction: TipFriction) -> Restart:
     """The ``start`` after slides that told the tips' ``friction``. Where they dragged
-    with more than the support resists as believed, the support has more friction.
+    with more than the support resists as believed, the support has more friction. On a
+    slope they drag with the weight as well.
     """
     support = start.support_friction
     resisted = scene.max_friction(friction.load)
-    if friction.drag > resisted:
+    if friction.drag > resisted and not any(scene.weight_along):
         least = scene.support.friction * friction.drag / resisted
         support = max(support, least / margins.SLID_SHARE)
     return replace(start, contact_friction=friction.value, support_friction=support)

@@ -26,7 +26,7 @@ class TipFriction(NamedTuple):
     value: float
     deviation: float  # standard deviation
     load: float  # [N] of all tips on the object
-    drag: float  # [N] of all tips along the top
+    drag: float  # [N] of all tips together, along the top
 
     @classmethod
     def of_slide(
@@ -47,7 +47,8 @@ class TipFriction(NamedTuple):
         deviation = math.hypot(force / load, ROLLED)
         if not deviation < MOST_UNSURE * value:
             return None
-        return cls(value, deviation, math.fsum(loads), math.fsum(drags))
+        drag = math.hypot(*(math.fsum(force[i] for force in forces) for i in (0, 1)))
+        return cls(value, deviation, math.fsum(loads), drag)
 
     def parameter(self, belief: float) -> Parameter:
         """The identified friction beside the ``belief`` before."""
