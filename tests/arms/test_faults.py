@@ -8,7 +8,12 @@ import numpy as np
 import pytest
 
 from pushpressslide.arms.command_line import CommandLine, random_streams
-from pushpressslide.arms.faults import FaultyDrives, dry_friction, joint_faults
+from pushpressslide.arms.faults import (
+    CROSSING,
+    FaultyDrives,
+    dry_friction,
+    joint_faults,
+)
 from pushpressslide.arms.model import at_rest
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
@@ -114,6 +119,23 @@ def test_motors_are_off_by_a_factor_and_by_a_ripple_within_their_shares() -> Non
     off = torque_of(Truth(torque_ripple=0.05)) - 1.0
     assert (np.abs(off) <= 0.05).all()
     assert len(set(off.round(9))) == N
+
+
+def test_a_motor_crosses_the_play_of_its_gear_without_torque_on_the_link() -> None:
+    play = 3.0 * CROSSING * DT
+    drives, own = faulty(Truth(backlash=play))
+    true = own.joints()[:N]
+    for torque, led, passed in (
+        (1.0, 0.5, 1.0),
+        (-1.0, 1.0 / 6.0, 0.0),
+        (-1.0, -1.0 / 6.0, 0.0),
+        (-1.0, -0.5, 0.0),
+        (-1.0, -0.5, -1.0),
+    ):
+        drives.joints()
+        drives.drive(torque * np.ones(N))
+        assert own.torque == pytest.approx(passed)
+        assert drives.joints()[:N] - true == pytest.approx(led * play)
 
 
 def test_dry_friction_holds_a_joint_below_it_and_opposes_its_motion_above() -> None:

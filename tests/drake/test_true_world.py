@@ -163,6 +163,11 @@ def test_a_bowed_base_resists_a_turn_as_the_planar_engine_has_it() -> None:
         assert spun(Truth(bow=bow)) / even == pytest.approx(ratio, abs=0.02)
 
 
+def test_feet_are_refused() -> None:
+    with pytest.raises(TaskError, match=r"truth\.feet.*engine drake"):
+        station_of(Truth(feet=0.8))
+
+
 def test_a_grain_is_refused() -> None:
     with pytest.raises(TaskError, match=r"truth\.friction_direction.*engine drake"):
         station_of(Truth(friction_direction=0.2))
@@ -183,6 +188,7 @@ WORLDS = {
     "friction": Truth(static_friction=1.3, friction_speed=0.3, friction_patches=0.2),
     "sizes": Truth(size=(0.004, -0.004), tip_radius=0.002, bow=0.5),
     "tilt": Truth(tilt=math.radians(0.5), tilt_yaw=math.radians(60.0)),
+    "backlash": Truth(backlash=math.radians(0.05)),
 }
 
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from pushpressslide.core.pose import Pose2
 from pushpressslide.geometry.shape import Shape
 from pushpressslide.geometry.shapes import Box, Cylinder, Prism
-from pushpressslide.mechanics.bowed import bowed
+from pushpressslide.mechanics.bowed import FOOT, bowed
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 
 CENTER = (0.01, -0.005)
@@ -51,3 +52,21 @@ def test_load_and_centre_of_pressure_stay(name: str, bow: float) -> None:
     assert bent.total_load == pytest.approx(7.0)
     np.testing.assert_allclose(bent.cop, even.cop, atol=1e-4)
     assert (mean_square(bent) > mean_square(even)) == (bow > 0.0)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9])
+@pytest.mark.parametrize("name", ["box", "disc"])
+def test_a_base_on_feet_rests_there_alone(name: str, share: float) -> None:
+    """Four feet on the diagonals, each with a quarter of the load."""
+    shape: Shape = SHAPES[name]
+    even = support_pressure(shape, 8.0, resolution=12)
+    carried = bowed(even, shape, (0.0, 0.0), 0.0, share)
+    x_min, x_max, y_min, y_max = shape.bounds(Pose2())
+    corner = (0.5 * (x_max - x_min), 0.5 * (y_max - y_min))
+    foot = share / shape.gauge()(*corner) * np.array(corner)
+    away = np.hypot(*(np.abs(carried.points) - foot).T)
+    near = away < 3.0 * FOOT * shape.breadth
+    assert carried.loads[near].sum() > 0.99 * 8.0
+    first = (carried.points > 0.0).all(axis=1)
+    assert carried.loads[first].sum() == pytest.approx(2.0, rel=0.02)
+    assert (mean_square(carried) > mean_square(even)) == (share > 0.5)

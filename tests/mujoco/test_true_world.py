@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -120,10 +121,20 @@ def test_object_tips_and_obstacles_have_their_true_sizes_and_places() -> None:
 
 
 def test_a_bowed_base_turns_harder_on_its_rim() -> None:
-    """The moment of friction by the loads that the feet carry at rest."""
+    check_moments([Truth(bow=bow) for bow in (-0.9, 0.0, 0.9)])
+
+
+def test_a_base_on_far_feet_turns_harder_than_on_near_ones() -> None:
+    check_moments([Truth(feet=0.3), Truth(), Truth(feet=0.9)])
+
+
+def check_moments(truths: Sequence[Truth]) -> None:
+    """Check that each truth resists a turn more than the one before, by the loads that
+    the feet carry at rest.
+    """
     moments = []
-    for bow in (-0.9, 0.0, 0.9):
-        physics = physics_of(Truth(bow=bow))
+    for truth in truths:
+        physics = physics_of(truth)
         for _ in range(50):
             physics.advance()
         feet = physics.scene.bodies["object"]
@@ -159,6 +170,7 @@ def test_a_grain_is_refused() -> None:
 WORLDS = {
     "friction": Truth(static_friction=1.3, friction_speed=0.3, friction_patches=0.2),
     "sizes": Truth(size=(0.004, -0.004), tip_radius=0.002, bow=0.5),
+    "feet": Truth(feet=0.85),
 }
 
 

@@ -192,6 +192,15 @@ def test_a_bowed_base_resists_a_turn_more_or_less() -> None:
     assert turned[2] > 1.12 * turned[1]
 
 
+def test_a_base_on_far_feet_resists_a_turn_more_and_on_near_ones_less() -> None:
+    turned = []
+    for feet in (0.3, 0.0, 0.9):
+        _, friction, _ = world_of(Truth(feet=feet)).support.under((0.0, 0.0))
+        turned.append(friction.wrench((0.0, 0.0, 1.0), 1.0)[2])
+    assert turned[0] < 0.7 * turned[1]
+    assert turned[2] > 1.2 * turned[1]
+
+
 def with_truth(truth: Truth, plan: Plan = PLAN) -> Plan:
     return replace(plan, task=replace(plan.task, truth=truth))
 
@@ -240,6 +249,7 @@ WORLDS = {
     "round tip": Truth(tip_radius=0.002),
     "tilt": Truth(tilt=math.radians(0.5), tilt_yaw=math.radians(60.0)),
     "rim": Truth(bow=0.8),
+    "feet": Truth(feet=0.85),
 }
 
 

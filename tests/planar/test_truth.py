@@ -98,6 +98,7 @@ def test_a_push_survives_a_base_and_late_commands() -> None:
         ("viscous_friction", 0.03, "truth.viscous_friction"),
         ("torque_scale", 0.1, "truth.torque_scale"),
         ("torque_ripple", 0.1, "truth.torque_ripple"),
+        ("backlash", 0.001, "truth.backlash_deg"),
     ],
 )
 def test_what_only_joints_have_is_refused_and_can_be_dropped(

@@ -18,6 +18,8 @@ with a strain-wave gear of 100.
 """
 SWEEPS = 10
 """Passes over the joints in which their dry frictions are found."""
+CROSSING = 0.1
+"""Speed [rad/s] at which a motor crosses the play of its gear."""
 
 
 class JointFaults(NamedTuple):
@@ -28,6 +30,7 @@ class JointFaults(NamedTuple):
     ripple: float  # amplitude, as a share of the torque
     phase: Array  # (n,) [rad] of the ripple
     dry_friction: Array  # (n,) [N m]
+    backlash: float  # [rad]
 
 
 def joint_faults(
@@ -49,6 +52,7 @@ def joint_faults(
         truth.torque_ripple,
         2.0 * np.pi * motors.random(size=n),
         friction,
+        truth.backlash,
     )
 
 
@@ -96,6 +100,8 @@ class FaultyDrives:
         self._model = model
         self._faults = faults
         self._dt = dt
+        # (n,) [rad] of each motor before its link; None before the first torque
+        self._lead: Array | None = None
 
     @property
     def time(self) -> float:
@@ -107,6 +113,8 @@ class FaultyDrives:
         x = self._drives.joints()
         self.state = self._model.state_at(x)
         bias = self.encoder_bias
+        if self._lead is not None:
+            bias = bias + self._lead
         shown: Array = x + np.concatenate([bias, np.zeros_like(bias)])
         return shown
 
@@ -126,11 +134,26 @@ class FaultyDrives:
         faults = self._faults
         angle = RIPPLES * self.state.q + faults.phase
         torque = torque * faults.torque_factor * (1.0 + faults.ripple * np.sin(angle))
+        if faults.backlash > 0.0:
+            torque = self._through_gears(torque)
         if faults.dry_friction.any():
             torque = torque + dry_friction(
                 self.state, torque, self.force, faults.dry_friction, self._dt
             )
         self._drives.drive(torque)
+
+    def _through_gears(self, torque: Array) -> Array:
+        """Torque (n,) [N m] on the links: none while a motor crosses the play of its
+        gear to the other side.
+        """
+        ends = 0.5 * self._faults.backlash * np.sign(torque)
+        if self._lead is None:
+            self._lead = ends
+        meshed = self._lead == ends
+        step = CROSSING * self._dt
+        self._lead = np.clip(ends, self._lead - step, self._lead + step)
+        out: Array = np.where(meshed, torque, 0.0)
+        return out
 
 
 class FaultyPositionDrives(FaultyDrives):

@@ -60,6 +60,13 @@ class ArmTruth:
         "angle, as a share of the torque",
         within="[0, 0.2]",
     )
+    backlash: float = setting(
+        0.0,
+        "play of each joint's gear between the motor, which has the encoder, and the "
+        "link; the motor crosses it at 0.1 rad/s, without torque on the link",
+        "deg",
+        "[0, 0.5]",
+    )
     command_delay: float = setting(
         0.0,
         "time until a command reaches the arm, beyond its `delay`, rounded to control "

@@ -89,6 +89,13 @@ class Truth(ArmTruth):
         "base is bowed; in the middle it changes by the opposite",
         within="[-0.9, 0.9]",
     )
+    feet: float = setting(
+        0.0,
+        "place of four feet that bear the object in place of its whole base: share of "
+        "the way from the base's middle to its rim, towards the corners of its bounding "
+        "box",
+        within="[0, 0.95]",
+    )
     tier: TierName | None = setting(
         None,
         "a whole world drawn by the run's seed, in place of `belief`, `sensing` and all "
@@ -118,6 +125,7 @@ DRIVES = (
     "viscous_friction",
     "torque_scale",
     "torque_ripple",
+    "backlash",
 )
 """Fields of arms that take torques."""
 

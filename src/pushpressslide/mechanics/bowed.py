@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from pushpressslide.core.arrays import Array
-from pushpressslide.core.pose import Point
+from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.geometry.shapes import Shape
 from pushpressslide.mechanics.pressure import PressureSamples
+
+FOOT = 0.12
+"""Radius of a foot, as a share of the base's breadth."""
 
 
 def bow_factors(shape: Shape, points: Array, bow: float) -> Array:
@@ -25,14 +28,39 @@ def bow_factors(shape: Shape, points: Array, bow: float) -> Array:
     return factors
 
 
+def feet_factors(shape: Shape, points: Array, share: float) -> Array:
+    """Factors (n,) of the pressure at ``points`` (n, 2) [m] in G under four feet, each
+    at a ``share`` of the way from the middle of the base to its rim.
+
+    They fall off as a normal distribution does. A share of 0 is a whole base.
+    """
+    if share == 0.0:
+        return np.ones(len(points))
+    x_min, x_max, y_min, y_max = shape.bounds(Pose2())
+    gauge = shape.gauge()
+    factors = np.zeros(len(points))
+    for x in (0.5 * (x_max - x_min), 0.5 * (x_min - x_max)):
+        for y in (0.5 * (y_max - y_min), 0.5 * (y_min - y_max)):
+            foot = np.array(shape.middle) + share / gauge(x, y) * np.array((x, y))
+            away = np.hypot(*(points - foot).T) / (FOOT * shape.breadth)
+            factors += np.exp(-(away**2))
+    return factors
+
+
 def bowed(
-    samples: PressureSamples, shape: Shape, center_of_mass: Point, bow: float
+    samples: PressureSamples,
+    shape: Shape,
+    center_of_mass: Point,
+    bow: float,
+    feet: float = 0.0,
 ) -> PressureSamples:
-    """Samples in B of the pressure under a bowed base, with the same load and CoP.
+    """Samples in B of the pressure under a bowed base, or one on ``feet`` as in
+    ``feet_factors``, with the same load and CoP.
 
     A factor linear in the position restores the CoP, as a small tilt of the base does.
     """
-    factors = bow_factors(shape, samples.points + center_of_mass, bow)
+    places = samples.points + center_of_mass
+    factors = bow_factors(shape, places, bow) * feet_factors(shape, places, feet)
     loads = samples.loads * factors
     places = np.column_stack([np.ones(len(loads)), samples.points - samples.cop])
     moments = (loads * places.T) @ places

@@ -16,7 +16,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Pose2
 from pushpressslide.geometry.mesh_body import MeshBody
 from pushpressslide.geometry.shape import Shape
-from pushpressslide.mechanics.bowed import bow_factors
+from pushpressslide.mechanics.bowed import bow_factors, feet_factors
 
 CELLS = 6
 """Cells across a base where it is narrow."""
@@ -31,6 +31,9 @@ SLIVER = 1e-3
 FINE = 24
 """Resolution of the rule for a base's mean distance from its middle."""
 
+LEAST_SHARE = 1e-3
+"""Load of a foot, as a share of the largest, below which it is left out."""
+
 
 class Feet(NamedTuple):
     """Feet of a base in its shape's frame G."""
@@ -38,10 +41,14 @@ class Feet(NamedTuple):
     points: Array  # (n, 2) [m]
     shares: Array  # (n,) of the base's area; their sum is 1
 
-    def bowed(self, shape: Shape, bow: float) -> Feet:
-        """Feet of a bowed base, as ``mechanics.bowed`` has it."""
-        shares = self.shares * bow_factors(shape, self.points, bow)
-        return Feet(self.points, shares / shares.sum())
+    def bowed(self, shape: Shape, bow: float, feet: float) -> Feet:
+        """Feet of a bowed base, or of one that has real ``feet``, as
+        ``mechanics.bowed`` has it.
+        """
+        factors = bow_factors(shape, self.points, bow)
+        shares = self.shares * factors * feet_factors(shape, self.points, feet)
+        bears = shares > LEAST_SHARE * shares.max()
+        return Feet(self.points[bears], shares[bears] / shares[bears].sum())
 
 
 def feet_of(shape: Shape) -> Feet:

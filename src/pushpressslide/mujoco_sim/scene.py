@@ -219,8 +219,9 @@ class _Builder:
     ) -> tuple[tuple[str, ...], Array]:
         """Add the feet of a body. Returns the names of their pairs, and their points."""
         feet = feet_of(shape)
-        if self.task.truth.bow and name == "object":
-            feet = feet.bowed(shape, self.task.truth.bow)
+        truth = self.task.truth
+        if (truth.bow or truth.feet) and name == "object":
+            feet = feet.bowed(shape, truth.bow, truth.feet)
         level = -self.frame.handedness * (0.5 * shape.height + self.proud - FOOT)
         names = add_feet(body, f"{name}_foot", feet.points, level)
         pairs = [

@@ -15,6 +15,7 @@ from pushpressslide.planar.support_friction import SupportFriction
 Friction = PolygonFriction | SupportFriction
 
 RESOLUTION = 6  # of a sampled pressure: torsion is right to 0.2 %
+FEET_RESOLUTION = 12  # of one under feet, which are small
 # largest number of corners of a base in closed form; with more, samples are faster
 MOST_CORNERS = 16
 # of the base's inner radius: spacing of the CoPs for which pressures are made
@@ -33,9 +34,15 @@ class Support:
     true CoP.
     """
 
-    def __init__(self, shape: Shape, center_of_mass: Point, bow: float = 0.0) -> None:
+    def __init__(
+        self,
+        shape: Shape,
+        center_of_mass: Point,
+        bow: float = 0.0,
+        feet: float = 0.0,
+    ) -> None:
         """Prepare the support. ``center_of_mass`` [m] is in the shape's frame G.
-        ``bow`` is as in ``mechanics.bowed``.
+        ``bow`` and ``feet`` are as in ``mechanics.bowed``.
 
         CoPs are given in B, the frame at the CoM.
         """
@@ -43,20 +50,20 @@ class Support:
         self._middle = (middle[0] - center_of_mass[0], middle[1] - center_of_mass[1])
         self._gauge = shape.gauge()
         self._step = step = GRID * shape.inner_radius
+        flat = bow == 0.0 == feet
+        resolution = RESOLUTION if feet == 0.0 else FEET_RESOLUTION
 
         @lru_cache(maxsize=KEPT)
         def samples(i: int, j: int) -> PressureSamples:
             """Pressure for the CoP at a grid point."""
             cop = (i * step, j * step)
-            even = support_pressure(shape, 1.0, center_of_mass, cop, RESOLUTION)
-            if bow == 0.0:
-                return even
-            return bowed(even, shape, center_of_mass, bow)
+            even = support_pressure(shape, 1.0, center_of_mass, cop, resolution)
+            return even if flat else bowed(even, shape, center_of_mass, bow, feet)
 
         @lru_cache(maxsize=KEPT)
         def friction(i: int, j: int) -> Friction:
             """Friction for the CoP at a grid point."""
-            if shape.corners and bow == 0.0:
+            if shape.corners and flat:
                 face = face_pressure(shape, center_of_mass, (i * step, j * step))
                 if len(face.corners) <= MOST_CORNERS:
                     return PolygonFriction(face)

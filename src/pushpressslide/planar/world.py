@@ -134,8 +134,9 @@ class World:
         # from the believed centre of mass to the true one, the origin of B here
         self.contacts = tuple(c.shifted(task.center_error) for c in contacts)
         self.arms = {c.arm for c in self.contacts}
+        truth = task.truth
         self.support = Support(
-            task.object.shape, task.object.center_of_mass, task.truth.bow
+            task.object.shape, task.object.center_of_mass, truth.bow, truth.feet
         )
         from shapely import Polygon
 

@@ -81,7 +81,7 @@ def refuse_ground(task: Task) -> None:
     """
     truth = task.truth
     source = task.source or task.name
-    even = replace(truth, friction_direction=0.0)
+    even = replace(truth, friction_direction=0.0, feet=0.0)
     refuse_truth(truth, even, source, "with engine drake")
     if task.support.region is None and task.support.opening is None:
         return
