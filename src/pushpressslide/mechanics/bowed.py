@@ -47,6 +47,13 @@ def feet_factors(shape: Shape, points: Array, share: float) -> Array:
     return factors
 
 
+def base_factors(shape: Shape, points: Array, bow: float, feet: float) -> Array:
+    """Factors (n,) of the pressure at ``points`` (n, 2) [m] in G under a base with a
+    ``bow`` and on ``feet``.
+    """
+    return bow_factors(shape, points, bow) * feet_factors(shape, points, feet)
+
+
 def bowed(
     samples: PressureSamples,
     shape: Shape,
@@ -54,13 +61,12 @@ def bowed(
     bow: float,
     feet: float = 0.0,
 ) -> PressureSamples:
-    """Samples in B of the pressure under a bowed base, or one on ``feet`` as in
-    ``feet_factors``, with the same load and CoP.
+    """Samples in B of the pressure under a base as of ``base_factors``, with the same
+    load and CoP.
 
     A factor linear in the position restores the CoP, as a small tilt of the base does.
     """
-    places = samples.points + center_of_mass
-    factors = bow_factors(shape, places, bow) * feet_factors(shape, places, feet)
+    factors = base_factors(shape, samples.points + center_of_mass, bow, feet)
     loads = samples.loads * factors
     places = np.column_stack([np.ones(len(loads)), samples.points - samples.cop])
     moments = (loads * places.T) @ places

@@ -16,7 +16,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Pose2
 from pushpressslide.geometry.mesh_body import MeshBody
 from pushpressslide.geometry.shape import Shape
-from pushpressslide.mechanics.bowed import bow_factors, feet_factors
+from pushpressslide.mechanics.bowed import base_factors
 
 CELLS = 6
 """Cells across a base where it is narrow."""
@@ -45,8 +45,7 @@ class Feet(NamedTuple):
         """Feet of a bowed base, or of one that has real ``feet``, as
         ``mechanics.bowed`` has it.
         """
-        factors = bow_factors(shape, self.points, bow)
-        shares = self.shares * factors * feet_factors(shape, self.points, feet)
+        shares = self.shares * base_factors(shape, self.points, bow, feet)
         bears = shares > LEAST_SHARE * shares.max()
         return Feet(self.points[bears], shares[bears] / shares[bears].sum())
 
