@@ -137,6 +137,10 @@ class Controller:
         self.longest_blind = query.sensing.longest_blind
         self.kept_arms = self.placement.kept_arms
         self.touches = _made_touches(query, first, gap, self.placement.entry)
+        self.touches_again = tuple(
+            touch.once_more(contact)
+            for touch, contact in zip(self.touches, first.contacts, strict=True)
+        )
         self.law = _law(query, execution, self.placement)
         patience = min(
             margins.ARM.loss_time(contact.kind)
@@ -414,9 +418,11 @@ class Controller:
         phase = state.phase
         contacts = state.following.binding.segment.contacts
         elapsed = instant.time - phase.since
+        first = state.following.began is None
+        touches = self.touches if first else self.touches_again
         aligned = 0.0
         if phase.align:  # together, whatever the distance of each
-            parts = zip(self.touches, phase.tips, contacts, strict=True)
+            parts = zip(touches, phase.tips, contacts, strict=True)
             aligned = max(t.align_time(memory, c, X_WB) for t, memory, c in parts)
         tool_yaw = self._touch_yaw(state, instant.X_WG.yaw, elapsed, aligned)
         progress = state.following.joint_progress(instant.X_WB)
@@ -425,7 +431,7 @@ class Controller:
                 memory, seen.context(contact, tool_yaw, progress), elapsed, aligned
             )
             for touch, memory, contact in zip(
-                self.touches, phase.tips, contacts, strict=True
+                touches, phase.tips, contacts, strict=True
             )
         ]
         problems = [step.problem for step in steps if step.problem is not None]

@@ -324,7 +324,7 @@ def enter_phase(
         )
         for m, c in zip(state.phase.tips, contacts, strict=True)
     )
-    watches = state.watches._replace(looked=None)
+    watches = state.watches._replace(looked=None, mistaken=None)
     if name != "touch":
         watches = watches._replace(lost=None)
     phase = PhaseState(name, now.time, memories, failure=failure)

@@ -418,11 +418,11 @@ def nudged(
 
 
 def _unsure_turn(scene: Scene, contact: Contact, path: ArcPath) -> float:
-    """Part [rad] of the turns along a ``path`` that an uncertain centre of mass may
-    change: the lever of a ``contact`` is known no better.
+    """Standard deviation [rad] of the turns along a ``path`` if the centre of mass may
+    be anywhere in its circle: the lever of a ``contact`` is known no better.
     """
     turns = math.fsum(abs(bend * length) for bend, length in path.sections)
-    return turns * scene.center_error / math.hypot(*contact.point)
+    return 0.5 * turns * scene.center_error / math.hypot(*contact.point)
 
 
 def nudge_segment(
