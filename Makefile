@@ -9,7 +9,9 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 # Workers and the commands that tests start share the bytecode that the first of them makes.
 unexport PYTHONDONTWRITEBYTECODE
-PYTEST := $(BIN)/pytest -n auto --dist worksteal
+# Each test on every n-th of its cases: make test-long EVERY=4.
+EVERY ?= 1
+PYTEST := $(BIN)/pytest -n auto --dist worksteal --every $(EVERY)
 
 # The newest supported Python on this machine that is newer than the oldest; may be empty.
 NEWEST := $(firstword $(shell for v in 3.14 3.13 3.12; do \

@@ -3,6 +3,7 @@
 import math
 import os
 import sysconfig
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
@@ -157,6 +158,29 @@ def task_of_mode() -> dict[str, str]:
         "bimanual_press_slide": "bimanual-slide",
         "press_and_push": "pivot",
     }
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the option of a share of the cases."""
+    text = "run each test on every n-th of its cases, from the first one on"
+    parser.addoption("--every", type=int, default=1, metavar="n", help=text)
+
+
+@pytest.hookimpl(trylast=True)  # after the markers
+def pytest_collection_modifyitems(
+    config: pytest.Config, items: list[pytest.Item]
+) -> None:
+    """Leave out the cases that ``--every`` does not choose."""
+    every = config.getoption("--every")
+    counts: Counter[str] = Counter()
+    kept, left_out = [], []
+    for item in items:
+        test = item.nodeid.split("[")[0]
+        (kept if counts[test] % every == 0 else left_out).append(item)
+        counts[test] += 1
+    items[:] = kept
+    if left_out:
+        config.hook.pytest_deselected(items=left_out)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -192,6 +192,14 @@ def test_a_contact_that_is_touched_again_is_missing_since_it_was_lost() -> None:
     assert lost == {"touch": 0.3, "move": None, "release": None}
 
 
+def test_a_turn_that_no_path_led_on_from_is_not_counted_while_the_tips_touch() -> None:
+    tip = TipState((0.5, 0.6, 0.7), ZERO, ZERO)
+    now = Measurement(3.0, controller().placement.query.start, (tip,))
+    before = pressing("move")
+    before = before._replace(watches=before.watches._replace(mistaken=0.3))
+    assert enter_phase(before, "touch", now).watches.mistaken is None
+
+
 def test_a_rho_that_is_not_identified_now_is_as_it_was_last() -> None:
     state = pressing("move")
     assert estimates(state).rho is None

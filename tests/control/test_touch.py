@@ -13,6 +13,7 @@ from pushpressslide.control.state import (
     TipContext,
     TipMemory,
     lowered,
+    ramp_time,
     smooth,
     smooth_change,
     smooth_rate,
@@ -104,6 +105,21 @@ def test_a_tip_touches_again_from_where_it_is() -> None:
     context = TipContext(BEHIND, state, START, 1.0 + DT, DT, 0.0, START.yaw)
     step = touch.step(memory, context, 1.0 + DT, 0.5)
     assert math.dist(step.command.position, tip) < 2.0 * touch.speed(BEHIND) * DT
+
+
+def test_a_push_that_touches_again_starts_nearer_and_looks_while_it_lines_up() -> None:
+    touch = TipTouch(RADIUS, GAP, 0.1, 0.25, SEEN, NormalForceRegulator(), look=1.0)
+    again = touch.once_more(BEHIND)
+    assert again.gap == margins.ARM.gap_again < touch.gap
+    assert replace(touch, gap=0.01).once_more(BEHIND).gap == 0.01
+    assert touch.once_more(ABOVE).gap == touch.gap
+    near = TipMemory(tip_position(BEHIND, START, RADIUS, again.gap))
+    assert again.align_time(near, BEHIND, START) == pytest.approx(1.1)
+    far = TipMemory(tip_position(BEHIND, START, RADIUS, 0.2))
+    moving = ramp_time(0.2 - again.gap)
+    assert again.align_time(far, BEHIND, START) == pytest.approx(moving + 0.1)
+    moving = ramp_time(0.2 - touch.gap)
+    assert touch.align_time(far, BEHIND, START) == pytest.approx(moving + 1.1)
 
 
 def test_a_press_is_as_hard_as_its_contact_asks_for() -> None:
