@@ -129,9 +129,9 @@ def test_a_late_tip_keeps_its_load(mode: str) -> None:
 @pytest.mark.parametrize(
     ("name", "engine", "interface"),
     [
-        ("rear-push-rear", "drake", "position"),
+        pytest.param("rear-push-rear", "drake", "position", marks=pytest.mark.long),
         ("press-slide", "drake", "position"),
-        ("press-slide", "mujoco", "position"),
+        pytest.param("press-slide", "mujoco", "position", marks=pytest.mark.long),
         ("bimanual-slide", "mujoco", "velocity"),
     ],
 )
@@ -144,7 +144,9 @@ def test_late_arms_push_and_press(name: str, engine: str, interface: str) -> Non
         assert_touches_are_soft(record)
 
 
-@pytest.mark.parametrize("interface", ["position", "velocity"])
+@pytest.mark.parametrize(
+    "interface", ["position", pytest.param("velocity", marks=pytest.mark.long)]
+)
 def test_twenty_commands_a_second_are_enough_for_a_push(interface: str) -> None:
     """Joints that jumped from command to command would be stopped as running away."""
     pytest.importorskip("mujoco")

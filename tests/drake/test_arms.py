@@ -110,6 +110,7 @@ def along_contacts(plan: Plan) -> float:
     return least_distance(one, other, left.move, right.move, LOOK)
 
 
+@pytest.mark.long
 def test_arms_have_more_room_beside_an_object_that_may_leave_its_plan(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

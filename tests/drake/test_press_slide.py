@@ -121,6 +121,7 @@ def test_a_wrong_belief_is_found_out_on_the_way(belief: str) -> None:
     assert turned < 1.0
 
 
+@pytest.mark.long
 def test_a_lost_press_is_noticed_and_taken_again() -> None:
     from pushpressslide.sim.engine import run
 

@@ -126,6 +126,7 @@ def test_a_friction_believed_two_fifths_too_low_is_made_up_for() -> None:
     done(task)
 
 
+@pytest.mark.long
 def test_with_noise_and_delay_a_box_is_let_go_and_taken_at_another_face() -> None:
     task = pushed_box(
         goal={"x": 0.48, "y": 0.03, "yaw_deg": 0},

@@ -120,7 +120,13 @@ FAULTS: dict[str, Callable[[], Truth]] = {
 }
 
 
-@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize(
+    "fault",
+    [
+        "masses",
+        *(pytest.param(name, marks=pytest.mark.long) for name in list(FAULTS)[1:]),
+    ],
+)
 def test_a_push_reaches_its_goal_with_an_arm_not_as_believed(fault: str) -> None:
     record = run_of(FAULTS[fault]())
     x, y, yaw = record.arrays["object_pose"][-1]

@@ -23,7 +23,14 @@ def reached(task: str, engine: str = "mujoco", **changes: object) -> Record:
 
 
 @pytest.mark.parametrize(
-    "name", ["rear-push-rear", "press-slide", "bimanual-slide", "incline-slide", "book"]
+    "name",
+    [
+        "rear-push-rear",
+        "press-slide",
+        "bimanual-slide",
+        pytest.param("incline-slide", marks=pytest.mark.long),
+        pytest.param("book", marks=pytest.mark.long),
+    ],
 )
 def test_a_shipped_task_reaches_its_goal(name: str) -> None:
     record = reached(name)

@@ -30,7 +30,9 @@ def errors_of(footprint: str, base: str, *speeds: float) -> list[Errors]:
     return list(measured(rig, footprint, base, speeds))
 
 
-@pytest.mark.parametrize("footprint", ["square", "L"])
+@pytest.mark.parametrize(
+    "footprint", [pytest.param("square", marks=pytest.mark.long), "L"]
+)
 def test_feet_have_the_friction_of_the_base(footprint: str) -> None:
     for errors in errors_of(footprint, "feet", 0.01, 0.05):
         assert not misses(errors), errors

@@ -3,12 +3,15 @@
 import math
 from dataclasses import replace
 
+import pytest
+
 import pushpressslide as pps
 from pushpressslide.jobs.engines import ArmOptions, engine_named
 from pushpressslide.selection.solve import solve
 from pushpressslide_studies.sim.playback import played_back
 
 
+@pytest.mark.long
 def test_recorded_torques_lead_to_the_same_end() -> None:
     task = pps.load_task("press-slide")
     whole = pps.plan(task)
