@@ -71,7 +71,7 @@ class TipTouch:
     noisy: bool = False  # whether forces have noise
     light: bool = False  # whether the object may slide before it is felt
     min_turn: float = math.inf  # [rad] smallest turn of a light object that is detected
-    again: bool = False  # whether the arm has touched this object before
+    knows_place: bool = False  # whether the arm has touched this object before
 
     def once_more(self, contact: Contact) -> TipTouch:
         """Touch of an arm that has touched the object before. A tip beside it starts
@@ -80,7 +80,7 @@ class TipTouch:
         gap = self.gap
         if contact.kind == "side":
             gap = min(gap, margins.ARM.gap_again)
-        return replace(self, gap=gap, again=True)
+        return replace(self, gap=gap, knows_place=True)
 
     def speed(self, contact: Contact) -> float:
         """Speed [m/s] of the advance. An arm that reacts late is slower: until the touch
@@ -114,7 +114,7 @@ class TipTouch:
             contact, memory.advance_start or X_WB, self.radius, self.gap
         )
         lines_up = ramp_time(math.dist(before, memory.start))
-        if self.again:  # what is averaged is near what is known
+        if self.knows_place:  # what is averaged is near what is known
             return max(lines_up, self.look) + 0.1
         return lines_up + 0.1 + self.look
 
