@@ -61,8 +61,8 @@ def test_no_short_push_leads_far() -> None:
 
 
 def test_a_push_about_an_unsure_centre_turns_by_little_only() -> None:
-    """Its lever is known to a third: so is the turn."""
-    unsure = replace(TASK, belief=replace(TASK.belief, center_error=0.025))
+    """Its lever is known to a half, and the turn to half of that."""
+    unsure = replace(TASK, belief=replace(TASK.belief, center_error=0.0375))
     little = nudged(PlansAlone(), Plan(turned_by(3.0, unsure)))
     assert little is not None
     assert nudged(PlansAlone(), Plan(turned_by(12.0))) is not None
