@@ -480,7 +480,9 @@ class ArmMargins:
     errors of arm and camera.
     """
     gap_again: float = field(default=0.025, metadata={"unit": "m"})
-    """Free path before a push of a tip that has touched the object before."""
+    """Free path before a push of a tip that has touched the object before: a centimetre
+    until ``felt_near``.
+    """
     slowest_touch: float = field(default=0.002, metadata={"unit": "m/s"})
     """Smallest such speed, of an arm that reacts late."""
     contact_stiffness: float = field(default=2e4, metadata={"unit": "N/m"})

@@ -419,7 +419,7 @@ def nudged(
 
 def _unsure_turn(scene: Scene, contact: Contact, path: ArcPath) -> float:
     """Standard deviation [rad] of the turns along a ``path`` if the centre of mass may
-    be anywhere in its circle: the lever of a ``contact`` is known no better.
+    be anywhere in its circle: along the lever of a ``contact``, half the radius.
     """
     turns = math.fsum(abs(bend * length) for bend, length in path.sections)
     return 0.5 * turns * scene.center_error / math.hypot(*contact.point)
