@@ -530,6 +530,11 @@ class Scene:
         check_fields(self)
 
     @property
+    def planned_for_errors(self) -> bool:
+        """Whether motions are planned for errors of friction or centre of mass."""
+        return self.friction_error > 0.0 or self.center_error > 0.0
+
+    @property
     def arms(self) -> tuple[int, ...]:
         """The arms that may touch the body."""
         return tuple(range(len(self.robots))) if self.arm is None else (self.arm,)

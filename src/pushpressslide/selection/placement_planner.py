@@ -16,6 +16,7 @@ from pushpressslide.core.refusal import Refusal, literal
 from pushpressslide.selection.planner import infeasible, selectable
 from pushpressslide.selection.select import MANY, placements
 
+COMPARED = 2  # choices of a mode, where none leaves the arms all the room
 ALIKE = 0.02  # [m] between the contacts of two placements that count as alike
 
 Problems = dict[tuple[str, tuple[Contact, ...], str, str], InfeasibleTaskError]
@@ -31,6 +32,12 @@ class PlacementPlanner(Protocol):
     @property
     def paths(self) -> Sequence[tuple[Any, ...]]:
         """Joint paths of each plan. Empty for a plant without arms."""
+
+    @property
+    def room(self) -> float:
+        """Share of the room that an unsure object asks for, of the last placement's
+        arms. One without arms.
+        """
 
     def add(self, placement: Plan) -> None:
         """Append the plan of a placement.
@@ -53,6 +60,7 @@ class PlansAlone:
 
     plans: list[Plan] = field(default_factory=list)
     paths: Sequence[Any] = ()
+    room: float = 1.0
 
     def add(self, placement: Plan) -> None:
         """Append the plan of a placement."""
@@ -101,6 +109,11 @@ class OtherPlacements:
     def paths(self) -> Sequence[tuple[Any, ...]]:
         """Joint paths of each plan."""
         return self.planner.paths
+
+    @property
+    def room(self) -> float:
+        """Share of the room of the last placement's arms."""
+        return self.planner.room
 
     def add(self, placement: Plan) -> None:
         """Append the plan of a placement.
@@ -167,25 +180,36 @@ def add_first(
     """Add the first choice of a placement that has a joint path. Returns whether there
     is one.
 
-    Refusals of choices without a joint path are written into ``choices`` and
-    ``problems``. Choices in ``problems`` are not tried again. At most ``tries``
-    problems are collected.
+    If its arms lack room, it is compared to the next ones of the same mode. Refusals of
+    choices without a joint path are written into ``choices`` and ``problems``. Choices
+    in ``problems`` are not tried again. At most ``tries`` problems are collected.
     """
+    tight: list[tuple[float, str, Plan]] = []
+    before = len(planner.plans)
     for i, choice in enumerate(choices):
         if not choice.segments or not (choice.feasible or force):
             continue
-        if len(problems) >= tries:
-            return False
+        if len(problems) >= tries or len(tight) == COMPARED:
+            break
+        if tight and choice.mode != tight[0][1]:
+            continue
         key = (choice.mode, choice.contacts, choice.label, choice.summary)
         try:
             if key not in problems:
-                planner.add(empty.of_choices([choice]).by_placement[0])
-                return True
+                plan = empty.of_choices([choice]).by_placement[0]
+                planner.add(plan)
+                if planner.room >= 1.0 or force or len(planner.plans) == before:
+                    return True
+                tight.append((planner.room, choice.mode, plan))
+                planner.keep(before)
+                continue
         except InfeasibleTaskError as error:
             problems[key] = error
         reason = str(problems[key]).split(": ", 1)[-1]
         choices[i] = choice.refused(Refusal("joint_path", literal(reason)))
-    return False
+    if tight:
+        planner.add(max(tight, key=lambda compared: compared[0])[2])
+    return bool(tight)
 
 
 def with_joint_paths(

@@ -88,9 +88,15 @@ class DrakeClearance:
         sphere = self._robot.tip_geometry
         # the shapes that touch in a run; the rod that holds them may not
         self.sphere = {sphere}
+        tip = self._robot.tip_body
+        own = set(plant.GetCollisionGeometriesForBody(tip))
         if sphere is None:
-            tip = self._robot.tip_body
-            self.sphere = set(plant.GetCollisionGeometriesForBody(tip))
+            self.sphere = own
+        # the shapes whose distance from the object is that of the contact: of the tip's
+        # body, and of a whole tool that presses
+        presses = any(c.arm == arm and c.kind == "top" for c in plan.contacts)
+        held = plant.GetBodiesWeldedTo(tip) if presses else [tip]
+        self._with_contact = set(_shapes(plant, held))
         instance = self._robot.model_instance
         base = [plant.GetBodyByName(name, instance) for name in self._robot.base_links]
         self._base_shapes = set(_shapes(plant, base))
@@ -187,7 +193,8 @@ class DrakeClearance:
         for own, outline, q_still in self._still:
             distances = least_distance(own, outline, postures, q_still, LOOK)
             gaps.append(Gap(float(distances), "the arms"))
-        return max(gaps, key=_lack)
+        tightest = max(gaps, key=_lack)
+        return replace(tightest, to_object=gaps[0].to_object)
 
     def least_in_space(
         self,
@@ -220,18 +227,32 @@ class DrakeClearance:
         ``least_in_space``.
         """
         out = NOTHING
+        to_object = LOOK
         before = {name: self._pose(name) for name in bodies}
         for i, (q, X) in enumerate(zip(postures, object_poses, strict=True)):
             for name, poses in bodies.items():
                 self._put(name, poses[i])
             for near in self._pairs(q, X, touching):
+                if self._link_and_object(near, touching):
+                    to_object = min(to_object, near.distance)
                 gap = Gap(near.distance, "", self._allowance(near, touching))
                 if order(gap) > order(out):
                     pair = " and ".join(map(self._name, (near.id_A, near.id_B)))
                     out = replace(gap, pair=pair)
         for name, pose in before.items():
             self._put(name, pose)
-        return out
+        return replace(out, to_object=to_object)
+
+    def _link_and_object(
+        self, near: SignedDistancePair, touching: Collection[GeometryId]
+    ) -> bool:
+        """Whether a pair is the object and a link whose distance from it may change.
+
+        While shapes are ``touching``, that of the tip may not.
+        """
+        between = {near.id_A, near.id_B}
+        fixed = bool(touching) and not between.isdisjoint(self._with_contact)
+        return not fixed and not between.isdisjoint(self._object_shapes)
 
     def _allowance(
         self, near: SignedDistancePair, touching: Collection[GeometryId]

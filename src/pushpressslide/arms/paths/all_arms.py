@@ -18,7 +18,13 @@ from pushpressslide.arms.paths.capsules import (
     pair_distances,
 )
 from pushpressslide.arms.paths.clearance import LOOK
-from pushpressslide.arms.paths.joint_path import ArmPath, Solution, path_of_move, search
+from pushpressslide.arms.paths.joint_path import (
+    ArmPath,
+    Solution,
+    first_roomy,
+    path_of_move,
+    search,
+)
 from pushpressslide.arms.paths.library import ArmLibrary
 from pushpressslide.arms.paths.postures import Miss
 from pushpressslide.core import margins
@@ -87,7 +93,7 @@ def joint_paths(
     if len(problems) > 1:
         paths = _TwoArms(plan, problems, force).paths()
     else:
-        solution = next(search(problems[0], force=force)).best(problems[0])
+        solution = first_roomy(search(problems[0], force=force)).best(problems[0])
         paths = ((solution.path, solution.move.posture.attitude),)
     return _with_ways_back(problems, paths)
 
@@ -196,8 +202,7 @@ class _TwoArms:
         self.problems = problems
         self.force = force
         self._capsules = [_capsules(problem) for problem in problems]
-        scene = plan.query.scene
-        unsure = scene.friction_error > 0.0 or scene.center_error > 0.0
+        unsure = plan.query.scene.planned_for_errors
         self._wanted = ROOMY if unsure else APART
 
     def paths(self) -> tuple[ArmPath, ...]:
@@ -226,7 +231,7 @@ class _TwoArms:
         results = []
         best = []
         for problem, stream in zip(self.problems, searches, strict=True):
-            results.append(next(stream))
+            results.append(first_roomy(stream))
             best.append(results[-1].best(problem))
         along = self._along(best)
         if along >= self._wanted or self.force:
@@ -255,7 +260,8 @@ class _TwoArms:
                 yield Conflict(0, "along the contacts", along)
                 continue
             apart.append((pair, along))
-            if along < self._wanted:
+            roomy = all(solution.path.room >= 1.0 for solution in pair)
+            if along < self._wanted or not roomy:
                 tight.append((pair, along))
                 continue
             yield from self._waiting(pair, along)

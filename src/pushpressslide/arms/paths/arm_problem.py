@@ -33,6 +33,9 @@ from pushpressslide.robots.tool import ToolAttitude
 STEP = 0.015  # [m] of the object's path between samples
 TURN_ARM = 0.2  # [m] of path that a turn by one radian counts as
 LEAVING = 1e-3  # [m] by which an arm that stands too near may come nearer as it leaves
+# [m] of the links from an object that may not be where it is believed to be
+ROOMY = 0.015
+ROOMY_JOINTS = 0.05  # [rad; m of slides] the same of the joints from their limits
 GLANCE = 4  # every fourth posture along a contact is checked before all of them are
 
 
@@ -113,6 +116,16 @@ class ArmProblem:
         tip = TipPath(np.array(positions), yaws, path.shapes)
         normal = frame.direction(contact.direction(path.bodies[0]))
         return ContactPath(contact, tip, normal)
+
+    def room(self, to_object: float, joint_margin: float = math.inf) -> float:
+        """Share of what an unsure object asks for, at most 1.
+
+        ``to_object`` [m] is the links' smallest distance from it. Among paths with
+        less than 1, the one with the most is preferred.
+        """
+        if not self.query.scene.planned_for_errors:
+            return 1.0
+        return min(1.0, to_object / ROOMY, joint_margin / ROOMY_JOINTS)
 
     @property
     def posture(self) -> Array:

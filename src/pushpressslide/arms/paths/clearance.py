@@ -22,6 +22,8 @@ class Gap:
     distance: float  # [m]
     pair: str  # their names
     allowed: float = CLEARANCE  # [m]
+    # [m] between the object and the links whose distance from it may change
+    to_object: float = LOOK
 
     @property
     def clear(self) -> bool:

@@ -12,9 +12,10 @@ arm without a contact waits (waiting.py).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import chain, groupby
+from functools import partial
+from itertools import groupby, islice
 from operator import attrgetter
 
 import numpy as np
@@ -52,6 +53,7 @@ from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 
 GLANCE = 8  # every eighth posture of an approach is checked before all of them are
+COMPARED = 4  # joint paths, where none has all the room
 REFINED = 4  # largest number of misses that are refined
 # moves along a contact that something is in the way of, after which no more are looked
 # at in a search over sequences of motions
@@ -62,6 +64,7 @@ MOST_EFFORT = 0.8
 NEAR = 0.1  # largest shortfall of a miss that is refined
 BACK = 3  # samples before the contact that a refined move includes
 STANDING = np.array([0.0, 0.5])  # [s] approach of an arm that stays where it is
+NOWHERE = Gap(-math.inf, "")  # of an approach that is not found
 SHORTFALL = attrgetter("shortfall")
 
 ArmPath = tuple[JointPath, ToolAttitude]
@@ -89,13 +92,13 @@ class SearchResult:
     misses: tuple[Miss, ...] = ()
 
     def best(self, problem: ArmProblem) -> Solution:
-        """The preferred joint path.
+        """The preferred joint path: the first with the most room.
 
         Raises InfeasibleTaskError, with the shortfall of the nearest miss, if there is
         none.
         """
         if self.solutions:
-            return self.solutions[0]
+            return max(self.solutions, key=attrgetter("path.room"))
         lacks = "joint path along the contact"
         reason = "no attitude of the tool can be followed"
         if problem.along is None:
@@ -118,8 +121,18 @@ def joint_path(
     with the deciding number, if no tried posture has a path.
     """
     problem = ArmProblem(library, plan, arm)
-    solution = next(search(problem, force=force)).best(problem)
+    solution = first_roomy(search(problem, force=force)).best(problem)
     return solution.path, solution.move.posture.attitude
+
+
+def first_roomy(results: Iterator[SearchResult]) -> SearchResult:
+    """Result of a search at its first joint path with all the room, or after a few with
+    less.
+    """
+    for result in islice(results, COMPARED):
+        if not result.solutions or result.solutions[-1].path.room >= 1.0:
+            break
+    return result
 
 
 def search(problem: ArmProblem, *, force: bool = False) -> Iterator[SearchResult]:
@@ -212,34 +225,57 @@ def path_of_move(
     if along is None:
         return _waiting_path(problem, move, others or {}, force, thorough)
     contact = problem.contact_clearance(posture.q)
-    clear = contact.distance
     miss = None if force else _contact_miss(problem, posture, contact)
     if miss is not None:
         return miss
     if problem.holds:
-        return _joint_path(problem, move, _standing(problem.posture), clear, math.inf)
+        standing = _standing(problem.posture)
+        return _joint_path(problem, move, standing, [contact], math.inf)
     least_gap = 0.0 if force else LEAST_GAP
     approach = problem.approach
     descent = approach.descent(along.tip, along.normal, posture, least_gap, care)
     touching = problem.touch_clearance(descent.touch)
     if not touching.clear and not force:
         return _approach_miss(posture, descent, touching)
-    clear = min(clear, touching.distance)
     model = _model(problem, others or {})
-    trajectories = problem.approach.direct(descent)
+    searches = [problem.approach.direct(descent)]
     if thorough:
-        around = problem.approach.around(descent, lambda q: problem.free(model, q))
-        trajectories = chain(trajectories, around)
-    nearest = None
-    for trajectory in trajectories:
-        gap = _approach_clearance(problem, model, trajectory.postures)
-        if gap.clear or force:
-            lower = min(clear, gap.distance)
-            path = _joint_path(problem, move, trajectory, lower, descent.gap)
-            return replace(path, touch=descent.touch)
-        if nearest is None or gap.lack < nearest.lack:
-            nearest = gap
-    return _approach_miss(posture, descent, nearest)
+        free = partial(problem.free, model)
+        searches.append(problem.approach.around(descent, free))
+    trajectory, gap = _clear_approach(problem, model, searches, force=force)
+    if trajectory is None:
+        return _approach_miss(posture, descent, gap)
+    gaps = [contact, touching, gap]
+    path = _joint_path(problem, move, trajectory, gaps, descent.gap)
+    return replace(path, touch=descent.touch)
+
+
+def _clear_approach(
+    problem: ArmProblem,
+    model: Clearance,
+    searches: Iterable[Iterable[Trajectory]],
+    *,
+    force: bool,
+) -> tuple[Trajectory | None, Gap]:
+    """Approach of the first search that has a clear one, and its tightest gap.
+
+    Within a search, the first with the most room is taken. None, with the nearest miss's gap, if no approach is clear.
+    ``force`` takes the first of all.
+    """
+    nearest = NOWHERE
+    for each in searches:
+        clear: list[tuple[Trajectory, Gap]] = []
+        for trajectory in each:
+            gap = _approach_clearance(problem, model, trajectory.postures)
+            if force or (gap.clear and problem.room(gap.to_object) >= 1.0):
+                return trajectory, gap
+            if gap.clear:
+                clear.append((trajectory, gap))
+            if gap.lack < nearest.lack:
+                nearest = gap
+        if clear:
+            return max(clear, key=lambda found: found[1].to_object)
+    return None, nearest
 
 
 def _waiting_path(
@@ -253,25 +289,19 @@ def _waiting_path(
     ``path_of_move``.
     """
     posture = move.posture.q[0]
-    clear = problem.waiting_clearance(posture).distance
+    waiting = problem.waiting_clearance(posture)
     start = problem.approach.start_posture
     if np.array_equal(posture, start):
-        return _joint_path(problem, move, _standing(start), clear, math.inf)
+        return _joint_path(problem, move, _standing(start), [waiting], math.inf)
     model = _model(problem, others)
-    trajectories = problem.approach.to(posture)
+    searches = [problem.approach.to(posture)]
     if thorough:
-        around = problem.approach.to(posture, lambda q: problem.free(model, q))
-        trajectories = chain(trajectories, around)
-    nearest = Gap(-math.inf, "")
-    for trajectory in trajectories:
-        gap = _approach_clearance(problem, model, trajectory.postures)
-        if gap.clear or force:
-            lower = min(clear, gap.distance)
-            return _joint_path(problem, move, trajectory, lower, math.inf)
-        if gap.lack < nearest.lack:
-            nearest = gap
-    reason = f"on the way to where it waits, {nearest.text}"
-    return Miss(10.0 * nearest.lack, reason, move.posture, in_approach=True)
+        searches.append(problem.approach.to(posture, partial(problem.free, model)))
+    trajectory, gap = _clear_approach(problem, model, searches, force=force)
+    if trajectory is None:
+        reason = f"on the way to where it waits, {gap.text}"
+        return Miss(10.0 * gap.lack, reason, move.posture, in_approach=True)
+    return _joint_path(problem, move, trajectory, [waiting, gap], math.inf)
 
 
 def _standing(posture: Array) -> Trajectory:
@@ -289,8 +319,13 @@ def _model(problem: ArmProblem, others: Mapping[int, Array]) -> Clearance:
 
 
 def _joint_path(
-    problem: ArmProblem, move: Move, approach: Trajectory, clear: float, gap: float
+    problem: ArmProblem,
+    move: Move,
+    approach: Trajectory,
+    gaps: Sequence[Gap],
+    before: float,
 ) -> JointPath:
+    """Joint path with its tightest ``gaps``, and the gap ``before`` [m] the touch."""
     return JointPath(
         approach.times,
         approach.postures,
@@ -299,8 +334,9 @@ def _joint_path(
         move.posture.offset,
         move.margin,
         move.condition,
-        clear,
-        gap,
+        min(gap.distance for gap in gaps),
+        before,
+        room=problem.room(min(gap.to_object for gap in gaps), move.margin),
     )
 
 
@@ -314,11 +350,11 @@ def _approach_clearance(problem: ArmProblem, model: Clearance, postures: Array) 
     return problem.approach_clearance(model, postures) if coarse.clear else coarse
 
 
-def _approach_miss(posture: Posture, descent: Descent, gap: Gap | None) -> Miss:
-    """Miss for an approach blocked by ``gap``, or for an approach not found if ``gap``
-    is None.
+def _approach_miss(posture: Posture, descent: Descent, gap: Gap) -> Miss:
+    """Miss for an approach blocked by ``gap``, or for one not found if that is
+    ``NOWHERE``.
     """
-    if gap is None:
+    if gap is NOWHERE:
         reason = "the arm is stretched too far to feel for it"
         if not descent.retreat.ok:
             reason = problem_text(descent.retreat, descent.points)

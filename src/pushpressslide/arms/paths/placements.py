@@ -42,6 +42,13 @@ class PlacementPaths:
         self.plans: list[Plan] = []
         self.paths: list[tuple[ArmPath, ...]] = []
 
+    @property
+    def room(self) -> float:
+        """Least share of the room that an unsure object asks for, of the last
+        placement's arms.
+        """
+        return min(path.room for path, _ in self.paths[-1])
+
     def add(self, placement: Plan) -> None:
         """Append the plan of a placement.
 
