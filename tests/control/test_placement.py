@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import pytest
 
 import pushpressslide as pps
 from pushpressslide.control.execution import USUAL
-from pushpressslide.control.placement import Placement, share_of_tolerance
+from pushpressslide.control.placement import Placement, leads_on, share_of_tolerance
 from pushpressslide.core.plan import Plan, arms_kept
 from pushpressslide.core.pose import Pose2
 
@@ -83,3 +84,28 @@ def test_an_error_is_the_larger_share_of_its_two_tolerances() -> None:
     around = Pose2(x, y, yaw + 6.283185307179586)
     left = share_of_tolerance(around, task.goal, task.tolerance)
     assert left == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("along", "aside", "yaw_deg", "leads"),
+    [
+        (0.0, 0.0, 0.0, True),
+        (-0.02, 0.005, 2.0, True),
+        (0.9, 0.05, 0.0, False),  # near the goal, and beside its line
+        (0.9, 0.0, 30.0, False),
+    ],
+)
+def test_a_push_leads_on_from_a_place_where_enough_of_its_way_is_left(
+    along: float, aside: float, yaw_deg: float, leads: bool
+) -> None:
+    (segment,) = PUSH.segments
+    share = max(0.0, along)
+    pose = PUSH.object_pose(segment, share * segment.path.length)
+    off = Pose2(min(0.0, along), aside, math.radians(yaw_deg))
+    assert leads_on(PUSH, pose.compose(off)) == leads
+
+
+def test_every_placement_leads_on_from_where_it_is_planned_to_begin() -> None:
+    for plan in (TWO, FIT):
+        for part in plan.by_placement:
+            assert leads_on(part, part.object_pose(part.segments[0], 0.0))

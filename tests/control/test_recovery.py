@@ -51,6 +51,31 @@ def test_a_friction_that_leads_nowhere_is_given_up_for_the_believed_one(
     assert [one.free for one in asked] == [False, True, True]
 
 
+def test_no_belief_has_less_friction_than_the_support_has_shown(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[Restart] = []
+
+    def planned(
+        plan: Plan, begin: Restart, preparation: object, sequences: bool
+    ) -> Plan:
+        asked.append(begin)
+        if plan.task.resumed(begin).scene.support.friction >= 0.5:
+            raise InfeasibleTaskError("too rough to be moved")
+        return plan
+
+    monkeypatch.setattr(module, "_planned", planned)
+    unsure = replace(TASK, belief=replace(TASK.belief, friction_error=0.5))
+    begin = replace(BEGIN, least_friction=0.5)
+    module.planned_anew(Plan(unsure), begin, lambda: None)  # type: ignore[arg-type,return-value]
+    *bounded, last = asked
+    frictions = [TASK.resumed(one).scene.support.friction for one in bounded]
+    assert min(frictions) == 0.5
+    assert {one.least_friction for one in bounded} == {0.5}
+    # what held the object may have been something else
+    assert last.least_friction == 0.0
+
+
 def test_the_first_refusal_is_the_one_that_is_told(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -201,6 +201,9 @@ class Script:
     def identified(self, state: Line, belief: Scene) -> Identified:
         return Identified()
 
+    def withstood_friction(self, state: Line) -> float:
+        return 0.0
+
     def missed(self, state: Line, pose: Pose2) -> None:
         """Nothing is missed."""
 

@@ -16,13 +16,17 @@ from pushpressslide.arms.paths.all_arms import Conflict
 from pushpressslide.arms.paths.approach import Descent
 from pushpressslide.arms.paths.arm_problem import (
     LEAVING,
+    ROOMY,
+    ROOMY_JOINTS,
     STEP,
     ArmProblem,
     object_path,
 )
 from pushpressslide.arms.paths.joint_path import (
+    NOWHERE,
     SearchResult,
     _approach_miss,
+    first_roomy,
     joint_path,
     search,
 )
@@ -49,6 +53,13 @@ POSTURE = Posture(UPRIGHT, 0.0, np.zeros((2, 7)))
 @pytest.fixture(scope="module")
 def push() -> Plan:
     return pps.plan(pps.load_task("rear-push-rear"))
+
+
+@pytest.fixture(scope="module")
+def unsure(push: Plan) -> Plan:
+    """The push, with a belief that states errors."""
+    belief = replace(push.task.belief, friction_error=0.3)
+    return replace(push, task=replace(push.task, belief=belief))
 
 
 @pytest.fixture(scope="module")
@@ -270,5 +281,45 @@ def test_an_approach_that_was_not_judged_names_no_figure_that_is_allowed() -> No
     descent = Descent(
         np.zeros((2, 3)), followed, 1, 1, 0.05, np.zeros((0, 7)), np.zeros(0)
     )
-    miss = _approach_miss(POSTURE, descent, None)
+    miss = _approach_miss(POSTURE, descent, NOWHERE)
     assert "allowed" not in miss.reason
+
+
+def test_only_an_object_that_is_not_known_exactly_asks_for_room(
+    push: Plan, unsure: Plan
+) -> None:
+    assert ArmProblem(DRAKE, push, 0).room(0.0, 0.0) == 1.0
+    problem = ArmProblem(DRAKE, unsure, 0)
+    assert problem.room(ROOMY, ROOMY_JOINTS) == 1.0
+    assert problem.room(0.5 * ROOMY) == pytest.approx(0.5)
+    assert problem.room(ROOMY, 0.2 * ROOMY_JOINTS) == pytest.approx(0.2)
+
+
+def test_a_joint_path_with_room_is_taken_before_one_without(
+    results: list[SearchResult],
+) -> None:
+    solutions = results[-1].solutions[:3]
+    rooms = (0.4, 1.0, 1.0)
+    tight = [
+        replace(solution, path=replace(solution.path, room=room))
+        for solution, room in zip(solutions, rooms, strict=True)
+    ]
+    stream = iter([SearchResult(tuple(tight[: i + 1])) for i in range(3)])
+    result = first_roomy(stream)
+    assert len(result.solutions) == 2
+    assert result.solutions[0] is tight[0]
+    assert max(result.solutions, key=lambda s: s.path.room) is tight[1]
+    assert len(list(stream)) == 1  # no further one was looked for
+
+
+def test_of_the_links_only_the_tip_may_be_near_the_object_it_touches(
+    unsure: Plan,
+) -> None:
+    path, _ = joint_path(DRAKE, unsure)
+    model = DrakeClearance(unsure, 0)
+    along = object_path(unsure)
+    touching = model.min_distance(path.move, along.shapes, touching=True)
+    alone = model.min_distance(path.move, along.shapes, touching=False)
+    assert touching.to_object > ROOMY > touching.distance
+    assert alone.to_object < 1e-3
+    assert path.room == 1.0

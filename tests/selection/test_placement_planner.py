@@ -5,7 +5,7 @@ the others.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import pytest
 
@@ -28,6 +28,16 @@ class Arms:
     plans: list[Plan] = field(default_factory=list)
     paths: tuple = ()
     asked: int = 0
+    rooms: Sequence[float] = (1.0,)  # that of each choice's arms, in turn
+
+    @property
+    def room(self) -> float:
+        placed = self.plans[-1].segments
+        number = [choice.segments for choice in CHOICES].index(placed)
+        return self.rooms[number % len(self.rooms)]
+
+    def keep(self, count: int) -> None:
+        del self.plans[count:]
 
     def add(self, placement: Plan) -> None:
         self.asked += 1
@@ -45,6 +55,26 @@ def test_the_first_choice_with_a_joint_path_is_run_and_the_others_say_why() -> N
     assert judged[0].refusal.code == "joint_path"
     assert judged[1:] == CHOICES[1:]
     assert arms.asked == 2
+
+
+@pytest.mark.parametrize(
+    ("rooms", "run"),
+    [((0.5, 1.0), 1), ((0.5, 0.6), 1), ((0.5, 0.4), 0), ((1.0, 1.0), 0)],
+)
+def test_arms_that_lack_room_are_compared_to_those_of_the_next_choice(
+    rooms: tuple[float, ...], run: int
+) -> None:
+    arms = Arms(CHOICES, rooms=rooms)
+    judged = module.prepared(arms, Plan(TASK), list(CHOICES), force=False)
+    assert [plan.segments for plan in arms.plans] == [CHOICES[run].segments]
+    assert judged == CHOICES
+
+
+def test_another_mode_is_no_choice_for_arms_that_lack_room() -> None:
+    other = replace(CHOICES[1], mode="rear_push")
+    arms = Arms(CHOICES, rooms=(0.5, 1.0))
+    module.prepared(arms, Plan(TASK), [CHOICES[0], other], force=False)
+    assert [plan.segments for plan in arms.plans] == [CHOICES[0].segments]
 
 
 def test_without_a_joint_path_the_task_is_refused() -> None:

@@ -75,6 +75,7 @@ from pushpressslide.core.record import Ending
 from pushpressslide.core.scene import Scene
 from pushpressslide.core.wrench import Wrench
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
+from pushpressslide.identification.parameter_estimates import withstood_friction
 from pushpressslide.modes.base import Tracker
 from pushpressslide.planning.side_contacts import room_before
 
@@ -315,6 +316,22 @@ class Controller:
             given.moved_to((0.0, 0.0))[:3],
             guidance.steering,
         )
+
+    def withstood_friction(self, state: ControllerState) -> float:
+        """Friction of the support, at least, as it has withstood tips that push or drag
+        the object. Zero if they do not, or if something else may have held it.
+        """
+        placement = self.placement
+        contacts = state.following.binding.segment.contacts
+        forces = [memory.mean_force for memory in state.phase.tips]
+        felt = [force for force in forces if force is not None]
+        alone = placement.entry is None and not placement.query.yielding
+        if state.phase.name != "move" or len(felt) < len(contacts) or not alone:
+            return 0.0
+        query = placement.query
+        unsure = query.sensing.felt_noise
+        motion = query.motion
+        return withstood_friction(placement.scene, felt, unsure, motion.acceleration)
 
     def normal_forces(
         self, state: ControllerState, measurement: Measurement

@@ -17,7 +17,7 @@ from pushpressslide.identification.center import CenterIdentifier
 from pushpressslide.identification.drag import DragIdentifier
 from pushpressslide.identification.online import AxleIdentifier
 from pushpressslide.modes import MODES
-from pushpressslide.modes.base import Tracker
+from pushpressslide.modes.base import Measured, Tracker
 from pushpressslide.planning.workspace import poses_along
 
 
@@ -116,3 +116,25 @@ def share_of_tolerance(pose: Pose2, goal: Pose2, tolerance: Tolerance) -> float:
     off = math.dist(pose.position, goal.position) / tolerance.position
     turned = abs(wrap_angle(pose.yaw - goal.yaw)) / tolerance.yaw
     return max(off, turned)
+
+
+def leads_on(placement: Plan, X_WG: Pose2) -> bool:
+    """Whether a path like the planned one leads a ``placement`` to its goal from an
+    object at ``X_WG``, which is elsewhere than planned.
+    """
+    query = placement.query
+    first = placement.segments[0]
+    planned = placement.object_pose(first, 0.0)
+    if share_of_tolerance(X_WG, planned, query.tolerance) <= 1.0:
+        return True
+    radius = query.scene.body.radius
+    longest = margins.longest(margins.TOUCH_DETOUR, first.path.length, radius)
+    replanner = Replanner(placement.queries)
+
+    def path_from(pose: Pose2) -> bool:
+        X_WB = pose.compose(query.X_GB)
+        measured = Measured(X_WB, first.contacts, longest)
+        return bool(replanner.replan(placement.segments, measured))
+
+    # a mode that never continues from another pose tells nothing
+    return path_from(X_WG) or not path_from(planned)

@@ -132,7 +132,8 @@ def planned_anew(
     After a force limit, plans that lead on with less force are tried first.
 
     The arms wait meanwhile: of these further beliefs, sequences of motions are searched
-    for the believed friction without errors only, and after all others.
+    for the believed friction without errors only, and after all others. No belief has
+    less friction than the support is known to have, unless no other gives a plan.
     Raises InfeasibleTaskError if there is no plan.
     """
     task = plan.task
@@ -144,12 +145,15 @@ def planned_anew(
     further = [(one, False) for one in _further(task, free)]
     tried: list[tuple[Task, bool]] = []
     refused: InfeasibleTaskError | None = None
-    for one, sequences in (
+    beliefs = [
         (restart_state, True),
         (free, True),
         *further,
         (_daring(task, free), True),
-    ):
+    ]
+    # the object may have been held by something else
+    unbounded = [(replace(one, least_friction=0.0), more) for one, more in beliefs]
+    for one, sequences in (*beliefs, *unbounded):
         rest = task.resumed(one)
         if (rest, True) in tried or (rest, sequences) in tried:
             continue

@@ -39,6 +39,7 @@ from pushpressslide.control.joint_pace import joint_pace
 from pushpressslide.control.last_look import LastLook
 from pushpressslide.control.limits import ArmReading, Guard
 from pushpressslide.control.looking import RestingPose
+from pushpressslide.control.placement import leads_on
 from pushpressslide.control.recording import Recorder, Tick
 from pushpressslide.control.recovery import (
     OF_ARMS,
@@ -218,6 +219,7 @@ class RunLoop:
         self.hand_eyes: dict[int, HandEye] = {}  # by arm, as seen before
         self.lost: list[Segment] = []  # whose contacts were lost before
         self.failed: list[FailedPlacement] = []  # which are not repeated
+        self.least_friction = 0.0  # of the support, which has withstood the tips
         self.looked_on: float | None = None  # [s] since when for longer
         self.ticks = 0
         self.placements = plan.by_placement
@@ -344,6 +346,11 @@ class RunLoop:
                 for contact in self.controller.segments[0].contacts:
                     self.hand_eyes.pop(contact.arm, None)
 
+    def _learn_friction(self, state: ControllerState) -> None:
+        """Learn the friction of a support that has withstood the tips."""
+        least = self.controller.withstood_friction(state)
+        self.least_friction = max(self.least_friction, least)
+
     def _known_center(self) -> CenterBelief | None:
         """What is believed of the centre of mass after the present placement. None if
         it is sure.
@@ -469,8 +476,11 @@ class RunLoop:
             return
         self.event = None
         supervisor = self.controller.supervisor
+        before = self.state
         if self.cell.clock.simulated or not supervisor.plans(event):
             self.state = supervisor.step(event)
+            if before is not None and self.state.phase.name == "release":
+                self._learn_friction(before)
             return
         held_commands = still(commands, measurement.tips)
         state = self._while_holding(partial(supervisor.step, event), held_commands)
@@ -547,6 +557,7 @@ class RunLoop:
         if self.state is None:
             self.approach.halt(time)
         else:
+            self._learn_friction(self.state)
             failure = (breach.code, text)
             self.state = self.controller.stop(self.state, measurement, failure)
             self.event = None
@@ -693,16 +704,18 @@ class RunLoop:
 
     def _plans_rest(self, tick: Tick, measurement: Measurement) -> bool:
         """Replan the remaining placements, if the next one would push beside the centre
-        of mass. Return False if it would not, or if there is no other plan.
+        of mass, or does not lead to its goal from here. Return False if it would not,
+        or if there is no other plan.
         """
+        if self.state is None or self.controller.kept_arms:
+            return False
         after = self.placements[self.number + 1]
         center = self._known_center()
-        if self.state is None or center is None or self.controller.kept_arms:
-            return False
-        if not beside_center(after, center):
+        pose = self.controller.filtered_pose(self.state)
+        beside = center is not None and beside_center(after, center)
+        if not beside and leads_on(after, pose):
             return False
         leg = after.segments[0].leg
-        pose = self.controller.filtered_pose(self.state)
         try:
             start = replace(self._restart(pose), leg=leg)
             plan, held_commands = self._planned_from(
@@ -799,6 +812,7 @@ class RunLoop:
         if not scene.carried(pose):
             raise InfeasibleTaskError("nothing but the arms carries the object")
         start = restart(scene, segment, pose, found, self._known_center())
+        start = replace(start, least_friction=self.least_friction)
         if self.state is None or not self._slid:
             return start
         return after_slides(start, scene, segment, self.state.watches.tip_friction)

@@ -97,6 +97,8 @@ class Restart:
     center_error: float | None = None  # [m]; None: that of the task
     contact_friction: float | None = None  # None: that of the task
     planned_share: float | None = None  # of the force limit; None: that of the task
+    # that the support has, since the object withstood forces of the tips
+    least_friction: float = 0.0
 
 
 @documented
@@ -313,7 +315,7 @@ class Task:
         belief = replace(
             self.belief,
             center_of_mass=restart.center_of_mass,
-            support_friction=restart.support_friction,
+            support_friction=max(restart.support_friction, restart.least_friction),
             rho=restart.rho,
         )
         if restart.center_error is not None:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from pushpressslide.core import margins
+from pushpressslide.core.control import Vector3
 from pushpressslide.core.pose import Point
 from pushpressslide.core.scene import Scene
 from pushpressslide.identification.online import AxleEstimate
@@ -26,6 +29,24 @@ class ParameterEstimates(NamedTuple):
 
 NOTHING = ParameterEstimates()
 """No estimates: nothing contradicts the belief."""
+
+
+def withstood_friction(
+    scene: Scene, forces: Sequence[Vector3], unsure: float, acceleration: float
+) -> float:
+    """Least friction of a level support under an object that the tips' ``forces`` [N],
+    in the support's frame, accelerate by no more than ``acceleration`` [m/s^2].
+
+    ``unsure`` [N] is the standard deviation of each component of the forces. Zero on a
+    slope, and for an object that nothing presses onto its support.
+    """
+    fx, fy, fz = (math.fsum(force[i] for force in forces) for i in range(3))
+    press = scene.weight_on - fz
+    if any(scene.weight_along) or press <= 0.0:
+        return 0.0
+    force = math.hypot(fx, fy) - scene.body.mass * acceleration
+    force -= margins.DOUBT * math.sqrt(len(forces)) * unsure
+    return max(0.0, force) / press
 
 
 def dragged_friction(scene: Scene, load: float, drag: float | None) -> float:

@@ -185,7 +185,6 @@ def add_first(
     in ``problems`` are not tried again. At most ``tries`` problems are collected.
     """
     tight: list[tuple[float, str, Plan]] = []
-    before = len(planner.plans)
     for i, choice in enumerate(choices):
         if not choice.segments or not (choice.feasible or force):
             continue
@@ -196,6 +195,7 @@ def add_first(
         key = (choice.mode, choice.contacts, choice.label, choice.summary)
         try:
             if key not in problems:
+                before = len(planner.plans)
                 plan = empty.of_choices([choice]).by_placement[0]
                 planner.add(plan)
                 if planner.room >= 1.0 or force or len(planner.plans) == before:

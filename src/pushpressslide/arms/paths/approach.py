@@ -32,7 +32,7 @@ from pushpressslide.robots.tool import ToolAttitude
 APPROACH_SPEED = 1.2  # [rad/s] of the fastest joint in free space
 SLIDE_SPEED = 0.4  # [m/s] of the fastest slide
 SPEED_SHARE = 0.7  # of a joint's own limit, in free space
-DESCENT_SPEED = 0.15  # [m/s] of the tip
+DESCENT_SPEED = 0.25  # [m/s] of the tip
 HOVER_ROOM = 0.06  # [m] above all tops, from where the tip descends beside the object
 LEAST_RISE = 0.08  # [m] length of a descent if the tip is above all tops already
 RISE_STEP = 0.02  # [m] of the tip between two samples of a rise
