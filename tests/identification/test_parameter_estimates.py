@@ -39,5 +39,7 @@ def test_what_noise_and_acceleration_explain_tells_nothing() -> None:
 
 
 def test_a_slope_tells_nothing() -> None:
-    tilted = pps.load_task("rear-push-rear", ["support.kind=incline", "support.angle_deg=5.0"]).scene
+    tilted = pps.load_task(
+        "rear-push-rear", ["support.kind=incline", "support.angle_deg=5.0"]
+    ).scene
     assert withstood_friction(tilted, [(WEIGHT, 0.0, 0.0)], 0.0, 0.0) == 0.0

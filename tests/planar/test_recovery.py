@@ -124,6 +124,20 @@ def test_an_arm_that_failed_is_given_other_contacts_if_there_are_others(
     assert not (near and first.mode == again.mode)
 
 
+@pytest.mark.parametrize(("at", "others"), [(2.2, True), (3.0, False)])
+def test_a_press_that_does_not_move_the_object_is_not_repeated(
+    at: float, others: bool
+) -> None:
+    def overload(time: float, commands: Commands) -> Commands:
+        return tuple(map(overloaded, commands)) if at <= time < at + 0.1 else commands
+
+    made, _, found = run_of(pps.load_task("press-slide"), overload)
+    assert [event["code"] for event in found["events"]] == ["force_limit"]
+    first, second = made.segments[0], made.later[0].segments[0]
+    near = math.dist(first.contacts[0].point, second.contacts[0].point) < ALIKE
+    assert (near and first.mode == second.mode) == (not others)
+
+
 def test_an_arm_that_failed_repeats_the_only_contacts(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

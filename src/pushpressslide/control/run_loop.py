@@ -39,7 +39,7 @@ from pushpressslide.control.joint_pace import joint_pace
 from pushpressslide.control.last_look import LastLook
 from pushpressslide.control.limits import ArmReading, Guard
 from pushpressslide.control.looking import RestingPose
-from pushpressslide.control.placement import leads_on
+from pushpressslide.control.placement import leads_on, share_of_tolerance
 from pushpressslide.control.recording import Recorder, Tick
 from pushpressslide.control.recovery import (
     OF_ARMS,
@@ -84,9 +84,12 @@ from pushpressslide.core.state import WorldState
 from pushpressslide.core.task import Restart
 from pushpressslide.core.truth import EXACT, refuse_truth
 from pushpressslide.identification.parameter_estimates import NOTHING
+from pushpressslide.identification.tip_friction import TipFriction
 from pushpressslide.planning.side_contacts import before_contacts
 from pushpressslide.selection.placement_planner import FailedPlacement
 
+# share of the goal's tolerances by which a placement moves an object that is stuck
+STUCK = 0.5
 AT_BASE = 0.01  # [m] from its robot's base at which a tip without an arm waits
 T = TypeVar("T")
 PROGRESS_TICKS = 25  # ticks between two progress reports
@@ -220,6 +223,8 @@ class RunLoop:
         self.lost: list[Segment] = []  # whose contacts were lost before
         self.failed: list[FailedPlacement] = []  # which are not repeated
         self.least_friction = 0.0  # of the support, which has withstood the tips
+        self.tip_friction: TipFriction | None = None  # of presses that have slid
+        self.touched_at = query.start  # X_WG when the present placement was touched
         self.looked_on: float | None = None  # [s] since when for longer
         self.ticks = 0
         self.placements = plan.by_placement
@@ -351,6 +356,18 @@ class RunLoop:
         least = self.controller.withstood_friction(state)
         self.least_friction = max(self.least_friction, least)
 
+    def _dragged_friction(self) -> float | None:
+        """Support friction, with the believed mass, that pushes have identified. None if
+        it does not contradict the belief.
+        """
+        found = self.identified
+        if self.state is not None:
+            found = found.better(self._identified_now(self.state))
+        product = found.parameters.get("mass_times_friction")
+        if product is None or not product.contradicts_belief:
+            return None
+        return product.value / self.believed.body.mass
+
     def _known_center(self) -> CenterBelief | None:
         """What is believed of the centre of mass after the present placement. None if
         it is sure.
@@ -442,6 +459,7 @@ class RunLoop:
                 self.tare.add(self.raw, [i in untouched for i in range(len(self.raw))])
         if self.state is None:
             looked = self._looked(measurement)
+            self.touched_at = looked.object_pose
             self.state = self.controller.init(looked, self.approach.held)
         if self.state.phase.name == "release" and self.guard.near_joint_limit(readings):
             self.state = self.controller.halted(self.state, measurement)
@@ -662,7 +680,7 @@ class RunLoop:
             start = self._restart(pose)
             if reason.code == "force_limit":
                 start = after_force_limit(start, self.plan.task.limits)
-            self._remember_failure(reason)
+            self._remember_failure(reason, pose)
             failed = list(self.failed)
             if reason.code in OF_ARMS and self._followed is not None:
                 failed.append(FailedPlacement(self._followed))
@@ -676,12 +694,21 @@ class RunLoop:
         self._resume(plan, held_commands)
         return True
 
-    def _remember_failure(self, reason: Ending) -> None:
-        """Remember presses that slid, and a placement whose contacts were lost twice."""
-        if reason.code != "contact_lost" or self.state is None:
+    def _remember_failure(self, reason: Ending, pose: Pose2) -> None:
+        """Remember presses that slid, a placement whose contacts were lost twice, and
+        one that left the object, now at ``pose``, X_WG, where it was.
+        """
+        if self.state is None:
             return
         planned = self.controller.segments[0]
         here = FailedPlacement(planned)
+        if reason.code in ("force_limit", "goal_missed"):
+            tolerance = self.controller.placement.last.tolerance
+            moved = share_of_tolerance(pose, self.touched_at, tolerance)
+            if self.state.following.began is not None and moved < STUCK:
+                self.failed.append(here)
+        if reason.code != "contact_lost":
+            return
         if self._presses_slid:
             self.failed.append(FailedPlacement.anywhere(planned))
         elif any(here.repeated_by(one) for one in self.lost):
@@ -812,10 +839,18 @@ class RunLoop:
         if not scene.carried(pose):
             raise InfeasibleTaskError("nothing but the arms carries the object")
         start = restart(scene, segment, pose, found, self._known_center())
-        start = replace(start, least_friction=self.least_friction)
-        if self.state is None or not self._slid:
+        friction = start.support_friction
+        if found.drag is None:
+            friction = self._dragged_friction() or friction
+        start = replace(
+            start, support_friction=friction, least_friction=self.least_friction
+        )
+        if self.state is not None and self._slid:
+            self.tip_friction = self.state.watches.tip_friction or self.tip_friction
+            return after_slides(start, scene, segment, self.tip_friction)
+        if self.tip_friction is None:
             return start
-        return after_slides(start, scene, segment, self.state.watches.tip_friction)
+        return replace(start, contact_friction=self.tip_friction.value)
 
     def _hold(self, tick: Tick, measurement: Measurement) -> Commands:
         """Command all arms, or tips without arms, to hold their measured positions.
