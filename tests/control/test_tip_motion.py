@@ -14,6 +14,7 @@ from pushpressslide.control.tip_motion import (
     HEIGHT_EASING,
     HEIGHT_SLACK,
     PRESS_DAMPING,
+    PUSH_SHARE,
     RETURN_RATE,
     TIP_ACCELERATION,
     TOOL_ACCELERATION,
@@ -30,6 +31,7 @@ from pushpressslide.core.control import TipState, Vector3
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.wrench import Twist
+from pushpressslide.execution.impedance import tip_force
 from pushpressslide.execution.normal_force import (
     NormalForceRegulator,
     NormalForceState,
@@ -130,6 +132,38 @@ def test_a_tip_is_led_back_by_a_share_of_its_speed_and_not_where_it_stands(
     on, along = led((x, y + side * 0.05), 1.0, speed)
     assert on == pytest.approx(0.0)
     assert abs(along) == pytest.approx(margins.ARM.return_share * speed)
+
+
+@pytest.mark.parametrize("noise", [0.0, 1.0])
+@pytest.mark.parametrize("fed", [5.0, 30.0, 39.0])
+@pytest.mark.parametrize("moves", [0.0, 0.04, 0.3])
+def test_a_push_stays_within_the_force_limit_and_may_always_be_held_back(
+    fed: float, moves: float, noise: float
+) -> None:
+    """Also where the object does not move as it should: a tip that moves with
+    ``moves`` [m/s] and is fed ``fed`` [N].
+    """
+    contact = SIDES[0]
+    X_WB = Pose2(0.5, 0.1, 0.7)
+    tip, height = contact.tip_place(RADIUS)
+    push = contact.direction(X_WB)
+    velocity = (moves * push[0], moves * push[1], 0.0)
+    felt = (fed * push[0], fed * push[1], 0.0)
+    state = TipState((*X_WB.apply(tip), height), velocity, felt)
+    context = TipContext(contact, state, X_WB, 1.0, 0.004, 0.0, X_WB.yaw)
+    limit = 40.0
+    regulator = NormalForceRegulator(f_max=limit)
+    mover = TipMover(500.0, 0.7, 0.2, noise, regulator, (RADIUS,))
+    task = TipTask(Twist(SPEED, 0.01, 0.0), tip, (fed, 0.0), fed)
+    memory = TipMemory(state.position, velocity=X_WB.rotate((SPEED, 0.01)))
+    command, _, _ = mover.step(memory, context, task)
+    total = tip_force(command, state.position, state.velocity)
+    on = total[0] * push[0] + total[1] * push[1]
+    assert on <= max(PUSH_SHARE * (limit - noise), fed) + 1e-9
+    ahead, along = X_WB.unrotate(command.velocity[:2])
+    assert along == pytest.approx(0.01)
+    if moves > SPEED:
+        assert ahead == pytest.approx(SPEED)
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])

@@ -38,6 +38,7 @@ TIP_ACCELERATION = {"side": 0.5, "top": 1.0}
 # [s] in which the drag of a press may turn about, from one side of its disc of friction
 # to the other: a jump shakes the arm, and with it the normal force
 TURNABOUT = 0.12
+PUSH_SHARE = 0.95  # of the force limit, within which a push is kept
 TOOL_ACCELERATION = 5.0  # [rad/s^2] the same of the tool's turning
 
 
@@ -162,6 +163,8 @@ class TipMover:
             back_x, back_y = _reseating_velocity(context, task.hold, mean_normal, speed)
             vx += back_x
             vy += back_y
+        if contact.kind == "side":
+            vx, vy = self._within_limit((vx, vy), force, direction, tip.velocity)
         command = TipCommand(
             force=(force[0], force[1], -normal.push),
             position=(tip.position[0], tip.position[1], normal.height),
@@ -180,6 +183,25 @@ class TipMover:
         memory = memory._replace(velocity=velocity, turn=turn, mean_force=mean)
         memory = memory._replace(kept_force=kept)
         return command, memory, felt
+
+    def _within_limit(
+        self, velocity: Point, force: Point, direction: Vector3, measured: Vector3
+    ) -> Point:
+        """Velocity [m/s] with which the servo's force, added to the fed-forward
+        ``force`` [N], keeps a push within the limit of its normal force.
+
+        ``direction`` is that of the push, ``measured`` [m/s] the tip's velocity. The
+        servo may always hold the tip back.
+        """
+        if self.damping == 0.0:
+            return velocity
+        nx, ny, _ = direction
+        vx, vy = velocity
+        most = PUSH_SHARE * (self.regulator.f_max - self.noise)
+        room = max(0.0, most - (force[0] * nx + force[1] * ny)) / self.damping
+        ahead = (vx - measured[0]) * nx + (vy - measured[1]) * ny
+        over = max(0.0, ahead - room)
+        return vx - over * nx, vy - over * ny
 
     def _along_height(
         self,
