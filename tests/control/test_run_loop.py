@@ -59,6 +59,7 @@ from pushpressslide.core.record import Ending, Record
 from pushpressslide.core.scene import Scene
 from pushpressslide.core.task import Motion, Sensing, Task
 from pushpressslide.identification.parameter import Parameter
+from pushpressslide.identification.tip_friction import TipFriction
 
 PERIOD = 0.01
 TICKS = 10  # that a scripted placement takes
@@ -733,3 +734,21 @@ def test_an_arm_that_fails_while_one_plans_leaves_no_thread_behind(
         thread.join(2.0)
         assert not thread.is_alive()
     assert "gone" in str(failure.value)  # its frames live until here
+
+
+def test_what_forces_have_told_is_known_to_every_later_plan(one: Plan, scripts) -> None:
+    loop = RunLoop(cell_of(Diary(arms=1), 1), one, RunOptions(controller=Script))
+    before = loop._restart(Pose2())
+    assert (before.contact_friction, before.least_friction) == (None, 0.0)
+    loop.tip_friction = TipFriction(0.7, 0.03, 20.0, 10.0)
+    loop.least_friction = 0.25
+    body = one.task.scene.body
+    heavy = Parameter(0.6 * body.mass, 0.01 * body.mass, 0.4 * body.mass)
+    loop.identified = Identified({"mass_times_friction": heavy})
+    after = loop._restart(Pose2())
+    assert after.contact_friction == 0.7
+    assert after.least_friction == 0.25
+    assert after.support_friction == pytest.approx(0.6)
+    as_believed = heavy._replace(belief=heavy.value)
+    loop.identified = Identified({"mass_times_friction": as_believed})
+    assert loop._restart(Pose2()).support_friction == before.support_friction
