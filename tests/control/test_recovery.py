@@ -295,7 +295,10 @@ def test_after_presses_slid_anything_else_is_planned_before_another_press(
             _: Restart,
             prepare: Callable[[], PlacementPlanner],
             made: list[PlacementPlanner] = made,
+            *,
+            bounded: bool,
         ) -> Plan:
+            assert bounded
             made.append(prepare())
             return plan
 

@@ -117,7 +117,11 @@ def after_force_limit(start: Restart, limits: Limits) -> Restart:
 
 
 def planned_anew(
-    plan: Plan, restart_state: Restart, prepare: Callable[[], PlacementPlanner]
+    plan: Plan,
+    restart_state: Restart,
+    prepare: Callable[[], PlacementPlanner],
+    *,
+    bounded: bool = False,
 ) -> Plan:
     """Plan for the remaining task of ``plan``, made by the empty placement planner that
     ``prepare`` returns.
@@ -133,7 +137,8 @@ def planned_anew(
 
     The arms wait meanwhile: of these further beliefs, sequences of motions are searched
     for the believed friction without errors only, and after all others. No belief has
-    less friction than the support is known to have, unless no other gives a plan.
+    less friction than the support is known to have, unless no other gives a plan and
+    they need not be ``bounded``.
     Raises InfeasibleTaskError if there is no plan.
     """
     task = plan.task
@@ -151,9 +156,10 @@ def planned_anew(
         *further,
         (_daring(task, free), True),
     ]
-    # the object may have been held by something else
-    unbounded = [(replace(one, least_friction=0.0), more) for one, more in beliefs]
-    for one, sequences in (*beliefs, *unbounded):
+    if not bounded:  # the object may have been held by something else
+        free = replace(free, least_friction=0.0)
+        beliefs += [(free, False), *((one, False) for one in _further(task, free))]
+    for one, sequences in beliefs:
         rest = task.resumed(one)
         if (rest, True) in tried or (rest, sequences) in tried:
             continue
@@ -185,7 +191,7 @@ def planned_otherwise(
         return OtherPlacements(prepare(), failed)
 
     try:
-        return planned_anew(plan, restart_state, prepare_others)
+        return planned_anew(plan, restart_state, prepare_others, bounded=True)
     except InfeasibleTaskError:
         return planned_anew(plan, restart_state, prepare)
 
