@@ -13,7 +13,12 @@ import pytest
 import pushpressslide as pps
 from pushpressslide.control.controller import Controller
 from pushpressslide.control.execution import USUAL
-from pushpressslide.control.following import JOINT_LEAD, Following, bind_laws
+from pushpressslide.control.following import (
+    JOINT_LEAD,
+    BoundLaws,
+    Following,
+    bind_laws,
+)
 from pushpressslide.core.control import Measurement, TipState
 from pushpressslide.core.plan import Segment
 
@@ -61,9 +66,40 @@ def test_a_motion_begins_once_and_each_segment_by_itself() -> None:
 def test_joints_are_as_far_from_the_end_as_the_object_is(done: float) -> None:
     led = following()._replace(progress=done, joint_start=2.0)
     assert led.joint_progress(START) == pytest.approx(2.0 + done)
-    half = FIRST.follows(FIRST.path.rest(0.4 * LENGTH))
-    rest = led_by(half)._replace(progress=0.1)
-    assert rest.joint_progress(START) == pytest.approx(0.4 * LENGTH + 0.1)
+    half = led_by(FIRST.follows(FIRST.path.rest(0.4 * LENGTH))).binding
+    rest = following()._replace(progress=0.4 * LENGTH).led(half, (), 0.0, START)
+    assert rest._replace(progress=0.1).joint_progress(START) == pytest.approx(
+        0.4 * LENGTH + 0.1
+    )
+
+
+@pytest.mark.parametrize("share", [0.3, 0.7, 1.4])
+def test_joints_do_not_jump_where_the_path_becomes_shorter_or_longer(
+    share: float,
+) -> None:
+    """And they end with the object."""
+    before = following()._replace(progress=0.4 * LENGTH, joint_start=2.0)
+    path = FIRST.path.rest((1.0 - 0.6 * share) * LENGTH)
+    if share > 1.0:
+        path = replace(path, sections=((0.0, 0.6 * share * LENGTH),))
+    other = led_by(FIRST.follows(path)).binding
+    led = before.led(other, (), 0.05, START)
+    here = before.joint_progress(START)
+    assert led.joint_progress(START) == pytest.approx(here)
+    way = path.length - 0.05
+    middle = led._replace(progress=0.05 + 0.5 * way)
+    expected = here + 0.5 * (2.0 + LENGTH - here)
+    assert middle.joint_progress(START) == pytest.approx(expected)
+    again = middle.led(half_of(other), (), 0.0, START)
+    assert again.joint_progress(START) == pytest.approx(expected)
+    for done in (led._replace(progress=path.length), again._replace(progress=LENGTH)):
+        assert done.joint_progress(START) == pytest.approx(2.0 + LENGTH)
+
+
+def half_of(laws: BoundLaws) -> BoundLaws:
+    """Laws for the second half of the path."""
+    segment = laws.segment
+    return led_by(segment.follows(segment.path.rest(0.5 * segment.path.length))).binding
 
 
 def test_joints_wait_at_the_start_of_a_path_that_has_become_longer() -> None:

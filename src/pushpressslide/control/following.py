@@ -100,6 +100,10 @@ class Following(NamedTuple):
     reference: Segment | None = None
     reference_start: float = 0.0  # [s] its time zero
     joint_start: float = 0.0  # [m] of joint path before this segment
+    # [m] of the joint path beyond ``joint_start``, and of the binding's path, where that
+    # was begun
+    joint_begun: float = 0.0
+    path_begun: float = 0.0
     rho: float | None = None  # [m] used in replans; None: that of the task
 
     @property
@@ -115,6 +119,25 @@ class Following(NamedTuple):
             following = self._replace(reference=reference, reference_start=time)
         return following if self.began is not None else following._replace(began=time)
 
+    def led(
+        self,
+        binding: BoundLaws,
+        ahead: tuple[Segment, ...],
+        progress: float,
+        X_WB: Pose2,
+    ) -> Following:
+        """Copy on another path of the same segment, with its ``progress`` [m], that is
+        begun at ``X_WB``.
+        """
+        joints = self.joint_progress(X_WB) - self.joint_start
+        return self._replace(
+            binding=binding,
+            ahead=ahead,
+            progress=progress,
+            joint_begun=joints,
+            path_begun=progress,
+        )
+
     def delayed(self, passed: float) -> Following:
         """Copy with its clock and reference delayed by ``passed`` [s]."""
         return self._replace(
@@ -125,9 +148,9 @@ class Following(NamedTuple):
     def joint_progress(self, X_WB: Pose2) -> float:
         """Arc length [m] on the planned path at which to read the joint reference.
 
-        The remaining length is the same as on the current path. If a spin was replanned
-        as arcs, the lengths of the two paths refer to different points; the planned
-        pose nearest to the object at ``X_WB`` is then used.
+        What is left of it shrinks with what is left of the current path. If a spin was
+        replanned as arcs, the lengths of the two paths refer to different points; the
+        planned pose nearest to the object at ``X_WB`` is then used.
         """
         planned = self.segment
         path = planned.path
@@ -135,7 +158,10 @@ class Following(NamedTuple):
             assert isinstance(path, TwistPath)
             here = path.nearest(X_WB.compose(planned.X_BV), 0.0)
             return self.joint_start + min(here, path.length)
-        return self.joint_start + max(0.0, path.length - self.left)
+        way = self.binding.segment.path.length - self.path_begun
+        share = self.left / way if way > 0.0 else 0.0
+        left = min(max(share, 0.0), 1.0) * (path.length - self.joint_begun)
+        return self.joint_start + max(0.0, path.length - left)
 
     def replanned_as_arcs(self, segment: Segment) -> bool:
         """Whether ``segment`` follows arcs although its leg was planned along twists."""

@@ -577,12 +577,11 @@ class Supervisor:
             # the virtual axle is identified about the identified centre
             axle = self.placement.axle_identifier(first)
             prediction = prediction._replace(axle=axle, followed_center=found.center)
+        laws = self.placement.bound_laws(first)
+        ahead, progress = better.segments[1:], better.progress
+        following = following.led(laws, ahead, progress, instant.X_WB)
         following = following._replace(
-            binding=self.placement.bound_laws(first),
-            ahead=better.segments[1:],
-            prediction=prediction,
-            progress=better.progress,
-            clock_start=time - better.clock,
+            prediction=prediction, clock_start=time - better.clock
         )
         return state._replace(following=following)
 
@@ -638,13 +637,9 @@ class Supervisor:
                 center=self.placement.center_identifier(fresh[0], found.center),
                 followed_center=found.center,
             )
-            following = following._replace(
-                binding=self.placement.bound_laws(fresh[0]),
-                ahead=fresh[1:],
-                prediction=prediction,
-                progress=0.0,
-                clock_start=time,
-            )
+            laws = self.placement.bound_laws(fresh[0])
+            following = following.led(laws, fresh[1:], 0.0, X_WB)
+            following = following._replace(prediction=prediction, clock_start=time)
         elif following.reference is None:
             following = following._replace(clock_start=time)
         else:
