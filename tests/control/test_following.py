@@ -67,7 +67,7 @@ def test_joints_are_as_far_from_the_end_as_the_object_is(done: float) -> None:
     led = following()._replace(progress=done, joint_start=2.0)
     assert led.joint_progress(START) == pytest.approx(2.0 + done)
     half = led_by(FIRST.follows(FIRST.path.rest(0.4 * LENGTH))).binding
-    rest = following()._replace(progress=0.4 * LENGTH).led(half, (), 0.0, START)
+    rest = following()._replace(progress=0.4 * LENGTH).replanned(half, (), 0.0, START)
     assert rest._replace(progress=0.1).joint_progress(START) == pytest.approx(
         0.4 * LENGTH + 0.1
     )
@@ -83,14 +83,14 @@ def test_joints_do_not_jump_where_the_path_becomes_shorter_or_longer(
     if share > 1.0:
         path = replace(path, sections=((0.0, 0.6 * share * LENGTH),))
     other = led_by(FIRST.follows(path)).binding
-    led = before.led(other, (), 0.05, START)
+    led = before.replanned(other, (), 0.05, START)
     here = before.joint_progress(START)
     assert led.joint_progress(START) == pytest.approx(here)
     way = path.length - 0.05
     middle = led._replace(progress=0.05 + 0.5 * way)
     expected = here + 0.5 * (2.0 + LENGTH - here)
     assert middle.joint_progress(START) == pytest.approx(expected)
-    again = middle.led(half_of(other), (), 0.0, START)
+    again = middle.replanned(half_of(other), (), 0.0, START)
     assert again.joint_progress(START) == pytest.approx(expected)
     for done in (led._replace(progress=path.length), again._replace(progress=LENGTH)):
         assert done.joint_progress(START) == pytest.approx(2.0 + LENGTH)

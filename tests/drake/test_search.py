@@ -15,9 +15,9 @@ from pushpressslide.arms.paths import joint_path as joint_paths
 from pushpressslide.arms.paths.all_arms import Conflict
 from pushpressslide.arms.paths.approach import Descent
 from pushpressslide.arms.paths.arm_problem import (
+    JOINT_ROOM,
     LEAVING,
-    ROOMY,
-    ROOMY_JOINTS,
+    OBJECT_ROOM,
     STEP,
     ArmProblem,
     object_path,
@@ -290,9 +290,9 @@ def test_only_an_object_that_is_not_known_exactly_asks_for_room(
 ) -> None:
     assert ArmProblem(DRAKE, push, 0).room(0.0, 0.0) == 1.0
     problem = ArmProblem(DRAKE, unsure, 0)
-    assert problem.room(ROOMY, ROOMY_JOINTS) == 1.0
-    assert problem.room(0.5 * ROOMY) == pytest.approx(0.5)
-    assert problem.room(ROOMY, 0.2 * ROOMY_JOINTS) == pytest.approx(0.2)
+    assert problem.room(OBJECT_ROOM, JOINT_ROOM) == 1.0
+    assert problem.room(0.5 * OBJECT_ROOM) == pytest.approx(0.5)
+    assert problem.room(OBJECT_ROOM, 0.2 * JOINT_ROOM) == pytest.approx(0.2)
 
 
 def test_a_joint_path_with_room_is_taken_before_one_without(
@@ -320,6 +320,6 @@ def test_of_the_links_only_the_tip_may_be_near_the_object_it_touches(
     along = object_path(unsure)
     touching = model.min_distance(path.move, along.shapes, touching=True)
     alone = model.min_distance(path.move, along.shapes, touching=False)
-    assert touching.to_object > alone.to_object
-    assert alone.to_object < 1e-3
-    assert path.room == pytest.approx(min(1.0, touching.to_object / ROOMY))
+    assert alone.distance < 1e-3 < alone.to_object
+    assert touching.to_object == alone.to_object
+    assert path.room == pytest.approx(min(1.0, touching.to_object / OBJECT_ROOM))

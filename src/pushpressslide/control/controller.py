@@ -321,17 +321,16 @@ class Controller:
         """Friction of the support, at least, as it has withstood tips that push or drag
         the object. Zero if they do not, or if something else may have held it.
         """
-        placement = self.placement
-        contacts = state.following.binding.segment.contacts
+        segment = state.following.binding.segment
+        query = self.placement.queries[segment.leg]
         forces = [memory.mean_force for memory in state.phase.tips]
         felt = [force for force in forces if force is not None]
-        alone = placement.entry is None and not placement.query.yielding
-        if state.phase.name != "move" or len(felt) < len(contacts) or not alone:
+        alone = query.resisted_by_friction_alone and self.placement.entry is None
+        if state.phase.name != "move" or len(felt) < len(forces) or not alone:
             return 0.0
-        query = placement.query
         unsure = query.sensing.felt_noise
         motion = query.motion
-        return withstood_friction(placement.scene, felt, unsure, motion.acceleration)
+        return withstood_friction(query.scene, felt, unsure, motion.acceleration)
 
     def normal_forces(
         self, state: ControllerState, measurement: Measurement

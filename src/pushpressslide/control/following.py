@@ -100,10 +100,10 @@ class Following(NamedTuple):
     reference: Segment | None = None
     reference_start: float = 0.0  # [s] its time zero
     joint_start: float = 0.0  # [m] of joint path before this segment
-    # [m] of the joint path beyond ``joint_start``, and of the binding's path, where that
-    # was begun
-    joint_begun: float = 0.0
-    path_begun: float = 0.0
+    # where the binding's path was begun: [m] of the joint path beyond ``joint_start``,
+    # and of the binding's path
+    joint_offset: float = 0.0
+    path_offset: float = 0.0
     rho: float | None = None  # [m] used in replans; None: that of the task
 
     @property
@@ -119,7 +119,7 @@ class Following(NamedTuple):
             following = self._replace(reference=reference, reference_start=time)
         return following if self.began is not None else following._replace(began=time)
 
-    def led(
+    def replanned(
         self,
         binding: BoundLaws,
         ahead: tuple[Segment, ...],
@@ -134,8 +134,8 @@ class Following(NamedTuple):
             binding=binding,
             ahead=ahead,
             progress=progress,
-            joint_begun=joints,
-            path_begun=progress,
+            joint_offset=joints,
+            path_offset=progress,
         )
 
     def delayed(self, passed: float) -> Following:
@@ -158,10 +158,17 @@ class Following(NamedTuple):
             assert isinstance(path, TwistPath)
             here = path.nearest(X_WB.compose(planned.X_BV), 0.0)
             return self.joint_start + min(here, path.length)
-        way = self.binding.segment.path.length - self.path_begun
-        share = self.left / way if way > 0.0 else 0.0
-        left = min(max(share, 0.0), 1.0) * (path.length - self.joint_begun)
+        most = path.length - self.joint_offset
+        left = min(max(0.0, self.joint_rate * self.left), most)
         return self.joint_start + max(0.0, path.length - left)
+
+    @property
+    def joint_rate(self) -> float:
+        """Length of joint path for each length of the followed path."""
+        way = self.binding.segment.path.length - self.path_offset
+        if way <= 0.0:
+            return 0.0
+        return (self.segment.path.length - self.joint_offset) / way
 
     def replanned_as_arcs(self, segment: Segment) -> bool:
         """Whether ``segment`` follows arcs although its leg was planned along twists."""

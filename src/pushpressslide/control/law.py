@@ -70,7 +70,8 @@ class Law:
         segment = binding.segment
         speed = instant.pace * self.speed(following, instant.time)
         if self.pace is not None:
-            speed = min(speed, self.pace.speed_at(following.joint_progress(X_WB)))
+            allowed = self.pace.speed_at(following.joint_progress(X_WB))
+            speed = min(speed, allowed / max(following.joint_rate, 1.0))
 
         started = clock()
         guidance = binding.tracker.step(

@@ -131,9 +131,10 @@ def planned_anew(
     friction is replaced by the believed friction, since a jammed object seems to have
     more friction than it has; then the errors of the belief are ignored; then the
     support has the least friction that they allow; then the centre of mass is the
-    likeliest one. After a slide, the errors are ignored before all this, first with
-    that centre; then the support alone has more friction; then the slide is ignored.
-    After a force limit, plans that lead on with less force are tried first.
+    likeliest one. Where a slide has told the tips' friction, the errors are ignored
+    before all this, first with that centre; then the support alone has more friction;
+    then the slide is ignored. After a force limit, plans that lead on with less force
+    are tried first.
 
     The arms wait meanwhile: of these further beliefs, sequences of motions are searched
     for the believed friction without errors only, and after all others. No belief has

@@ -224,7 +224,7 @@ class RunLoop:
         self.failed: list[FailedPlacement] = []  # which are not repeated
         self.least_friction = 0.0  # of the support, which has withstood the tips
         self.tip_friction: TipFriction | None = None  # of presses that have slid
-        self.touched_at = query.start  # X_WG when the present placement was touched
+        self.pose_at_touch = query.start  # X_WG, of the present placement
         self.looked_on: float | None = None  # [s] since when for longer
         self.ticks = 0
         self.placements = plan.by_placement
@@ -351,8 +351,20 @@ class RunLoop:
                 for contact in self.controller.segments[0].contacts:
                     self.hand_eyes.pop(contact.arm, None)
 
+    def _learn_as_it_ends(self, before: ControllerState | None) -> None:
+        """Learn from the state ``before``, if the tips are let go after it."""
+        if before is None or self.state is None:
+            return
+        if self.state.phase.name == "release":
+            self._learn_friction(before)
+
     def _learn_friction(self, state: ControllerState) -> None:
-        """Learn the friction of a support that has withstood the tips."""
+        """Learn the friction of a support that has withstood the tips: where the object
+        stands still, and is not known exactly.
+        """
+        pose = self.controller.filtered_pose(state)
+        if self._moves_object(pose) or not self.believed.planned_for_errors:
+            return
         least = self.controller.withstood_friction(state)
         self.least_friction = max(self.least_friction, least)
 
@@ -459,7 +471,7 @@ class RunLoop:
                 self.tare.add(self.raw, [i in untouched for i in range(len(self.raw))])
         if self.state is None:
             looked = self._looked(measurement)
-            self.touched_at = looked.object_pose
+            self.pose_at_touch = looked.object_pose
             self.state = self.controller.init(looked, self.approach.held)
         if self.state.phase.name == "release" and self.guard.near_joint_limit(readings):
             self.state = self.controller.halted(self.state, measurement)
@@ -497,14 +509,14 @@ class RunLoop:
         before = self.state
         if self.cell.clock.simulated or not supervisor.plans(event):
             self.state = supervisor.step(event)
-            if before is not None and self.state.phase.name == "release":
-                self._learn_friction(before)
+            self._learn_as_it_ends(before)
             return
         held_commands = still(commands, measurement.tips)
         state = self._while_holding(partial(supervisor.step, event), held_commands)
         if self.stopping is None:  # otherwise the stop continues
             passed = self.cell.clock.time - event.instant.time
             self.state = state.delayed(passed)
+            self._learn_as_it_ends(before)
 
     def _while_holding(self, plan: Callable[[], T], held_commands: Commands) -> T:
         """Result of ``plan``. If time passes during planning, ``held_commands`` keep
@@ -703,9 +715,8 @@ class RunLoop:
         planned = self.controller.segments[0]
         here = FailedPlacement(planned)
         if reason.code in ("force_limit", "goal_missed"):
-            tolerance = self.controller.placement.last.tolerance
-            moved = share_of_tolerance(pose, self.touched_at, tolerance)
-            if self.state.following.began is not None and moved < STUCK:
+            began = self.state.following.began is not None
+            if began and not self._moves_object(pose):
                 self.failed.append(here)
         if reason.code != "contact_lost":
             return
@@ -715,6 +726,11 @@ class RunLoop:
             self.failed.append(here)
         else:
             self.lost.append(planned)
+
+    def _moves_object(self, pose: Pose2) -> bool:
+        """Whether the placement has moved the object, now at ``pose``, X_WG."""
+        tolerance = self.plan.task.tolerance
+        return share_of_tolerance(pose, self.pose_at_touch, tolerance) >= STUCK
 
     @property
     def _slid(self) -> bool:
@@ -744,6 +760,7 @@ class RunLoop:
             return False
         leg = after.segments[0].leg
         try:
+            self._remember_failure(Ending("goal_missed", ""), pose)
             start = replace(self._restart(pose), leg=leg)
             plan, held_commands = self._planned_from(
                 start, tick, measurement, self.failed
@@ -846,11 +863,15 @@ class RunLoop:
             start, support_friction=friction, least_friction=self.least_friction
         )
         if self.state is not None and self._slid:
-            self.tip_friction = self.state.watches.tip_friction or self.tip_friction
-            return after_slides(start, scene, segment, self.tip_friction)
+            found_now = self.state.watches.tip_friction
+            start = after_slides(start, scene, segment, found_now)
+            self.tip_friction = found_now or self.tip_friction
         if self.tip_friction is None:
             return start
-        return replace(start, contact_friction=self.tip_friction.value)
+        told = self.tip_friction.value
+        return replace(
+            start, contact_friction=min(told, start.contact_friction or told)
+        )
 
     def _hold(self, tick: Tick, measurement: Measurement) -> Commands:
         """Command all arms, or tips without arms, to hold their measured positions.

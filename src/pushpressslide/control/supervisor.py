@@ -579,7 +579,7 @@ class Supervisor:
             prediction = prediction._replace(axle=axle, followed_center=found.center)
         laws = self.placement.bound_laws(first)
         ahead, progress = better.segments[1:], better.progress
-        following = following.led(laws, ahead, progress, instant.X_WB)
+        following = following.replanned(laws, ahead, progress, instant.X_WB)
         following = following._replace(
             prediction=prediction, clock_start=time - better.clock
         )
@@ -638,7 +638,7 @@ class Supervisor:
                 followed_center=found.center,
             )
             laws = self.placement.bound_laws(fresh[0])
-            following = following.led(laws, fresh[1:], 0.0, X_WB)
+            following = following.replanned(laws, fresh[1:], 0.0, X_WB)
             following = following._replace(prediction=prediction, clock_start=time)
         elif following.reference is None:
             following = following._replace(clock_start=time)

@@ -187,7 +187,7 @@ class TipMover:
     def _within_limit(
         self, velocity: Point, force: Point, direction: Vector3, measured: Vector3
     ) -> Point:
-        """Velocity [m/s] with which the servo's force, added to the fed-forward
+        """Velocity [m/s] with which the servo's damper, added to the fed-forward
         ``force`` [N], keeps a push within the limit of its normal force.
 
         ``direction`` is that of the push, ``measured`` [m/s] the tip's velocity. The

@@ -325,12 +325,12 @@ class JointPath:
     # [m] smallest distance of the arm from table, object and obstacles
     clearance: float
     gap: float  # [m] gap that the approach leaves before the touch
-    # share of what an unsure object asks for in joint margin and in the links' distance
-    # from it, at most 1
-    room: float = 1.0
     # (g, n) [rad] across that gap, evenly spaced, the last in contact; None: not known
     touch: NDArray[np.float64] | None = None
     # (b, n) [rad] as the tip is drawn back from the end of the path, evenly spaced, the
     # first in contact; None: not known
     back: NDArray[np.float64] | None = None
     max_retreat: float = math.inf  # [m] longest retreat
+    # share of what an unsure object asks for in joint margin and in the links' distance
+    # from it, at most 1
+    room: float = 1.0

@@ -97,7 +97,7 @@ class Restart:
     center_error: float | None = None  # [m]; None: that of the task
     contact_friction: float | None = None  # None: that of the task
     planned_share: float | None = None  # of the force limit; None: that of the task
-    # that the support has, since the object withstood forces of the tips
+    # lower bound of the support's friction, from forces that the object withstood
     least_friction: float = 0.0
 
 

@@ -31,6 +31,10 @@ NOTHING = ParameterEstimates()
 """No estimates: nothing contradicts the belief."""
 
 
+MOST = 1.9
+"""Largest friction that is learnt."""
+
+
 def withstood_friction(
     scene: Scene, forces: Sequence[Vector3], unsure: float, acceleration: float
 ) -> float:
@@ -46,7 +50,7 @@ def withstood_friction(
         return 0.0
     force = math.hypot(fx, fy) - scene.body.mass * acceleration
     force -= margins.DOUBT * math.sqrt(len(forces)) * unsure
-    return max(0.0, force) / press
+    return min(max(0.0, force) / press, MOST)
 
 
 def dragged_friction(scene: Scene, load: float, drag: float | None) -> float:

@@ -89,9 +89,9 @@ class DrakeClearance:
         # the shapes that touch in a run; the rod that holds them may not
         self.sphere = {sphere}
         tip = self._robot.tip_body
-        own = set(plant.GetCollisionGeometriesForBody(tip))
+        self._own = set(plant.GetCollisionGeometriesForBody(tip))
         if sphere is None:
-            self.sphere = own
+            self.sphere = self._own
         # the shapes whose distance from the object is that of the contact: of the tip's
         # body, and of a whole tool that presses
         presses = any(c.arm == arm and c.kind == "top" for c in plan.contacts)
@@ -248,11 +248,14 @@ class DrakeClearance:
     ) -> bool:
         """Whether a pair is the object and a link whose distance from it may change.
 
-        While shapes are ``touching``, that of the tip may not.
+        That of the tip is planned. While shapes are ``touching``, so is that of all
+        that moves with the contact.
         """
         between = {near.id_A, near.id_B}
-        fixed = bool(touching) and not between.isdisjoint(self._with_contact)
-        return not fixed and not between.isdisjoint(self._object_shapes)
+        planned = self._with_contact if touching else self._own
+        return between.isdisjoint(planned) and not between.isdisjoint(
+            self._object_shapes
+        )
 
     def _allowance(
         self, near: SignedDistancePair, touching: Collection[GeometryId]

@@ -223,8 +223,8 @@ class _TwoArms:
 
     def _attempts(self) -> Iterator[tuple[ArmPath, ...] | Conflict]:
         """Yield both paths, or their conflict: each arm's best path first, then all
-        pairs, ordered by the lower of their scores. Pairs that are nearer than wanted
-        come last.
+        pairs, ordered by the lower of their scores. Pairs that are nearer than wanted,
+        or lack room beside the object, come last.
         """
         tight: list[tuple[Pair, float]] = []
         searches = [search(problem, force=self.force) for problem in self.problems]

@@ -34,8 +34,8 @@ STEP = 0.015  # [m] of the object's path between samples
 TURN_ARM = 0.2  # [m] of path that a turn by one radian counts as
 LEAVING = 1e-3  # [m] by which an arm that stands too near may come nearer as it leaves
 # [m] of the links from an object that may not be where it is believed to be
-ROOMY = 0.015
-ROOMY_JOINTS = 0.05  # [rad; m of slides] the same of the joints from their limits
+OBJECT_ROOM = 0.015
+JOINT_ROOM = 0.05  # [rad; m of slides] the same of the joints from their limits
 GLANCE = 4  # every fourth posture along a contact is checked before all of them are
 
 
@@ -125,7 +125,7 @@ class ArmProblem:
         """
         if not self.query.scene.planned_for_errors:
             return 1.0
-        return min(1.0, to_object / ROOMY, joint_margin / ROOMY_JOINTS)
+        return min(1.0, to_object / OBJECT_ROOM, joint_margin / JOINT_ROOM)
 
     @property
     def posture(self) -> Array:

@@ -22,7 +22,7 @@ class Gap:
     distance: float  # [m]
     pair: str  # their names
     allowed: float = CLEARANCE  # [m]
-    # [m] between the object and the links whose distance from it may change
+    # [m] between the object and the links, those aside that keep theirs as planned
     to_object: float = LOOK
 
     @property

@@ -259,8 +259,8 @@ def _clear_approach(
 ) -> tuple[Trajectory | None, Gap]:
     """Approach of the first search that has a clear one, and its tightest gap.
 
-    Within a search, the first with the most room is taken. None, with the nearest miss's gap, if no approach is clear.
-    ``force`` takes the first of all.
+    Within a search, the first with the most room is taken. None, with the nearest
+    miss's gap, if no approach is clear. ``force`` takes the first of all.
     """
     nearest = NOWHERE
     for each in searches:
@@ -323,9 +323,11 @@ def _joint_path(
     move: Move,
     approach: Trajectory,
     gaps: Sequence[Gap],
-    before: float,
+    touch_gap: float,
 ) -> JointPath:
-    """Joint path with its tightest ``gaps``, and the gap ``before`` [m] the touch."""
+    """Joint path with its tightest ``gaps``. The touch begins ``touch_gap`` [m] off the
+    contact.
+    """
     return JointPath(
         approach.times,
         approach.postures,
@@ -335,7 +337,7 @@ def _joint_path(
         move.margin,
         move.condition,
         min(gap.distance for gap in gaps),
-        before,
+        touch_gap,
         room=problem.room(min(gap.to_object for gap in gaps), move.margin),
     )
 
