@@ -288,11 +288,11 @@ def test_an_approach_that_was_not_judged_names_no_figure_that_is_allowed() -> No
 def test_only_an_object_that_is_not_known_exactly_asks_for_room(
     push: Plan, unsure: Plan
 ) -> None:
-    assert ArmProblem(DRAKE, push, 0).room(0.0, 0.0) == 1.0
+    assert ArmProblem(DRAKE, push, 0).margin_share(0.0, 0.0) == 1.0
     problem = ArmProblem(DRAKE, unsure, 0)
-    assert problem.room(OBJECT_ROOM, JOINT_ROOM) == 1.0
-    assert problem.room(0.5 * OBJECT_ROOM) == pytest.approx(0.5)
-    assert problem.room(OBJECT_ROOM, 0.2 * JOINT_ROOM) == pytest.approx(0.2)
+    assert problem.margin_share(OBJECT_ROOM, JOINT_ROOM) == 1.0
+    assert problem.margin_share(0.5 * OBJECT_ROOM) == pytest.approx(0.5)
+    assert problem.margin_share(OBJECT_ROOM, 0.2 * JOINT_ROOM) == pytest.approx(0.2)
 
 
 def test_a_joint_path_with_room_is_taken_before_one_without(
@@ -301,14 +301,14 @@ def test_a_joint_path_with_room_is_taken_before_one_without(
     solutions = results[-1].solutions[:3]
     rooms = (0.4, 1.0, 1.0)
     tight = [
-        replace(solution, path=replace(solution.path, room=room))
+        replace(solution, path=replace(solution.path, margin_share=room))
         for solution, room in zip(solutions, rooms, strict=True)
     ]
     stream = iter([SearchResult(tuple(tight[: i + 1])) for i in range(3)])
     result = first_roomy(stream)
     assert len(result.solutions) == 2
     assert result.solutions[0] is tight[0]
-    assert max(result.solutions, key=lambda s: s.path.room) is tight[1]
+    assert max(result.solutions, key=lambda s: s.path.margin_share) is tight[1]
     assert len(list(stream)) == 1  # no further one was looked for
 
 
@@ -322,4 +322,6 @@ def test_of_the_links_only_the_tip_may_be_near_the_object_it_touches(
     alone = model.min_distance(path.move, along.shapes, touching=False)
     assert alone.distance < 1e-3 < alone.to_object
     assert touching.to_object == alone.to_object
-    assert path.room == pytest.approx(min(1.0, touching.to_object / OBJECT_ROOM))
+    assert path.margin_share == pytest.approx(
+        min(1.0, touching.to_object / OBJECT_ROOM)
+    )

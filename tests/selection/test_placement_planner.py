@@ -31,7 +31,7 @@ class Arms:
     rooms: Sequence[float] = (1.0,)  # that of each choice's arms, in turn
 
     @property
-    def room(self) -> float:
+    def margin_share(self) -> float:
         placed = self.plans[-1].segments
         number = [choice.segments for choice in CHOICES].index(placed)
         return self.rooms[number % len(self.rooms)]

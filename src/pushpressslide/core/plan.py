@@ -333,4 +333,4 @@ class JointPath:
     max_retreat: float = math.inf  # [m] longest retreat
     # share of what an unsure object asks for in joint margin and in the links' distance
     # from it, at most 1
-    room: float = 1.0
+    margin_share: float = 1.0

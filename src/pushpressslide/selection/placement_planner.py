@@ -34,7 +34,7 @@ class PlacementPlanner(Protocol):
         """Joint paths of each plan. Empty for a plant without arms."""
 
     @property
-    def room(self) -> float:
+    def margin_share(self) -> float:
         """Share of the room that an unsure object asks for, of the last placement's
         arms. One without arms.
         """
@@ -60,7 +60,7 @@ class PlansAlone:
 
     plans: list[Plan] = field(default_factory=list)
     paths: Sequence[Any] = ()
-    room: float = 1.0
+    margin_share: float = 1.0
 
     def add(self, placement: Plan) -> None:
         """Append the plan of a placement."""
@@ -111,9 +111,9 @@ class OtherPlacements:
         return self.planner.paths
 
     @property
-    def room(self) -> float:
+    def margin_share(self) -> float:
         """Share of the room of the last placement's arms."""
-        return self.planner.room
+        return self.planner.margin_share
 
     def add(self, placement: Plan) -> None:
         """Append the plan of a placement.
@@ -198,9 +198,9 @@ def add_first(
                 before = len(planner.plans)
                 plan = empty.of_choices([choice]).by_placement[0]
                 planner.add(plan)
-                if planner.room >= 1.0 or force or len(planner.plans) == before:
+                if planner.margin_share >= 1.0 or force or len(planner.plans) == before:
                     return True
-                tight.append((planner.room, choice.mode, plan))
+                tight.append((planner.margin_share, choice.mode, plan))
                 planner.keep(before)
                 continue
         except InfeasibleTaskError as error:

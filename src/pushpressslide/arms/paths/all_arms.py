@@ -260,7 +260,7 @@ class _TwoArms:
                 yield Conflict(0, "along the contacts", along)
                 continue
             apart.append((pair, along))
-            roomy = all(solution.path.room >= 1.0 for solution in pair)
+            roomy = all(solution.path.margin_share >= 1.0 for solution in pair)
             if along < self._wanted or not roomy:
                 tight.append((pair, along))
                 continue

@@ -117,7 +117,7 @@ class ArmProblem:
         normal = frame.direction(contact.direction(path.bodies[0]))
         return ContactPath(contact, tip, normal)
 
-    def room(self, to_object: float, joint_margin: float = math.inf) -> float:
+    def margin_share(self, to_object: float, joint_margin: float = math.inf) -> float:
         """Share of what an unsure object asks for, at most 1.
 
         ``to_object`` [m] is the links' smallest distance from it. Among paths with

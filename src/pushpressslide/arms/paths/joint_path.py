@@ -98,7 +98,7 @@ class SearchResult:
         none.
         """
         if self.solutions:
-            return max(self.solutions, key=attrgetter("path.room"))
+            return max(self.solutions, key=attrgetter("path.margin_share"))
         lacks = "joint path along the contact"
         reason = "no attitude of the tool can be followed"
         if problem.along is None:
@@ -130,7 +130,7 @@ def first_roomy(results: Iterator[SearchResult]) -> SearchResult:
     less.
     """
     for result in islice(results, COMPARED):
-        if not result.solutions or result.solutions[-1].path.room >= 1.0:
+        if not result.solutions or result.solutions[-1].path.margin_share >= 1.0:
             break
     return result
 
@@ -263,18 +263,18 @@ def _clear_approach(
     miss's gap, if no approach is clear. ``force`` takes the first of all.
     """
     nearest = NOWHERE
-    for each in searches:
+    for trajectories in searches:
         clear: list[tuple[Trajectory, Gap]] = []
-        for trajectory in each:
+        for trajectory in trajectories:
             gap = _approach_clearance(problem, model, trajectory.postures)
-            if force or (gap.clear and problem.room(gap.to_object) >= 1.0):
+            if force or (gap.clear and problem.margin_share(gap.to_object) >= 1.0):
                 return trajectory, gap
             if gap.clear:
                 clear.append((trajectory, gap))
             if gap.lack < nearest.lack:
                 nearest = gap
         if clear:
-            return max(clear, key=lambda found: found[1].to_object)
+            return max(clear, key=lambda pair: pair[1].to_object)
     return None, nearest
 
 
@@ -338,7 +338,9 @@ def _joint_path(
         move.condition,
         min(gap.distance for gap in gaps),
         touch_gap,
-        room=problem.room(min(gap.to_object for gap in gaps), move.margin),
+        margin_share=problem.margin_share(
+            min(gap.to_object for gap in gaps), move.margin
+        ),
     )
 
 

@@ -43,11 +43,11 @@ class PlacementPaths:
         self.paths: list[tuple[ArmPath, ...]] = []
 
     @property
-    def room(self) -> float:
+    def margin_share(self) -> float:
         """Least share of the room that an unsure object asks for, of the last
         placement's arms.
         """
-        return min(path.room for path, _ in self.paths[-1])
+        return min(path.margin_share for path, _ in self.paths[-1])
 
     def add(self, placement: Plan) -> None:
         """Append the plan of a placement.
