@@ -33,10 +33,14 @@ APPROACH_SPEED = 1.2  # [rad/s] of the fastest joint in free space
 SLIDE_SPEED = 0.4  # [m/s] of the fastest slide
 SPEED_SHARE = 0.7  # of a joint's own limit, in free space
 DESCENT_SPEED = 0.25  # [m/s] of the tip
+# [m/s^2] of the tip: a stretched arm needs most of a torque to hold itself
+DESCENT_ACCELERATION = 0.4
 HOVER_ROOM = 0.06  # [m] above all tops, from where the tip descends beside the object
 LEAST_RISE = 0.08  # [m] length of a descent if the tip is above all tops already
 RISE_STEP = 0.02  # [m] of the tip between two samples of a rise
 DESCENT_MARGIN = 0.03  # [rad] to the joint limits while moving down
+# peak acceleration of a minimum-jerk motion, as a multiple of length over time squared
+HARDEST = 10.0 / math.sqrt(3.0)
 FASTEST = 1.875  # peak over mean speed of a minimum-jerk motion
 FINEST = 0.04  # [rad] or [m] of any joint between two postures of a trajectory
 DRAWN = 480  # random postures to begin with where the ready one is not free
@@ -130,12 +134,11 @@ class Approach:
         tops = [scene.body.shape.height, *(o.shape.height for o in scene.obstacles)]
         widest = max(robot.tip_radius for robot in scene.robots)
         self.hover = max(tops) + HOVER_ROOM + widest
-        # [m/s] of the tip; an arm that starts in free space needs no care
-        self._rise_speed = math.inf
+        # an arm that starts in free space needs no care
+        self._starts_beside = start is not None
         if start is None:
             self._rises = self._ready_rises(free)
         else:
-            self._rise_speed = DESCENT_SPEED
             self._rises = self._rises_from(start)
 
     def _rises_from(self, start: Array) -> list[Array]:
@@ -339,9 +342,10 @@ class Approach:
         """
         bottom = self._height(self._tip(rise[0]))
         top = self._height(self._tip(rise[-1]))
-        legs = [(rise, (top - bottom) / self._rise_speed)]
+        lift = top - bottom if self._starts_beside else 0.0
+        legs = [(rise, _slow(lift))]
         legs += [(np.stack(pair), 0.0) for pair in pairwise(corners)]
-        legs.append((down, drop / DESCENT_SPEED))
+        legs.append((down, _slow(drop)))
         times = [np.zeros(1)]
         postures = [rise[:1]]
         for leg, lower in legs:
@@ -401,6 +405,14 @@ def led_in(
             )
         )
     return out
+
+
+def _slow(length: float) -> float:
+    """Shortest time [s], at constant speed, of a careful motion of the tip along a
+    straight ``length`` [m].
+    """
+    accelerating = math.sqrt(HARDEST * length / DESCENT_ACCELERATION) / FASTEST
+    return max(length / DESCENT_SPEED, accelerating)
 
 
 def _counts(high: int) -> tuple[int, ...]:
