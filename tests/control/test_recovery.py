@@ -31,20 +31,28 @@ TASK = pps.load_task("press-slide")
 BEGIN = Restart(start_state(TASK), 0, TASK.object.center_of_mass, 1.2, None)
 
 
-def test_a_friction_that_leads_nowhere_is_given_up_for_the_believed_one(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def refused_from(friction: float, monkeypatch: pytest.MonkeyPatch) -> list[Restart]:
+    """Restarts that are planned from. Those with this support ``friction`` or more are
+    refused.
+    """
     asked: list[Restart] = []
 
     def planned(
         plan: Plan, begin: Restart, preparation: object, sequences: bool
     ) -> Plan:
         asked.append(begin)
-        if begin.support_friction > 1.0:
+        if plan.task.resumed(begin).scene.support.friction >= friction:
             raise InfeasibleTaskError("no press drags it")
         return plan
 
     monkeypatch.setattr(module, "_planned", planned)
+    return asked
+
+
+def test_a_friction_that_leads_nowhere_is_given_up_for_the_believed_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked = refused_from(1.0, monkeypatch)
     module.planned_anew(Plan(TASK), BEGIN, lambda: None)  # type: ignore[arg-type,return-value]
     believed = TASK.scene.support.friction
     assert [one.support_friction for one in asked] == [1.2, 1.2, believed]
@@ -54,17 +62,7 @@ def test_a_friction_that_leads_nowhere_is_given_up_for_the_believed_one(
 def test_no_belief_has_less_friction_than_the_support_has_shown(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    asked: list[Restart] = []
-
-    def planned(
-        plan: Plan, begin: Restart, preparation: object, sequences: bool
-    ) -> Plan:
-        asked.append(begin)
-        if plan.task.resumed(begin).scene.support.friction >= 0.5:
-            raise InfeasibleTaskError("too rough to be moved")
-        return plan
-
-    monkeypatch.setattr(module, "_planned", planned)
+    asked = refused_from(0.5, monkeypatch)
     unsure = replace(TASK, belief=replace(TASK.belief, friction_error=0.5))
     begin = replace(BEGIN, least_friction=0.5)
     module.planned_anew(Plan(unsure), begin, lambda: None)  # type: ignore[arg-type,return-value]

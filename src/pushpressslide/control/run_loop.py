@@ -715,9 +715,7 @@ class RunLoop:
         planned = self.controller.segments[0]
         here = FailedPlacement(planned)
         if reason.code in ("force_limit", "goal_missed"):
-            began = self.state.following.began is not None
-            if began and not self._moves_object(pose):
-                self.failed.append(here)
+            self._remember_stuck(pose)
         if reason.code != "contact_lost":
             return
         if self._presses_slid:
@@ -726,6 +724,14 @@ class RunLoop:
             self.failed.append(here)
         else:
             self.lost.append(planned)
+
+    def _remember_stuck(self, pose: Pose2) -> None:
+        """Remember a placement that left the object, now at ``pose``, X_WG, where it
+        was.
+        """
+        began = self.state is not None and self.state.following.began is not None
+        if began and not self._moves_object(pose):
+            self.failed.append(FailedPlacement(self.controller.segments[0]))
 
     def _moves_object(self, pose: Pose2) -> bool:
         """Whether the placement has moved the object, now at ``pose``, X_WG."""
@@ -760,7 +766,7 @@ class RunLoop:
             return False
         leg = after.segments[0].leg
         try:
-            self._remember_failure(Ending("goal_missed", ""), pose)
+            self._remember_stuck(pose)
             start = replace(self._restart(pose), leg=leg)
             plan, held_commands = self._planned_from(
                 start, tick, measurement, self.failed

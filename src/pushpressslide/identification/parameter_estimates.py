@@ -31,8 +31,8 @@ NOTHING = ParameterEstimates()
 """No estimates: nothing contradicts the belief."""
 
 
-MOST = 1.9
-"""Largest friction that is learnt."""
+MOST_FRICTION = 1.9
+"""Largest support friction that forces are believed to tell."""
 
 
 def withstood_friction(
@@ -50,7 +50,7 @@ def withstood_friction(
         return 0.0
     force = math.hypot(fx, fy) - scene.body.mass * acceleration
     force -= margins.DOUBT * math.sqrt(len(forces)) * unsure
-    return min(max(0.0, force) / press, MOST)
+    return min(max(0.0, force) / press, MOST_FRICTION)
 
 
 def dragged_friction(scene: Scene, load: float, drag: float | None) -> float:
