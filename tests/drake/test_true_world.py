@@ -163,6 +163,27 @@ def test_a_bowed_base_resists_a_turn_as_the_planar_engine_has_it() -> None:
         assert spun(Truth(bow=bow)) / even == pytest.approx(ratio, abs=0.02)
 
 
+def test_an_object_climbs_a_ridge_and_leans_on_it() -> None:
+    for height in (0.0005, 0.002):
+        station = station_of(Truth(ridge=height, ridge_place=0.3))
+        plant = station.plant
+        first = station.scene.object.floating_positions_start()
+        velocity = station.scene.object.floating_velocities_start_in_v()
+        rises, leans = [], []
+        for tick in range(1000):
+            v = plant.GetVelocities(station.plant_context)
+            v[velocity + 3] = max(v[velocity + 3], 0.1)
+            plant.SetVelocities(station.plant_context, v)
+            station.simulator.AdvanceTo((tick + 1) * TICK)
+            _, qx, qy, _, _, _, z = station.state_vector()[first : first + 7]
+            rises.append(z - 0.5 * SHAPE.height)
+            leans.append(2.0 * math.hypot(qx, qy))
+        # least: it lies on the ridge and on its own far edge
+        least = math.atan(height / math.hypot(*SHAPE.size[:2]))
+        assert max(rises) == pytest.approx(height, rel=0.15)
+        assert least < max(leans) < 4.0 * least
+
+
 def test_feet_are_refused() -> None:
     with pytest.raises(TaskError, match=r"truth\.feet.*engine drake"):
         station_of(Truth(feet=0.8))
@@ -174,7 +195,9 @@ def test_a_grain_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    "truth", [Truth(friction_patches=0.2), Truth(bow=0.5)], ids=["patches", "bow"]
+    "truth",
+    [Truth(friction_patches=0.2), Truth(bow=0.5), Truth(ridge=0.0005)],
+    ids=["patches", "bow", "ridge"],
 )
 def test_a_support_with_edges_is_even(truth: Truth) -> None:
     region = ((-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0))
@@ -189,6 +212,7 @@ WORLDS = {
     "sizes": Truth(size=(0.004, -0.004), tip_radius=0.002, bow=0.5),
     "tilt": Truth(tilt=math.radians(0.5), tilt_yaw=math.radians(60.0)),
     "backlash": Truth(backlash=math.radians(0.05)),
+    "ridge": Truth(ridge=0.0005, ridge_angle=math.radians(20.0)),
 }
 
 

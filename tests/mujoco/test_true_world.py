@@ -128,6 +128,26 @@ def test_a_base_on_far_feet_turns_harder_than_on_near_ones() -> None:
     check_moments([Truth(feet=0.3), Truth(), Truth(feet=0.9)])
 
 
+def test_an_object_climbs_a_ridge() -> None:
+    physics = physics_of(Truth(ridge=0.002, ridge_place=0.3))
+    first = physics.scene.position("object")
+    freedom = physics.scene.velocity("object")
+    heights = []
+    for _ in range(1000):
+        physics.state.qvel[freedom] = max(physics.state.qvel[freedom], 0.1)
+        physics.advance()
+        heights.append(physics.state.qpos[first + 2])
+    assert max(heights) - heights[0] == pytest.approx(0.002, rel=0.1)
+
+
+def test_a_ridge_needs_a_support_without_edges() -> None:
+    region = ((-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0))
+    support = replace(PLAN.task.support, region=region)
+    task = replace(PLAN.task, support=support, truth=Truth(ridge=0.001))
+    with pytest.raises(TaskError, match=r"truth\.ridge.*with edges"):
+        build_scene(replace(PLAN, task=task), 0.001)
+
+
 def check_moments(truths: Sequence[Truth]) -> None:
     """Check that each truth resists a turn more than the one before, by the loads that
     the feet carry at rest.
@@ -171,6 +191,7 @@ WORLDS = {
     "friction": Truth(static_friction=1.3, friction_speed=0.3, friction_patches=0.2),
     "sizes": Truth(size=(0.004, -0.004), tip_radius=0.002, bow=0.5),
     "feet": Truth(feet=0.85),
+    "ridge": Truth(ridge=0.0005),
 }
 
 

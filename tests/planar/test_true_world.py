@@ -209,6 +209,7 @@ def with_truth(truth: Truth, plan: Plan = PLAN) -> Plan:
     ("truth", "field"),
     [
         (Truth(obstacle_offset=0.01), r"truth\.obstacle_offset.*obstacles"),
+        (Truth(ridge=0.0005), r"truth\.ridge.*heights"),
         (Truth(tilt=math.radians(20.0)), r"truth\.tilt_deg: 20.*planar"),
     ],
 )

@@ -96,6 +96,24 @@ class Truth(ArmTruth):
         "box",
         within="[0, 0.95]",
     )
+    ridge: float = setting(
+        0.0,
+        "height of a straight ridge on the support, 20 mm wide, across the line from "
+        "start to goal",
+        "m",
+        "[0, 0.002]",
+    )
+    ridge_place: float = setting(
+        0.5,
+        "where the ridge crosses this line, as a share of the way along it",
+        within="[0, 1]",
+    )
+    ridge_angle: float = setting(
+        0.0,
+        "angle between the ridge and the normal of this line",
+        "deg",
+        "[-80, 80]",
+    )
     tier: TierName | None = setting(
         None,
         "a whole world drawn by the run's seed, in place of `belief`, `sensing` and all "

@@ -18,6 +18,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.ridge import LENGTH, Ridge
 from pushpressslide.core.slabs import slabs
 from pushpressslide.core.spatial_pose import spatial_axes
 from pushpressslide.core.support_frame import SupportFrame
@@ -44,6 +45,10 @@ PRESSED_SINK = 5e-4
 FITTED_SINK = 5e-5
 """The same on a support with an opening: feet that leave its edge release their energy,
 which throws the body.
+"""
+ROW = 4.0
+"""Stiffness of a foot on a ridge over that on the plane: few feet carry the body there.
+Much stiffer ones would throw it.
 """
 WALL_REACH = 3.0
 """Size [m] of a wall around its opening."""
@@ -180,6 +185,9 @@ class _Builder:
                 **UNTOUCHED,
             )
             self.ground = ("support",)
+            ridge = Ridge.of_task(self.task)
+            if ridge is not None:
+                self._add_ridge(ridge)
             return
         for i, slab in enumerate(_wall(support)):
             x, y, z = slab.center
@@ -191,6 +199,25 @@ class _Builder:
                 **UNTOUCHED,
             )
             self.ground = (*self.ground, f"support_{i}")
+
+    def _add_ridge(self, ridge: Ridge) -> None:
+        """Add a ridge as a buried capsule."""
+        r = ridge.radius
+        ends = [
+            value
+            for x in (-0.5 * LENGTH, 0.5 * LENGTH)
+            for value in self.frame.point(
+                (*ridge.pose.apply((x, 0.0)), ridge.height - r)
+            )
+        ]
+        self.spec.worldbody.add_geom(
+            name="ridge",
+            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+            size=[r, 0.0, 0.0],
+            fromto=ends,
+            **UNTOUCHED,
+        )
+        self.ground = (*self.ground, "ridge")
 
     def add_body(
         self, name: str, body: ObjectModel, pose: Pose2, friction: float
@@ -225,7 +252,9 @@ class _Builder:
         level = -self.frame.handedness * (0.5 * shape.height + self.proud - FOOT)
         names = add_feet(body, f"{name}_foot", feet.points, level)
         pairs = [
-            self.contacts.stand(ground, foot, share, friction)
+            self.contacts.stand(
+                ground, foot, share * ROW if ground == "ridge" else share, friction
+            )
             for foot, share in zip(names, feet.shares.tolist(), strict=True)
             for ground in self.ground
         ]

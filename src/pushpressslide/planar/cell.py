@@ -24,8 +24,8 @@ def planar_cell(plan: Plan, options: RunOptions | None = None) -> Cell:
     contacts or at the positions in the state in which a run with these ``options``
     begins.
 
-    Raises TaskError for a ``truth`` of joints or obstacles, and for a tilt on which the
-    object slides by itself.
+    Raises TaskError for a ``truth`` of joints, obstacles or a ridge, and for a tilt on
+    which the object slides by itself.
     """
     options = options or RunOptions()
     task = plan.task
@@ -49,13 +49,15 @@ def planar_cell(plan: Plan, options: RunOptions | None = None) -> Cell:
 
 
 def _refuse_truth(task: Task) -> None:
-    """Raise TaskError for errors that need joints, obstacles or inertia."""
+    """Raise TaskError for errors that need joints, obstacles, heights or inertia."""
     source = task.source or task.name
     truth = task.truth
     where = "with engine planar, which has no joints"
     refuse_truth(truth, truth.for_tips(), source, where)
     where = "with engine planar, which has no obstacles"
     refuse_truth(truth, replace(truth, obstacle_offset=0.0), source, where)
+    where = "with engine planar, which has no heights"
+    refuse_truth(truth, replace(truth, ridge=0.0), source, where)
     x, y, z = task.support.frame.components(truth.gravity)
     if (
         truth.tilt

@@ -24,6 +24,7 @@ from itertools import chain, pairwise
 import numpy as np
 from pydrake.geometry import (
     CollisionFilterDeclaration,
+    Convex,
     GeometryId,
     GeometrySet,
     HalfSpace,
@@ -34,6 +35,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, RigidBody
 
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.ridge import LENGTH, Ridge
 from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.geometry import quadrature
 from pushpressslide.geometry.areas import joined_ring, polygons
@@ -62,6 +64,9 @@ MOST_CELLS = 16  # along a base, however long it is
 # inwards gives way without a force, and is no constraint
 LEAN = 1e-3
 STRAIGHT = 1e-3  # [rad] of a corner that is only a point of a side
+FLATS = 8  # across a ridge
+BURIED = 0.005  # [m] of a ridge below the support
+RIDGE_COLOR = np.array([0.62, 0.60, 0.56, 1.0])
 FINEST = 1e-6  # [m] of the corners of cells; lines that are nearer together are one
 
 
@@ -69,7 +74,7 @@ FINEST = 1e-6  # [m] of the corners of cells; lines that are nearer together are
 class Plane:
     """The half-space of a flat support in a plant, and the bases that stand on it."""
 
-    support: GeometryId
+    supports: list[GeometryId]  # the half-space, and a ridge on it
     frame: SupportFrame
     bases: dict[BodyIndex, list[GeometryId]] = field(default_factory=dict)
 
@@ -95,6 +100,26 @@ class Plane:
             for i, mesh in enumerate(meshes)
         ]
 
+    def add_ridge(self, plant: MultibodyPlant, ridge: Ridge, friction: float) -> None:
+        """Add a rigid ridge, which bodies climb as the edges of their bases reach it."""
+        section = ridge.profile(FLATS)
+        section += [(y, -BURIED) for y, _ in (section[0], section[-1])]
+        points = np.array(
+            [
+                self.frame.point((*ridge.pose.apply((x, y)), h))
+                for x in (-0.5 * LENGTH, 0.5 * LENGTH)
+                for y, h in section
+            ]
+        )
+        shape = Convex(points.T, "ridge")
+        world = plant.world_body()
+        properties = rigid_properties(friction)
+        X = RigidTransform()
+        self.supports.append(
+            plant.RegisterCollisionGeometry(world, X, shape, "ridge", properties)
+        )
+        plant.RegisterVisualGeometry(world, X, shape, "ridge_visual", RIDGE_COLOR)
+
     def let_bases_stand(self, plant: MultibodyPlant, scene_graph: SceneGraph) -> None:
         """Let the bases touch the support. No other part of their bodies may touch it."""
         bases = set(chain.from_iterable(self.bases.values()))
@@ -104,7 +129,7 @@ class Plane:
         for index in range(plant.num_bodies()):
             body = plant.get_body(BodyIndex(index))
             for geometry in plant.GetCollisionGeometriesForBody(body):
-                if geometry == self.support or geometry in bases:
+                if geometry in self.supports or geometry in bases:
                     continue
                 others.Add(geometry)
                 if body.index() in self.bases:
@@ -113,7 +138,7 @@ class Plane:
             CollisionFilterDeclaration()
             .ExcludeWithin(standing)
             .ExcludeBetween(standing, others)
-            .ExcludeBetween(beside, GeometrySet(self.support))
+            .ExcludeBetween(beside, GeometrySet(self.supports))
         )
 
 
@@ -123,7 +148,7 @@ def add_plane(plant: MultibodyPlant, frame: SupportFrame, friction: float) -> Pl
     support = plant.RegisterCollisionGeometry(
         plant.world_body(), X, HalfSpace(), "support", rigid_properties(friction)
     )
-    return Plane(support, frame)
+    return Plane([support], frame)
 
 
 # Drake warns that deformable bodies do not touch rigid half-spaces, of which there are

@@ -37,6 +37,7 @@ from pydrake.systems.framework import DiagramBuilder
 from pushpressslide.arms.paths.placements import reached_bounds
 from pushpressslide.core import task as model
 from pushpressslide.core.plan import Plan
+from pushpressslide.core.ridge import Ridge
 from pushpressslide.core.slabs import slabs
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.geometry.inertia import solid_center, solid_moments
@@ -218,6 +219,9 @@ def _add_plane(
         if obstacle.movable:
             friction = frictions.obstacle(obstacle.friction)
             plane.stand(plant, bodies[obstacle.name], obstacle.shape, friction)
+    ridge = Ridge.of_task(task)
+    if ridge is not None:
+        plane.add_ridge(plant, ridge, frictions.support)
     return plane
 
 

@@ -50,11 +50,12 @@ class UnevenGround:
         self._graph = scene.scene_graph
         self._context = self._graph.GetMyMutableContextFromRoot(context)
         self._source = plant.get_source_id()
-        (self._support,) = (
+        inspector = self._graph.model_inspector()
+        self._supports = [
             geometry
             for geometry in plant.GetCollisionGeometriesForBody(plant.world_body())
-            if self._graph.model_inspector().GetName(geometry).endswith("support")
-        )
+            if inspector.GetName(geometry).endswith(("support", "ridge"))
+        ]
         self._set = self._friction
 
     def update(self, x: Sequence[float], pose: Pose2, time: float) -> None:
@@ -70,9 +71,10 @@ class UnevenGround:
             return
         self._set = pair
         properties = rigid_properties(partner_friction(pair, self._own))
-        self._graph.AssignRole(
-            self._context, self._source, self._support, properties, RoleAssign.kReplace
-        )
+        for support in self._supports:
+            self._graph.AssignRole(
+                self._context, self._source, support, properties, RoleAssign.kReplace
+            )
 
 
 def refuse_ground(task: Task) -> None:
@@ -92,5 +94,6 @@ def refuse_ground(task: Task) -> None:
         friction_patches=0.0,
         friction_drift=0.0,
         bow=0.0,
+        ridge=0.0,
     )
     refuse_truth(truth, plain, source, "with engine drake on a support with edges")

@@ -1,0 +1,59 @@
+"""A low straight ridge on a support, as of a seam or of a cable under a cloth."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.task import Task
+from pushpressslide.core.truth import refuse_truth
+
+WIDTH = 0.02
+"""Width [m] of a ridge at its foot."""
+LENGTH = 4.0
+"""Length [m] of a ridge, half of it on each side."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ridge:
+    """A part of a cylinder that stands out of a support."""
+
+    pose: Pose2  # in the support's plane; the ridge lies along x
+    height: float  # [m] above the support
+
+    @classmethod
+    def of_task(cls, task: Task) -> Ridge | None:
+        """The ridge that a task's ``truth`` has across the line from start to goal.
+
+        Raises TaskError on a support with an edge or an opening.
+        """
+        truth = task.truth
+        if truth.ridge == 0.0:
+            return None
+        if task.support.region is not None or task.support.opening is not None:
+            flat = replace(truth, ridge=0.0)
+            where = "on a support with edges"
+            refuse_truth(truth, flat, task.source or task.name, where)
+        start, goal = task.start, task.goal
+        dx = goal.x - start.x
+        dy = goal.y - start.y
+        x = start.x + truth.ridge_place * dx
+        y = start.y + truth.ridge_place * dy
+        yaw = math.atan2(dy, dx) + 0.5 * math.pi + truth.ridge_angle
+        return cls(Pose2(x, y, yaw), truth.ridge)
+
+    @property
+    def radius(self) -> float:
+        """Radius [m] of the cylinder."""
+        return 0.125 * WIDTH**2 / self.height + 0.5 * self.height
+
+    def profile(self, parts: int) -> list[Point]:
+        """Points (y, height) [m] along a cross-section in ``parts`` of the same angle,
+        from one foot to the other.
+        """
+        r = self.radius
+        half = math.asin(0.5 * WIDTH / r)
+        angles = [half * (2.0 * i / parts - 1.0) for i in range(parts + 1)]
+        top = self.height - r
+        return [(r * math.sin(a), top + r * math.cos(a)) for a in angles]
