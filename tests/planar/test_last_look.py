@@ -12,13 +12,14 @@ from pushpressslide.control.run_loop import RunOptions, run_loop
 from pushpressslide.control.state import ControllerState
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Plan
-from pushpressslide.core.record import Record
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.record import Ending, Record
 from pushpressslide.jobs.ask import plan
 from pushpressslide.planar.cell import planar_cell
 from pushpressslide.report.metrics import result
 from pushpressslide.taskfile.load import load_task
 
-PERIODIC = ["sensing.pose_rate=50.0"]
+PERIODIC = ["sensing.pose_rate=50.0", "motion.recoveries=0"]
 
 
 class Unsure(Controller):
@@ -34,15 +35,27 @@ class Unsure(Controller):
         return look._replace(spread=(1.0, 0.0) if unsure else (0.0, 0.0))
 
 
+class Off(Unsure):
+    """The same, with an object that seems to have missed its goal."""
+
+    def missed(self, state: ControllerState, pose: Pose2) -> Ending:
+        return Ending("goal_missed", "off")
+
+
 @pytest.fixture(scope="module")
 def push() -> Plan:
     return plan(load_task("rear-push-left", PERIODIC))
 
 
-def run(push: Plan, needed: int, monkeypatch: pytest.MonkeyPatch) -> Record:
+def run(
+    push: Plan,
+    needed: int,
+    monkeypatch: pytest.MonkeyPatch,
+    controller: type[Unsure] = Unsure,
+) -> Record:
     monkeypatch.setattr(Unsure, "looks", [])
     monkeypatch.setattr(Unsure, "needed", needed)
-    return run_loop(planar_cell(push), push, RunOptions(controller=Unsure))
+    return run_loop(planar_cell(push), push, RunOptions(controller=controller))
 
 
 def test_it_is_looked_at_until_it_is_known_well(
@@ -61,6 +74,14 @@ def test_what_stays_unsure_is_not_verified(
     record = run(push, 10_000, monkeypatch)
     assert record.reason == "not_verified"
     lasted = Unsure.looks[-1] - Unsure.looks[0]
-    assert lasted == pytest.approx(margins.ARM.longest_look, abs=0.01)
+    assert lasted == pytest.approx(margins.ARM.longest_last_look, abs=0.01)
     figures = result(push.task, push, record)
     assert (figures["success"], figures["verified"]) == (True, False)
+
+
+def test_what_seems_to_have_missed_is_looked_at_less(
+    push: Plan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run(push, 10_000, monkeypatch, Off)
+    lasted = Unsure.looks[-1] - Unsure.looks[0]
+    assert lasted == pytest.approx(margins.ARM.longest_look, abs=0.01)

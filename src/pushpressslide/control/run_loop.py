@@ -832,9 +832,12 @@ class RunLoop:
         let go at ``since`` [s].
         """
         task = self.plan.task
-        if task.sensing.every_pose or task.tool is not None:
+        if task.sensing.every_pose or task.tool is not None or self.state is None:
             return False
-        ends = min(since + margins.ARM.longest_look, self.time_limit)
+        pose = self.controller.filtered_pose(self.state)
+        missed = self.controller.missed(self.state, pose) is not None
+        longest = margins.ARM.longest_look if missed else margins.ARM.longest_last_look
+        ends = min(since + longest, self.time_limit)
         return time + self.guard.period < ends
 
     def _retriable_ending(self, ending: Ending, pose: Pose2) -> Ending | None:
