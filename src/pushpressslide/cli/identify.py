@@ -84,7 +84,8 @@ class IdentifyOptions:
         typer.Option(
             "--topic",
             metavar="STREAM=NAME",
-            help="Topic of object, tip or force, as object=/mocap/box; repeatable.",
+            help="Topic of object, tip or force, as object=/mocap/box; repeatable "
+            "[/object/pose, /tip0/pose, /tip0/wrench].",
         ),
     ] = None
     force_frame: Annotated[
