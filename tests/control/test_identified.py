@@ -39,7 +39,7 @@ def pushed(noise: float, windows: int, seed: int = 0, moment: float = 0.0) -> Dr
         force = (4.0 + noise * float(random.normal()), 0.0)
         pose = Pose2(0.05 * DT * tick, 0.0, 0.0)
         lever = (-0.06, -moment / 4.0)
-        state = identifier.step(state, DT * tick, pose, force, lever)
+        state = identifier.step(state, DT * tick, pose, force, lambda at=lever: at)
     return state
 
 
@@ -92,7 +92,9 @@ def test_an_object_at_rest_tells_no_drag() -> None:
     identifier = DragIdentifier(RHO, 0.2)
     state = DragState()
     for tick in range(600):
-        state = identifier.step(state, DT * tick, Pose2(), (4.0, 0.0), (-0.06, 0.0))
+        state = identifier.step(
+            state, DT * tick, Pose2(), (4.0, 0.0), lambda: (-0.06, 0.0)
+        )
     assert state.levels == ()
 
 

@@ -358,6 +358,7 @@ class ObjectEstimator:
         self._X_BG = self._X_GB.inverse()
         self._gain = pose_gain(query.sensing)
         self._sensing = query.sensing
+        self._uses_every_pose = query.sensing.every_pose
         self._radius = query.scene.body.radius
         self._radii = [robot.tip_radius for robot in query.scene.robots]
         self._center_error = query.scene.center_error
@@ -389,7 +390,7 @@ class ObjectEstimator:
         used = pose.time
         spread = (0.0, 0.0)
         tip_error = (0.0, 0.0)
-        if self._sensing.every_pose:
+        if self._uses_every_pose:
             X_WG = self._pose(state, observation)
         else:
             filtered = self._filtered(state, observation)
@@ -405,11 +406,13 @@ class ObjectEstimator:
         if predicted is not state.prediction:
             axle, center = _carried_over(state, predicted)
         sightings = self._sightings(state, observation, filtered)
-        drag = DragIdentifier.paused(state.drag)
+        drag = state.drag
         if observation.driven:
             X_WB = X_WG.compose(self._X_GB)
             axle, center = _identified(axle, center, X_WB, observation)
-            drag = _dragged(state.drag, center, X_WB, observation)
+            drag = _dragged(drag, center, X_WB, observation)
+        else:
+            drag = DragIdentifier.paused(drag)
         # walls and bodies turn an object, too: a centre that is sure is not learnt
         learning = filtered if self._center_error > 0.0 else None
         if learning is not None:
@@ -660,8 +663,12 @@ def _dragged(
         return drag
     binding = observation.binding
     tip = observation.tips[binding.segment.contacts[0].arm]
-    x, y = touched_point(binding.sides[0], X_WB, tip)
-    lever = (x - center.center[0], y - center.center[1])
+
+    def lever() -> Point:
+        """The contact [m] from the centre of mass, in B."""
+        x, y = touched_point(binding.sides[0], X_WB, tip)
+        return (x - center.center[0], y - center.center[1])
+
     force = X_WB.unrotate(tip.force[:2])
     return identifier.step(drag, observation.time, X_WB, force, lever)
 

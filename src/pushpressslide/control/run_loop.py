@@ -201,7 +201,7 @@ class RunLoop:
         self.earlier: list[tuple[Plan, int]] = []
         self.tracked = StampedPose(cell.clock.time, query.start)  # last measurement
         goes_on = options.begin is not None
-        limits = cell.arm_limits
+        limits = self.arm_limits = cell.arm_limits
         noise = query.sensing.force_noise
         force = query.limits.normal_force
         self.guard = Guard(force, period, limits, goes_on, noise)
@@ -539,7 +539,7 @@ class RunLoop:
         """Description of uncommanded joint motion of each arm. None for an arm without
         any.
         """
-        arms = zip(self.joint_watches, self.cell.arm_limits, readings, strict=True)
+        arms = zip(self.joint_watches, self.arm_limits, readings, strict=True)
         return [
             watch.step(own_rates(limits, reading)) for watch, limits, reading in arms
         ]

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import NamedTuple
 
 from pushpressslide.control.correction import (
@@ -290,7 +291,7 @@ class Supervisor:
             return False
         return self._creeps(moment)
 
-    @property
+    @cached_property
     def _unsure_of_friction(self) -> bool:
         """Whether the object may have more friction or mass than believed, or its tips
         less friction.
@@ -344,9 +345,10 @@ class Supervisor:
         """Whether two presses have slid over the top, under an object that may have
         more friction or mass than believed.
         """
+        if not self._unsure_of_friction:
+            return False
         contacts = self.placement.segments[0].contacts
-        pressed = all(contact.kind == "top" for contact in contacts)
-        if not (self._unsure_of_friction and pressed) or len(contacts) == 1:
+        if len(contacts) == 1 or any(contact.kind != "top" for contact in contacts):
             return False
         return slide(contacts, moment.contact_points) > self._allowed_slide(moment)
 
@@ -452,20 +454,29 @@ class Supervisor:
 
     def _pushes_back(self, state: ControllerState, instant: Instant) -> bool:
         """Whether two pushing tips push with much more than the object's friction."""
-        placement = self.placement
         segment = state.following.binding.segment
         contacts = segment.contacts
-        pushes = len(contacts) > 1 and all(c.kind == "side" for c in contacts)
-        query = placement.queries[segment.leg]
-        if not pushes or placement.waits or not query.resisted_by_friction_alone:
+        if len(contacts) == 1 or any(contact.kind != "side" for contact in contacts):
             return False
+        felt = self._felt_on_leg[segment.leg]
         tips = [instant.tips[contact.arm] for contact in contacts]
         total = math.hypot(
             math.fsum(tip.force[0] for tip in tips),
             math.fsum(tip.force[1] for tip in tips),
         )
-        felt = query.sensing.felt_force
         return total > margins.RESISTED * segment.drive.max_friction + felt
+
+    @cached_property
+    def _felt_on_leg(self) -> list[float]:
+        """Force [N] beyond friction that is felt on each leg, infinite where more than
+        friction may resist.
+        """
+        return [
+            query.sensing.felt_force
+            if query.resisted_by_friction_alone and not self.placement.waits
+            else math.inf
+            for query in self.placement.queries
+        ]
 
     def _losses(self, moment: Moment) -> ContactLosses:
         """Number of contact losses here, this one included."""

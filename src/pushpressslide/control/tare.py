@@ -14,6 +14,7 @@ class Tare:
         """Start without measurements of any arm."""
         self._sums: list[Vector3] = [(0.0, 0.0, 0.0)] * arms
         self._counts = [0] * arms
+        self._measured = False  # whether a free tip has measured any force
 
     def add(self, tips: Sequence[TipState], free: Sequence[bool]) -> None:
         """Take the measured forces of the tips that are ``free``."""
@@ -23,9 +24,12 @@ class Tare:
                 fx, fy, fz = tip.force
                 self._sums[arm] = (x + fx, y + fy, z + fz)
                 self._counts[arm] += 1
+                self._measured = self._measured or any(tip.force)
 
     def removed(self, tips: Sequence[TipState]) -> tuple[TipState, ...]:
         """The ``tips`` without the mean force that they measure in the air."""
+        if not self._measured:
+            return tuple(tips)
         return tuple(self._removed(arm, tip) for arm, tip in enumerate(tips))
 
     def _removed(self, arm: int, tip: TipState) -> TipState:

@@ -8,6 +8,7 @@ time windows, in which the object slides, has a standard error from their scatte
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -99,12 +100,12 @@ class DragIdentifier:
         time: float,
         X_WB: Pose2,
         force: Point,
-        lever: Point,
+        lever: Callable[[], Point],
     ) -> DragState:
         """Next state after a tick.
 
         ``force`` [N] is that of the tip on the object, along the support, and ``lever``
-        [m] the contact from the centre of mass, both in B.
+        gives the contact [m] from the centre of mass at the end of a window, both in B.
         """
         if state.pose is None:
             return state._replace(pose=X_WB, time=time, force=(0.0, 0.0), ticks=0)
@@ -113,9 +114,12 @@ class DragIdentifier:
         ticks = state.ticks + 1
         span = time - state.time
         if span < self._window:
-            return state._replace(force=(fx, fy), ticks=ticks)
+            begun = state.pose, state.time
+            return DragState(
+                state.levels, state.turned, state.slides, *begun, (fx, fy), ticks
+            )
         vx, vy, w = (value / span for value in screw(state.pose, X_WB))
-        x, y = lever
+        x, y = lever()
         size = math.hypot(fx, fy)
         power = ((vx - w * y) * fx + (vy + w * x) * fy) / max(size, 1e-9)
         slides = power > LEAST_SPEED
