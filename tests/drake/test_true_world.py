@@ -184,6 +184,31 @@ def test_an_object_climbs_a_ridge_and_leans_on_it() -> None:
         assert least < max(leans) < 4.0 * least
 
 
+def test_a_ridge_has_the_friction_of_its_support_and_obstacles_their_own() -> None:
+    bridge = replace(POST, name="bridge")
+    truth = Truth(ridge=0.002, ridge_place=0.3, friction_drift=0.5)
+    station = station_of(truth, obstacles=(bridge,))
+    graph = station.scene.scene_graph
+    inspector = graph.model_inspector()
+    before = coefficients(inspector)
+    station.disturb(station.state_vector().tolist(), PLAN.true_start, 60.0)
+    context = graph.GetMyContextFromRoot(station.context)
+    after = coefficients(graph.get_query_output_port().Eval(context).inspector())
+    changed = {name for name in before if after[name] != before[name]}
+    assert changed == {"support", "support_ridge"}
+
+
+def coefficients(inspector) -> dict[str, float]:
+    """Friction of each contact surface of the world."""
+    return {
+        inspector.GetName(one).split("::")[-1]: inspector.GetProximityProperties(one)
+        .GetProperty("material", "coulomb_friction")
+        .static_friction()
+        for one in inspector.GetGeometries(inspector.world_frame_id())
+        if inspector.GetProximityProperties(one)
+    }
+
+
 def test_feet_are_refused() -> None:
     with pytest.raises(TaskError, match=r"truth\.feet.*engine drake"):
         station_of(Truth(feet=0.8))

@@ -82,6 +82,7 @@ def test_what_stays_unsure_is_not_verified(
 def test_what_seems_to_have_missed_is_looked_at_less(
     push: Plan, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    run(push, 10_000, monkeypatch, Off)
+    record = run(push, 10_000, monkeypatch, Off)
+    assert record.reason == "not_verified"
     lasted = Unsure.looks[-1] - Unsure.looks[0]
     assert lasted == pytest.approx(margins.ARM.longest_look, abs=0.01)

@@ -625,7 +625,7 @@ class RunLoop:
             self.options.execution,
             self.options.estimator,
         )
-        limits = self.cell.arm_limits
+        limits = self.arm_limits
         own = isinstance(self.controller, Controller)
         if own and paths and len(limits) == len(paths):
             self.controller.keep_pace(joint_pace(paths, limits))
@@ -829,7 +829,7 @@ class RunLoop:
 
     def _may_look(self, time: float, since: float) -> bool:
         """Whether more pictures may still verify the goal, at ``time`` [s], of an object
-        let go at ``since`` [s].
+        let go at ``since`` [s]. One that seems to have missed is looked at for less time.
         """
         task = self.plan.task
         if task.sensing.every_pose or task.tool is not None or self.state is None:

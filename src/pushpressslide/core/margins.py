@@ -436,9 +436,9 @@ class ArmMargins:
     first_look: float = field(default=1.0, metadata={"unit": "s"})
     """Time before a touch in which noisy poses and forces are averaged."""
     longest_look: float = field(default=5.0, metadata={"unit": "s"})
-    """Longest look at an object that has arrived."""
+    """Longest look at an object that has arrived, or has missed its goal."""
     longest_last_look: float = field(default=20.0, metadata={"unit": "s"})
-    """The same at one that seems to be at its goal, but may not be."""
+    """Longest last look at one that seems to be at its goal, but may not be."""
     least_friction: float = field(default=0.5, metadata={"unit": "N"})
     """Smallest support friction of an object pushed by two tips. Below it a single tip
     can push the object away from the other tip.

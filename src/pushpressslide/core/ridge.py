@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+from pushpressslide.core.errors import TaskError
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.core.truth import refuse_truth
@@ -12,7 +13,7 @@ from pushpressslide.core.truth import refuse_truth
 WIDTH = 0.02
 """Width [m] of a ridge at its foot."""
 LENGTH = 4.0
-"""Length [m] of a ridge, half of it on each side."""
+"""Length [m] of a ridge, half of it on each side of the line from start to goal."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,22 +27,43 @@ class Ridge:
     def of_task(cls, task: Task) -> Ridge | None:
         """The ridge that a task's ``truth`` has across the line from start to goal.
 
-        Raises TaskError on a support with an edge or an opening.
+        Raises TaskError on a support with an edge or an opening, and for a ridge under
+        a body at its start.
         """
         truth = task.truth
         if truth.ridge == 0.0:
             return None
+        source = task.source or task.name
         if task.support.region is not None or task.support.opening is not None:
             flat = replace(truth, ridge=0.0)
-            where = "on a support with edges"
-            refuse_truth(truth, flat, task.source or task.name, where)
+            refuse_truth(truth, flat, source, "on a support with edges")
         start, goal = task.start, task.goal
         dx = goal.x - start.x
         dy = goal.y - start.y
         x = start.x + truth.ridge_place * dx
         y = start.y + truth.ridge_place * dy
         yaw = math.atan2(dy, dx) + 0.5 * math.pi + truth.ridge_angle
-        return cls(Pose2(x, y, yaw), truth.ridge)
+        ridge = cls(Pose2(x, y, yaw), truth.ridge)
+        below = ridge._below(task)
+        if below is not None:
+            allowed = f"allowed: where the ridge is not under {below} at the start"
+            raise TaskError(source, "truth.ridge_place", truth.ridge_place, allowed)
+        return ridge
+
+    def _below(self, task: Task) -> str | None:
+        """The first body of a task that stands on the ridge. None if there is none."""
+        import shapely
+
+        ends = [self.pose.apply((x, 0.0)) for x in (-0.5 * LENGTH, 0.5 * LENGTH)]
+        line = shapely.LineString(ends)
+        bodies = [("the object", task.object.shape.placed(task.true_start))]
+        bodies += [
+            (repr(one.name), one.shape.placed(one.pose))
+            for one in task.obstacles
+            if one.movable
+        ]
+        near = (name for name, base in bodies if base.distance(line) < 0.5 * WIDTH)
+        return next(near, None)
 
     @property
     def radius(self) -> float:

@@ -105,12 +105,13 @@ class Truth(ArmTruth):
     )
     ridge_place: float = setting(
         0.5,
-        "where the ridge crosses this line, as a share of the way along it",
+        "where the ridge crosses the line from start to goal, as a share of its length",
         within="[0, 1]",
     )
     ridge_angle: float = setting(
         0.0,
-        "angle between the ridge and the normal of this line",
+        "angle from the normal of the line from start to goal to the ridge, positive "
+        "from x to y",
         "deg",
         "[-80, 80]",
     )

@@ -46,6 +46,8 @@ FITTED_SINK = 5e-5
 """The same on a support with an opening: feet that leave its edge release their energy,
 which throws the body.
 """
+RIDGE = "support_ridge"
+"""Name of the geom of a ridge."""
 ROW = 4.0
 """Stiffness of a foot on a ridge over that on the plane: few feet carry the body there.
 Much stiffer ones would throw it.
@@ -211,13 +213,13 @@ class _Builder:
             )
         ]
         self.spec.worldbody.add_geom(
-            name="ridge",
+            name=RIDGE,
             type=mujoco.mjtGeom.mjGEOM_CAPSULE,
             size=[r, 0.0, 0.0],
             fromto=ends,
             **UNTOUCHED,
         )
-        self.ground = (*self.ground, "ridge")
+        self.ground = (*self.ground, RIDGE)
 
     def add_body(
         self, name: str, body: ObjectModel, pose: Pose2, friction: float
@@ -253,7 +255,7 @@ class _Builder:
         names = add_feet(body, f"{name}_foot", feet.points, level)
         pairs = [
             self.contacts.stand(
-                ground, foot, share * ROW if ground == "ridge" else share, friction
+                ground, foot, share * ROW if ground == RIDGE else share, friction
             )
             for foot, share in zip(names, feet.shares.tolist(), strict=True)
             for ground in self.ground

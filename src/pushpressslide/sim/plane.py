@@ -55,6 +55,7 @@ from pushpressslide.sim.volume_mesh import VolumeMesh
 
 Triangle = tuple[int, int, int]
 
+SUPPORT, RIDGE = "support", "support_ridge"  # names of geometries
 CELLS = 6.0  # across a base where it is narrow
 FINE = 12  # resolution of the rule for a base's mean distance from its middle
 # smallest detail of a patch's outline, as a share of the breadth of the base's hull
@@ -116,9 +117,9 @@ class Plane:
         properties = rigid_properties(friction)
         X = RigidTransform()
         self.supports.append(
-            plant.RegisterCollisionGeometry(world, X, shape, "ridge", properties)
+            plant.RegisterCollisionGeometry(world, X, shape, RIDGE, properties)
         )
-        plant.RegisterVisualGeometry(world, X, shape, "ridge_visual", RIDGE_COLOR)
+        plant.RegisterVisualGeometry(world, X, shape, f"{RIDGE}_visual", RIDGE_COLOR)
 
     def let_bases_stand(self, plant: MultibodyPlant, scene_graph: SceneGraph) -> None:
         """Let the bases touch the support. No other part of their bodies may touch it."""
@@ -146,7 +147,7 @@ def add_plane(plant: MultibodyPlant, frame: SupportFrame, friction: float) -> Pl
     """Add the plane of a support's ``frame`` to the world."""
     X = HalfSpace.MakePose(np.array(frame.normal), np.array(frame.origin))
     support = plant.RegisterCollisionGeometry(
-        plant.world_body(), X, HalfSpace(), "support", rigid_properties(friction)
+        plant.world_body(), X, HalfSpace(), SUPPORT, rigid_properties(friction)
     )
     return Plane([support], frame)
 

@@ -14,11 +14,13 @@ from pydrake.geometry import RoleAssign
 from pydrake.systems.framework import Context
 
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.ridge import Ridge
 from pushpressslide.core.task import Task
 from pushpressslide.core.truth import refuse_truth
 from pushpressslide.mechanics.ground import Ground
 from pushpressslide.mechanics.surface_friction import SurfaceFrictions, partner_friction
 from pushpressslide.sim.convert import planar_twist
+from pushpressslide.sim.plane import RIDGE, SUPPORT
 from pushpressslide.sim.scenes import DrakeScene
 from pushpressslide.sim.surfaces import rigid_properties
 
@@ -54,7 +56,7 @@ class UnevenGround:
         self._supports = [
             geometry
             for geometry in plant.GetCollisionGeometriesForBody(plant.world_body())
-            if inspector.GetName(geometry).endswith(("support", "ridge"))
+            if inspector.GetName(geometry).split("::")[-1] in (SUPPORT, RIDGE)
         ]
         self._set = self._friction
 
@@ -94,6 +96,6 @@ def refuse_ground(task: Task) -> None:
         friction_patches=0.0,
         friction_drift=0.0,
         bow=0.0,
-        ridge=0.0,
     )
     refuse_truth(truth, plain, source, "with engine drake on a support with edges")
+    Ridge.of_task(task)

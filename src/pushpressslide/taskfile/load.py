@@ -234,6 +234,9 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
         elif robot.delay > margins.LATEST_TORQUE:
             allowed = f"allowed with interface torque: [0, {margins.LATEST_TORQUE:g}] s"
             raise TaskError(source, f"robots[{i}].delay", robot.delay, allowed)
+    if task.goals:
+        flat = replace(task.truth, ridge=0.0)
+        refuse_truth(task.truth, flat, source, "in a task with `goals`")
     refuse(source, wall_faults(task.scene, task.start, task.goal))
     true_start = task.true_start
     rests = not task.legs and task.tolerance.holds(true_start, task.goal)
