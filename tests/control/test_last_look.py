@@ -54,6 +54,17 @@ def test_a_look_that_may_go_on_is_surer() -> None:
     assert early.code == "not_verified"
 
 
+@pytest.mark.parametrize(
+    ("place", "yaw", "expected"),
+    [(0.24, 0.24, True), (0.26, 0.0, False), (0.0, 0.26, False)],
+)
+def test_a_look_tells_if_the_inner_half_of_the_tolerance_would_be_verified(
+    place: float, yaw: float, expected: bool
+) -> None:
+    look = LastLook(GOAL, (0.01 * place, math.radians(2.0 * yaw)))
+    assert look.tells(ALLOWED) is expected
+
+
 def test_what_is_not_verified_says_what_was_seen_and_how_well() -> None:
     look = LastLook(Pose2(GOAL.x + 0.009, GOAL.y, GOAL.yaw), (0.001, 0.0))
     ending = look.ending(GOAL, ALLOWED)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import pytest
 
@@ -19,7 +19,8 @@ from pushpressslide.planar.cell import planar_cell
 from pushpressslide.report.metrics import result
 from pushpressslide.taskfile.load import load_task
 
-PERIODIC = ["sensing.pose_rate=50.0", "motion.recoveries=0"]
+PERIODIC = ["sensing.pose_rate=50.0"]
+TOLERANCE = 0.005  # [m]
 
 
 class Unsure(Controller):
@@ -40,6 +41,24 @@ class Off(Unsure):
 
     def missed(self, state: ControllerState, pose: Pose2) -> Ending:
         return Ending("goal_missed", "off")
+
+
+class Beside(Controller):
+    """A controller that sees the object near the edge of the tolerance at first, and at
+    its goal after a recovery.
+    """
+
+    made: ClassVar[int] = 0
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        type(self).made += 1
+        self.first = self.made == 1
+
+    def last_look(self, state: ControllerState) -> LastLook:
+        goal = self.placement.last.goal
+        off = 0.9 * TOLERANCE if self.first else 0.0
+        return LastLook(Pose2(goal.x + off, goal.y, goal.yaw), (0.1 * TOLERANCE, 0.0))
 
 
 @pytest.fixture(scope="module")
@@ -73,6 +92,7 @@ def test_what_stays_unsure_is_not_verified(
 ) -> None:
     record = run(push, 10_000, monkeypatch)
     assert record.reason == "not_verified"
+    assert not record.meta["events"]
     lasted = Unsure.looks[-1] - Unsure.looks[0]
     assert lasted == pytest.approx(margins.ARM.longest_last_look, abs=0.01)
     figures = result(push.task, push, record)
@@ -80,9 +100,22 @@ def test_what_stays_unsure_is_not_verified(
 
 
 def test_what_seems_to_have_missed_is_looked_at_less(
-    push: Plan, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    push = plan(load_task("rear-push-left", [*PERIODIC, "motion.recoveries=0"]))
     record = run(push, 10_000, monkeypatch, Off)
     assert record.reason == "not_verified"
     lasted = Unsure.looks[-1] - Unsure.looks[0]
     assert lasted == pytest.approx(margins.ARM.longest_look, abs=0.01)
+
+
+def test_what_is_seen_well_but_is_not_surely_there_is_corrected(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    changes = [*PERIODIC, f"tolerance.position={TOLERANCE}"]
+    push = plan(load_task("rear-push-left", changes))
+    monkeypatch.setattr(Beside, "made", 0)
+    record = run_loop(planar_cell(push), push, RunOptions(controller=Beside))
+    (event,) = record.meta["events"]
+    assert (event["code"], event["recovered"]) == ("not_verified", True)
+    assert record.reason == "goal_reached"

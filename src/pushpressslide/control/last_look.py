@@ -34,3 +34,10 @@ class LastLook(NamedTuple):
             return Ending("goal_missed", text)
         known = f"known to {place * 1e3:.1f} mm and {math.degrees(yaw):.1f} deg"
         return Ending("not_verified", f"{text}, {known}")
+
+    def tells(self, tolerance: Tolerance) -> bool:
+        """Whether the pose is known so well that an object in the inner half of the
+        tolerance is verified.
+        """
+        place, yaw = (2.0 * margins.DOUBT * deviation for deviation in self.spread)
+        return place <= tolerance.position and yaw <= tolerance.yaw

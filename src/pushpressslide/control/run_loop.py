@@ -265,7 +265,7 @@ class RunLoop:
             may_look = self._may_look(tick.time, self.looked_on)
             verified = self._verified(ended, may_look)
             looks_on = may_look and verified.code == "not_verified"
-            if not looks_on and not self._recovers(ended, tick, measurement):
+            if not looks_on and not self._recovers(ended, verified, tick, measurement):
                 return verified
         self._report(tick.time)
         return None
@@ -671,9 +671,12 @@ class RunLoop:
         self._begin_placement(held_commands, time, measurement)
         self.recorder.begin_placement(self.plan, self.number)
 
-    def _recovers(self, ending: Ending, tick: Tick, measurement: Measurement) -> bool:
+    def _recovers(
+        self, ending: Ending, verified: Ending, tick: Tick, measurement: Measurement
+    ) -> bool:
         """Replan the remaining task from the current state and start it. Return False
-        if no plan ends in time.
+        if no plan ends in time. ``verified`` is what the last look has shown of the
+        ``ending``.
 
         The arms hold their positions during planning, which may take seconds in a real
         cell. There is no recovery if an arm did not draw back.
@@ -685,6 +688,8 @@ class RunLoop:
         if self.state is not None:
             pose = self.controller.filtered_pose(self.state)
         reason = self._retriable_ending(self.breach or ending, pose)
+        if reason is None and self._may_correct(verified):
+            reason = verified
         if reason is None:
             return False
         time = tick.time
@@ -848,6 +853,15 @@ class RunLoop:
             assert self.state is not None
             return self.controller.missed(self.state, pose)
         return ending if ending.code in RECOVERABLE else None
+
+    def _may_correct(self, verified: Ending) -> bool:
+        """Whether an object that seems to be at its goal, but is not surely there, is
+        seen well enough to be moved on.
+        """
+        task = self.plan.task
+        if verified.code != "not_verified" or task.tool is not None:
+            return False
+        return self.last_look is not None and self.last_look.tells(task.tolerance)
 
     def _restart(self, pose: Pose2) -> Restart:
         """Start of the remaining task with the object at ``pose``, X_WG.
