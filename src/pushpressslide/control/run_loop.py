@@ -856,10 +856,11 @@ class RunLoop:
 
     def _may_correct(self, verified: Ending) -> bool:
         """Whether an object that seems to be at its goal, but is not surely there, is
-        seen well enough to be moved on.
+        seen well enough to be moved again. That is done once: each motion may miss.
         """
         task = self.plan.task
-        if verified.code != "not_verified" or task.tool is not None:
+        done = any(event["code"] == verified.code for event in self.events)
+        if verified.code != "not_verified" or task.tool is not None or done:
             return False
         return self.last_look is not None and self.last_look.tells(task.tolerance)
 
