@@ -10,6 +10,8 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.core.truth import refuse_truth
 
+NAME = "support_ridge"
+"""Name of a ridge among the geometries of a simulated world."""
 WIDTH = 0.02
 """Width [m] of a ridge at its foot."""
 LENGTH = 4.0

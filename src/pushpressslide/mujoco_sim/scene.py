@@ -19,6 +19,7 @@ from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.ridge import LENGTH, Ridge
+from pushpressslide.core.ridge import NAME as RIDGE
 from pushpressslide.core.slabs import slabs
 from pushpressslide.core.spatial_pose import spatial_axes
 from pushpressslide.core.support_frame import SupportFrame
@@ -46,8 +47,6 @@ FITTED_SINK = 5e-5
 """The same on a support with an opening: feet that leave its edge release their energy,
 which throws the body.
 """
-RIDGE = "support_ridge"
-"""Name of the geom of a ridge."""
 ROW = 4.0
 """Stiffness of a foot on a ridge over that on the plane: few feet carry the body there.
 Much stiffer ones would throw it.

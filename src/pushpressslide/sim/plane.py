@@ -36,6 +36,7 @@ from pydrake.multibody.tree import BodyIndex, RigidBody
 
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.ridge import LENGTH, Ridge
+from pushpressslide.core.ridge import NAME as RIDGE
 from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.geometry import quadrature
 from pushpressslide.geometry.areas import joined_ring, polygons
@@ -55,7 +56,7 @@ from pushpressslide.sim.volume_mesh import VolumeMesh
 
 Triangle = tuple[int, int, int]
 
-SUPPORT, RIDGE = "support", "support_ridge"  # names of geometries
+SUPPORT = "support"  # name of its geometry
 CELLS = 6.0  # across a base where it is narrow
 FINE = 12  # resolution of the rule for a base's mean distance from its middle
 # smallest detail of a patch's outline, as a share of the breadth of the base's hull

@@ -14,13 +14,14 @@ from pydrake.geometry import RoleAssign
 from pydrake.systems.framework import Context
 
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.ridge import NAME as RIDGE
 from pushpressslide.core.ridge import Ridge
 from pushpressslide.core.task import Task
 from pushpressslide.core.truth import refuse_truth
 from pushpressslide.mechanics.ground import Ground
 from pushpressslide.mechanics.surface_friction import SurfaceFrictions, partner_friction
 from pushpressslide.sim.convert import planar_twist
-from pushpressslide.sim.plane import RIDGE, SUPPORT
+from pushpressslide.sim.plane import SUPPORT
 from pushpressslide.sim.scenes import DrakeScene
 from pushpressslide.sim.surfaces import rigid_properties
 
