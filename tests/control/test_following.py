@@ -109,7 +109,7 @@ def test_joints_wait_at_the_start_of_a_path_that_has_become_longer() -> None:
 
 def timed(time: float, progress: float, joint_start: float = 0.0) -> float:
     led = following().begun(10.0)._replace(progress=progress, joint_start=joint_start)
-    return led.joint_reference(START, time, True)
+    return led.joint_reference(led.joint_progress(START), time, True)
 
 
 def test_joints_led_by_time_are_where_they_are_planned_then() -> None:
@@ -137,15 +137,15 @@ def test_joints_led_by_time_never_go_before_their_path() -> None:
     led = following().begun(10.0)
     longer = FIRST.follows(FIRST.path.rest(0.5 * LENGTH))
     ahead = led._replace(reference=longer, joint_start=-LENGTH)
-    assert ahead.joint_reference(START, 10.0, True) == 0.0
+    assert ahead.joint_reference(ahead.joint_progress(START), 10.0, True) == 0.0
 
 
 def test_joints_that_time_does_not_lead_follow_the_object() -> None:
     led = following()._replace(progress=0.2)
     here = led.joint_progress(START)
     late = 10.0 + FIRST.profile.duration
-    assert led.begun(10.0).joint_reference(START, late, False) == here
-    assert led.joint_reference(START, late, True) == here  # nothing has begun
+    assert led.begun(10.0).joint_reference(here, late, False) == here
+    assert led.joint_reference(here, late, True) == here  # nothing has begun
 
 
 def test_a_turn_is_remade_only_by_arcs_of_its_own_leg() -> None:

@@ -177,14 +177,13 @@ class Following(NamedTuple):
         same_leg = segment.leg == planned.leg
         return twists and isinstance(segment.path, ArcPath) and same_leg
 
-    def joint_reference(self, X_WB: Pose2, time: float, timed: bool) -> float:
+    def joint_reference(self, here: float, time: float, timed: bool) -> float:
         """Arc length [m] on the planned path at which to read the joint reference
         during the move.
 
         A ``timed`` reference is the planned one at ``time`` [s], the paper's q(t). It
-        is at most JOINT_LEAD from the object at ``X_WB``.
+        is at most JOINT_LEAD from the object, whose ``joint_progress`` [m] is ``here``.
         """
-        here = self.joint_progress(X_WB)
         reference = self.reference
         if not timed or reference is None:
             return here

@@ -69,8 +69,9 @@ class Law:
         binding = following.binding
         segment = binding.segment
         speed = instant.pace * self.speed(following, instant.time)
+        here = following.joint_progress(X_WB)
         if self.pace is not None:
-            allowed = self.pace.speed_at(following.joint_progress(X_WB))
+            allowed = self.pace.speed_at(here)
             speed = min(speed, allowed / max(following.joint_rate, 1.0))
 
         started = clock()
@@ -94,7 +95,7 @@ class Law:
             TipTask(twist, point, (gain * fx, gain * fy), load, speed, hold)
             for point, (fx, fy), load, speed, hold in parts
         ]
-        progress = following.joint_reference(X_WB, instant.time, self.tracks_joints)
+        progress = following.joint_reference(here, instant.time, self.tracks_joints)
         moved = [
             self.mover.step(memory, instant.context(c, X_WB.yaw, progress), task)
             for memory, c, task in zip(tips, segment.contacts, tasks, strict=True)

@@ -559,8 +559,9 @@ class Supervisor:
             following = state.following._replace(rho=found.rho)
             state = state._replace(following=following)
         following = state.following
-        if found.axle is None:
-            found = found._replace(axle=_planned_axle(following))
+        planned_axle = _planned_axle(following) if found.axle is None else None
+        if planned_axle is not None:
+            found = found._replace(axle=planned_axle)
         segments = (following.binding.segment, *following.ahead)
         since = time - state.watches.replanned
         better = self.placement.replanner.improve(

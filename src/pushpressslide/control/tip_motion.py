@@ -22,7 +22,10 @@ from pushpressslide.core.control import TipCommand, Vector3
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist
-from pushpressslide.execution.normal_force import NormalForceRegulator
+from pushpressslide.execution.normal_force import (
+    NormalForceRegulator,
+    NormalForceState,
+)
 from pushpressslide.kernels.leading import approached
 
 # [N/m], [N s/m] of a pushing tip along its height
@@ -149,14 +152,16 @@ class TipMover:
         force = X_WB.rotate(task.force)
         velocity, (ax, ay) = self._motion(memory, context, task)
         turn, spin = _turning(memory.turn, task.twist.w, context.dt)
-        normal, memory = self._along_height(memory, context, task, normal_force)
+        normal, regulator, height = self._along_height(
+            memory, context, task, normal_force
+        )
+        drag = memory.drag
         if task.entry_speed is not None:  # only the damper holds it back
             felt = Felt(False, 0.0)
             force = _within(force, self.friction * max(normal_force, 0.0))
         elif contact.kind == "top":
             most = 2.0 * self.friction * task.load * context.dt / TURNABOUT
-            force = approached(memory.drag, force, most)
-            memory = memory._replace(drag=force)
+            force = drag = approached(drag, force, most)
         vx, vy = velocity
         if task.hold is not None:
             speed = math.hypot(vx, vy)
@@ -180,8 +185,15 @@ class TipMover:
             tool_yaw_acceleration=spin,
             catches_up=task.entry_speed is None,  # one that drops in may hold nothing
         )
-        memory = memory._replace(velocity=velocity, turn=turn, mean_force=mean)
-        memory = memory._replace(kept_force=kept)
+        memory = memory._replace(
+            regulator=regulator,
+            velocity=velocity,
+            turn=turn,
+            mean_force=mean,
+            kept_force=kept,
+            height=height,
+            drag=drag,
+        )
         return command, memory, felt
 
     def _within_limit(
@@ -209,28 +221,28 @@ class TipMover:
         context: TipContext,
         task: TipTask,
         normal_force: float,
-    ) -> tuple[_Normal, TipMemory]:
-        """Command of the tip along the height axis, and its next state.
-        ``normal_force`` [N] is measured.
+    ) -> tuple[_Normal, NormalForceState, float | None]:
+        """Command of the tip along the height axis, the next state of its regulator, and
+        the height [m] at which a pushing tip is held. ``normal_force`` [N] is measured.
         """
         contact = context.contact
         tip = context.tip
+        regulator = memory.regulator
+        height = memory.height
         if task.entry_speed is not None:
             speed = task.entry_speed
             down = braking(-tip.velocity[2], speed)
             damping = task.load / speed
-            return _Normal(tip.position[2], 0.0, damping, task.load, down), memory
+            normal = _Normal(tip.position[2], 0.0, damping, task.load, down)
+            return normal, regulator, height
         if contact.kind == "top":
             push, regulator = self.regulator.step(
-                memory.regulator, task.load, normal_force, context.dt
+                regulator, task.load, normal_force, context.dt
             )
-            memory = memory._replace(regulator=regulator)
-            return _Normal(tip.position[2], 0.0, PRESS_DAMPING, push), memory
-        height = eased_height(
-            memory.height, tip.position[2], contact.height, context.dt
-        )
-        memory = memory._replace(height=height)
-        return _Normal(height, HEIGHT_STIFFNESS, HEIGHT_DAMPING), memory
+            normal = _Normal(tip.position[2], 0.0, PRESS_DAMPING, push)
+            return normal, regulator, height
+        height = eased_height(height, tip.position[2], contact.height, context.dt)
+        return _Normal(height, HEIGHT_STIFFNESS, HEIGHT_DAMPING), regulator, height
 
     def _loss_threshold(self, contact: Contact) -> float:
         """Normal force [N] below which a contact counts as lost."""

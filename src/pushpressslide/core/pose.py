@@ -10,6 +10,8 @@ from pushpressslide.kernels.plane import cross as cross
 from pushpressslide.kernels.plane import from_axis as from_axis
 from pushpressslide.kernels.plane import in_axis as in_axis
 
+NUMBERS = (float, int)
+
 Point = tuple[float, float]
 """A point or a vector in the plane: (x, y) [m]. Its frame is stated at each use."""
 
@@ -38,7 +40,8 @@ class Pose2:
     yaw: float = 0.0
 
     def __post_init__(self) -> None:
-        if isinstance(self.yaw, float | int) and math.tau < abs(self.yaw) < math.inf:
+        yaw = self.yaw
+        if isinstance(yaw, NUMBERS) and math.tau < abs(yaw) < math.inf:
             self._warn_of_degrees()
 
     def _warn_of_degrees(self) -> None:
@@ -88,8 +91,13 @@ class Pose2:
 
     def compose(self, other: Pose2) -> Pose2:
         """Pose X_AC = X_AB X_BC, with self = X_AB. The yaw is not wrapped."""
-        x, y = self.apply((other.x, other.y))
-        return Pose2(x, y, self.yaw + other.yaw)
+        yaw = self.yaw
+        c = math.cos(yaw)
+        s = math.sin(yaw)
+        x, y = other.x, other.y
+        return Pose2(
+            self.x + (c * x - s * y), self.y + (s * x + c * y), yaw + other.yaw
+        )
 
     def inverse(self) -> Pose2:
         """Pose X_BA."""
