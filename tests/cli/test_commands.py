@@ -335,6 +335,21 @@ def test_plan_writes_its_files_and_prints_json(tmp_path: Path) -> None:
     assert {"plan.json", "plan.png"} <= {path.name for path in tmp_path.iterdir()}
 
 
+def test_odds_are_those_of_the_tier_and_need_stated_errors(tmp_path: Path) -> None:
+    words = ("plan", "press-slide", "--odds", "--json", "--out", str(tmp_path))
+    exact = invoke(*words)
+    assert "mass_error and center_error are 0" in exact.stderr
+    assert exact.exit_code == 0
+    at_tier = invoke(*words, "--force", "--set", "truth=tier3")
+    assert at_tier.stderr == ""
+    shares = [
+        json.loads(result.stdout)["stages"][0]["odds"]["share"]
+        for result in (exact, at_tier)
+    ]
+    assert shares[0] in (0.0, 1.0)
+    assert 0.0 < shares[1] < 1.0
+
+
 @pytest.mark.parametrize(
     "words",
     [

@@ -103,6 +103,20 @@ def test_batches_have_no_tiers(tmp_path: Path) -> None:
         sweep(TASK, options("tier1", batched=True), tmp_path)
 
 
+@pytest.mark.parametrize("vary", ["truth", "start", "knocks"])
+def test_only_new_tasks_are_uncertain(tmp_path: Path, vary: Any) -> None:
+    said = f"--world: 'uncertain' is not allowed with --vary {vary}; allowed: with --vary tasks"
+    drake = options("uncertain", vary=vary, engine="drake")
+    with pytest.raises(PushPressSlideError, match=said):
+        sweep(TASK, drake, tmp_path)
+
+
+def test_a_tier_leaves_the_rest_of_the_truth() -> None:
+    task = replace(TASK, truth=Truth(tilt=0.01))
+    sample = sample_task(task, options("tier3"), 0)
+    assert sample.truth == Truth(tilt=0.01, tier="tier3")
+
+
 @pytest.mark.long
 def test_a_sweep_counts_what_is_true_beside_the_bias(tmp_path: Path) -> None:
     summary = sweep(TASK, options("tier2", samples=2, jobs=1), tmp_path)

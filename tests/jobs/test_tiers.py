@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+import pushpressslide as pps
 from pushpressslide.core.errors import InfeasibleTaskError, TaskError
 from pushpressslide.core.sensing import Sensing
 from pushpressslide.core.task import Task
@@ -18,6 +19,7 @@ from pushpressslide.jobs.sampling import random_task
 from pushpressslide.jobs.stages import StageOptions, StageRunner
 from pushpressslide.jobs.sweep import SweepOptions, sweep
 from pushpressslide.jobs.tiers import TIERS, drawn_world
+from pushpressslide.selection.stages import plan_stages
 from pushpressslide.taskfile.load import dump_task, load_task, task_from_data
 from pushpressslide.taskfile.yaml_text import parse_yaml
 
@@ -75,6 +77,36 @@ def test_what_an_engine_or_an_arm_does_not_have_is_left_out() -> None:
     robots = tuple(replace(one, interface="velocity") for one in task.robots)
     servo = drawn_world(replace(task, robots=robots), 0, "drake").truth
     assert servo == servo.for_servos()
+
+
+def test_other_errors_of_the_truth_stay() -> None:
+    own = ("truth={tier: tier2, ridge: 0.001, backlash_deg: 0.1, link_mass: 1.5}",)
+    drawn = drawn_world(load_task(PUSH, own), 0, "drake").truth
+    assert (drawn.ridge, drawn.tier) == (0.001, None)
+    assert drawn.backlash == pytest.approx(math.radians(0.1))
+    assert abs(drawn.link_mass - 1.0) == pytest.approx(0.1)  # the tier's
+    assert replace(drawn, ridge=0.0, backlash=0.0) == (
+        drawn_world(at_tier("tier2"), 0, "drake").truth
+    )
+
+
+def test_a_plan_hopes_as_a_run_does() -> None:
+    task = at_tier("tier3", "press-slide")
+    world = drawn_world(task)
+    with pytest.raises(InfeasibleTaskError):
+        plan_stages(world)
+    plan = pps.plan(task)
+    assert plan.task.dares
+    assert plan.task.belief.center_error == world.belief.center_error
+
+
+def test_a_plan_is_that_of_the_world_of_seed_0() -> None:
+    task = at_tier("tier3")
+    world = drawn_world(task, 0, "drake")
+    plan = pps.plan(task)
+    assert plan.task == world
+    assert pps.select(task) == pps.select(world)
+    assert pps.select(task) != pps.select(load_task(PUSH))
 
 
 def test_a_file_names_a_tier_in_one_word() -> None:

@@ -68,6 +68,10 @@ def test_the_friction_of_the_support_moves_the_center_of_pressure() -> None:
         ("incline-slide", "support.kind: "),
         ("post", "obstacles: 1 of them is not allowed; allowed to learn: none"),
         ("tour", "is not allowed; allowed to learn: none"),
+        (
+            pps.load_task("rear-push-rear", ["truth=tier2"]),
+            "truth: given is not allowed; allowed to learn: its defaults",
+        ),
     ],
 )
 def test_a_task_of_another_kind_is_refused(task, said) -> None:

@@ -85,13 +85,15 @@ def select(
 ) -> int:
     """Rank the contact modes for a task, with reasons; --out also writes select.json.
 
-    With --joints also by the arms' joint paths, as a run does.
+    With --joints also by the arms' joint paths, as a run does. A tier's world is that of
+    seed 0.
     """
     from pushpressslide.cli import tables
     from pushpressslide.cli.goals import select_stages
     from pushpressslide.cli.joints import ranked
+    from pushpressslide.jobs.tiers import drawn_world
 
-    loaded = task_of(task, sets, mode)
+    loaded = drawn_world(task_of(task, sets, mode))
     if joints and (loaded.goals or loaded.legs):
         reason = "--joints: allowed for a task of one motion, without goals or legs"
         raise PushPressSlideError(f"{loaded.source or loaded.name}: {reason}")
@@ -168,27 +170,36 @@ class PlanOptions:
 def plan(options: PlanOptions) -> None:
     """Plan only; writes plan.json and plan.png.
 
-    Joint paths are planned for --trajectory alone.
+    Joint paths are planned for --trajectory alone. A tier's world is that of seed 0.
     """
-    from pushpressslide.cli.odds import odds_text, plan_odds
+    from pushpressslide.cli.odds import TRUTHS_ALIKE, odds_text, plan_odds
     from pushpressslide.cli.tables import JOINT_PATHS
+    from pushpressslide.jobs.hopes import of_first_hope
     from pushpressslide.jobs.remedy import remedies_named
     from pushpressslide.jobs.stages import planned_part
+    from pushpressslide.jobs.tiers import drawn_world
     from pushpressslide.report.plan_files import stages_to_dict, write_plans
     from pushpressslide.selection.stages import plan_stages
 
-    task = task_of(options.task, options.sets, options.mode)
+    task = drawn_world(task_of(options.task, options.sets, options.mode))
     file = options.trajectory
-    planner = None if file is None else _joint_planner(file)
     results = ("plan.json", "result.json")
     folder = results_folder(options.out, f"plan-{task.name}", options.force, results)
+
+    def plan_of(task: Task) -> list[PlannedStage]:
+        return plan_stages(task, None if file is None else _joint_planner(file))
+
     with remedies_named(task):
-        planned = plan_stages(task, planner)
+        planned = of_first_hope(task, plan_of)
     stages = [planned_part(one) for one in planned]
     (folder / "plan.json").unlink(missing_ok=True)  # an existing file is complete
     data, *pictures = write_plans(task, stages, folder)
     lines = [JOINT_PATHS] if file is None else _write_trajectory(task, planned, file)
-    figures = [plan_odds(stage.plan) for stage in stages] if options.odds else []
+    figures = []
+    if options.odds:
+        figures = [plan_odds(stage.plan, task.belief) for stage in stages]
+        if not task.belief.states_errors:
+            complain(TRUTHS_ALIKE)
     if options.as_json:
         made = stages_to_dict(task, stages)
         for part, one in zip(made["stages"], figures, strict=False):

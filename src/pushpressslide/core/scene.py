@@ -503,6 +503,11 @@ class Belief:
         """Whether it states errors that motions are planned for."""
         return self.friction_error > 0.0 or self.center_error > 0.0
 
+    @property
+    def states_errors(self) -> bool:
+        """Whether it states any errors."""
+        return self.planned_for_errors or self.mass_error > 0.0
+
 
 def assumption(belief: Value | None, true: Value) -> Value:
     """Believed value, or the true value if the belief is None."""

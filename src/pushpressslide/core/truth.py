@@ -117,8 +117,8 @@ class Truth(ArmTruth):
     )
     tier: TierName | None = setting(
         None,
-        "a whole world drawn by the run's seed, in place of `belief`, `sensing` and all "
-        "fields of `truth`; `truth: tier2` for short",
+        "a world drawn by the run's seed, in place of `belief` (except `rho`), `sensing` "
+        "and errors of arms; `truth: tier2` for short",
     )
 
     @property

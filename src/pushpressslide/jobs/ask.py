@@ -26,12 +26,13 @@ def select(task: AnyTask, enough: int = 1) -> list[Choice]:
     A choice that is not feasible has a refusal. If it cannot do the task, the refusal
     contains the deciding number. If ``enough`` choices of its mode are feasible, or too
     many are blocked, it is skipped and the refusal says why. Joint paths are not
-    planned here but by ``run``. Raises TaskError for a task that no task file could
-    describe.
+    planned here but by ``run``. A tier's world is that of seed 0. Raises TaskError for
+    a task that no task file could describe.
     """
+    from pushpressslide.jobs.tiers import drawn_world
     from pushpressslide.selection import select as selection
 
-    return selection.select(checked(task), enough)
+    return selection.select(drawn_world(checked(task)), enough)
 
 
 def plan(
@@ -44,11 +45,14 @@ def plan(
 
     Joint paths are not planned here but by ``run``. In a task with legs, all other
     placements take their best choices. With ``force`` an infeasible choice is planned
-    too, if it has a path. Raises TaskError for a task that no task file could describe,
+    too, if it has a path. A tier's world is that of seed 0, for the plan and each run of
+    it. Raises TaskError for a task that no task file could describe,
     and InfeasibleTaskError with the reasons if the task is infeasible.
     """
     from pushpressslide.core.plan import Choice
+    from pushpressslide.jobs.hopes import of_first_hope
     from pushpressslide.jobs.remedy import remedies_named
+    from pushpressslide.jobs.tiers import drawn_world
     from pushpressslide.selection import solve
 
     if isinstance(choice, str):
@@ -60,7 +64,10 @@ def plan(
         allowed = "allowed: a Choice, as select returns them, or the name of a mode"
         raise TaskError("", "choice", choice, allowed)
     with remedies_named(known):
-        return solve.plan(known, choice, force=force)
+        world = drawn_world(known)
+        if choice is not None or force:
+            return solve.plan(world, choice, force=force)
+        return of_first_hope(world, solve.plan)
 
 
 def checked(

@@ -6,15 +6,17 @@ A motion that only might fail is tried: a recovery can mend it, a refusal cannot
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.scene import Belief
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.stages import StageOptions, StageRunner
 from pushpressslide.jobs.tiers import FRICTION, drawn_world
+
+Planned = TypeVar("Planned")
 
 
 def hopes(task: Task) -> Iterator[Task]:
@@ -40,7 +42,7 @@ def _beliefs(task: Task) -> Iterator[Belief]:
         centers.append(replace(task.belief, center_of_mass=likeliest))
     if task.belief.planned_for_errors:
         yield from centers
-    if task.belief.planned_for_errors or task.belief.mass_error > 0.0:
+    if task.belief.states_errors:
         for amounts in _favourable(task):
             for belief in centers:
                 yield amounts.put_into(belief)
@@ -91,10 +93,19 @@ def hopeful_runner(task: Task, options: StageOptions) -> StageRunner:
 
     Raises InfeasibleTaskError, that of the task as it is, if none is.
     """
+    world = drawn_world(task, options.seed, options.engine)
+    return of_first_hope(world, lambda hope: StageRunner(hope, options))
+
+
+def of_first_hope(task: Task, plan: Callable[[Task], Planned]) -> Planned:
+    """Result of ``plan`` for the first of ``hopes`` that is feasible.
+
+    Raises InfeasibleTaskError, that of the task as it is, if none is.
+    """
     refused: InfeasibleTaskError | None = None
-    for hope in hopes(drawn_world(task, options.seed, options.engine)):
+    for hope in hopes(task):
         try:
-            return StageRunner(hope, options)
+            return plan(hope)
         except InfeasibleTaskError as error:
             refused = refused or error
     assert refused is not None

@@ -17,7 +17,6 @@ from pushpressslide.core.footprint import overlap_area
 from pushpressslide.core.knock import Ball, Knock
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
-from pushpressslide.core.truth import Truth
 from pushpressslide.jobs.cluttered import cluttered_task, started_task
 from pushpressslide.jobs.rows import Row
 from pushpressslide.jobs.run import forced_choices, run_choice, simulate
@@ -78,7 +77,7 @@ def sample_task(task: Task, options: SweepOptions, index: int) -> Task:
     drawn = _varied(task, options, index)
     if options.tier is None:
         return drawn
-    return replace(drawn, truth=Truth(tier=options.tier))
+    return replace(drawn, truth=replace(drawn.truth, tier=options.tier))
 
 
 def sample_seed(task: Task, options: SweepOptions, index: int) -> int:

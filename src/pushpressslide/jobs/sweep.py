@@ -101,6 +101,11 @@ def sweep(
         raise PushPressSlideError(
             f"engine: {options.engine!s} has no body that knocks; allowed: {DEFAULT!s}"
         )
+    if options.world == "uncertain" and options.vary != "tasks":
+        raise PushPressSlideError(
+            f"--world: 'uncertain' is not allowed with --vary {options.vary}; allowed: "
+            "with --vary tasks, or a tier"
+        )
     if task.goals:
         bodies = [goal.body for goal in task.goals]
         reason = "allowed: null; a sweep varies tasks of one goal"

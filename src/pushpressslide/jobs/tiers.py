@@ -17,6 +17,7 @@ from pushpressslide.core.scene import Belief
 from pushpressslide.core.sensing import Sensing
 from pushpressslide.core.task import Task
 from pushpressslide.core.truth import EXACT, Truth
+from pushpressslide.jobs.engines import DEFAULT
 
 Factors = tuple[float, float]
 """Smallest and largest ratio of the true value to the believed one."""
@@ -116,7 +117,19 @@ TIERS = MappingProxyType(
 )
 
 
-def drawn_world(task: Task, seed: int, engine: str) -> Task:
+DRAWN = (
+    "arm_base",
+    "arm_base_yaw",
+    "tip_offset",
+    "link_mass",
+    "coulomb_friction",
+    "viscous_friction",
+    "torque_scale",
+)
+"""Fields of the truth that a tier draws. The others stay those of the task."""
+
+
+def drawn_world(task: Task, seed: int = 0, engine: str = DEFAULT) -> Task:
     """The ``task`` in the world of its tier, if it names one: belief, sensors and arms.
 
     Errors that the ``engine`` or the arms do not have are left out.
@@ -137,6 +150,8 @@ def drawn_world(task: Task, seed: int, engine: str) -> Task:
         truth = truth.for_tips()
     elif any(robot.interface != "torque" for robot in task.robots):
         truth = truth.for_servos()
+    arms = {name: getattr(truth, name) for name in DRAWN}
+    truth = replace(task.truth, tier=None, **arms)
     return replace(task, belief=belief, sensing=sensing, truth=truth)
 
 

@@ -13,6 +13,7 @@ from pushpressslide.core.plan import Choice, Contact
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.task import Belief, Task
+from pushpressslide.core.truth import EXACT
 from pushpressslide.modes.rear_push import MODE
 from pushpressslide.planning.rear_car_fit import FittedFace, fitted_faces
 from pushpressslide.planning.side_contacts import lone_contact_height
@@ -141,6 +142,8 @@ def _check(task: Task) -> None:
             raise _refused(source, field, f"{count} of them", "allowed to learn: none")
     if task.support.region is not None:
         raise _refused(source, "support.region", "an edge", "allowed to learn: null")
+    if task.truth != EXACT:
+        raise _refused(source, "truth", "given", "allowed to learn: its defaults")
 
 
 def _refused(source: str, field: str, value: str, allowed: str) -> TaskError:
