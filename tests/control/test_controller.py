@@ -620,6 +620,26 @@ def test_an_object_that_nothing_else_carries_is_held_after_a_failure() -> None:
                 assert command.force == ZERO
 
 
+def test_an_object_on_a_wall_is_held_while_it_is_looked_at() -> None:
+    name = "press-fit"
+    plan = pps.plan(pps.load_task(name))
+    lifted = replace(plan, segments=plan.segments[:1])  # off its ledge
+    controller = Controller(lifted)
+    assert controller.placement.holds
+    goal = controller.placement.last.goal
+    now = measured(name, 0.0, 60.0, 60.0, pose=goal)
+    state = enter_phase(touching(name), "done", now)
+    state = state._replace(estimate=state.estimate._replace(X_WG=goal))
+    for late in (DT, 0.5, 2.0):
+        commands, _, state = stepped(controller, state, replace(now, time=late))
+        assert state.phase.name == "done"
+        for contact in controller.segments[0].contacts:
+            command = commands[contact.arm]
+            assert command is not None
+            assert command.position == now.tips[contact.arm].position
+            assert command.force == (0.0, 0.0, -contact.load)
+
+
 def test_a_release_that_was_planned_lets_go_of_an_object() -> None:
     """Without a failure the tips draw back, whatever carries the object."""
     name = "press-fit"

@@ -87,3 +87,22 @@ def test_the_noise_of_a_filtered_pose_is_that_of_the_filter() -> None:
 
 def test_a_filter_of_its_own_spread_adds_none() -> None:
     assert filtered_noise(Sensing(position_noise=1e-3, pose_rate=30.0)) == (0.0, 0.0)
+
+
+def test_what_was_not_seen_since_the_tips_let_go_is_not_verified() -> None:
+    look = LastLook(GOAL, (0.0, 0.0), seen=False)
+    ending = look.ending(GOAL, ALLOWED)
+    assert ending.code == "not_verified"
+    assert (
+        ending.text == "seen 0.0 mm and 0.0 deg off before the tips let go, not since"
+    )
+    assert not look.tells(ALLOWED)
+
+
+def test_resolution_and_drift_of_a_camera_last() -> None:
+    assert Sensing(position_noise=0.01).lasting_error(60.0) == 0.0
+    steps = np.random.default_rng(2).uniform(-0.01, 0.01, 100_000)
+    coarse = Sensing(position_step=0.02).lasting_error(60.0)
+    assert coarse == pytest.approx(float(np.std(steps)), rel=0.01)
+    both = Sensing(position_step=0.02, position_drift=1e-3)
+    assert both.lasting_error(64.0) == pytest.approx(math.hypot(coarse, 8e-3))

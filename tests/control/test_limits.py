@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -78,6 +79,17 @@ def test_a_single_sample_may_exceed_the_limit_but_not_by_half() -> None:
     assert ending.text == (
         "tip 0: 30.3 N in one sample, allowed 1.5 times limits.normal_force of 20 N"
     )
+
+
+def test_what_is_no_number_breaks_a_limit() -> None:
+    broken = judged(guard(), force=math.nan)
+    assert broken is not None
+    assert broken.code == "force_limit"
+    judge = guard()
+    judged(judge, command=HOLD)
+    broken = judged(judge, command=replace(HOLD, position=(math.nan, 0.0, 0.0)))
+    assert broken is not None
+    assert broken.code == "reference_jump"
 
 
 def test_the_mean_is_of_the_last_samples_only() -> None:

@@ -18,7 +18,7 @@ from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.state import OBJECT, WorldState
-from pushpressslide.core.task import Restart
+from pushpressslide.core.task import Restart, Task
 from pushpressslide.identification.parameter_estimates import NOTHING
 from pushpressslide.identification.tip_friction import TipFriction
 from pushpressslide.selection.placement_planner import (
@@ -282,10 +282,9 @@ def test_after_presses_slid_anything_else_is_planned_before_another_press(
     elsewhere = replace(contact, point=(x + 0.03, y))
     another = replace(planned, segments=(replace(pressed, contacts=(elsewhere,)),))
     push = replace(planned, segments=(pushed,))
-    here = FailedPlacement(pressed)
-    anywhere = FailedPlacement.anywhere(pressed)
+    here = FailedPlacement(pressed, planned.query.X_GB)
     refused = []
-    for failed in (here, anywhere):
+    for failed in (here, here.anywhere):
         made: list[PlacementPlanner] = []
 
         def plans(
@@ -295,8 +294,10 @@ def test_after_presses_slid_anything_else_is_planned_before_another_press(
             made: list[PlacementPlanner] = made,
             *,
             bounded: bool,
+            before: Task | None,
         ) -> Plan:
             assert bounded
+            assert before is None
             made.append(prepare())
             return plan
 
@@ -309,6 +310,7 @@ def test_after_presses_slid_anything_else_is_planned_before_another_press(
                 planner.add(placement)
             except InfeasibleTaskError:
                 refused.append((failed, placement))
+    anywhere = here.anywhere
     assert refused == [(here, planned), (anywhere, planned), (anywhere, another)]
 
 
@@ -356,3 +358,47 @@ def test_a_restart_knows_the_centre_and_its_error() -> None:
     assert belief.center_of_mass == (0.01, 0.02)
     assert belief.center_error == pytest.approx(center.error)
     assert center.error == pytest.approx(math.sqrt(8e-6))
+
+
+def test_the_belief_before_the_run_is_that_of_the_first_plan(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Not that of the last recovery, which may have been wrong as well."""
+    scene = TASK.scene
+    tip = 0.7 * scene.contact_friction
+    support = 1.4 * scene.support.friction
+    lowered = replace(
+        TASK,
+        belief=replace(TASK.belief, contact_friction=tip, support_friction=support),
+        limits=replace(TASK.limits, planned_share=0.5),
+    )
+    begin = replace(BEGIN, contact_friction=0.7 * tip, planned_share=0.4)
+    asked = all_refused(monkeypatch)
+    with pytest.raises(InfeasibleTaskError):
+        module.planned_anew(Plan(lowered), begin, lambda: None, before=TASK)  # type: ignore[arg-type,return-value]
+    tried = {
+        (one.contact_friction, one.support_friction, one.planned_share) for one in asked
+    }
+    whole = TASK.limits.planned_share
+    assert (scene.contact_friction, scene.support.friction, 0.4) in tried
+    assert (0.7 * tip, BEGIN.support_friction, whole) in tried
+    assert tip not in {one.contact_friction for one in asked}
+
+
+def test_a_plan_that_dares_is_no_reason_for_the_next_one_to_dare() -> None:
+    unsure = replace(TASK, belief=replace(TASK.belief, friction_error=0.3), dares=True)
+    assert not unsure.resumed(BEGIN).dares
+    assert unsure.resumed(replace(BEGIN, dares=True)).dares
+
+
+def test_failed_contacts_are_compared_on_the_object() -> None:
+    """The origin of B is where the centre of mass is believed, which changes."""
+    planned = pps.plan(TASK)
+    (pressed,) = planned.segments
+    (contact,) = pressed.contacts
+    failed = FailedPlacement(pressed, Pose2())
+    x, y = contact.point
+    same = replace(pressed, contacts=(replace(contact, point=(x, y - 0.025)),))
+    assert failed.repeated_by(same, Pose2(0.0, 0.025))
+    assert not failed.repeated_by(same, Pose2())
+    assert not failed.repeated_by(pressed, Pose2(0.0, 0.025))

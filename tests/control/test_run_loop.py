@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -42,6 +43,7 @@ from pushpressslide.control.state import (
     PhaseState,
     tip_position,
 )
+from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core import margins
 from pushpressslide.core.control import (
     PHASES,
@@ -734,6 +736,19 @@ def test_an_arm_that_fails_while_one_plans_leaves_no_thread_behind(
         thread.join(2.0)
         assert not thread.is_alive()
     assert "gone" in str(failure.value)  # its frames live until here
+
+
+def test_a_pose_that_is_no_number_is_no_pose(one, scripts, monkeypatch) -> None:
+    diary = Diary(arms=1)
+    loop = RunLoop(cell_of(diary, 1), one, RunOptions(controller=Script))
+    before, _ = loop.measure()
+    assert before.pose_seen
+    for wrong in (Pose2(math.nan, 0.2, 0.3), Pose2(0.1, 0.2, math.inf)):
+        seen = StampedPose(diary.time, wrong)
+        monkeypatch.setattr(loop, "tracker", SimpleNamespace(read=lambda X=seen: X))
+        after, _ = loop.measure()
+        assert after.object_pose == before.object_pose
+        assert not after.pose_seen
 
 
 def test_what_forces_have_told_is_known_to_every_later_plan(one: Plan, scripts) -> None:

@@ -154,6 +154,7 @@ def test_two_pushes_that_another_body_pushes_back_hold_until_it_is_gone() -> Non
     assert held.phase.name == "touch"
     places = [memory.held_command.position for memory in held.phase.tips]
     assert places == [tip.position for tip in resisted.instant.tips]
+    assert (held.watches.holds, held.watches.retouches) == (1, 0)
     still_there = Settled(held, resisted.instant)
     assert supervisor.step(still_there) is held
     assert not supervisor.plans(still_there)
@@ -169,6 +170,16 @@ def test_the_friction_of_the_object_is_no_other_body() -> None:
     state = controller(BOTH).supervisor.step(usual)
     assert state.phase.name == "move"
     assert state.watches.resisted is None
+    # nor is that of one with more friction and mass than believed
+    heavy = watching(pushing(moment(BOTH), 3.0), resisted=long_since)
+    assert after(BOTH, heavy)[0] == "resisted"
+    unsure = replace(
+        controller(BOTH).placement.scene, friction_error=0.3, mass_error=0.3
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(controller(BOTH).placement, "scene", unsure)
+        watching_anew = Supervisor(controller(BOTH).placement, True, 0.1)
+        assert watching_anew.step(heavy).watches.resisted is None
     # a short one is none either
     short = watching(pushing(moment(BOTH), 3.0), resisted=TIME - 0.1)
     assert after(BOTH, short)[0] == "otherwise"

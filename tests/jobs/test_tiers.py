@@ -214,3 +214,17 @@ def test_random_tasks_arrive_in_the_worlds_of_a_tier(name: str, tmp_path: Path) 
         engine="planar",
     )
     assert sweep(task, options, tmp_path)["reached"] >= least
+
+
+def test_a_body_whose_centre_is_outside_of_it_has_a_world() -> None:
+    """A slim L: its centroid is between its legs."""
+    legs = "[[0, 0], [0.2, 0], [0.2, 0.04], [0.04, 0.04], [0.04, 0.2], [0, 0.2]]"
+    task = load_task(
+        PUSH, [f"object.shape={{prism: {{polygon: {legs}, height: 0.1}}}}"]
+    )
+    shape = task.object.shape
+    assert shape.depth(task.object.center_of_mass) < 0.0
+    for seed in range(9):
+        drawn = drawn_world(replace(task, truth=Truth(tier="tier2")), seed)
+        assert drawn.belief.center_of_mass is not None
+        assert shape.hull.depth(drawn.belief.center_of_mass) > 0.0

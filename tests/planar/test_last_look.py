@@ -6,9 +6,9 @@ from typing import Any, ClassVar
 
 import pytest
 
-from pushpressslide.control.controller import Controller
+from pushpressslide.control.controller import LETTING_GO, Controller
 from pushpressslide.control.last_look import LastLook
-from pushpressslide.control.run_loop import RunOptions, run_loop
+from pushpressslide.control.run_loop import RunLoop, RunOptions, run_loop
 from pushpressslide.control.state import ControllerState
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Plan
@@ -123,3 +123,44 @@ def test_what_is_seen_well_but_is_not_surely_there_is_moved_once_more(
     (event,) = record.meta["events"]
     assert (event["code"], event["recovered"]) == ("not_verified", True)
     assert record.reason == reason
+
+
+def test_a_look_before_another_attempt_does_not_count(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    changes = [*PERIODIC, f"tolerance.position={TOLERANCE}"]
+    push = plan(load_task("rear-push-left", changes))
+    monkeypatch.setattr(Beside, "made", 0)
+    cell = planar_cell(push)
+    loop = RunLoop(cell, push, RunOptions(controller=Beside))
+    with cell.connected():
+        while not loop.events:
+            assert loop.step() is None
+    assert loop.last_look is None
+    lost = loop.record(Ending("contact_lost"))
+    assert result(push.task, push, lost)["success"] is False
+
+
+class Stamped(Controller):
+    """A controller that writes down when the tips let go, and when the object was last
+    seen.
+    """
+
+    stamps: ClassVar[list[tuple[float, float]]] = []
+
+    def last_look(self, state: ControllerState) -> LastLook:
+        seen = state.estimate.time - state.estimate.age
+        self.stamps.append((state.phase.since, seen))
+        return super().last_look(state)
+
+
+def test_a_goal_is_verified_by_a_picture_from_after_the_tips_let_go(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(Stamped, "stamps", [])
+    slow = ["sensing.pose_rate=1.0", "sensing.pose_delay=1.0"]
+    push = plan(load_task("rear-push-left", slow))
+    record = run_loop(planar_cell(push), push, RunOptions(controller=Stamped))
+    assert record.reason == "goal_reached"
+    released, seen = Stamped.stamps[-1]
+    assert seen >= released + LETTING_GO

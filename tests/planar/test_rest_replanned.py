@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -40,9 +41,9 @@ def test_the_rest_is_planned_again_beside_the_centre_only(
     planned = []
     own = module.planned_anew
 
-    def again(*asked: object) -> Plan:
+    def again(*asked: Any, **options: Any) -> Plan:
         planned.append(asked)
-        return own(*asked)  # type: ignore[arg-type]
+        return own(*asked, **options)
 
     monkeypatch.setattr(module, "planned_anew", again)
     monkeypatch.setattr(module, "beside_center", lambda *_: off and not planned)
@@ -57,7 +58,7 @@ def test_a_rest_that_cannot_be_replanned_is_followed(
 ) -> None:
     restored = []
 
-    def refused(*_: object) -> Plan:
+    def refused(*_: object, **__: object) -> Plan:
         raise InfeasibleTaskError("no plan")
 
     monkeypatch.setattr(module, "planned_anew", refused)

@@ -20,6 +20,7 @@ from pushpressslide.core.task import Task
 from pushpressslide.jobs.monitor import Output
 from pushpressslide.jobs.run import run_task
 from pushpressslide.jobs.stages import StageOptions, StageRunner
+from pushpressslide.jobs.tiers import drawn_world
 from pushpressslide.report.files import load_run
 from pushpressslide.report.metrics import result as measure
 from pushpressslide.report.page import write_report
@@ -234,3 +235,18 @@ def test_a_body_that_is_believed_otherwise_reaches_its_goal() -> None:
     assert own.plan.task.scene.support.friction == 0.2
     assert own.plan.task.support.friction == 0.3
     assert own.reached
+
+
+def test_a_stage_keeps_the_centre_of_mass_that_it_was_planned_with() -> None:
+    """What an earlier one has told of friction is used; the true centre is not known."""
+    world = drawn_world(load_task("swap", ["truth=tier3"]), 0, "planar")
+    runner = StageRunner(world, StageOptions("planar"))
+    first = runner.planned[0]
+    body = first.stage.body
+    told = replace(first.solution.plan.task.belief, support_friction=0.77)
+    runner._learnt[body] = replace(told, center_of_mass=None, center_error=0.0)
+    belief = runner._as_it_is(first).task.belief
+    planned = first.solution.plan.task.belief
+    assert belief.support_friction == 0.77
+    assert belief.center_of_mass == planned.center_of_mass is not None
+    assert belief.center_error == planned.center_error

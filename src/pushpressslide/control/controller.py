@@ -339,7 +339,7 @@ class Controller:
 
         A tip without contact has no normal; the size of its force is returned.
         """
-        X_WB = measurement.object_pose.compose(self.X_GB)
+        X_WB = state.estimate.X_WG.compose(self.X_GB)
         forces = [math.hypot(*tip.force) for tip in measurement.tips]
         for contact in state.following.binding.segment.contacts:
             direction = contact.direction(X_WB)
@@ -397,10 +397,13 @@ class Controller:
 
     def last_look(self, state: ControllerState) -> LastLook:
         """The object's estimated pose at the last tick, and how well it is known."""
-        place, yaw = state.estimate.spread
-        noise, yaw_noise = filtered_noise(self.placement.query.sensing)
-        spread = (max(place, noise), max(yaw, yaw_noise))
-        return LastLook(self.filtered_pose(state), spread)
+        estimate = state.estimate
+        sensing = self.placement.query.sensing
+        place, yaw = estimate.spread
+        noise, yaw_noise = filtered_noise(sensing)
+        place = math.hypot(max(place, noise), sensing.lasting_error(estimate.time))
+        seen = self._seen_alone(state, estimate.time)
+        return LastLook(self.filtered_pose(state), (place, max(yaw, yaw_noise)), seen)
 
     def identified(self, state: ControllerState, belief: Scene) -> Identified:
         """What the estimator has identified in this placement, beside the scene
@@ -545,8 +548,18 @@ class Controller:
             over = over and _at_rest(instant.tips, contacts)
         if elapsed < margins.ARM.longest_look:
             over = over and self.placement.unsure(state.estimate.spread) < margins.SURE
-        name: Phase = "done" if over else "release"
+            over = over and self._seen_alone(state, instant.time)
+        held = self.placement.holds and phase.name == "done"
+        name: Phase = "done" if over or held else "release"
         return PhaseStep(commands, state._replace(phase=phase._replace(name=name)))
+
+    def _seen_alone(self, state: ControllerState, time: float) -> bool:
+        """Whether the last picture that is used at a ``time`` [s] was taken after the
+        tips let go of the object, if they do.
+        """
+        phase = state.phase
+        let_go = phase.since + _rest(phase) + LETTING_GO
+        return self.placement.holds or time - state.estimate.age >= let_go
 
     def _drawn_back(
         self, state: ControllerState, instant: Instant
@@ -554,7 +567,8 @@ class Controller:
         """Commands of tips that draw back or hold."""
         phase = state.phase
         failed = phase.failure is not None
-        holds = failed and not self.placement.scene.carried(instant.X_WG)
+        carried = self.placement.scene.carried(instant.X_WG)
+        holds = self.placement.holds or (failed and not carried)
         share = _way_back(phase, instant.time)
         segment = state.following.binding.segment
         clearance = self.placement.queries[segment.leg].motion.clearance

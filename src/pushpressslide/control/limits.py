@@ -172,7 +172,7 @@ class Guard:
         limit = self.normal_force
         # where the true force may be at its limit
         seen = max(limit - self.noise, NOISY * limit)
-        if force > PEAK * limit:
+        if not force <= PEAK * limit:  # or no number
             text = f"{force:.1f} N in one sample, allowed {PEAK:g} times"
         elif len(recent) == recent.maxlen and math.fsum(recent) > seen * len(recent):
             mean = math.fsum(recent) / len(recent)
@@ -223,7 +223,7 @@ class Guard:
         memory.reference = command
         if isinstance(command, TipCommand) and isinstance(before, TipCommand):
             jump = _tip_jump(before, command)
-            if jump > JUMP:
+            if not jump <= JUMP:  # or no number
                 return Ending(
                     "reference_jump",
                     f"tip {arm}: its reference jumps by {jump * 1e3:.0f} mm, allowed "

@@ -122,9 +122,11 @@ def planned_anew(
     prepare: Callable[[], PlacementPlanner],
     *,
     bounded: bool = False,
+    before: Task | None = None,
 ) -> Plan:
     """Plan for the remaining task of ``plan``, made by the empty placement planner that
-    ``prepare`` returns.
+    ``prepare`` returns. ``before`` is the task as believed before the run (default: that
+    of ``plan``).
 
     A short push that ends within the goal's tolerances is tried first, then the task's
     own mode and contacts, then any others. If none gives a plan, the identified
@@ -143,23 +145,25 @@ def planned_anew(
     Raises InfeasibleTaskError if there is no plan.
     """
     task = plan.task
+    before = before or task
     free = replace(restart_state, free=True)
     planner = prepare()
     short = nudged(planner, _remaining(plan, free))
     if short is not None:
         return short
-    further = [(one, False) for one in _further(task, free)]
+    further = [(one, False) for one in _further(task, free, before)]
     tried: list[tuple[Task, bool]] = []
     refused: InfeasibleTaskError | None = None
     beliefs = [
         (restart_state, True),
         (free, True),
         *further,
-        (_daring(task, free), True),
+        (_daring(task, free, before), True),
     ]
     if not bounded:  # the object may have been held by something else
         free = replace(free, least_friction=0.0)
-        beliefs += [(free, False), *((one, False) for one in _further(task, free))]
+        unbounded = [free, *_further(task, free, before)]
+        beliefs += [(one, False) for one in unbounded]
     for one, sequences in beliefs:
         rest = task.resumed(one)
         if (rest, True) in tried or (rest, sequences) in tried:
@@ -180,6 +184,8 @@ def planned_otherwise(
     restart_state: Restart,
     prepare: Callable[[], PlacementPlanner],
     failed: Sequence[FailedPlacement],
+    *,
+    before: Task | None = None,
 ) -> Plan:
     """Plan for the remaining task, as from ``planned_anew``, that does not begin like
     a ``failed`` placement, if there is another.
@@ -192,28 +198,35 @@ def planned_otherwise(
         return OtherPlacements(prepare(), failed)
 
     try:
-        return planned_anew(plan, restart_state, prepare_others, bounded=True)
+        return planned_anew(
+            plan, restart_state, prepare_others, bounded=True, before=before
+        )
     except InfeasibleTaskError:
-        return planned_anew(plan, restart_state, prepare)
+        return planned_anew(plan, restart_state, prepare, before=before)
 
 
-def _further(task: Task, free: Restart) -> list[Restart]:
-    """Further beliefs from which a plan may lead on, if there is none from ``free``."""
+def _further(task: Task, free: Restart, before: Task) -> list[Restart]:
+    """Further beliefs from which a plan may lead on, if there is none from ``free``.
+    ``before`` is the task as believed before the run.
+    """
     further: list[Restart] = []
+    whole = None
+    if before.limits.planned_share != task.limits.planned_share:
+        whole = before.limits.planned_share
     if free.planned_share is not None:
-        further.append(replace(free, planned_share=None))
+        further.append(replace(free, planned_share=whole))
     if free.contact_friction is not None:
         dared = replace(free, dares=True)
-        kept = replace(dared, contact_friction=None)
+        kept = replace(dared, contact_friction=_tip_friction(task, before))
         share = min(1.0, free.contact_friction / task.scene.contact_friction)
         alone = replace(kept, support_friction=free.support_friction / share)
         further += [_likeliest(task, dared), dared, alone, kept]
-    dared = _daring(task, free)
-    least = (1.0 - task.belief.friction_error) * task.scene.support.friction
+    dared = _daring(task, free, before)
+    least = (1.0 - before.belief.friction_error) * before.scene.support.friction
     weakest = replace(dared, support_friction=least)
     further += [replace(dared, dares=free.dares), dared]
     if free.planned_share is not None:  # what slides at best needs all the force
-        further.append(replace(weakest, planned_share=None))
+        further.append(replace(weakest, planned_share=whole))
     return [*further, weakest, _likeliest(task, dared)]
 
 
@@ -226,10 +239,20 @@ def _likeliest(task: Task, dared: Restart) -> Restart:
     return replace(dared, center_of_mass=body.likeliest_center(error))
 
 
-def _daring(task: Task, free: Restart) -> Restart:
-    """The belief before the run, without its errors, from the place of ``free``."""
-    believed = task.scene.support.friction
-    return replace(free, contact_friction=None, support_friction=believed, dares=True)
+def _daring(task: Task, free: Restart, before: Task) -> Restart:
+    """The belief ``before`` the run, without its errors, from the place of ``free``."""
+    return replace(
+        free,
+        contact_friction=_tip_friction(task, before),
+        support_friction=before.scene.support.friction,
+        dares=True,
+    )
+
+
+def _tip_friction(task: Task, before: Task) -> float | None:
+    """Friction of the tips as believed ``before`` the run. None if that of ``task`` is."""
+    believed = before.scene.contact_friction
+    return None if believed == task.scene.contact_friction else believed
 
 
 def _planned(

@@ -188,7 +188,8 @@ class RunLoop:
             source = plan.task.source or plan.task.name
             refuse_truth(plan.task.truth, EXACT, source, "with real arms")
         self.plan = plan
-        self.believed = plan.task.scene  # before the run
+        self.before = plan.task  # as believed before the run
+        self.believed = plan.task.scene  # the same
         self.cell = cell
         self.tracker = cell.tracker
         if options.tracker is not None:
@@ -220,7 +221,7 @@ class RunLoop:
         if self.believed.center_error > 0.0:
             self.center = CenterBelief.before_run(self.believed)
         self.hand_eyes: dict[int, HandEye] = {}  # by arm, as seen before
-        self.lost: list[Segment] = []  # whose contacts were lost before
+        self.lost: list[FailedPlacement] = []  # whose contacts were lost before
         self.failed: list[FailedPlacement] = []  # which are not repeated
         self.least_friction = 0.0  # of the support, which has withstood the tips
         self.tip_friction: TipFriction | None = None  # of presses that have slid
@@ -301,6 +302,8 @@ class RunLoop:
         time = self.cell.clock.time
         states = [arm.read() for arm in self.cell.arms]
         pose = self.tracker.read()
+        if pose is not None and not pose.is_finite:
+            pose = None
         if pose is not None:
             self.tracked = pose
         measured = self.tracked
@@ -700,7 +703,7 @@ class RunLoop:
             self._remember_failure(reason, pose)
             failed = list(self.failed)
             if reason.code in OF_ARMS and self._followed is not None:
-                failed.append(FailedPlacement(self._followed))
+                failed.append(FailedPlacement(self._followed, self.controller.X_GB))
             plan, held_commands = self._planned_from(start, tick, measurement, failed)
         except InfeasibleTaskError as error:
             self._note(time, reason, str(error))
@@ -717,18 +720,17 @@ class RunLoop:
         """
         if self.state is None:
             return
-        planned = self.controller.segments[0]
-        here = FailedPlacement(planned)
+        here = FailedPlacement(self.controller.segments[0], self.controller.X_GB)
         if reason.code in ("force_limit", "goal_missed"):
             self._remember_stuck(pose)
         if reason.code != "contact_lost":
             return
         if self._presses_slid:
-            self.failed.append(FailedPlacement.anywhere(planned))
-        elif any(here.repeated_by(one) for one in self.lost):
+            self.failed.append(here.anywhere)
+        elif any(here.repeated_by(one.segment, one.X_GB) for one in self.lost):
             self.failed.append(here)
         else:
-            self.lost.append(planned)
+            self.lost.append(here)
 
     def _remember_stuck(self, pose: Pose2) -> None:
         """Remember a placement that left the object, now at ``pose``, X_WG, where it
@@ -736,7 +738,8 @@ class RunLoop:
         """
         began = self.state is not None and self.state.following.began is not None
         if began and not self._moves_object(pose):
-            self.failed.append(FailedPlacement(self.controller.segments[0]))
+            first = self.controller.segments[0]
+            self.failed.append(FailedPlacement(first, self.controller.X_GB))
 
     def _moves_object(self, pose: Pose2) -> bool:
         """Whether the placement has moved the object, now at ``pose``, X_WG."""
@@ -810,9 +813,12 @@ class RunLoop:
         """
         held_commands = self._hold(tick, measurement)
         prepare = self.cell.placements.prepare
-        make = partial(planned_anew, self.plan, start, prepare)
+        before = self.before
+        make = partial(planned_anew, self.plan, start, prepare, before=before)
         if failed:
-            make = partial(planned_otherwise, self.plan, start, prepare, failed)
+            make = partial(
+                planned_otherwise, self.plan, start, prepare, failed, before=before
+            )
         plan = self._while_holding(make, held_commands)
         self._check_in_time(plan)
         return plan, held_commands
@@ -884,7 +890,10 @@ class RunLoop:
         if found.drag is None:
             friction = self._dragged_friction() or friction
         start = replace(
-            start, support_friction=friction, least_friction=self.least_friction
+            start,
+            support_friction=friction,
+            least_friction=self.least_friction,
+            dares=self.before.dares,
         )
         if self.state is not None and self._slid:
             found_now = self.state.watches.tip_friction
@@ -949,6 +958,7 @@ class RunLoop:
         self.breach = None
         self.stopping = None
         self.looked_on = None
+        self.last_look = None
         self.guard = self.guard.successor(plan.task.limits.normal_force, held_commands)
         self.cell.placements.hand_over(self.placements[0], frozenset())
         self._begin_placement((None,) * len(plan.task.robots), time, measurement)

@@ -106,6 +106,7 @@ class Watches(NamedTuple):
     # [s] since when no path leads on from an object that turns otherwise than planned
     mistaken: float | None = None
     retouches: int = 0
+    holds: int = 0  # while another body pushed back
     tip_friction: TipFriction | None = None  # of presses that slid
     retries: int = 0
     looked: float | None = (

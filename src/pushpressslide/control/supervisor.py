@@ -242,7 +242,7 @@ class Supervisor:
         since = moment.state.watches.resisted
         return since is not None and (
             moment.instant.time - since > margins.ARM.settle_time
-            and moment.state.watches.retouches < RETOUCHES
+            and moment.state.watches.holds < RETOUCHES
         )
 
     def hold(self, moment: Moment) -> ControllerState:
@@ -251,7 +251,7 @@ class Supervisor:
         following = moment.state.following
         watches = moment.state.watches
         watches = watches._replace(
-            lost=instant.time, resisted=None, retouches=watches.retouches + 1
+            lost=instant.time, resisted=None, holds=watches.holds + 1
         )
         state = moment.state._replace(watches=watches)
         held = enter_phase(state, "touch", instant)
@@ -453,7 +453,9 @@ class Supervisor:
         return holds and waits and self._pushes_back(event.state, event.instant)
 
     def _pushes_back(self, state: ControllerState, instant: Instant) -> bool:
-        """Whether two pushing tips push with much more than the object's friction."""
+        """Whether two pushing tips push with much more than the object's friction may be
+        as believed.
+        """
         segment = state.following.binding.segment
         contacts = segment.contacts
         if len(contacts) == 1 or any(contact.kind != "side" for contact in contacts):
@@ -464,7 +466,14 @@ class Supervisor:
             math.fsum(tip.force[0] for tip in tips),
             math.fsum(tip.force[1] for tip in tips),
         )
-        return total > margins.RESISTED * segment.drive.max_friction + felt
+        most = segment.drive.max_friction * self._most_drag
+        return total > margins.RESISTED * most + felt
+
+    @cached_property
+    def _most_drag(self) -> float:
+        """Largest drag of the object, as a multiple of the believed one."""
+        scene = self.placement.scene
+        return (1.0 + scene.friction_error) * (1.0 + scene.mass_error)
 
     @cached_property
     def _felt_on_leg(self) -> list[float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple, Protocol
 
 from pushpressslide.core.pose import Pose2
@@ -13,6 +14,11 @@ class StampedPose(NamedTuple):
     time: float  # [s]
     X_WG: Pose2
     pictures: int = 1  # of an object at rest, of which it is the middle
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether the pose consists of numbers."""
+        return math.isfinite(self.X_WG.x + self.X_WG.y + self.X_WG.yaw)
 
 
 class ObjectTracker(Protocol):

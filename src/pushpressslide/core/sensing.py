@@ -188,6 +188,13 @@ class Sensing:
         """Pictures per second; those of a usual control period without a stated rate."""
         return self.pose_rate or 250.0
 
+    def lasting_error(self, time: float) -> float:
+        """Standard deviation [m] of the object's position after a ``time`` [s], beside
+        noise and bias, that more pictures do not lessen: resolution and drift.
+        """
+        step = self.position_step / math.sqrt(12.0)
+        return math.hypot(step, self.position_drift * math.sqrt(time))
+
     @property
     def every_pose(self) -> bool:
         """Whether every control period has a present pose, wrong by white noise and a

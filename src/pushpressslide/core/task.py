@@ -325,7 +325,7 @@ class Task:
         limits = self.limits
         if restart.planned_share is not None:
             limits = replace(limits, planned_share=restart.planned_share)
-        dares = (self.dares or restart.dares) and belief.planned_for_errors
+        dares = restart.dares and belief.planned_for_errors
         task = replace(
             self, belief=belief, limits=limits, start_error=Pose2(), dares=dares
         )

@@ -44,6 +44,9 @@ from pushpressslide.selection.stages import (
     plan_stages,
 )
 
+OF_CENTER = ("center_of_mass", "center_error")
+"""Fields of a belief that the frame B of a plan depends on."""
+
 
 @dataclass(frozen=True, slots=True)
 class StageOptions:
@@ -239,7 +242,11 @@ class StageRunner:
         error = Pose2(true.x - task.start.x, true.y - task.start.y, float(turn))
         obstacles = tuple(_at_its_pose(obstacle, others) for obstacle in task.obstacles)
         limits = replace(task.limits, time=self.task.limits.time - self._time)
-        belief = self._learnt.get(planned.stage.body, task.belief)
+        belief = task.belief
+        learnt = self._learnt.get(planned.stage.body)
+        if learnt is not None:  # the stage was planned with its own centre of mass
+            center = {one: getattr(belief, one) for one in OF_CENTER}
+            belief = replace(learnt, **center)
         task = replace(
             task, start_error=error, obstacles=obstacles, limits=limits, belief=belief
         )
@@ -303,8 +310,8 @@ def _measured_pose(X: Pose2, sensing: Sensing) -> Pose2:
 
 
 def _learnt(plan: Plan) -> Belief | None:
-    """Belief about a body after a stage that identified its friction. None if the stage
-    was not replanned.
+    """Belief about a body after a stage that identified its friction, apart from its
+    centre of mass. None if the stage was not replanned.
     """
     if not plan.later:
         return None
@@ -313,7 +320,6 @@ def _learnt(plan: Plan) -> Belief | None:
         return None
     return replace(
         plan.task.belief,
-        center_of_mass=None,
         support_friction=plan.restart.support_friction,
         rho=plan.restart.rho,
     )

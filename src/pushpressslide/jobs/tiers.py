@@ -199,10 +199,13 @@ def _factor(rng: np.random.Generator, factors: Factors) -> float:
 
 def _center(task: Task, error: float, rng: np.random.Generator) -> Point:
     """Believed centre of mass [m] in G, uniform over the disc of radius ``error`` [m]
-    about the true one, as far as it is well inside the base.
+    about the true one, as far as it is well inside the base, or inside the hull of one
+    that the true centre is outside of.
     """
     shape = task.object.shape
     true = task.object.center_of_mass
+    if shape.depth(true) <= 0.0:
+        shape = shape.hull
     x, y = _direction(rng)
     off = error * math.sqrt(float(rng.random()))
     least = INSIDE * shape.depth(true)

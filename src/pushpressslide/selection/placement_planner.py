@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, Protocol
 
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Choice, Contact, Plan, Segment
+from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal, literal
 from pushpressslide.selection.planner import infeasible, selectable
 from pushpressslide.selection.select import MANY, placements
@@ -79,17 +80,21 @@ class FailedPlacement(NamedTuple):
     """First segment of a placement that failed."""
 
     segment: Segment
+    X_GB: Pose2  # of the belief that it was planned with
     near: float = ALIKE  # [m] between the contacts of placements that would fail, too
 
-    @classmethod
-    def anywhere(cls, segment: Segment) -> FailedPlacement:
-        """A press that slid: it would slide anywhere on the top."""
-        return cls(segment, math.inf)
+    @property
+    def anywhere(self) -> FailedPlacement:
+        """The same of a press that slid: it would slide anywhere on the top."""
+        return self._replace(near=math.inf)
 
-    def repeated_by(self, first: Segment) -> bool:
+    def repeated_by(self, first: Segment, X_GB: Pose2) -> bool:
         """Whether a placement that begins with ``first`` would fail as this one did."""
         pairs = zip(first.contacts, self.segment.contacts, strict=False)
-        near = all(math.dist(a.point, b.point) < self.near for a, b in pairs)
+        near = all(
+            math.dist(X_GB.apply(a.point), self.X_GB.apply(b.point)) < self.near
+            for a, b in pairs
+        )
         return near and first.mode == self.segment.mode
 
 
@@ -122,7 +127,8 @@ class OtherPlacements:
         failed one, or if an arm has no joint path.
         """
         first = placement.segments[0]
-        if any(failed.repeated_by(first) for failed in self.failed):
+        X_GB = placement.query.X_GB
+        if any(failed.repeated_by(first, X_GB) for failed in self.failed):
             raise InfeasibleTaskError("a motion with such contacts has failed")
         self.planner.add(placement)
 
