@@ -60,6 +60,7 @@ class TipMemory(NamedTuple):
     felt: float | None = None  # [s] since when contact is felt in this touch
     absent: float | None = None  # [s] since when it is felt no more
     resumed: float | None = None  # [s] when the tip last started to advance
+    lost_at: Vector3 | None = None  # [m] where it was then
     touch_depth: float = 0.0  # [m] advance at which contact was felt
     regulator: NormalForceState = NormalForceState()
     velocity: Point | None = None  # [m/s] world, as last commanded in this phase
