@@ -90,7 +90,7 @@ def test_a_filter_of_its_own_spread_adds_none() -> None:
 
 
 def test_what_was_not_seen_since_the_tips_let_go_is_not_verified() -> None:
-    look = LastLook(GOAL, (0.0, 0.0), seen=False)
+    look = LastLook(GOAL, (0.0, 0.0), after_release=False)
     ending = look.ending(GOAL, ALLOWED)
     assert ending.code == "not_verified"
     assert (

@@ -402,8 +402,9 @@ class Controller:
         place, yaw = estimate.spread
         noise, yaw_noise = filtered_noise(sensing)
         place = math.hypot(max(place, noise), sensing.lasting_error(estimate.time))
-        seen = self._seen_alone(state, estimate.time)
-        return LastLook(self.filtered_pose(state), (place, max(yaw, yaw_noise)), seen)
+        spread = (place, max(yaw, yaw_noise))
+        shown = self._shown_since_release(state, estimate.time)
+        return LastLook(self.filtered_pose(state), spread, shown)
 
     def identified(self, state: ControllerState, belief: Scene) -> Identified:
         """What the estimator has identified in this placement, beside the scene
@@ -548,12 +549,12 @@ class Controller:
             over = over and _at_rest(instant.tips, contacts)
         if elapsed < margins.ARM.longest_look:
             over = over and self.placement.unsure(state.estimate.spread) < margins.SURE
-            over = over and self._seen_alone(state, instant.time)
+            over = over and self._shown_since_release(state, instant.time)
         held = self.placement.holds and phase.name == "done"
         name: Phase = "done" if over or held else "release"
         return PhaseStep(commands, state._replace(phase=phase._replace(name=name)))
 
-    def _seen_alone(self, state: ControllerState, time: float) -> bool:
+    def _shown_since_release(self, state: ControllerState, time: float) -> bool:
         """Whether the last picture that is used at a ``time`` [s] was taken after the
         tips let go of the object, if they do.
         """

@@ -16,7 +16,7 @@ class LastLook(NamedTuple):
 
     X_WG: Pose2
     spread: tuple[float, float]  # [m], [rad] standard deviations of place and yaw
-    seen: bool = True  # whether a picture shows it after the tips have let go
+    after_release: bool = True  # whether a picture shows it since the tips let go
 
     def ending(
         self, goal: Pose2, tolerance: Tolerance, doubt: float = margins.DOUBT
@@ -28,7 +28,7 @@ class LastLook(NamedTuple):
         turned = abs(wrap_angle(self.X_WG.yaw - goal.yaw))
         place, yaw = (doubt * deviation for deviation in self.spread)
         text = f"seen {off * 1e3:.1f} mm and {math.degrees(turned):.1f} deg off"
-        if not self.seen:
+        if not self.after_release:
             return Ending("not_verified", f"{text} before the tips let go, not since")
         near = off + place <= tolerance.position
         if near and turned + yaw <= tolerance.yaw:
@@ -43,6 +43,6 @@ class LastLook(NamedTuple):
         tolerance is verified.
         """
         place, yaw = (2.0 * margins.DOUBT * deviation for deviation in self.spread)
-        if not self.seen:
+        if not self.after_release:
             return False
         return place <= tolerance.position and yaw <= tolerance.yaw

@@ -490,8 +490,8 @@ class Belief:
     )
     mass_error: float = setting(
         0.0,
-        "share by which the mass may be wrong, up or down; `pps plan --odds`, "
-        "`motion.risk` and what is tried after a refusal use it",
+        "share by which the mass may be wrong, up or down; plans keep no margin for it, "
+        "control, `pps plan --odds`, `motion.risk` and what is tried after a refusal use it",
         within="[0, 0.9]",
     )
 
