@@ -23,7 +23,13 @@ from pushpressslide.control.state import (
 )
 from pushpressslide.core import margins
 from pushpressslide.core.allocation import Allocation
-from pushpressslide.core.control import ControlLog, Measurement, TipCommand, TipState
+from pushpressslide.core.control import (
+    ControlLog,
+    Measurement,
+    TipCommand,
+    TipState,
+    Vector3,
+)
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Sensing
 
@@ -638,6 +644,47 @@ def test_an_object_on_a_wall_is_held_while_it_is_looked_at() -> None:
             assert command is not None
             assert command.position == now.tips[contact.arm].position
             assert command.force == (0.0, 0.0, -contact.load)
+
+
+def test_a_failure_on_a_ledge_lets_go_though_the_goal_is_on_the_wall() -> None:
+    name = "press-fit"
+    plan = pps.plan(pps.load_task(name))
+    controller = Controller(replace(plan, segments=plan.segments[:1]))
+    assert controller.placement.holds
+    now = measured(name, 0.0, 60.0, 60.0)  # at its start
+    state = enter_phase(touching(name), "touch", now)
+    state = controller.stop(state, now, FAILURE)
+    late = margins.ARM.rest_time + ramp_time(margins.ARM.retreat)
+    commands, _, _ = stepped(controller, state, replace(now, time=late))
+    for contact in controller.segments[0].contacts:
+        command = commands[contact.arm]
+        assert command is not None
+        assert command.position[2] > now.tips[contact.arm].position[2] + 0.03
+        assert command.force == ZERO
+
+
+def test_a_tip_that_loses_its_touch_moves_no_other_one() -> None:
+    controller = made(PAIR)
+    state = touching(PAIR)
+    first, second = (contact.arm for contact in controller.segments[0].contacts)
+    before: Vector3 | None = None
+    resumed = False
+    for i in range(1, 900):
+        pressing = [0.0, 0.0]
+        if 300 < i < 420:
+            pressing[first] = 5.0
+        commands, _, state = stepped(
+            controller, state, measured(PAIR, i * DT, *pressing)
+        )
+        if state.phase.name != "touch":
+            break
+        resumed = resumed or state.phase.tips[0].resumed is not None
+        command = commands[second]
+        assert command is not None
+        if before is not None:
+            assert math.dist(before, command.position) < 1e-3
+        before = command.position
+    assert resumed
 
 
 def test_a_release_that_was_planned_lets_go_of_an_object() -> None:

@@ -383,6 +383,10 @@ def test_the_belief_before_the_run_is_that_of_the_first_plan(
     assert (scene.contact_friction, scene.support.friction, 0.4) in tried
     assert (0.7 * tip, BEGIN.support_friction, whole) in tried
     assert tip not in {one.contact_friction for one in asked}
+    # or the support alone is to blame for what has slid
+    told = BEGIN.support_friction / (0.7 * tip)
+    alone = told * scene.contact_friction
+    assert any(one.support_friction == pytest.approx(alone) for one in asked)
 
 
 def test_a_plan_that_dares_is_no_reason_for_the_next_one_to_dare() -> None:

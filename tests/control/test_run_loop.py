@@ -55,7 +55,6 @@ from pushpressslide.core.control import (
     TipCommand,
     TipState,
 )
-from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath, Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
@@ -737,30 +736,6 @@ def test_an_arm_that_fails_while_one_plans_leaves_no_thread_behind(
         thread.join(2.0)
         assert not thread.is_alive()
     assert "gone" in str(failure.value)  # its frames live until here
-
-
-@pytest.mark.parametrize("stopped", [False, True])
-def test_no_recovery_begins_where_a_limit_is_broken_while_it_is_planned(
-    one: Plan, scripts, monkeypatch: pytest.MonkeyPatch, stopped: bool
-) -> None:
-    loop = RunLoop(cell_of(Diary(arms=1), 1), one, RunOptions(controller=Script))
-    start = loop._restart(Pose2())
-    tick, measurement = loop._tick()
-    before = Ending("contact_lost", "")
-    broken = Ending("force_limit", "60 N")
-    loop.breach = before
-
-    def planned(*_: object) -> Plan:
-        assert loop.breach is None
-        loop.breach = None if stopped else broken
-        loop.stopping = SimpleNamespace(took_over=stopped)
-        return one
-
-    monkeypatch.setattr(loop, "_while_holding", planned)
-    said = "an arm was stopped" if stopped else "60 N"
-    with pytest.raises(InfeasibleTaskError, match=said):
-        loop._planned_from(start, tick, measurement, ())
-    assert loop.breach == (before if stopped else broken)
 
 
 def test_a_pose_that_is_no_number_is_no_pose(one, scripts, monkeypatch) -> None:

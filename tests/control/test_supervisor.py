@@ -154,7 +154,7 @@ def test_two_pushes_that_another_body_pushes_back_hold_until_it_is_gone() -> Non
     assert held.phase.name == "touch"
     places = [memory.held_command.position for memory in held.phase.tips]
     assert places == [tip.position for tip in resisted.instant.tips]
-    assert (held.watches.holds, held.watches.retouches) == (1, 0)
+    assert (held.watches.resistances, held.watches.retouches) == (1, 0)
     still_there = Settled(held, resisted.instant)
     assert supervisor.step(still_there) is held
     assert not supervisor.plans(still_there)

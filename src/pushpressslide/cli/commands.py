@@ -172,7 +172,12 @@ def plan(options: PlanOptions) -> None:
 
     Joint paths are planned for --trajectory alone. A tier's world is that of seed 0.
     """
-    from pushpressslide.cli.odds import TRUTHS_ALIKE, odds_text, plan_odds
+    from pushpressslide.cli.odds import (
+        OTHER_BELIEF,
+        TRUTHS_ALIKE,
+        odds_text,
+        plan_odds,
+    )
     from pushpressslide.cli.tables import JOINT_PATHS
     from pushpressslide.jobs.hopes import of_first_hope
     from pushpressslide.jobs.remedy import remedies_named
@@ -186,20 +191,23 @@ def plan(options: PlanOptions) -> None:
     results = ("plan.json", "result.json")
     folder = results_folder(options.out, f"plan-{task.name}", options.force, results)
 
-    def plan_of(task: Task) -> list[PlannedStage]:
-        return plan_stages(task, None if file is None else _joint_planner(file))
+    def plan_of(hope: Task) -> tuple[Task, list[PlannedStage]]:
+        planner = None if file is None else _joint_planner(file)
+        return hope, plan_stages(hope, planner)
 
     with remedies_named(task):
-        planned = of_first_hope(task, plan_of)
+        hope, planned = of_first_hope(task, plan_of)
     stages = [planned_part(one) for one in planned]
     (folder / "plan.json").unlink(missing_ok=True)  # an existing file is complete
     data, *pictures = write_plans(task, stages, folder)
     lines = [JOINT_PATHS] if file is None else _write_trajectory(task, planned, file)
     figures = []
     if options.odds:
-        figures = [plan_odds(stage.plan, task.belief) for stage in stages]
+        figures = [plan_odds(stage.plan) for stage in stages]
         if not task.belief.states_errors:
             complain(TRUTHS_ALIKE)
+        if hope.full_belief != task.full_belief:
+            complain(OTHER_BELIEF)
     if options.as_json:
         made = stages_to_dict(task, stages)
         for part, one in zip(made["stages"], figures, strict=False):

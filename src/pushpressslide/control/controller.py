@@ -401,10 +401,10 @@ class Controller:
         sensing = self.placement.query.sensing
         place, yaw = estimate.spread
         noise, yaw_noise = filtered_noise(sensing)
-        place = math.hypot(max(place, noise), sensing.lasting_error(estimate.time))
-        spread = (place, max(yaw, yaw_noise))
+        spread = (max(place, noise), max(yaw, yaw_noise))
+        lasting = sensing.lasting_error(estimate.time)
         shown = self._shown_since_release(state, estimate.time)
-        return LastLook(self.filtered_pose(state), spread, shown)
+        return LastLook(self.filtered_pose(state), spread, lasting, shown)
 
     def identified(self, state: ControllerState, belief: Scene) -> Identified:
         """What the estimator has identified in this placement, beside the scene
@@ -442,8 +442,12 @@ class Controller:
         touches = self.touches if first else self.touches_again
         aligned = 0.0
         if phase.align:  # together, whatever the distance of each
-            parts = zip(touches, phase.tips, contacts, strict=True)
-            aligned = max(t.align_time(memory, c, X_WB) for t, memory, c in parts)
+            aligned = phase.aligned
+            if aligned == 0.0:
+                parts = zip(touches, phase.tips, contacts, strict=True)
+                aligned = max(t.align_time(memory, c, X_WB) for t, memory, c in parts)
+            if elapsed >= aligned:
+                phase = phase._replace(aligned=aligned)
         tool_yaw = self._touch_yaw(state, instant.X_WG.yaw, elapsed, aligned)
         progress = state.following.joint_progress(instant.X_WB)
         steps = [
@@ -556,11 +560,13 @@ class Controller:
 
     def _shown_since_release(self, state: ControllerState, time: float) -> bool:
         """Whether the last picture that is used at a ``time`` [s] was taken after the
-        tips let go of the object, if they do.
+        tips let go of the object, or, if they hold it, after it arrived.
         """
         phase = state.phase
-        let_go = phase.since + _rest(phase) + LETTING_GO
-        return self.placement.holds or time - state.estimate.age >= let_go
+        since = phase.since
+        if not self.placement.holds:
+            since += _rest(phase) + LETTING_GO
+        return time - state.estimate.age >= since
 
     def _drawn_back(
         self, state: ControllerState, instant: Instant
@@ -569,7 +575,7 @@ class Controller:
         phase = state.phase
         failed = phase.failure is not None
         carried = self.placement.scene.carried(instant.X_WG)
-        holds = self.placement.holds or (failed and not carried)
+        holds = not carried if failed else self.placement.holds
         share = _way_back(phase, instant.time)
         segment = state.following.binding.segment
         clearance = self.placement.queries[segment.leg].motion.clearance

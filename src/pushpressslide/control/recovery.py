@@ -218,7 +218,7 @@ def _further(task: Task, free: Restart, before: Task) -> list[Restart]:
     if free.contact_friction is not None:
         dared = replace(free, dares=True)
         kept = replace(dared, contact_friction=_tip_friction(task, before))
-        share = min(1.0, free.contact_friction / task.scene.contact_friction)
+        share = min(1.0, free.contact_friction / before.scene.contact_friction)
         alone = replace(kept, support_friction=free.support_friction / share)
         further += [_likeliest(task, dared), dared, alone, kept]
     dared = _daring(task, free, before)

@@ -587,6 +587,7 @@ class RunLoop:
         self.breach = Ending(breach.code, text)
         self.breaches.append({"time": time, "code": breach.code, "text": text})
         self.stopping = Stop(self.guard.arms, time, self.guard.period)
+        self.last_look = None
         if self.state is None:
             self.approach.halt(time)
         else:
@@ -809,8 +810,7 @@ class RunLoop:
         """Plan of the remaining task from ``start``, and the commands that hold the arms
         meanwhile. It begins otherwise than all ``failed`` placements, if it can.
 
-        Raises InfeasibleTaskError if no plan ends in time, or if a limit is broken or an
-        arm stopped meanwhile.
+        Raises InfeasibleTaskError if no plan ends in time.
         """
         held_commands = self._hold(tick, measurement)
         prepare = self.cell.placements.prepare
@@ -820,16 +820,8 @@ class RunLoop:
             make = partial(
                 planned_otherwise, self.plan, start, prepare, failed, before=before
             )
-        broken, self.breach = self.breach, None  # limits hold meanwhile, too
-        try:
-            plan = self._while_holding(make, held_commands)
-            self._check_in_time(plan)
-            if self.breach is not None:
-                raise InfeasibleTaskError(f"while it was planned, {self.breach.text}")
-            if self.stopping is not None and self.stopping.took_over:
-                raise InfeasibleTaskError("an arm was stopped while it was planned")
-        finally:
-            self.breach = self.breach or broken
+        plan = self._while_holding(make, held_commands)
+        self._check_in_time(plan)
         return plan, held_commands
 
     def _verified(self, ending: Ending, may_look: bool) -> Ending:

@@ -60,7 +60,6 @@ class TipMemory(NamedTuple):
     felt: float | None = None  # [s] since when contact is felt in this touch
     absent: float | None = None  # [s] since when it is felt no more
     resumed: float | None = None  # [s] when the tip last started to advance
-    lost_at: Vector3 | None = None  # [m] where it was then
     touch_depth: float = 0.0  # [m] advance at which contact was felt
     regulator: NormalForceState = NormalForceState()
     velocity: Point | None = None  # [m/s] world, as last commanded in this phase
@@ -107,7 +106,7 @@ class Watches(NamedTuple):
     # [s] since when no path leads on from an object that turns otherwise than planned
     mistaken: float | None = None
     retouches: int = 0
-    holds: int = 0  # while another body pushed back
+    resistances: int = 0  # times that another body pushed back
     tip_friction: TipFriction | None = None  # of presses that slid
     retries: int = 0
     looked: float | None = (
@@ -123,6 +122,7 @@ class PhaseState(NamedTuple):
     tips: tuple[TipMemory, ...]  # one per contact
     # whether the touch starts with aligning the tips, or from where they are
     align: bool = True
+    aligned: float = 0.0  # [s] from ``since`` to the advance; 0 before that
     commanded_twist: Twist = NO_TWIST  # commanded to the object, in B
     failure: Failure | None = None
     retreat_fraction: float = (

@@ -242,7 +242,7 @@ class Supervisor:
         since = moment.state.watches.resisted
         return since is not None and (
             moment.instant.time - since > margins.ARM.settle_time
-            and moment.state.watches.holds < RETOUCHES
+            and moment.state.watches.resistances < RETOUCHES
         )
 
     def hold(self, moment: Moment) -> ControllerState:
@@ -251,7 +251,9 @@ class Supervisor:
         following = moment.state.following
         watches = moment.state.watches
         watches = watches._replace(
-            lost=instant.time, resisted=None, holds=watches.holds + 1
+            lost=instant.time,
+            resisted=None,
+            resistances=watches.resistances + 1,
         )
         state = moment.state._replace(watches=watches)
         held = enter_phase(state, "touch", instant)

@@ -200,7 +200,7 @@ class TipTouch:
         if aligned > 0.0 and memory.resumed is None:
             return before, depth
         n = contact.direction(advance_start)
-        start = memory.lost_at or memory.start
+        start = memory.start
         ahead = sum((s - b) * d for s, b, d in zip(start, before, n, strict=True))
         ahead = min(ahead, self.gap)
         return _ahead(start, n, -ahead), depth + ahead
@@ -231,7 +231,7 @@ class TipTouch:
         if time - memory.absent < margins.ARM.push_loss_time:
             return memory
         return memory._replace(
-            lost_at=context.tip.position,
+            start=context.tip.position,
             advance_start=context.X_WB,
             felt=None,
             absent=None,

@@ -340,8 +340,7 @@ FLOOR_SPEED = 0.12
 
 RESISTED = 2.0
 """Resultant of two pushes above which another body pushes back, in units of the
-friction that holds the object: twice leaves room for what is believed of friction and
-mass.
+largest friction that may hold the object by the stated errors.
 """
 STALL = 0.05
 """Mean speed below which an object counts as standing still, as a share of

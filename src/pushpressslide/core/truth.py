@@ -118,7 +118,8 @@ class Truth(ArmTruth):
     tier: TierName | None = setting(
         None,
         "a world drawn by the run's seed, in place of `belief` (except `rho`), `sensing` "
-        "and errors of arms; `truth: tier2` for short",
+        "and the errors of bases, tips, link masses, joint friction and torques; `truth: "
+        "tier2` for short",
     )
 
     @property

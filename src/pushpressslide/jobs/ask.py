@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.task import Task
+from pushpressslide.jobs.engines import DEFAULT
 
 if TYPE_CHECKING:
     from pushpressslide.core.plan import Choice, Plan
@@ -36,7 +37,11 @@ def select(task: AnyTask, enough: int = 1) -> list[Choice]:
 
 
 def plan(
-    task: AnyTask, choice: Choice | str | None = None, *, force: bool = False
+    task: AnyTask,
+    choice: Choice | str | None = None,
+    *,
+    force: bool = False,
+    engine: str = DEFAULT,
 ) -> Plan:
     """Plan for ``choice``. By default it is the best choice, or the best sequence of
     motions if no single motion suffices.
@@ -46,7 +51,7 @@ def plan(
     Joint paths are not planned here but by ``run``. In a task with legs, all other
     placements take their best choices. With ``force`` an infeasible choice is planned
     too, if it has a path. A tier's world is that of seed 0, for the plan and each run of
-    it. Raises TaskError for a task that no task file could describe,
+    it by ``engine``. Raises TaskError for a task that no task file could describe,
     and InfeasibleTaskError with the reasons if the task is infeasible.
     """
     from pushpressslide.core.plan import Choice
@@ -63,8 +68,8 @@ def plan(
     else:
         allowed = "allowed: a Choice, as select returns them, or the name of a mode"
         raise TaskError("", "choice", choice, allowed)
-    with remedies_named(known):
-        world = drawn_world(known)
+    world = drawn_world(known, engine=engine)
+    with remedies_named(world):
         if choice is not None or force:
             return solve.plan(world, choice, force=force)
         return of_first_hope(world, solve.plan)

@@ -117,7 +117,7 @@ TIERS = MappingProxyType(
 )
 
 
-DRAWN = (
+OF_TIERS = (
     "arm_base",
     "arm_base_yaw",
     "tip_offset",
@@ -126,7 +126,7 @@ DRAWN = (
     "viscous_friction",
     "torque_scale",
 )
-"""Fields of the truth that a tier draws. The others stay those of the task."""
+"""Fields of the truth that a tier sets. The others stay those of the task."""
 
 
 def drawn_world(task: Task, seed: int = 0, engine: str = DEFAULT) -> Task:
@@ -150,7 +150,7 @@ def drawn_world(task: Task, seed: int = 0, engine: str = DEFAULT) -> Task:
         truth = truth.for_tips()
     elif any(robot.interface != "torque" for robot in task.robots):
         truth = truth.for_servos()
-    arms = {name: getattr(truth, name) for name in DRAWN}
+    arms = {name: getattr(truth, name) for name in OF_TIERS}
     truth = replace(task.truth, tier=None, **arms)
     return replace(task, belief=belief, sensing=sensing, truth=truth)
 

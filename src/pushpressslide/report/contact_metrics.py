@@ -72,7 +72,7 @@ def _placement_figures(plan: Plan, record: Record) -> dict[str, Any]:
     normals, tangents = series.contact_forces(plan, record)
     move = series.in_phase(record, "move")
     contact = series.contact_phase(record)
-    pressing = series.in_phase(record, "touch", "move", "release")
+    pressing = series.in_phase(record, "touch", "move", "release", "done")
     felt = normals[pressing]
     kept = normals[pressing & ~_stopping(plan, record)]
     step = np.diff(time, append=time[-1])
