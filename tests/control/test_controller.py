@@ -665,13 +665,15 @@ def test_a_failure_on_a_ledge_lets_go_though_the_goal_is_on_the_wall() -> None:
 
 def test_a_tip_that_loses_its_touch_moves_no_other_one() -> None:
     controller = made(PAIR)
-    state = touching(PAIR)
+    query = controller.placement.query
+    lined_up = tips_of(controller, [0.0, 0.0], query.motion.approach_distance)
+    state = controller.init(Measurement(0.0, query.start, lined_up))
     first, second = (contact.arm for contact in controller.segments[0].contacts)
     before: Vector3 | None = None
     resumed = False
     for i in range(1, 900):
         pressing = [0.0, 0.0]
-        if 300 < i < 420:
+        if 50 < i < 200:
             pressing[first] = 5.0
         commands, _, state = stepped(
             controller, state, measured(PAIR, i * DT, *pressing)
