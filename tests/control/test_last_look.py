@@ -105,10 +105,10 @@ def test_what_more_pictures_do_not_lessen_is_judged_the_same_all_the_time() -> N
     look = LastLook(Pose2(GOAL.x + 0.005, GOAL.y, GOAL.yaw), (0.0, 0.0), 0.0024)
     for doubt in (margins.EARLY_DOUBT, margins.DOUBT):
         assert look.ending(GOAL, ALLOWED, doubt).code == "goal_reached"
-        worse = look._replace(lasting=0.0026)
+        worse = look._replace(lasting_error=0.0026)
         assert worse.ending(GOAL, ALLOWED, doubt).code == "not_verified"
     assert look.tells(ALLOWED)
-    assert not look._replace(lasting=0.0026).tells(ALLOWED)
+    assert not look._replace(lasting_error=0.0026).tells(ALLOWED)
 
 
 def test_resolution_and_drift_of_a_camera_last() -> None:

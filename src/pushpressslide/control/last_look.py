@@ -16,7 +16,7 @@ class LastLook(NamedTuple):
 
     X_WG: Pose2
     spread: tuple[float, float]  # [m], [rad] standard deviations of place and yaw
-    lasting: float = 0.0  # [m] the same, that more pictures do not lessen
+    lasting_error: float = 0.0  # [m] the same, that more pictures do not lessen
     after_release: bool = True  # whether a picture shows it since the tips let go
 
     def ending(
@@ -28,7 +28,7 @@ class LastLook(NamedTuple):
         off = math.dist(self.X_WG.position, goal.position)
         turned = abs(wrap_angle(self.X_WG.yaw - goal.yaw))
         place, yaw = (doubt * deviation for deviation in self.spread)
-        place = math.hypot(place, margins.DOUBT * self.lasting)
+        place = math.hypot(place, margins.DOUBT * self.lasting_error)
         text = f"seen {off * 1e3:.1f} mm and {math.degrees(turned):.1f} deg off"
         if off - place > tolerance.position or turned - yaw > tolerance.yaw:
             return Ending("goal_missed", text)
@@ -45,7 +45,7 @@ class LastLook(NamedTuple):
         tolerance is verified.
         """
         place, yaw = (2.0 * margins.DOUBT * deviation for deviation in self.spread)
-        place = math.hypot(place, 2.0 * margins.DOUBT * self.lasting)
+        place = math.hypot(place, 2.0 * margins.DOUBT * self.lasting_error)
         if not self.after_release:
             return False
         return place <= tolerance.position and yaw <= tolerance.yaw
