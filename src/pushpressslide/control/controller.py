@@ -440,12 +440,10 @@ class Controller:
         elapsed = instant.time - phase.since
         first = state.following.began is None
         touches = self.touches if first else self.touches_again
-        aligned = 0.0
-        if phase.align:  # together, whatever the distance of each
-            aligned = phase.aligned
-            if aligned == 0.0:
-                parts = zip(touches, phase.tips, contacts, strict=True)
-                aligned = max(t.align_time(memory, c, X_WB) for t, memory, c in parts)
+        aligned = phase.aligned
+        if phase.align and aligned == 0.0:  # together, whatever the distance of each
+            parts = zip(touches, phase.tips, contacts, strict=True)
+            aligned = max(t.align_time(memory, c, X_WB) for t, memory, c in parts)
             if elapsed >= aligned:
                 phase = phase._replace(aligned=aligned)
         tool_yaw = self._touch_yaw(state, instant.X_WG.yaw, elapsed, aligned)
@@ -574,8 +572,9 @@ class Controller:
         """Commands of tips that draw back or hold."""
         phase = state.phase
         failed = phase.failure is not None
-        carried = self.placement.scene.carried(instant.X_WG)
-        holds = not carried if failed else self.placement.holds
+        holds = self.placement.holds
+        if failed:
+            holds = not self.placement.scene.carried(instant.X_WG)
         share = _way_back(phase, instant.time)
         segment = state.following.binding.segment
         clearance = self.placement.queries[segment.leg].motion.clearance

@@ -46,6 +46,5 @@ class LastLook(NamedTuple):
         """
         place, yaw = (2.0 * margins.DOUBT * deviation for deviation in self.spread)
         place = math.hypot(place, 2.0 * margins.DOUBT * self.lasting_error)
-        if not self.after_release:
-            return False
-        return place <= tolerance.position and yaw <= tolerance.yaw
+        known = place <= tolerance.position and yaw <= tolerance.yaw
+        return known and self.after_release

@@ -721,7 +721,7 @@ class RunLoop:
         """
         if self.state is None:
             return
-        here = FailedPlacement(self.controller.segments[0], self.controller.X_GB)
+        here = self._failed_here
         if reason.code in ("force_limit", "goal_missed"):
             self._remember_stuck(pose)
         if reason.code != "contact_lost":
@@ -739,8 +739,12 @@ class RunLoop:
         """
         began = self.state is not None and self.state.following.began is not None
         if began and not self._moves_object(pose):
-            first = self.controller.segments[0]
-            self.failed.append(FailedPlacement(first, self.controller.X_GB))
+            self.failed.append(self._failed_here)
+
+    @property
+    def _failed_here(self) -> FailedPlacement:
+        """The present placement, as one that has failed."""
+        return FailedPlacement(self.controller.segments[0], self.controller.X_GB)
 
     def _moves_object(self, pose: Pose2) -> bool:
         """Whether the placement has moved the object, now at ``pose``, X_WG."""
