@@ -9,7 +9,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 # Workers and the commands that tests start share the bytecode that the first of them makes.
 unexport PYTHONDONTWRITEBYTECODE
-# Each test on every n-th of its cases: make test-long EVERY=4.
+# Every n-th case: make test-long EVERY=4.
 EVERY ?= 1
 PYTEST := $(BIN)/pytest -n auto --dist worksteal --every $(EVERY)
 
@@ -21,7 +21,7 @@ NEWEST := $(firstword $(shell for v in 3.14 3.13 3.12; do \
 QUICK := tests/core tests/geometry tests/mechanics tests/rom tests/tracking tests/allocation \
   tests/planning tests/taskfile tests/planar studies/tests/allocation
 
-.PHONY: demo test test-long test-all test-newest quick search mutants lint results \
+.PHONY: demo test test-long ladder test-all test-newest quick search mutants lint results \
   random-tasks picture figures docs size lock clean
 
 demo: $(READY)
@@ -32,6 +32,10 @@ test: $(READY) lint
 
 test-long: $(READY)
 	$(PYTEST) -m long --durations=20
+
+# Runs in the worlds of the tiers alone: a small part of the published ladder.
+ladder: $(READY)
+	$(PYTEST) -m long tests/jobs/test_tiers.py tests/jobs/test_tier_sweep.py
 
 test-all: test test-long
 

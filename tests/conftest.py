@@ -3,7 +3,6 @@
 import math
 import os
 import sysconfig
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
@@ -162,7 +161,7 @@ def task_of_mode() -> dict[str, str]:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the option of a share of the cases."""
-    text = "run each test on every n-th of its cases, from the first one on"
+    text = "run every n-th case, from the first one on"
     parser.addoption("--every", type=int, default=1, metavar="n", help=text)
 
 
@@ -172,12 +171,8 @@ def pytest_collection_modifyitems(
 ) -> None:
     """Leave out the cases that ``--every`` does not choose."""
     every = config.getoption("--every")
-    counts: Counter[str] = Counter()
-    kept, left_out = [], []
-    for item in items:
-        test = item.nodeid.split("[")[0]
-        (kept if counts[test] % every == 0 else left_out).append(item)
-        counts[test] += 1
+    kept = items[::every]
+    left_out = [item for i, item in enumerate(items) if i % every]
     items[:] = kept
     if left_out:
         config.hook.pytest_deselected(items=left_out)

@@ -132,7 +132,7 @@ def test_a_late_tip_keeps_its_load(mode: str) -> None:
         pytest.param("rear-push-rear", "drake", "position", marks=pytest.mark.long),
         ("press-slide", "drake", "position"),
         pytest.param("press-slide", "mujoco", "position", marks=pytest.mark.long),
-        ("bimanual-slide", "mujoco", "velocity"),
+        pytest.param("bimanual-slide", "mujoco", "velocity", marks=pytest.mark.long),
     ],
 )
 def test_late_arms_push_and_press(name: str, engine: str, interface: str) -> None:

@@ -177,6 +177,7 @@ def test_an_arm_that_holds_keeps_its_posture_and_the_other_goes_round_it() -> No
     keep_apart(on, paths)
 
 
+@pytest.mark.long
 def test_two_arms_turn_a_large_box_and_push_it_into_a_slot(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -237,6 +238,7 @@ def drawn(name: str, index: int, seed: int) -> Plan:
     return pps.plan(task)
 
 
+@pytest.mark.long
 def test_tips_are_drawn_back_no_farther_than_the_arms_keep_apart() -> None:
     plan = drawn("orthogonal-push", 60, 1203)
     paths = joint_paths(DRAKE, plan)
@@ -245,6 +247,7 @@ def test_tips_are_drawn_back_no_farther_than_the_arms_keep_apart() -> None:
     keep_apart(plan, paths)
 
 
+@pytest.mark.long
 def test_an_arm_feels_for_its_contact_from_where_it_is_not_stretched() -> None:
     plan = drawn("parallel-push", 170, 1202)
     for arm, (path, _) in enumerate(joint_paths(DRAKE, plan)):

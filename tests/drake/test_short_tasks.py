@@ -164,6 +164,7 @@ def test_two_arms_slide_a_box_up_a_wall() -> None:
     assert heights[-1] - heights[0] == pytest.approx(0.03, abs=0.005)
 
 
+@pytest.mark.long
 def test_a_bar_pushes_a_cube() -> None:
     task = load_task(
         "tool-use",

@@ -27,7 +27,7 @@ def reached(task: str, engine: str = "mujoco", **changes: object) -> Record:
     [
         "rear-push-rear",
         "press-slide",
-        "bimanual-slide",
+        pytest.param("bimanual-slide", marks=pytest.mark.long),
         pytest.param("incline-slide", marks=pytest.mark.long),
         pytest.param("book", marks=pytest.mark.long),
     ],
@@ -60,6 +60,7 @@ def test_a_run_agrees_with_drake() -> None:
     assert ours.arrays["time"][-1] == pytest.approx(theirs.arrays["time"][-1], rel=0.1)
 
 
+@pytest.mark.long
 def test_another_body_is_pushed_along() -> None:
     task = pps.load_task("tool-use")
     result = run_task(task, engine="mujoco")

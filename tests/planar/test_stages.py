@@ -160,6 +160,7 @@ def test_the_page_shows_every_stage(finished: tuple[dict[str, Any], Path]) -> No
     assert "other-cube" in page
 
 
+@pytest.mark.long
 def test_the_same_run_gives_the_same_record() -> None:
     first, second = (pps.run(SWAP, engine="planar") for _ in range(2))
     for name, values in first.arrays.items():

@@ -30,9 +30,8 @@ def errors_of(footprint: str, base: str, *speeds: float) -> list[Errors]:
     return list(measured(rig, footprint, base, speeds))
 
 
-@pytest.mark.parametrize(
-    "footprint", [pytest.param("square", marks=pytest.mark.long), "L"]
-)
+@pytest.mark.long
+@pytest.mark.parametrize("footprint", ["square", "L"])
 def test_feet_have_the_friction_of_the_base(footprint: str) -> None:
     for errors in errors_of(footprint, "feet", 0.01, 0.05):
         assert not misses(errors), errors
