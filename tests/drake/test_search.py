@@ -15,6 +15,7 @@ from pushpressslide.arms.paths import joint_path as joint_paths
 from pushpressslide.arms.paths.all_arms import Conflict
 from pushpressslide.arms.paths.approach import Descent
 from pushpressslide.arms.paths.arm_problem import (
+    CONDITION_ROOM,
     JOINT_ROOM,
     LEAVING,
     OBJECT_ROOM,
@@ -293,6 +294,9 @@ def test_only_an_object_that_is_not_known_exactly_asks_for_room(
     assert problem.margin_share(OBJECT_ROOM, JOINT_ROOM) == 1.0
     assert problem.margin_share(0.5 * OBJECT_ROOM) == pytest.approx(0.5)
     assert problem.margin_share(OBJECT_ROOM, 0.2 * JOINT_ROOM) == pytest.approx(0.2)
+    steady = problem.margin_share(OBJECT_ROOM, JOINT_ROOM, CONDITION_ROOM)
+    weak = problem.margin_share(OBJECT_ROOM, JOINT_ROOM, 2.0 * CONDITION_ROOM)
+    assert (steady, weak) == (1.0, pytest.approx(0.5))
 
 
 def test_a_joint_path_with_room_is_taken_before_one_without(
@@ -322,6 +326,7 @@ def test_of_the_links_only_the_tip_may_be_near_the_object_it_touches(
     alone = model.min_distance(path.move, along.shapes, touching=False)
     assert alone.distance < 1e-3 < alone.to_object
     assert touching.to_object == alone.to_object
+    assert path.condition < CONDITION_ROOM
     assert path.margin_share == pytest.approx(
         min(1.0, touching.to_object / OBJECT_ROOM)
     )

@@ -36,6 +36,9 @@ LEAVING = 1e-3  # [m] by which an arm that stands too near may come nearer as it
 # [m] of the links from an object that may not be where it is believed to be
 OBJECT_ROOM = 0.015
 JOINT_ROOM = 0.05  # [rad; m of slides] the same of the joints from their limits
+# of the Jacobian: beyond it, joint torques that are wrong by two newton metres, those of
+# joint friction, move the tip with more than the servo of its height may hold against
+CONDITION_ROOM = 25.0
 GLANCE = 4  # every fourth posture along a contact is checked before all of them are
 
 
@@ -117,15 +120,23 @@ class ArmProblem:
         normal = frame.direction(contact.direction(path.bodies[0]))
         return ContactPath(contact, tip, normal)
 
-    def margin_share(self, to_object: float, joint_margin: float = math.inf) -> float:
+    def margin_share(
+        self, to_object: float, joint_margin: float = math.inf, condition: float = 1.0
+    ) -> float:
         """Share of what an unsure object asks for, at most 1.
 
-        ``to_object`` [m] is the links' smallest distance from it. Among paths with
-        less than 1, the one with the most is preferred.
+        ``to_object`` [m] is the links' smallest distance from it, ``condition`` the
+        largest condition number of the Jacobian. Among paths with less than 1, the one
+        with the most is preferred.
         """
         if not self.query.scene.planned_for_errors:
             return 1.0
-        return min(1.0, to_object / OBJECT_ROOM, joint_margin / JOINT_ROOM)
+        return min(
+            1.0,
+            to_object / OBJECT_ROOM,
+            joint_margin / JOINT_ROOM,
+            CONDITION_ROOM / condition,
+        )
 
     @property
     def posture(self) -> Array:

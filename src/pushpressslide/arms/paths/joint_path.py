@@ -339,7 +339,7 @@ def _joint_path(
         min(gap.distance for gap in gaps),
         touch_gap,
         margin_share=problem.margin_share(
-            min(gap.to_object for gap in gaps), move.margin
+            min(gap.to_object for gap in gaps), move.margin, move.condition
         ),
     )
 
