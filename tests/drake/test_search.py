@@ -296,7 +296,9 @@ def test_only_an_object_that_is_not_known_exactly_asks_for_room(
     assert problem.margin_share(OBJECT_ROOM, 0.2 * JOINT_ROOM) == pytest.approx(0.2)
     steady = problem.margin_share(OBJECT_ROOM, JOINT_ROOM, CONDITION_ROOM)
     weak = problem.margin_share(OBJECT_ROOM, JOINT_ROOM, 2.0 * CONDITION_ROOM)
-    assert (steady, weak) == (1.0, pytest.approx(0.5))
+    assert (steady, weak) == (1.0, pytest.approx(0.75))
+    near = problem.margin_share(0.6 * OBJECT_ROOM, JOINT_ROOM, 2.0 * CONDITION_ROOM)
+    assert near == pytest.approx(0.6)
 
 
 def test_a_joint_path_with_room_is_taken_before_one_without(

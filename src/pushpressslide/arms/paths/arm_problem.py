@@ -126,8 +126,9 @@ class ArmProblem:
         """Share of what an unsure object asks for, at most 1.
 
         ``to_object`` [m] is the links' smallest distance from it, ``condition`` the
-        largest condition number of the Jacobian. Among paths with less than 1, the one
-        with the most is preferred.
+        largest condition number of the Jacobian: at a singularity the share is a half,
+        since links that meet the object are worse. Among paths with less than 1, the
+        one with the most is preferred.
         """
         if not self.query.scene.planned_for_errors:
             return 1.0
@@ -135,7 +136,7 @@ class ArmProblem:
             1.0,
             to_object / OBJECT_ROOM,
             joint_margin / JOINT_ROOM,
-            CONDITION_ROOM / condition,
+            0.5 + 0.5 * CONDITION_ROOM / condition,
         )
 
     @property
