@@ -33,7 +33,7 @@ test: $(READY) lint
 test-long: $(READY)
 	$(PYTEST) -m long --durations=20
 
-# Runs in the worlds of the tiers alone: a small part of the published ladder.
+# Only the long tests in the worlds of the tiers: a small part of the published ladder.
 ladder: $(READY)
 	$(PYTEST) -m long tests/jobs/test_tiers.py tests/jobs/test_tier_sweep.py
 

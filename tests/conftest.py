@@ -171,9 +171,8 @@ def pytest_collection_modifyitems(
 ) -> None:
     """Leave out the cases that ``--every`` does not choose."""
     every = config.getoption("--every")
-    kept = items[::every]
     left_out = [item for i, item in enumerate(items) if i % every]
-    items[:] = kept
+    items[:] = items[::every]
     if left_out:
         config.hook.pytest_deselected(items=left_out)
 

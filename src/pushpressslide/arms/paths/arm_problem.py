@@ -36,8 +36,8 @@ LEAVING = 1e-3  # [m] by which an arm that stands too near may come nearer as it
 # [m] of the links from an object that may not be where it is believed to be
 OBJECT_ROOM = 0.015
 JOINT_ROOM = 0.05  # [rad; m of slides] the same of the joints from their limits
-# of the Jacobian: beyond it, joint torques that are wrong by two newton metres, those of
-# joint friction, move the tip with more than the servo of its height may hold against
+# condition number of the Jacobian beyond which 2 N m of joint friction move the tip with
+# more force than the servo of its height may use
 CONDITION_ROOM = 25.0
 GLANCE = 4  # every fourth posture along a contact is checked before all of them are
 
