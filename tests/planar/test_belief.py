@@ -4,9 +4,11 @@ import math
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.core.control import PHASES
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Belief, Robot, Task
 from pushpressslide.core.twist_path import integrate
@@ -189,3 +191,23 @@ def test_a_support_far_rougher_or_smoother_than_believed_is_made_up_for(
     told = replace(task.full_belief, support_friction=believed)
     record = pps.run(replace(task, support=rough, belief=told), engine="planar")
     assert record.reason == "goal_reached"
+
+
+@pytest.mark.parametrize("share", [0.55, 1.8])
+@pytest.mark.parametrize("name", ["parallel-push", "orthogonal-push", "bimanual-slide"])
+def test_two_tips_push_with_what_they_feel_the_support_resist_with(
+    name: str, share: float
+) -> None:
+    task = handled(name)
+    believed = task.support.friction
+    rough = replace(task.support, friction=share * believed)
+    told = replace(task.full_belief, support_friction=believed)
+    record = pps.run(replace(task, support=rough, belief=told), engine="planar")
+    assert record.reason == "goal_reached"
+    moves = np.flatnonzero(record.arrays["phase"] == PHASES.index("move"))
+    late = moves[len(moves) // 2 : -len(moves) // 5]
+    commanded, felt = (
+        np.linalg.norm(record.arrays[name][late, :, :2].sum(axis=1).mean(axis=0))
+        for name in ("command_force", "measured_force")
+    )
+    assert commanded == pytest.approx(felt, rel=0.15)

@@ -27,9 +27,10 @@ from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.sensing import Sensing
 from pushpressslide.core.twist_path import integrate
-from pushpressslide.core.wrench import Twist
+from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.identification.center import SURE, CenterState
 from pushpressslide.identification.drag import DragIdentifier, DragState
+from pushpressslide.identification.felt_drag import FeltDrag
 from pushpressslide.identification.online import AxleState
 from pushpressslide.identification.parameter_estimates import (
     NOTHING,
@@ -116,6 +117,7 @@ class EstimatorState(NamedTuple):
     prediction: Prediction = Prediction()  # reference of the next two fields
     axle: AxleState = AxleState()  # state of the virtual axle's identification
     center: CenterState = CenterState()  # the same of the CoM
+    felt: FeltDrag = FeltDrag()  # where no axle is identified
     estimates: ParameterEstimates = NOTHING  # estimates from all of these
     filtered: Filtered | None = None  # None: poses are used as they come
     drag: DragState = DragState()  # for the result alone
@@ -362,6 +364,7 @@ class ObjectEstimator:
         self._radius = query.scene.body.radius
         self._radii = [robot.tip_radius for robot in query.scene.robots]
         self._center_error = query.scene.center_error
+        self._friction_alone = query.resisted_by_friction_alone
         self._pictures = PictureComparison(query)
         self._hand_eye: HandEye | None = None
         self._center = CenterBelief.before_run(query.scene)
@@ -407,9 +410,12 @@ class ObjectEstimator:
             axle, center = _carried_over(state, predicted)
         sightings = self._sightings(state, observation, filtered)
         drag = state.drag
+        felt = state.felt
         if observation.driven:
             X_WB = X_WG.compose(self._X_GB)
             axle, center = _identified(axle, center, X_WB, observation)
+            if self._friction_alone and len(observation.binding.segment.contacts) > 1:
+                felt = _felt(felt, X_WB, observation, time - state.time)
             drag = _dragged(drag, center, X_WB, observation)
         else:
             drag = DragIdentifier.paused(drag)
@@ -420,12 +426,25 @@ class ObjectEstimator:
         anew = filtered is not None and filtered.touches_anew(state.filtered)
         if observation.driven or anew or predicted is not state.prediction:
             found = _estimates(predicted, axle, center)
+            if predicted.axle is None:
+                rho = observation.binding.segment.drive.rho
+                found = found._replace(drag=None if rho is None else felt.drag(rho))
             if learning is not None:
                 found = learning.with_reach(found, observation.binding.segment)
         twist = observation.commanded_twist
         estimate = Estimate(time, X_WG, twist, found, time - used, spread, tip_error)
         return estimate, EstimatorState(
-            pose, time, X_WG, predicted, axle, center, found, filtered, drag, sightings
+            pose,
+            time,
+            X_WG,
+            predicted,
+            axle,
+            center,
+            felt,
+            found,
+            filtered,
+            drag,
+            sightings,
         )
 
     def _sightings(
@@ -650,6 +669,26 @@ def _identified(
         touched = touched_point(binding.sides[0], X_WB, tip)
         center = predicted.center.step(center, time, X_WB, force, touched)
     return axle, center
+
+
+def _felt(felt: FeltDrag, X_WB: Pose2, observation: Observation, dt: float) -> FeltDrag:
+    """What tips feel of the drag, after a tick of ``dt`` [s] in which they drive the
+    object.
+    """
+    segment = observation.binding.segment
+    center_x, center_y = X_WB.apply(segment.drive.center)
+    fx = fy = tau = power = 0.0
+    for contact in segment.contacts:
+        tip = observation.tips[contact.arm]
+        x, y, _ = tip.position
+        vx, vy, _ = tip.velocity
+        tip_x, tip_y, _ = tip.force
+        fx += tip_x
+        fy += tip_y
+        tau += (x - center_x) * tip_y - (y - center_y) * tip_x
+        power += vx * tip_x + vy * tip_y
+    fx, fy = X_WB.unrotate((fx, fy))
+    return felt.step(Wrench(fx, fy, tau), power, dt)
 
 
 def _dragged(
