@@ -15,6 +15,7 @@ import numpy as np
 
 from pushpressslide.control.center_belief import CenterBelief
 from pushpressslide.control.correction import touched_point
+from pushpressslide.control.felt_center import felt_center
 from pushpressslide.control.following import BoundLaws, Prediction
 from pushpressslide.control.hand_eye import HandEye
 from pushpressslide.control.pose_filter import ARM, Advance, FilterState, PoseFilter
@@ -23,7 +24,7 @@ from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Measurement, TipState
 from pushpressslide.core.plan import Contact, Segment
-from pushpressslide.core.pose import Point, Pose2, wrap_angle
+from pushpressslide.core.pose import Point, Pose2, cross, wrap_angle
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.sensing import Sensing
 from pushpressslide.core.twist_path import integrate
@@ -356,6 +357,7 @@ class ObjectEstimator:
 
     def __init__(self, query: MotionQuery) -> None:
         """Bind to the believed object and sensors of ``query``."""
+        self._query = query
         self._X_GB = query.X_GB
         self._X_BG = self._X_GB.inverse()
         self._gain = pose_gain(query.sensing)
@@ -426,9 +428,9 @@ class ObjectEstimator:
         anew = filtered is not None and filtered.touches_anew(state.filtered)
         if observation.driven or anew or predicted is not state.prediction:
             found = _estimates(predicted, axle, center)
-            if predicted.axle is None:
-                rho = observation.binding.segment.drive.rho
-                found = found._replace(drag=None if rho is None else felt.drag(rho))
+            segment = observation.binding.segment
+            if len(segment.contacts) > 1:
+                found = self._with_felt(found, felt, segment)
             if learning is not None:
                 found = learning.with_reach(found, observation.binding.segment)
         twist = observation.commanded_twist
@@ -446,6 +448,21 @@ class ObjectEstimator:
             drag,
             sightings,
         )
+
+    def _with_felt(
+        self, found: ParameterEstimates, felt: FeltDrag, segment: Segment
+    ) -> ParameterEstimates:
+        """The parameters ``found`` with drag and centre of mass as several tips feel
+        them.
+        """
+        drive = segment.drive
+        rho = drive.rho
+        drag = None if rho is None else felt.drag(drive.center, rho)
+        found = found._replace(drag=drag)
+        center = felt_center(felt, segment, self._query, self._center)
+        if center is None:
+            return found
+        return center.with_center(found, segment, self._query)
 
     def _sightings(
         self,
@@ -672,23 +689,23 @@ def _identified(
 
 
 def _felt(felt: FeltDrag, X_WB: Pose2, observation: Observation, dt: float) -> FeltDrag:
-    """What tips feel of the drag, after a tick of ``dt`` [s] in which they drive the
-    object.
-    """
-    segment = observation.binding.segment
-    center_x, center_y = X_WB.apply(segment.drive.center)
-    fx = fy = tau = power = 0.0
-    for contact in segment.contacts:
-        tip = observation.tips[contact.arm]
-        x, y, _ = tip.position
-        vx, vy, _ = tip.velocity
-        tip_x, tip_y, _ = tip.force
-        fx += tip_x
-        fy += tip_y
-        tau += (x - center_x) * tip_y - (y - center_y) * tip_x
-        power += vx * tip_x + vy * tip_y
-    fx, fy = X_WB.unrotate((fx, fy))
-    return felt.step(Wrench(fx, fy, tau), power, dt)
+    """What two tips feel, after a tick of ``dt`` [s] in which they move the object."""
+    contacts = observation.binding.segment.contacts
+    first, second = (observation.tips[contact.arm] for contact in contacts)
+    x, y, _ = first.position
+    apart_x, apart_y = second.position[0] - x, second.position[1] - y
+    vx, vy, _ = first.velocity
+    off_x, off_y = second.velocity[0] - vx, second.velocity[1] - vy
+    w = (apart_x * off_y - apart_y * off_x) / (apart_x**2 + apart_y**2)
+    forces = [X_WB.unrotate(tip.force[:2]) for tip in (first, second)]
+    points = [X_WB.unapply(tip.position[:2]) for tip in (first, second)]
+    wrench = Wrench(
+        math.fsum(fx for fx, _ in forces),
+        math.fsum(fy for _, fy in forces),
+        math.fsum(map(cross, points, forces)),
+    )
+    twist = Twist(*X_WB.unrotate((vx, vy)), w, points[0]).moved_to((0.0, 0.0))
+    return felt.step(wrench, twist, dt)
 
 
 def _dragged(

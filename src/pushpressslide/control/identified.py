@@ -7,7 +7,9 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+from pushpressslide.control.center_belief import CenterBelief
 from pushpressslide.control.estimator import EstimatorState
+from pushpressslide.control.felt_center import felt_center
 from pushpressslide.control.sightings import TURNS_TELL
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Segment
@@ -71,7 +73,7 @@ def identified(
     aside = _aside(state)
     found = {
         "mass_times_friction": _mass_times_friction(state, query, belief, aside),
-        "center_of_mass": _center_of_mass(state, query, belief, aside),
+        "center_of_mass": _center_of_mass(state, query, planned, belief, aside),
         "pose_delay": _pose_delay(state.sightings.delay, query),
         "rho": _rho(state.sightings.turns, query, planned, belief),
         **_tip_offsets(state.sightings.depths, query, planned),
@@ -86,11 +88,19 @@ def _aside(state: EstimatorState) -> Aside | None:
 
 
 def _center_of_mass(
-    state: EstimatorState, query: MotionQuery, belief: Scene, aside: Aside | None
+    state: EstimatorState,
+    query: MotionQuery,
+    planned: Segment,
+    belief: Scene,
+    aside: Aside | None,
 ) -> Parameter | None:
     """Coordinate [m] of the centre of mass across the line to the contact, which may be
-    beside the followed one.
+    beside the followed one, or across the force of two pushes.
     """
+    if len(planned.contacts) > 1:
+        prior = CenterBelief.before_run(belief)
+        felt = felt_center(state.felt, planned, query, prior)
+        return None if felt is None else felt.told
     if aside is None:
         return None
     X_GB = query.X_GB

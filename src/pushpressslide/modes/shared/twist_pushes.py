@@ -54,9 +54,12 @@ class TwistPushes(Mode[CarDrive | TwistDrive]):
     def continue_from(
         self, query: MotionQuery, segment: Segment, measured: Measured
     ) -> Continuation | None:
-        """Continuation by twists in the cone of the measured contacts."""
+        """Continuation by twists in the cone of the measured contacts, about the centre
+        of mass as identified.
+        """
         drive = segment.drive
         assert isinstance(drive, TwistDrive)
+        drive = drive.at(measured.estimates.center)
         contacts = measured.contacts
         cone = TwistCone(contacts, query.scene.contact_friction, drive.surface)
         start, goal = remaining_ends(query.body, segment, measured.X_WB, drive.X_BV)
