@@ -211,3 +211,26 @@ def test_two_tips_push_with_what_they_feel_the_support_resist_with(
         for name in ("command_force", "measured_force")
     )
     assert commanded == pytest.approx(felt, rel=0.15)
+
+
+@pytest.mark.parametrize("off", [-0.03, 0.03])
+@pytest.mark.parametrize("name", ["parallel-push", "orthogonal-push"])
+def test_two_pushes_tell_the_centre_of_mass_across_their_force(
+    name: str, off: float
+) -> None:
+    task = handled(name)
+    plan = pps.plan(task)
+    (segment,) = plan.segments
+    (nx, ny) = (
+        math.fsum(contact.normal[i] for contact in segment.contacts) for i in (0, 1)
+    )
+    size = math.hypot(nx, ny)
+    task = mistaken(task, (-off * ny / size, off * nx / size))
+    unsure = replace(task.belief, center_error=0.045)
+    camera = replace(task.sensing, pose_rate=30.0, position_noise=1e-3)
+    record = pps.run(replace(task, belief=unsure, sensing=camera), engine="planar")
+    assert record.reason == "goal_reached"
+    told = record.figures["parameters"]["center_of_mass"]
+    x, y = task.object.center_of_mass
+    ex, ey = told["direction"]
+    assert told["value"] == pytest.approx(x * ex + y * ey, abs=0.012)
