@@ -26,7 +26,7 @@ MODEL = 0.7
 """Standard deviation of the moment that a turn takes, as a share of it: it goes with the
 square of rho, which feet or a bowed base change.
 """
-PLACED = 6e-3  # [m] the same of the line of a force: errors of tips and pictures
+PLACED = 9e-3  # [m] the same of the line of a force: errors of tips and pictures
 
 
 class Line(NamedTuple):
