@@ -15,7 +15,7 @@ import numpy as np
 
 from pushpressslide.control.center_belief import CenterBelief
 from pushpressslide.control.correction import touched_point
-from pushpressslide.control.felt_center import felt_center
+from pushpressslide.control.felt_center import felt_center, with_felt_center
 from pushpressslide.control.following import BoundLaws, Prediction
 from pushpressslide.control.hand_eye import HandEye
 from pushpressslide.control.pose_filter import ARM, Advance, FilterState, PoseFilter
@@ -118,7 +118,7 @@ class EstimatorState(NamedTuple):
     prediction: Prediction = Prediction()  # reference of the next two fields
     axle: AxleState = AxleState()  # state of the virtual axle's identification
     center: CenterState = CenterState()  # the same of the CoM
-    felt: FeltDrag = FeltDrag()  # where no axle is identified
+    felt: FeltDrag = FeltDrag()  # what two tips feel of drag and CoM
     estimates: ParameterEstimates = NOTHING  # estimates from all of these
     filtered: Filtered | None = None  # None: poses are used as they come
     drag: DragState = DragState()  # for the result alone
@@ -460,9 +460,7 @@ class ObjectEstimator:
         drag = None if rho is None else felt.drag(drive.center, rho)
         found = found._replace(drag=drag)
         center = felt_center(felt, segment, self._query, self._center)
-        if center is None:
-            return found
-        return center.with_center(found, segment, self._query)
+        return with_felt_center(found, center, segment)
 
     def _sightings(
         self,

@@ -24,29 +24,29 @@ TURNS = 2  # the twist of a centre depends on where it is
 class FeltCenter(NamedTuple):
     """Centre of mass across a felt force."""
 
-    center: CenterBelief
     told: Parameter  # what the force tells of it
-    apart: float  # [m] distance of the tips
+    place: Point  # [m] of the centre in B
+    deviation: float  # [m] standard deviation across the force
 
-    def with_center(
-        self, estimates: ParameterEstimates, segment: Segment, query: MotionQuery
-    ) -> ParameterEstimates:
-        """The ``estimates`` with the centre, if it contradicts that of a followed
-        ``segment``.
-        """
-        x, y = query.X_GB.inverse().apply(self.center.place)
-        drive = segment.drive
-        assert isinstance(drive, TwistDrive)
-        off = math.dist((x, y), drive.offset)
-        direction = self.told.direction
-        assert direction is not None
-        deviation = self.center.deviation(direction)
-        if off < max(OFF * self.apart, deviation):
-            return estimates._replace(center=drive.offset)
-        lever = math.hypot(*segment.contacts[0].point)
-        return estimates._replace(
-            center=(x, y), doubt=deviation / lever, elsewhere=True
-        )
+
+def with_felt_center(
+    estimates: ParameterEstimates, felt: FeltCenter | None, segment: Segment
+) -> ParameterEstimates:
+    """The ``estimates`` with the centre that is ``felt``, if it contradicts that of a
+    followed ``segment``.
+    """
+    drive = segment.drive
+    if not isinstance(drive, TwistDrive):
+        return estimates
+    followed = estimates._replace(center=drive.offset)
+    if felt is None:
+        return followed
+    first, second = segment.contacts
+    least = max(OFF * math.dist(first.point, second.point), felt.deviation)
+    if math.dist(felt.place, drive.offset) < least:
+        return followed
+    doubt = felt.deviation / math.hypot(*first.point)
+    return followed._replace(center=felt.place, doubt=doubt, elsewhere=True)
 
 
 def felt_center(
@@ -67,21 +67,23 @@ def felt_center(
     X_BG = X_GB.inverse()
     pressed = drive.at((0.0, 0.0)).surface.center
     center = before
+    place = X_BG.apply(center.place)
     for _ in range(TURNS):
-        surface = drive.at(X_BG.apply(center.place)).surface
-        line = felt.line(surface, noise, apart)
+        line = felt.line(drive.at(place).surface, noise, apart)
         if line is None:
             return None
         direction = X_GB.rotate(line.across)
-        value = line.value - _along(pressed, line.across)
-        value += _along(X_GB.position, direction)
-        known = _along(before.place, direction)
+        value = line.value - along(pressed, line.across)
+        value += along(X_GB.position, direction)
+        known = along(before.place, direction)
         most = math.sqrt(2.0) * before.before
         within = min(max(value, known - most), known + most)
         told = Parameter(within, line.deviation, known, direction, within != value)
         center = before.knowing(told)
-    return FeltCenter(center, told, apart)
+        place = X_BG.apply(center.place)
+    return FeltCenter(told, place, center.deviation(direction))
 
 
-def _along(point: Point, direction: Point) -> float:
+def along(point: Point, direction: Point) -> float:
+    """Coordinate [m] of a ``point`` along a unit vector."""
     return point[0] * direction[0] + point[1] * direction[1]

@@ -9,11 +9,10 @@ from typing import Any, NamedTuple
 
 from pushpressslide.control.center_belief import CenterBelief
 from pushpressslide.control.estimator import EstimatorState
-from pushpressslide.control.felt_center import felt_center
+from pushpressslide.control.felt_center import along, felt_center
 from pushpressslide.control.sightings import TURNS_TELL
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Segment
-from pushpressslide.core.pose import Point
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.scene import ARM_NAMES, Scene
 from pushpressslide.identification.center import AXLE, Aside
@@ -105,8 +104,8 @@ def _center_of_mass(
         return None
     X_GB = query.X_GB
     direction = X_GB.rotate(aside.across)
-    value = _along(X_GB.position, direction) + aside.value
-    before = _along(belief.body.center_of_mass, direction)
+    value = along(X_GB.position, direction) + aside.value
+    before = along(belief.body.center_of_mass, direction)
     beside, unsure = 0.0, 0.0
     if state.center.filtered:
         filtered = state.filtered
@@ -199,7 +198,3 @@ def _tip_offsets(
         unsure = math.hypot(depth.error, YIELD)
         offsets[name] = Parameter(depth.mean, unsure, 0.0, contact.normal)
     return offsets
-
-
-def _along(point: Point, direction: Point) -> float:
-    return point[0] * direction[0] + point[1] * direction[1]
