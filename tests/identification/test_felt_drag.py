@@ -43,7 +43,7 @@ def test_a_sliding_object_tells_its_drag_however_it_turns(
 def test_an_object_at_rest_tells_nothing() -> None:
     sums = felt(Wrench(7.0, 0.0, 0.1), Twist(0.0, 0.0, 0.0), 5.0)
     assert sums.drag(ORIGIN, RHO) is None
-    assert sums.line(DraggedSurface(7.0, RHO), 0.1, 0.2) is None
+    assert sums.line(DraggedSurface(7.0, RHO), 0.1, 0.2, 0.0) is None
 
 
 def test_a_drag_is_known_after_a_while_and_follows_another_support() -> None:
@@ -69,7 +69,7 @@ def test_noise_of_the_forces_does_not_look_like_drag() -> None:
 def test_the_line_of_a_force_tells_the_centre_across_it(twist: Twist) -> None:
     center = (0.02, -0.03)
     sums = sliding(twist, center)
-    line = sums.line(DraggedSurface(7.0, RHO, 0.01, center), 0.05, 0.2)
+    line = sums.line(DraggedSurface(7.0, RHO, 0.01, center), 0.05, 0.2, 0.0)
     assert line is not None
     x, y = line.across
     assert line.value == pytest.approx(center[0] * x + center[1] * y)
@@ -81,15 +81,15 @@ def test_a_line_is_the_less_sure_the_more_the_object_turns_and_the_weaker_it_is(
 ):
     surface = DraggedSurface(7.0, RHO, 0.01)
     straight, curved = (
-        sliding(twist).line(surface, 0.05, 0.2)
+        sliding(twist).line(surface, 0.05, 0.2, 0.0)
         for twist in (
             FORWARD,
             CURVED,
         )
     )
-    weak = sliding(FORWARD, drag=1.0).line(surface, 0.05, 0.2)
+    weak = sliding(FORWARD, drag=1.0).line(surface, 0.05, 0.2, 0.0)
     assert straight is not None
     assert curved is not None
     assert weak is not None
     assert straight.deviation < min(curved.deviation, weak.deviation)
-    assert sliding(FORWARD, drag=0.1).line(surface, 0.05, 0.2) is None
+    assert sliding(FORWARD, drag=0.1).line(surface, 0.05, 0.2, 0.0) is None

@@ -6,6 +6,7 @@ import math
 from typing import NamedTuple
 
 from pushpressslide.control.center_belief import CenterBelief
+from pushpressslide.control.pose_filter import HAND_EYE
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Point
@@ -18,6 +19,10 @@ from pushpressslide.rom.drives import TwistDrive
 
 OFF = 0.1
 """Share of the tips' distance by which a centre is elsewhere, before it counts."""
+ASIDE = 1.5
+"""Standard deviation of the line of a force in the object, times that of where one tip
+touches it.
+"""
 TURNS = 2  # the twist of a centre depends on where it is
 
 
@@ -63,13 +68,14 @@ def felt_center(
     period = query.motion.control_period
     share = math.sqrt(period / MEMORY + period / margins.ARM.first_look)
     noise = share * query.sensing.force_noise
+    aside = ASIDE * min(HAND_EYE, 2.0 * query.sensing.position_noise)
     X_GB = query.X_GB
     X_BG = X_GB.inverse()
     pressed = drive.at((0.0, 0.0)).surface.center
     center = before
     place = X_BG.apply(center.place)
     for _ in range(TURNS):
-        line = felt.line(drive.at(place).surface, noise, apart)
+        line = felt.line(drive.at(place).surface, noise, apart, aside)
         if line is None:
             return None
         direction = X_GB.rotate(line.across)

@@ -26,7 +26,7 @@ MODEL = 0.7
 """Standard deviation of the moment that a turn takes, as a share of it: it goes with the
 square of rho, which feet or a bowed base change.
 """
-PLACED = 9e-3  # [m] the same of the line of a force: errors of tips and pictures
+PLACED = 4e-3  # [m] the same of the line of a force, between tips that are known
 
 
 class Line(NamedTuple):
@@ -81,12 +81,15 @@ class FeltDrag(NamedTuple):
         moment = Wrench(self.fx, self.fy, self.tau).moved_to(center).tau
         return math.hypot(self.fx, self.fy, moment / rho) / self.time
 
-    def line(self, surface: DraggedSurface, noise: float, apart: float) -> Line | None:
+    def line(
+        self, surface: DraggedSurface, noise: float, apart: float, aside: float
+    ) -> Line | None:
         """Where the centre of the ``surface`` is across the felt force. None before it
         is known.
 
-        ``noise`` [N] is the standard deviation of the mean force of a tip, and ``apart``
-        [m] the distance of the tips.
+        ``noise`` [N] is the standard deviation of the mean force of a tip, ``apart`` [m]
+        the distance of the tips, and ``aside`` [m] the standard deviation of where they
+        touch the object.
         """
         force = math.hypot(self.fx, self.fy)
         if self.time < ENOUGH or force < LEAST_FORCE * noise * self.time:
@@ -98,5 +101,5 @@ class FeltDrag(NamedTuple):
         beside = turned.tau / straight
         ex, ey = self.fx / force, self.fy / force
         unsure = noise * self.time / force * apart
-        deviation = math.hypot(PLACED, MODEL * beside, unsure)
+        deviation = math.hypot(PLACED, aside, MODEL * beside, unsure)
         return Line(self.tau / force - beside, deviation, (ey, -ex))
