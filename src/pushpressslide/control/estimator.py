@@ -366,7 +366,8 @@ class ObjectEstimator:
         self._radius = query.scene.body.radius
         self._radii = [robot.tip_radius for robot in query.scene.robots]
         self._center_error = query.scene.center_error
-        self._friction_alone = query.resisted_by_friction_alone
+        opening = query.scene.support.opening
+        self._friction_alone = query.resisted_by_friction_alone and opening is None
         self._pictures = PictureComparison(query)
         self._hand_eye: HandEye | None = None
         self._center = CenterBelief.before_run(query.scene)
@@ -455,10 +456,7 @@ class ObjectEstimator:
         """The parameters ``found`` with drag and centre of mass as several tips feel
         them.
         """
-        drive = segment.drive
-        rho = drive.rho
-        drag = None if rho is None else felt.drag(drive.center, rho)
-        found = found._replace(drag=drag)
+        found = found._replace(drag=felt.drag)
         center = felt_center(felt, segment, self._query, self._center)
         return with_felt_center(found, center, segment)
 
@@ -688,7 +686,12 @@ def _identified(
 
 def _felt(felt: FeltDrag, X_WB: Pose2, observation: Observation, dt: float) -> FeltDrag:
     """What two tips feel, after a tick of ``dt`` [s] in which they move the object."""
-    contacts = observation.binding.segment.contacts
+    binding = observation.binding
+    drive = binding.segment.drive
+    rho = drive.rho
+    if rho is None:
+        return felt
+    contacts = binding.segment.contacts
     first, second = (observation.tips[contact.arm] for contact in contacts)
     x, y, _ = first.position
     apart_x, apart_y = second.position[0] - x, second.position[1] - y
@@ -696,14 +699,14 @@ def _felt(felt: FeltDrag, X_WB: Pose2, observation: Observation, dt: float) -> F
     off_x, off_y = second.velocity[0] - vx, second.velocity[1] - vy
     w = (apart_x * off_y - apart_y * off_x) / (apart_x**2 + apart_y**2)
     forces = [X_WB.unrotate(tip.force[:2]) for tip in (first, second)]
-    points = [X_WB.unapply(tip.position[:2]) for tip in (first, second)]
+    touched = binding.contact_points(X_WB, observation.tips)
     wrench = Wrench(
         math.fsum(fx for fx, _ in forces),
         math.fsum(fy for _, fy in forces),
-        math.fsum(map(cross, points, forces)),
+        math.fsum(map(cross, touched, forces)),
     )
-    twist = Twist(*X_WB.unrotate((vx, vy)), w, points[0]).moved_to((0.0, 0.0))
-    return felt.step(wrench, twist, dt)
+    twist = Twist(*X_WB.unrotate((vx, vy)), w, X_WB.unapply((x, y)))
+    return felt.step(wrench, twist.moved_to((0.0, 0.0)), drive.center, rho, dt)
 
 
 def _dragged(

@@ -11,8 +11,8 @@ from pushpressslide.core import margins
 from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Point
 from pushpressslide.core.query import MotionQuery
+from pushpressslide.identification.center import LEARNT
 from pushpressslide.identification.felt_drag import FeltDrag
-from pushpressslide.identification.online import MEMORY
 from pushpressslide.identification.parameter import Parameter
 from pushpressslide.identification.parameter_estimates import ParameterEstimates
 from pushpressslide.rom.drives import TwistDrive
@@ -20,8 +20,8 @@ from pushpressslide.rom.drives import TwistDrive
 OFF = 0.1
 """Share of the tips' distance by which a centre is elsewhere, before it counts."""
 ASIDE = 1.5
-"""Standard deviation of the line of a force in the object, times that of where one tip
-touches it.
+"""Standard deviation of the line of a force in the object, as a multiple of that of
+where one tip touches it.
 """
 TURNS = 2  # the twist of a centre depends on where it is
 
@@ -57,16 +57,17 @@ def with_felt_center(
 def felt_center(
     felt: FeltDrag, segment: Segment, query: MotionQuery, before: CenterBelief
 ) -> FeltCenter | None:
-    """Centre of mass that two pushes feel, which was believed at ``before``. None if it
-    is sure, or not known yet.
+    """Centre of mass by the force of two pushes that drive twists. It was believed at
+    ``before``. None for other motions, if the belief is sure, and where the force tells
+    little more than it.
     """
     drive = segment.drive
-    if before.before == 0.0 or not isinstance(drive, TwistDrive):
+    if before.before == 0.0 or felt.time == 0.0 or not isinstance(drive, TwistDrive):
         return None
     first, second = segment.contacts
     apart = math.dist(first.point, second.point)
     period = query.motion.control_period
-    share = math.sqrt(period / MEMORY + period / margins.ARM.first_look)
+    share = math.sqrt(period / felt.time + period / margins.ARM.first_look)
     noise = share * query.sensing.force_noise
     aside = ASIDE * min(HAND_EYE, 2.0 * query.sensing.position_noise)
     X_GB = query.X_GB
@@ -76,7 +77,7 @@ def felt_center(
     place = X_BG.apply(center.place)
     for _ in range(TURNS):
         line = felt.line(drive.at(place).surface, noise, apart, aside)
-        if line is None:
+        if line is None or line.deviation > LEARNT * before.before:
             return None
         direction = X_GB.rotate(line.across)
         value = line.value - along(pressed, line.across)
@@ -84,7 +85,8 @@ def felt_center(
         known = along(before.place, direction)
         most = math.sqrt(2.0) * before.before
         within = min(max(value, known - most), known + most)
-        told = Parameter(within, line.deviation, known, direction, within != value)
+        deviation = math.hypot(line.deviation, value - within)
+        told = Parameter(within, deviation, known, direction, within != value)
         center = before.knowing(told)
         place = X_BG.apply(center.place)
     return FeltCenter(told, place, center.deviation(direction))

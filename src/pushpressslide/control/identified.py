@@ -98,7 +98,8 @@ def _center_of_mass(
     """
     if len(planned.contacts) > 1:
         prior = CenterBelief.before_run(belief)
-        felt = felt_center(state.felt, planned, query, prior)
+        followed = planned if state.filtered is None else state.filtered.segment
+        felt = felt_center(state.felt, followed, query, prior)
         return None if felt is None else felt.told
     if aside is None:
         return None

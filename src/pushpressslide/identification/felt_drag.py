@@ -1,11 +1,10 @@
-"""Drag and centre of friction of an object that several tips move, by what they feel.
+"""Drag and centre of friction of an object that two tips move, by what they feel.
 
-While an object slides, its support resists by as much however hard the tips are
-commanded to push. The tips' own motion tells whether it slides, and how it turns while
-they stick. On the ellipsoid with the radius rho, a force F with the moment m about the
-centre of pressure slides an object whose straight drag is sqrt(F^2 + (m / rho)^2). The
-twist tells this moment, and with it how far from a believed centre the force passes
-(docs/mechanics.md, section 1).
+While an object slides, its support resists with the same force, however hard the tips are
+commanded to push. Their own motion tells whether it slides, and how it turns while they
+stick. On the ellipsoid with the radius rho, the power of the wrench is the drag times the
+speed |(v, rho w)| of the centre. The twist tells the moment about this centre, and with
+it how far from there the force passes (docs/mechanics.md, section 4.4).
 """
 
 from __future__ import annotations
@@ -26,7 +25,8 @@ MODEL = 0.7
 """Standard deviation of the moment that a turn takes, as a share of it: it goes with the
 square of rho, which feet or a bowed base change.
 """
-PLACED = 4e-3  # [m] the same of the line of a force, between tips that are known
+PLACED = 4e-3
+"""Standard deviation [m] of the line of a force if the tips' places are known."""
 
 
 class Line(NamedTuple):
@@ -48,38 +48,48 @@ class FeltDrag(NamedTuple):
     x: float = 0.0  # [m]
     y: float = 0.0
     yaw: float = 0.0  # [rad]
-    time: float = 0.0  # [s] that the sums have
+    time: float = 0.0  # [s] that these sums have
+    work: float = 0.0  # [J]
+    way: float = 0.0  # [m] of the centre, with turns times rho
+    slid: float = 0.0  # [s] that work and way have
 
-    def step(self, wrench: Wrench, twist: Twist, dt: float) -> FeltDrag:
+    def step(
+        self, wrench: Wrench, twist: Twist, center: Point, rho: float, dt: float
+    ) -> FeltDrag:
         """The sums after a tick of ``dt`` [s] with a ``wrench`` on an object that tips
         move with a ``twist``, both about B's origin.
 
-        An object that they do not move tells nothing: its support may hold it with less
+        The object slides on an ellipsoid of radius ``rho`` [m] about a ``center`` [m] in
+        B. One that the tips do not move tells nothing: its support may hold it with less
         than it can.
         """
         fx, fy, tau, _ = wrench
         vx, vy, w, _ = twist
-        if fx * vx + fy * vy + tau * w < LEAST_SPEED * math.hypot(fx, fy):
+        there = twist.moved_to(center)
+        speed = math.hypot(there.vx, there.vy, rho * w)
+        power = fx * vx + fy * vy + tau * w
+        if speed < LEAST_SPEED or power <= 0.0:
             return self
         keep = math.exp(-dt / MEMORY)
+        # a force that has turned about has another line
+        kept = keep if vx * self.x + vy * self.y >= 0.0 else 0.0
         return FeltDrag(
-            keep * self.fx + dt * fx,
-            keep * self.fy + dt * fy,
-            keep * self.tau + dt * tau,
-            keep * self.x + dt * vx,
-            keep * self.y + dt * vy,
-            keep * self.yaw + dt * w,
-            keep * self.time + dt,
+            kept * self.fx + dt * fx,
+            kept * self.fy + dt * fy,
+            kept * self.tau + dt * tau,
+            kept * self.x + dt * vx,
+            kept * self.y + dt * vy,
+            kept * self.yaw + dt * w,
+            kept * self.time + dt,
+            keep * self.work + dt * power,
+            keep * self.way + dt * speed,
+            keep * self.slid + dt,
         )
 
-    def drag(self, center: Point, rho: float) -> float | None:
-        """Drag [N] on an ellipsoid of radius ``rho`` [m] about a ``center`` [m] in B.
-        None before it is known.
-        """
-        if self.time < ENOUGH:
-            return None
-        moment = Wrench(self.fx, self.fy, self.tau).moved_to(center).tau
-        return math.hypot(self.fx, self.fy, moment / rho) / self.time
+    @property
+    def drag(self) -> float | None:
+        """The drag [N]. None before it is known."""
+        return self.work / self.way if self.slid >= ENOUGH else None
 
     def line(
         self, surface: DraggedSurface, noise: float, apart: float, aside: float
@@ -88,11 +98,11 @@ class FeltDrag(NamedTuple):
         is known.
 
         ``noise`` [N] is the standard deviation of the mean force of a tip, ``apart`` [m]
-        the distance of the tips, and ``aside`` [m] the standard deviation of where they
-        touch the object.
+        the distance of the tips, and ``aside`` [m] the standard deviation of the line
+        from where they touch the object.
         """
         force = math.hypot(self.fx, self.fy)
-        if self.time < ENOUGH or force < LEAST_FORCE * noise * self.time:
+        if self.time < ENOUGH or force <= LEAST_FORCE * noise * self.time:
             return None
         turned = surface.wrench(Twist(self.x, self.y, self.yaw))
         straight = math.hypot(turned.fx, turned.fy)
