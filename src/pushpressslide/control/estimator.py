@@ -451,14 +451,14 @@ class ObjectEstimator:
         )
 
     def _with_felt(
-        self, found: ParameterEstimates, felt: FeltDrag, segment: Segment
+        self, estimates: ParameterEstimates, felt: FeltDrag, segment: Segment
     ) -> ParameterEstimates:
-        """The parameters ``found`` with drag and centre of mass as several tips feel
+        """The ``estimates`` with drag and centre of mass as several tips feel
         them.
         """
-        found = found._replace(drag=felt.drag)
+        estimates = estimates._replace(drag=felt.drag)
         center = felt_center(felt, segment, self._query, self._center)
-        return with_felt_center(found, center, segment)
+        return with_felt_center(estimates, center, segment)
 
     def _sightings(
         self,

@@ -29,7 +29,7 @@ TURNS = 2  # the twist of a centre depends on where it is
 class FeltCenter(NamedTuple):
     """Centre of mass across a felt force."""
 
-    told: Parameter  # what the force tells of it
+    coordinate: Parameter  # across the force, as it tells
     place: Point  # [m] of the centre in B
     deviation: float  # [m] standard deviation across the force
 
@@ -65,18 +65,18 @@ def felt_center(
     if before.before == 0.0 or felt.time == 0.0 or not isinstance(drive, TwistDrive):
         return None
     first, second = segment.contacts
-    apart = math.dist(first.point, second.point)
+    distance = math.dist(first.point, second.point)
     period = query.motion.control_period
     share = math.sqrt(period / felt.time + period / margins.ARM.first_look)
     noise = share * query.sensing.force_noise
     aside = ASIDE * min(HAND_EYE, 2.0 * query.sensing.position_noise)
     X_GB = query.X_GB
     X_BG = X_GB.inverse()
-    pressed = drive.at((0.0, 0.0)).surface.center
+    pressed = drive.with_center((0.0, 0.0)).surface.center
     center = before
     place = X_BG.apply(center.place)
     for _ in range(TURNS):
-        line = felt.line(drive.at(place).surface, noise, apart, aside)
+        line = felt.line(drive.with_center(place).surface, noise, distance, aside)
         if line is None or line.deviation > LEARNT * before.before:
             return None
         direction = X_GB.rotate(line.across)
@@ -86,10 +86,10 @@ def felt_center(
         most = math.sqrt(2.0) * before.before
         within = min(max(value, known - most), known + most)
         deviation = math.hypot(line.deviation, value - within)
-        told = Parameter(within, deviation, known, direction, within != value)
-        center = before.knowing(told)
+        coordinate = Parameter(within, deviation, known, direction, within != value)
+        center = before.knowing(coordinate)
         place = X_BG.apply(center.place)
-    return FeltCenter(told, place, center.deviation(direction))
+    return FeltCenter(coordinate, place, center.deviation(direction))
 
 
 def along(point: Point, direction: Point) -> float:

@@ -100,7 +100,7 @@ def _center_of_mass(
         prior = CenterBelief.before_run(belief)
         followed = planned if state.filtered is None else state.filtered.segment
         felt = felt_center(state.felt, followed, query, prior)
-        return None if felt is None else felt.told
+        return None if felt is None else felt.coordinate
     if aside is None:
         return None
     X_GB = query.X_GB

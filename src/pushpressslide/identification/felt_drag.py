@@ -50,8 +50,8 @@ class FeltDrag(NamedTuple):
     yaw: float = 0.0  # [rad]
     time: float = 0.0  # [s] that these sums have
     work: float = 0.0  # [J]
-    way: float = 0.0  # [m] of the centre, with turns times rho
-    slid: float = 0.0  # [s] that work and way have
+    travel: float = 0.0  # [m] of the centre, with turns times rho
+    slid: float = 0.0  # [s] that work and travel have
 
     def step(
         self, wrench: Wrench, twist: Twist, center: Point, rho: float, dt: float
@@ -82,22 +82,22 @@ class FeltDrag(NamedTuple):
             kept * self.yaw + dt * w,
             kept * self.time + dt,
             keep * self.work + dt * power,
-            keep * self.way + dt * speed,
+            keep * self.travel + dt * speed,
             keep * self.slid + dt,
         )
 
     @property
     def drag(self) -> float | None:
         """The drag [N]. None before it is known."""
-        return self.work / self.way if self.slid >= ENOUGH else None
+        return self.work / self.travel if self.slid >= ENOUGH else None
 
     def line(
-        self, surface: DraggedSurface, noise: float, apart: float, aside: float
+        self, surface: DraggedSurface, noise: float, distance: float, aside: float
     ) -> Line | None:
         """Where the centre of the ``surface`` is across the felt force. None before it
         is known.
 
-        ``noise`` [N] is the standard deviation of the mean force of a tip, ``apart`` [m]
+        ``noise`` [N] is the standard deviation of the mean force of a tip, ``distance`` [m]
         the distance of the tips, and ``aside`` [m] the standard deviation of the line
         from where they touch the object.
         """
@@ -110,6 +110,6 @@ class FeltDrag(NamedTuple):
             return None
         beside = turned.tau / straight
         ex, ey = self.fx / force, self.fy / force
-        unsure = noise * self.time / force * apart
+        unsure = noise * self.time / force * distance
         deviation = math.hypot(PLACED, aside, MODEL * beside, unsure)
         return Line(self.tau / force - beside, deviation, (ey, -ex))

@@ -235,7 +235,7 @@ class TwistDrive(SurfaceDrive):
     normal_force: float = 0.0  # [N] largest force of a contact, if planned
     offset: Point = ORIGIN  # [m] of the centre of mass, as identified, from B's origin
 
-    def at(self, offset: Point) -> Self:
+    def with_center(self, offset: Point) -> Self:
         """The drive with the centre of mass at another ``offset`` [m]."""
         x, y = self.surface.center
         was_x, was_y = self.offset

@@ -59,7 +59,7 @@ class TwistPushes(Mode[CarDrive | TwistDrive]):
         """
         drive = segment.drive
         assert isinstance(drive, TwistDrive)
-        drive = drive.at(measured.estimates.center)
+        drive = drive.with_center(measured.estimates.center)
         contacts = measured.contacts
         cone = TwistCone(contacts, query.scene.contact_friction, drive.surface)
         start, goal = remaining_ends(query.body, segment, measured.X_WB, drive.X_BV)
