@@ -433,7 +433,7 @@ class ObjectEstimator:
             if len(segment.contacts) > 1:
                 found = self._with_felt(found, felt, segment)
             if learning is not None:
-                found = learning.with_reach(found, observation.binding.segment)
+                found = learning.with_reach(found, segment)
         twist = observation.commanded_twist
         estimate = Estimate(time, X_WG, twist, found, time - used, spread, tip_error)
         return estimate, EstimatorState(
@@ -453,9 +453,7 @@ class ObjectEstimator:
     def _with_felt(
         self, estimates: ParameterEstimates, felt: FeltDrag, segment: Segment
     ) -> ParameterEstimates:
-        """The ``estimates`` with drag and centre of mass as several tips feel
-        them.
-        """
+        """The ``estimates`` with drag and centre of mass as two tips feel them."""
         estimates = estimates._replace(drag=felt.drag)
         center = felt_center(felt, segment, self._query, self._center)
         return with_felt_center(estimates, center, segment)

@@ -890,9 +890,8 @@ class RunLoop:
             raise InfeasibleTaskError("one arm still holds the object")
         if not scene.carried(pose):
             raise InfeasibleTaskError("nothing but the arms carries the object")
-        if (
-            self._presses_slid and len(segment.contacts) > 1
-        ):  # they felt their own friction, not the support's
+        # presses that slid felt their own friction, not the support's
+        if self._presses_slid and len(segment.contacts) > 1:
             found = found._replace(drag=None)
         start = restart(scene, segment, pose, found, self._known_center())
         friction = start.support_friction
