@@ -12,6 +12,7 @@ from pushpressslide.control.controller import Controller
 from pushpressslide.control.state import (
     ALIGN_SPEED,
     ControllerState,
+    Failure,
     PhaseState,
     StallWatch,
     TipMemory,
@@ -30,7 +31,7 @@ from pushpressslide.control.state import (
 )
 from pushpressslide.core.control import Measurement, TipCommand, TipState
 from pushpressslide.core.plan import Contact
-from pushpressslide.core.pose import Pose2
+from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.execution.normal_force import NormalForceState
 
 ZERO = (0.0, 0.0, 0.0)
@@ -165,6 +166,36 @@ def test_a_phase_begins_where_the_tips_are_and_remembers_no_touch(name: str) -> 
     assert (memory.felt, memory.velocity, memory.turn) == (None, None, 0.0)
     assert state.watches.retouches == 2
     assert state.following == before.following
+
+
+def carried(
+    name: str, failure: Failure | None = None, *, at_once: bool = False
+) -> tuple[Point, float]:
+    """Return the motion that a moving tip has as a phase begins."""
+    tip = TipState((0.5, 0.6, 0.7), ZERO, ZERO)
+    now = Measurement(3.0, controller().placement.query.start, (tip,))
+    state = enter_phase(pressing("move"), name, now, failure, at_once=at_once)
+    (memory,) = state.phase.tips
+    return memory.carried, memory.spin
+
+
+def test_tips_slow_down_before_a_touch_or_a_failure() -> None:
+    moves = ((0.1, 0.0), 0.2)
+    rests = ((0.0, 0.0), 0.0)
+    lost: Failure = ("contact_lost", "it is gone")
+    assert carried("touch") == moves
+    assert carried("release", lost) == moves
+    assert carried("release", lost, at_once=True) == rests
+    # the goal is reached: the tip creeps, and goes no farther
+    assert carried("release") == rests
+
+
+def test_a_tip_that_has_been_held_still_does_not_slow_down() -> None:
+    tip = TipState((0.5, 0.6, 0.7), ZERO, ZERO)
+    now = Measurement(3.0, controller().placement.query.start, (tip,))
+    state = enter_phase(pressing("move"), "touch", now)
+    assert state.phase.slows
+    assert not state.delayed(0.5).phase.slows
 
 
 def test_a_press_that_goes_on_keeps_what_its_regulator_knows() -> None:

@@ -7,9 +7,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
+import numpy as np
 import pytest
 
 from pushpressslide.control.state import (
+    SLOWING_TIME,
     TipContext,
     TipMemory,
     lowered,
@@ -350,6 +352,36 @@ def test_a_tip_lines_up_before_its_contact_and_then_advances(
     assert after.command.velocity == pytest.approx([speed * d for d in n])
     assert not first.done
     assert not after.done
+
+
+def test_a_tip_that_moved_slows_down_before_it_lines_up() -> None:
+    touch = made()
+    before = tip_position(BEHIND, START, RADIUS, GAP)
+    memory = TipMemory(before, carried=(0.1, -0.2), spin=-1.0)
+    aligned = 1e6  # it stays where it is
+
+    def command(elapsed: float) -> TipCommand:
+        return touch.step(memory, at(before), elapsed, aligned).command
+
+    first = command(0.0)
+    assert first.position == pytest.approx(before)
+    assert first.velocity == (0.1, -0.2, 0.0)
+    assert first.tool_yaw_rate == -1.0
+    h = 1e-5
+    for share in (0.1, 0.5, 0.9):
+        elapsed = share * SLOWING_TIME
+        one, now, other = (command(elapsed + late) for late in (-h, 0.0, h))
+        change = np.subtract(other.position, one.position) / (2.0 * h)
+        assert now.velocity == pytest.approx(change, abs=1e-6)
+        change = np.subtract(other.velocity, one.velocity) / (2.0 * h)
+        assert now.acceleration == pytest.approx(change, abs=1e-6)
+        rate = (other.tool_yaw_rate - one.tool_yaw_rate) / (2.0 * h)
+        assert now.tool_yaw_acceleration == pytest.approx(rate, abs=1e-6)
+    last = command(SLOWING_TIME)
+    assert (last.velocity, last.acceleration, last.tool_yaw_rate) == (ZERO, ZERO, 0.0)
+    moved = np.subtract(last.position, before)
+    assert moved == pytest.approx([0.05 * SLOWING_TIME, -0.1 * SLOWING_TIME, 0.0])
+    assert command(1.0).position == pytest.approx(last.position)
 
 
 def test_joints_are_led_by_what_is_left_to_the_touch() -> None:

@@ -41,6 +41,7 @@ from pushpressslide.control.last_look import LastLook
 from pushpressslide.control.law import Decision, Law
 from pushpressslide.control.placement import Placement
 from pushpressslide.control.state import (
+    SLOWING_TIME,
     ControllerState,
     Failure,
     Instant,
@@ -58,7 +59,13 @@ from pushpressslide.control.state import (
 from pushpressslide.control.supervisor import Moment, Settled, Supervisor
 from pushpressslide.control.timeline import Timeline
 from pushpressslide.control.tip_motion import TipMover, missing
-from pushpressslide.control.touch import TipTouch, WayBack, drawn_back, held_at
+from pushpressslide.control.touch import (
+    TipTouch,
+    WayBack,
+    drawn_back,
+    held_at,
+    slowed_down,
+)
 from pushpressslide.core import margins
 from pushpressslide.core.control import (
     ControlLog,
@@ -206,7 +213,7 @@ class Controller:
         stop.
         """
         drawn = 0.0 if state.phase.name == "release" else 1.0
-        stopped = enter_phase(state, "release", measurement, failure)
+        stopped = enter_phase(state, "release", measurement, failure, at_once=True)
         return stopped._replace(phase=stopped.phase._replace(retreat_fraction=drawn))
 
     def halted(
@@ -594,7 +601,9 @@ class Controller:
                 if not failed:
                     ahead = progress + path.distance
                     context = context._replace(joint_progress=ahead)
-                command = drawn_back(context, memory.start, path)
+                slowing = memory.slowed(instant.time - phase.since)
+                command = drawn_back(context, slowing.position, path)
+                command = slowed_down(command, slowing)
             commands.append(command)
         return tuple(commands)
 
@@ -703,6 +712,8 @@ def _disturbs(phase: PhaseState, time: float) -> bool:
         return time - phase.since < _rest(phase) + LETTING_GO
     if phase.name != "touch":
         return False
+    if phase.slows and time - phase.since < SLOWING_TIME:
+        return True
     return any(memory.advance_start is not None for memory in phase.tips)
 
 

@@ -29,6 +29,9 @@ FREE_DAMPING = (150.0, 150.0, 250.0)  # [N s/m]
 # [N] by which the servo may exceed the allocated force: it also accelerates the arm
 SERVO_CAP = 25.0
 ALIGN_SPEED = 0.10  # [m/s] of the free tip
+# [s] in which a tip comes to rest at the start of a phase. One that stops at once is
+# stopped by the force at the tip, which tilts a tool by 7 degrees
+SLOWING_TIME = 0.15
 
 Failure = tuple[ReasonCode, str]
 """Code of a failure, and its description in words."""
@@ -74,6 +77,37 @@ class TipMemory(NamedTuple):
     drag: Point = (0.0, 0.0)
     # command of a tip that keeps its contact from the last placement
     held_command: TipCommand | None = None
+    # [m/s] world, and [rad/s] of the tool, of the motion that ended as the phase began
+    carried: Point = (0.0, 0.0)
+    spin: float = 0.0
+
+    def slowed(self, elapsed: float) -> Slowing:
+        """The tip's way to rest, ``elapsed`` [s] after the phase began."""
+        u = min(elapsed / SLOWING_TIME, 1.0)
+        left = 1.0 - u
+        rate = -1.0 / SLOWING_TIME if u < 1.0 else 0.0
+        moved = SLOWING_TIME * u * (1.0 - 0.5 * u)
+        vx, vy = self.carried
+        x, y, z = self.start
+        return Slowing(
+            (x + moved * vx, y + moved * vy, z),
+            (left * vx, left * vy, 0.0),
+            (rate * vx, rate * vy, 0.0),
+            left * self.spin,
+            rate * self.spin,
+        )
+
+
+class Slowing(NamedTuple):
+    """Motion of a tip that comes to rest: position [m], velocity [m/s] and acceleration
+    [m/s^2], and the tool's yaw rate [rad/s] with its derivative [rad/s^2].
+    """
+
+    position: Vector3
+    velocity: Vector3
+    acceleration: Vector3
+    spin: float
+    spin_rate: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,6 +173,11 @@ class PhaseState(NamedTuple):
         )
         return self._replace(since=self.since + passed, tips=tips)
 
+    @property
+    def slows(self) -> bool:
+        """Whether a tip begins this phase in motion."""
+        return any(memory.carried != (0.0, 0.0) for memory in self.tips)
+
 
 class ControllerState(NamedTuple):
     """State of the controller between ticks.
@@ -165,8 +204,11 @@ class ControllerState(NamedTuple):
         if still is not None:
             still = StallWatch(still.pose, still.since + passed)
         lost = None if watches.lost is None else watches.lost + passed
+        rests = tuple(m._replace(carried=(0.0, 0.0), spin=0.0) for m in phase.tips)
         return self._replace(
-            phase=phase._replace(since=phase.since + passed, commanded_twist=NO_TWIST),
+            phase=phase._replace(
+                since=phase.since + passed, tips=rests, commanded_twist=NO_TWIST
+            ),
             following=self.following.delayed(passed),
             watches=watches._replace(
                 lost=lost, still=still, replanned=watches.replanned + passed
@@ -311,18 +353,24 @@ def enter_phase(
     name: Phase,
     now: Instant | Measurement,
     failure: Failure | None = None,
+    *,
+    at_once: bool = False,
 ) -> ControllerState:
     """State at the start of a phase, with the tips as measured ``now``.
 
     The regulator of the normal force is kept only by a press that continues into the
-    phase.
+    phase. Tips that move before a touch or a failure slow down, if they need not stop
+    ``at_once``.
     """
     contacts = state.following.binding.segment.contacts
+    slows = (name == "touch" or failure is not None) and not at_once
     memories = tuple(
         TipMemory(
             now.tips[c.arm].position,
             regulator=m.regulator if name == "move" else NormalForceState(),
             lowered=m.lowered,
+            carried=m.velocity if slows and m.velocity else (0.0, 0.0),
+            spin=m.turn if slows else 0.0,
         )
         for m, c in zip(state.phase.tips, contacts, strict=True)
     )

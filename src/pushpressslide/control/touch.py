@@ -15,6 +15,7 @@ from pushpressslide.control.state import (
     FREE_DAMPING,
     FREE_STIFFNESS,
     SERVO_CAP,
+    Slowing,
     TipContext,
     TipMemory,
     averaged,
@@ -134,8 +135,12 @@ class TipTouch:
             context = context._replace(joint_progress=-self.gap)
         if elapsed < aligned:
             before = tip_position(contact, context.X_WB, self.radius, self.gap)
-            place = between(memory.start, before, smooth(elapsed / aligned))
-            return TouchStep(held_at(context, place), memory, False)
+            slowing = memory.slowed(elapsed)
+            share = smooth(elapsed / aligned)
+            place = between(slowing.position, before, share)
+            return TouchStep(
+                slowed_down(held_at(context, place), slowing), memory, False
+            )
         on_its_way = aligned > 0.0 and memory.felt is None
         deepest = self.sunk + memory.lowered
         if not on_its_way and sunk(contact, context.tip, self.radius, deepest):
@@ -344,6 +349,23 @@ def held_at(
         tool_yaw_rate=0.0,
         servo_cap=SERVO_CAP,
         progress=context.joint_progress,
+    )
+
+
+def slowed_down(command: TipCommand, slowing: Slowing) -> TipCommand:
+    """Command of a tip that comes to rest at the same time."""
+    if slowing.velocity == STILL and slowing.spin == 0.0:
+        return command
+    x, y, z = command.velocity
+    vx, vy, vz = slowing.velocity
+    ax, ay, az = command.acceleration
+    bx, by, bz = slowing.acceleration
+    return replace(
+        command,
+        velocity=(x + vx, y + vy, z + vz),
+        acceleration=(ax + bx, ay + by, az + bz),
+        tool_yaw_rate=slowing.spin,
+        tool_yaw_acceleration=slowing.spin_rate,
     )
 
 
