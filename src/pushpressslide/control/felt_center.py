@@ -9,7 +9,7 @@ from pushpressslide.control.center_belief import CenterBelief
 from pushpressslide.control.pose_filter import HAND_EYE
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Segment
-from pushpressslide.core.pose import Point
+from pushpressslide.core.pose import Point, along
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.identification.center import LEARNT
 from pushpressslide.identification.felt_drag import FeltDrag
@@ -90,8 +90,3 @@ def felt_center(
         center = before.knowing(coordinate)
         place = X_BG.apply(center.place)
     return FeltCenter(coordinate, place, center.deviation(direction))
-
-
-def along(point: Point, direction: Point) -> float:
-    """Coordinate [m] of a ``point`` along a unit vector."""
-    return point[0] * direction[0] + point[1] * direction[1]

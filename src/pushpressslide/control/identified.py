@@ -9,10 +9,11 @@ from typing import Any, NamedTuple
 
 from pushpressslide.control.center_belief import CenterBelief
 from pushpressslide.control.estimator import EstimatorState
-from pushpressslide.control.felt_center import along, felt_center
+from pushpressslide.control.felt_center import felt_center
 from pushpressslide.control.sightings import TURNS_TELL
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Segment
+from pushpressslide.core.pose import along
 from pushpressslide.core.query import MotionQuery
 from pushpressslide.core.scene import ARM_NAMES, Scene
 from pushpressslide.identification.center import AXLE, Aside

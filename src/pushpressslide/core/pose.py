@@ -22,6 +22,11 @@ def wrap_angle(angle: float) -> float:
     return math.pi if wrapped == -math.pi else wrapped
 
 
+def along(a: Point, direction: Point) -> float:
+    """Coordinate of ``a`` along a unit vector."""
+    return a[0] * direction[0] + a[1] * direction[1]
+
+
 def turned_left(a: Point) -> Point:
     """Vector J a: a turned by +90 degrees."""
     return (-a[1], a[0])
