@@ -106,6 +106,20 @@ def test_a_motion_begins_when_all_tips_have_touched(quiet: int | None) -> None:
         assert state.following.began is not None
 
 
+def test_of_two_tips_one_that_feels_nothing_leads_no_more() -> None:
+    state = touching(PAIR)
+    time = 0.0
+    while state.phase.name != "move":
+        time += DT
+        _, _, state = stepped(made(PAIR), state, measured(PAIR, time, 3.0, 3.0))
+    for pressing, unled in (((3.0, 3.0), False), ((3.0, 0.04), True)):
+        time += DT
+        state = made(PAIR).step(state, measured(PAIR, time, *pressing)).state
+        assert state.watches.unled == unled
+    again = enter_phase(state, "touch", measured(PAIR, time, 3.0, 0.0))
+    assert not again.watches.unled
+
+
 def test_a_touch_of_one_tip_that_fails_ends_the_attempt() -> None:
     state = touching(PAIR)
     for i in range(1, 3000):

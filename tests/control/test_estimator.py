@@ -475,3 +475,55 @@ def test_a_line_is_told_by_pictures_alone() -> None:
     surer = state.center._replace(off=0.02)
     known = first._replace(estimator=state._replace(filtered=narrowed, center=surer))
     assert "center_of_mass" in made.identified(known, task.scene).parameters
+
+
+def test_of_two_tips_one_that_has_lost_the_object_does_not_turn_it() -> None:
+    task = pps.load_task("parallel-push", ["sensing.pose_rate=30"])
+    made = Controller(pps.plan(task))
+    first = made.segments[0]
+    X_WB = first.body_pose(0.0)
+    places = [c.tip_place(task.robots[c.arm].tip_radius)[0] for c in first.contacts]
+    tips = [
+        TipState((*X_WB.apply(place), 0.05), (0, 0, 0), (1.0, 0.0, 0.0))
+        for place in places
+    ]
+    by_arm = [tips[0]] * len(task.robots)
+    for contact, tip in zip(first.contacts, tips, strict=True):
+        by_arm[contact.arm] = tip
+    state = made.init(Measurement(0.0, task.start, tuple(by_arm)))
+    arm = first.contacts[1].arm
+
+    def seen(unled: bool, picture: StampedPose | None = None) -> Estimate:
+        """Estimate after the second tip has gone ahead by 20 mm in half a second, and
+        a picture then.
+        """
+        known = state.estimator
+        for i in range(1, 51):
+            x, y, z = tips[1].position
+            ahead = 4e-4 * i
+            moved = list(by_arm)
+            moved[arm] = replace(tips[1], position=(x + ahead, y, z))
+            estimate, known = made.estimator.step(
+                known,
+                Observation(
+                    i * DT,
+                    picture if i == 50 else None,
+                    FORWARD,
+                    True,
+                    tuple(moved),
+                    state.following.binding,
+                    state.following.prediction,
+                    unled=unled,
+                ),
+            )
+        return estimate
+
+    turned = math.atan(0.02 / math.dist(*places))
+    led, unled = seen(False), seen(True)
+    assert abs(led.X_WG.yaw - task.start.yaw) == pytest.approx(turned, rel=0.2)
+    assert unled.X_WG.yaw == pytest.approx(task.start.yaw, abs=1e-9)
+    # something has turned it: a picture of that is used, and does not count as wrong
+    pose = replace(task.start, yaw=task.start.yaw - math.radians(4.0))
+    picture = StampedPose(50 * DT, pose)
+    assert seen(True, picture).age == 0.0
+    assert seen(False, picture).age > 0.0

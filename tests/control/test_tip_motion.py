@@ -276,6 +276,16 @@ def test_a_push_too_weak_to_be_felt_is_not_missed() -> None:
         assert felt.lost == lost
 
 
+def test_a_push_is_not_felt_below_the_force_that_is_detected() -> None:
+    for force, absent in ((0.19, True), (0.21, False)):
+        context = at(PUSH, (force, 0.0, 0.0))
+        *_, felt = mover().step(start(PUSH), context, task(PUSH))
+        assert felt.absent == absent
+    light = replace(mover(), unfelt=True)
+    *_, felt = light.step(start(PUSH), at(PUSH), task(PUSH))
+    assert not felt.absent
+
+
 def test_a_light_press_is_lost_as_a_push_is() -> None:
     light = replace(PRESS, load=0.01)
     for force, lost in ((0.09, True), (0.11, False)):

@@ -95,6 +95,7 @@ class Observation(NamedTuple):
     prediction: Prediction  # prediction of the plan
     disturbed: bool = False  # whether tips touch or let go of the object
     lets_go: bool = False  # whether they let go of it
+    unled: bool = False  # whether only some of the tips that should move it touch it
 
 
 class Estimator(Protocol):
@@ -170,8 +171,9 @@ class Filtered(NamedTuple):
             dt,
             disturbed=observation.disturbed,
             lets_go=observation.lets_go,
+            unled=observation.unled,
         )
-        if observation.driven:
+        if observation.driven and not observation.unled:
             (x, y), (before_x, before_y) = tips[0], self.tips[0]
             moved = (x - before_x, y - before_y)
             turn = _turn(self.tips, tips)

@@ -32,6 +32,7 @@ LEAST_YAW_NOISE = math.radians(0.08)
 # growth of the uncertainty with the square root of time
 DISTURBED = (1e-3, math.radians(0.5))  # [m], [rad] in 1 s, while tips touch or let go
 STILL = (1e-4, math.radians(0.03))  # the same of an object that is held, or left alone
+UNLED = (0.01, math.radians(4.0))  # the same while one of several tips has lost it
 # growth with the square root of the tip's path
 SLIPPED = (4.5e-3, math.radians(2.2))  # [m], [rad] in 1 m
 HAND_EYE = 4e-3
@@ -72,7 +73,15 @@ class Advance(NamedTuple):
     disturbed: bool = False  # whether tips may move it besides
     lets_go: bool = False  # whether they do so since they let go of it
     touching: bool = False  # whether the tip may or may not move it
+    unled: bool = False  # whether only some of the tips that should move it touch it
     tips: tuple[Point, ...] = ()  # [m] at its end, of the contacts that drive it
+
+    @property
+    def growth(self) -> tuple[float, float]:
+        """Growth [m], [rad] of the uncertainty with the square root of time."""
+        if self.unled:
+            return UNLED
+        return DISTURBED if self.disturbed else STILL
 
 
 class Mean(NamedTuple):
@@ -392,7 +401,7 @@ class PoseFilter:
         touching = math.fsum(math.hypot(*one.tip) for one in advances if one.touching)
         growth[6] = touching / PUSHED_LENGTH
         for one in advances:
-            place, yaw = DISTURBED if one.disturbed else STILL
+            place, yaw = one.growth
             growth[:2] += place * place * one.dt
             growth[2] += yaw * yaw * one.dt
         place, yaw = SLIPPED

@@ -133,6 +133,8 @@ class Watches(NamedTuple):
     """Monitored failures, and the number of corrections of each."""
 
     lost: float | None = None  # [s] since when contact is missing
+    # whether one of several tips feels no contact, even if it need not
+    unled: bool = False
     losses: ContactLosses | None = None
     still: StallWatch | None = None  # where the object was when it last moved
     replanned: float = 0.0  # [s] of the last replan
@@ -374,7 +376,7 @@ def enter_phase(
         )
         for m, c in zip(state.phase.tips, contacts, strict=True)
     )
-    watches = state.watches._replace(looked=None, mistaken=None)
+    watches = state.watches._replace(looked=None, mistaken=None, unled=False)
     if name != "touch":
         watches = watches._replace(lost=None)
     phase = PhaseState(name, now.time, memories, failure=failure)

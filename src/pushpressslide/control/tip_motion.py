@@ -50,6 +50,8 @@ class Felt(NamedTuple):
 
     lost: bool
     friction_utilisation: float
+    # whether it is not felt now: told sooner than a loss, and not as surely
+    absent: bool = False
 
 
 class ContactKeeping(NamedTuple):
@@ -148,6 +150,7 @@ class TipMover:
         felt = Felt(
             absent or sunk(contact, tip, radius, self.sunk + memory.lowered),
             self._utilisation(mean, direction, mean_normal),
+            mean_normal < self.threshold and not self.unfelt,
         )
         force = X_WB.rotate(task.force)
         velocity, (ax, ay) = self._motion(memory, context, task)
