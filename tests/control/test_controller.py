@@ -112,12 +112,46 @@ def test_of_two_tips_one_that_feels_nothing_leads_no_more() -> None:
     while state.phase.name != "move":
         time += DT
         _, _, state = stepped(made(PAIR), state, measured(PAIR, time, 3.0, 3.0))
-    for pressing, unled in (((3.0, 3.0), False), ((3.0, 0.04), True)):
+    for pressing, unled in (((3.0, 3.0), False), ((3.0, 0.02), True)):
         time += DT
         state = made(PAIR).step(state, measured(PAIR, time, *pressing)).state
         assert state.watches.unled == unled
     again = enter_phase(state, "touch", measured(PAIR, time, 3.0, 0.0))
     assert not again.watches.unled
+
+
+def test_tips_stop_at_once_where_a_limit_is_broken_and_else_slow_down() -> None:
+    controller = made(PAIR)
+    state = touching(PAIR)
+    time = 0.0
+    for _ in range(600):
+        time += DT
+        _, _, state = stepped(controller, state, measured(PAIR, time, 3.0, 3.0))
+    now = measured(PAIR, time, 3.0, 3.0)
+    commanded = [memory.velocity for memory in state.phase.tips]
+    tips = list(now.tips)
+    for contact, velocity in zip(
+        controller.segments[0].contacts, commanded, strict=True
+    ):
+        assert velocity is not None
+        assert math.hypot(*velocity) > 0.01
+        tips[contact.arm] = replace(tips[contact.arm], velocity=(*velocity, 0.0))
+    now = replace(now, tips=tuple(tips))
+    stopped = controller.stop(state, now, FAILURE)
+    assert not stopped.phase.slows
+    failed = enter_phase(state, "release", now, FAILURE)
+    slowly, at_once = (
+        controller.step(one, replace(now, time=time + DT)).commands
+        for one in (failed, stopped)
+    )
+    for contact, velocity in zip(
+        controller.segments[0].contacts, commanded, strict=True
+    ):
+        one, other = slowly[contact.arm], at_once[contact.arm]
+        assert isinstance(one, TipCommand)
+        assert isinstance(other, TipCommand)
+        assert one.velocity[:2] == pytest.approx(velocity, rel=0.05)
+        assert other.velocity == ZERO
 
 
 def test_a_touch_of_one_tip_that_fails_ends_the_attempt() -> None:

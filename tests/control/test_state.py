@@ -29,7 +29,7 @@ from pushpressslide.control.state import (
     sunk,
     tip_position,
 )
-from pushpressslide.core.control import Measurement, TipCommand, TipState
+from pushpressslide.core.control import Measurement, TipCommand, TipState, Vector3
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.execution.normal_force import NormalForceState
@@ -169,10 +169,14 @@ def test_a_phase_begins_where_the_tips_are_and_remembers_no_touch(name: str) -> 
 
 
 def carried(
-    name: str, failure: Failure | None = None, *, at_once: bool = False
+    name: str,
+    failure: Failure | None = None,
+    *,
+    at_once: bool = False,
+    velocity: Vector3 = (0.1, 0.0, 0.0),
 ) -> tuple[Point, float]:
-    """Return the motion that a moving tip has as a phase begins."""
-    tip = TipState((0.5, 0.6, 0.7), ZERO, ZERO)
+    """Return the motion that a tip of a ``velocity`` [m/s] has as a phase begins."""
+    tip = TipState((0.5, 0.6, 0.7), velocity, ZERO)
     now = Measurement(3.0, controller().placement.query.start, (tip,))
     state = enter_phase(pressing("move"), name, now, failure, at_once=at_once)
     (memory,) = state.phase.tips
@@ -190,8 +194,18 @@ def test_tips_slow_down_before_a_touch_or_a_failure() -> None:
     assert carried("release") == rests
 
 
+@pytest.mark.parametrize(
+    ("velocity", "share"), [(0.2, 1.0), (0.05, 0.5), (0.0, 0.0), (-0.1, 0.0)]
+)
+def test_a_tip_that_something_holds_back_is_not_pushed_on(
+    velocity: float, share: float
+) -> None:
+    moves, _ = carried("touch", velocity=(velocity, 0.3, 0.1))
+    assert moves == pytest.approx((0.1 * share, 0.0))
+
+
 def test_a_tip_that_has_been_held_still_does_not_slow_down() -> None:
-    tip = TipState((0.5, 0.6, 0.7), ZERO, ZERO)
+    tip = TipState((0.5, 0.6, 0.7), (0.1, 0.0, 0.0), ZERO)
     now = Measurement(3.0, controller().placement.query.start, (tip,))
     state = enter_phase(pressing("move"), "touch", now)
     assert state.phase.slows

@@ -276,8 +276,9 @@ def test_a_push_too_weak_to_be_felt_is_not_missed() -> None:
         assert felt.lost == lost
 
 
-def test_a_push_is_not_felt_below_the_force_that_is_detected() -> None:
-    for force, absent in ((0.19, True), (0.21, False)):
+def test_a_push_is_not_felt_below_a_share_of_the_force_that_is_detected() -> None:
+    least = margins.KEPT_SHARE * 0.2
+    for force, absent in ((0.99 * least, True), (1.01 * least, False)):
         context = at(PUSH, (force, 0.0, 0.0))
         *_, felt = mover().step(start(PUSH), context, task(PUSH))
         assert felt.absent == absent

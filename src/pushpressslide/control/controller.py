@@ -209,8 +209,8 @@ class Controller:
     ) -> ControllerState:
         """State that ends the run safely because of ``failure``.
 
-        The tips slow down, then draw back or hold. Tips that were already drawing back
-        stop.
+        The tips stop at once, then draw back or hold. Tips that were already drawing
+        back stop.
         """
         drawn = 0.0 if state.phase.name == "release" else 1.0
         stopped = enter_phase(state, "release", measurement, failure, at_once=True)

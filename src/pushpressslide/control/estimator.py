@@ -95,7 +95,7 @@ class Observation(NamedTuple):
     prediction: Prediction  # prediction of the plan
     disturbed: bool = False  # whether tips touch or let go of the object
     lets_go: bool = False  # whether they let go of it
-    unled: bool = False  # whether only some of the tips that should move it touch it
+    unled: bool = False  # whether one of several tips feels no contact
 
 
 class Estimator(Protocol):

@@ -32,7 +32,7 @@ LEAST_YAW_NOISE = math.radians(0.08)
 # growth of the uncertainty with the square root of time
 DISTURBED = (1e-3, math.radians(0.5))  # [m], [rad] in 1 s, while tips touch or let go
 STILL = (1e-4, math.radians(0.03))  # the same of an object that is held, or left alone
-UNLED = (0.01, math.radians(4.0))  # the same while one of several tips has lost it
+UNLED = (0.01, math.radians(4.0))  # the same while one of several tips feels nothing
 # growth with the square root of the tip's path
 SLIPPED = (4.5e-3, math.radians(2.2))  # [m], [rad] in 1 m
 HAND_EYE = 4e-3
@@ -73,7 +73,7 @@ class Advance(NamedTuple):
     disturbed: bool = False  # whether tips may move it besides
     lets_go: bool = False  # whether they do so since they let go of it
     touching: bool = False  # whether the tip may or may not move it
-    unled: bool = False  # whether only some of the tips that should move it touch it
+    unled: bool = False  # whether one of several tips feels no contact
     tips: tuple[Point, ...] = ()  # [m] at its end, of the contacts that drive it
 
     @property

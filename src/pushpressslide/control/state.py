@@ -361,8 +361,8 @@ def enter_phase(
     """State at the start of a phase, with the tips as measured ``now``.
 
     The regulator of the normal force is kept only by a press that continues into the
-    phase. Tips that move before a touch or a failure slow down, if they need not stop
-    ``at_once``.
+    phase. Tips that move before they line up anew or draw back after a failure slow down,
+    if they need not stop ``at_once``.
     """
     contacts = state.following.binding.segment.contacts
     slows = (name == "touch" or failure is not None) and not at_once
@@ -370,8 +370,9 @@ def enter_phase(
         TipMemory(
             now.tips[c.arm].position,
             regulator=m.regulator if name == "move" else NormalForceState(),
+            mean_force=m.mean_force if name == "move" else None,
             lowered=m.lowered,
-            carried=m.velocity if slows and m.velocity else (0.0, 0.0),
+            carried=_carried(m, now.tips[c.arm]) if slows else (0.0, 0.0),
             spin=m.turn if slows else 0.0,
         )
         for m, c in zip(state.phase.tips, contacts, strict=True)
@@ -381,6 +382,21 @@ def enter_phase(
         watches = watches._replace(lost=None)
     phase = PhaseState(name, now.time, memories, failure=failure)
     return state._replace(phase=phase, watches=watches)
+
+
+def _carried(memory: TipMemory, tip: TipState) -> Point:
+    """Velocity [m/s] along the support of a commanded ``tip``, as far as it really has
+    it: what holds it back is not pushed on.
+    """
+    if memory.velocity is None:
+        return (0.0, 0.0)
+    x, y = memory.velocity
+    vx, vy, _ = tip.velocity
+    asked = x * x + y * y
+    if asked == 0.0:
+        return (0.0, 0.0)
+    share = min(max((x * vx + y * vy) / asked, 0.0), 1.0)
+    return (share * x, share * y)
 
 
 def estimates(state: ControllerState) -> ParameterEstimates:

@@ -256,7 +256,7 @@ class Supervisor:
             resistances=watches.resistances + 1,
         )
         state = moment.state._replace(watches=watches)
-        held = enter_phase(state, "touch", instant)
+        held = enter_phase(state, "touch", instant, at_once=True)
         progress = following.joint_progress(instant.X_WB)
         tips = []
         contacts = following.binding.segment.contacts

@@ -150,7 +150,7 @@ class TipMover:
         felt = Felt(
             absent or sunk(contact, tip, radius, self.sunk + memory.lowered),
             self._utilisation(mean, direction, mean_normal),
-            mean_normal < self.threshold and not self.unfelt,
+            mean_normal < margins.KEPT_SHARE * self.threshold and not self.unfelt,
         )
         force = X_WB.rotate(task.force)
         velocity, (ax, ay) = self._motion(memory, context, task)

@@ -353,7 +353,7 @@ def held_at(
 
 
 def slowed_down(command: TipCommand, slowing: Slowing) -> TipCommand:
-    """Command of a tip that comes to rest at the same time."""
+    """The ``command`` with the motion of a tip that comes to rest added."""
     if slowing.velocity == STILL and slowing.spin == 0.0:
         return command
     x, y, z = command.velocity
