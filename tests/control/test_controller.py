@@ -112,12 +112,12 @@ def test_of_two_tips_one_that_feels_nothing_leads_no_more() -> None:
     while state.phase.name != "move":
         time += DT
         _, _, state = stepped(made(PAIR), state, measured(PAIR, time, 3.0, 3.0))
-    for pressing, unled in (((3.0, 3.0), False), ((3.0, 0.02), True)):
+    for pressing, unfelt in (((3.0, 3.0), ()), ((3.0, 0.02), (1,))):
         time += DT
         state = made(PAIR).step(state, measured(PAIR, time, *pressing)).state
-        assert state.watches.unled == unled
+        assert state.watches.unfelt == unfelt
     again = enter_phase(state, "touch", measured(PAIR, time, 3.0, 0.0))
-    assert not again.watches.unled
+    assert again.watches.unfelt == ()
 
 
 def test_tips_stop_at_once_where_a_limit_is_broken_and_else_slow_down() -> None:

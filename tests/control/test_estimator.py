@@ -493,7 +493,7 @@ def test_of_two_tips_one_that_has_lost_the_object_does_not_turn_it() -> None:
     state = made.init(Measurement(0.0, task.start, tuple(by_arm)))
     arm = first.contacts[1].arm
 
-    def seen(unled: bool, picture: StampedPose | None = None) -> Estimate:
+    def seen(unfelt: tuple[int, ...], picture: StampedPose | None = None) -> Estimate:
         """Estimate after the second tip has gone ahead by 20 mm in half a second, and
         a picture then.
         """
@@ -513,17 +513,21 @@ def test_of_two_tips_one_that_has_lost_the_object_does_not_turn_it() -> None:
                     tuple(moved),
                     state.following.binding,
                     state.following.prediction,
-                    unled=unled,
+                    unfelt=unfelt,
                 ),
             )
         return estimate
 
     turned = math.atan(0.02 / math.dist(*places))
-    led, unled = seen(False), seen(True)
+    led, unled = seen(()), seen((1,))
     assert abs(led.X_WG.yaw - task.start.yaw) == pytest.approx(turned, rel=0.2)
     assert unled.X_WG.yaw == pytest.approx(task.start.yaw, abs=1e-9)
+    # it goes with the tip that is felt, if there is one
+    for unfelt, gone in (((1,), 0.0), ((0,), 0.02), ((0, 1), 0.0)):
+        X_WG = seen(unfelt).X_WG
+        assert X_WG.x - task.start.x == pytest.approx(gone, abs=2e-3)
     # something has turned it: a picture of that is used, and does not count as wrong
     pose = replace(task.start, yaw=task.start.yaw - math.radians(4.0))
     picture = StampedPose(50 * DT, pose)
-    assert seen(True, picture).age == 0.0
-    assert seen(False, picture).age > 0.0
+    assert seen((1,), picture).age == 0.0
+    assert seen((), picture).age > 0.0

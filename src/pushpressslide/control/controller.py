@@ -264,7 +264,7 @@ class Controller:
             following.prediction,
             _disturbs(phase, time),
             phase.name == "release",
-            state.watches.unled,
+            state.watches.unfelt,
         )
         estimate, estimator = self.estimator.step(state.estimator, observation)
         X_WG = estimate.X_WG
@@ -506,10 +506,11 @@ class Controller:
         lost = lost and not instant.rests
         if lost != (watches.lost is not None):
             watches = watches._replace(lost=instant.time if lost else None)
-        unled = len(felt) > 1 and any(one.absent for one in felt)
-        unled = unled and not instant.rests
-        if unled != watches.unled:
-            watches = watches._replace(unled=unled)
+        unfelt: tuple[int, ...] = ()
+        if len(felt) > 1 and not instant.rests:
+            unfelt = tuple(i for i, one in enumerate(felt) if one.absent)
+        if unfelt != watches.unfelt:
+            watches = watches._replace(unfelt=unfelt)
         adaptation = state.adaptation.step(
             max(tip.friction_utilisation for tip in felt),
             self._tip_speeds(instant, commands, contacts),

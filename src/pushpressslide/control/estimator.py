@@ -95,7 +95,7 @@ class Observation(NamedTuple):
     prediction: Prediction  # prediction of the plan
     disturbed: bool = False  # whether tips touch or let go of the object
     lets_go: bool = False  # whether they let go of it
-    unled: bool = False  # whether one of several tips feels no contact
+    unfelt: tuple[int, ...] = ()  # those of several contacts that are not felt
 
 
 class Estimator(Protocol):
@@ -171,9 +171,11 @@ class Filtered(NamedTuple):
             dt,
             disturbed=observation.disturbed,
             lets_go=observation.lets_go,
-            unled=observation.unled,
+            unled=bool(observation.unfelt),
         )
-        if observation.driven and not observation.unled:
+        if observation.driven and observation.unfelt:
+            advance = advance._replace(tip=self._led(observation, tips))
+        elif observation.driven:
             (x, y), (before_x, before_y) = tips[0], self.tips[0]
             moved = (x - before_x, y - before_y)
             turn = _turn(self.tips, tips)
@@ -222,6 +224,13 @@ class Filtered(NamedTuple):
             touched,
             self.unsure,
         )
+
+    def _led(self, observation: Observation, tips: Sequence[Point]) -> Point:
+        """Displacement [m] of the first tip that is felt. None is: none."""
+        for i, (before, now) in enumerate(zip(self.tips, tips, strict=True)):
+            if i not in observation.unfelt:
+                return (now[0] - before[0], now[1] - before[1])
+        return (0.0, 0.0)
 
     def _hand_eye_begun(self, state: FilterState, began: Began) -> HandEye:
         """Where the tip was when it ``began`` to move the object, beside where it was

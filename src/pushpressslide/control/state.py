@@ -133,8 +133,8 @@ class Watches(NamedTuple):
     """Monitored failures, and the number of corrections of each."""
 
     lost: float | None = None  # [s] since when contact is missing
-    # whether one of several tips feels no contact, even if it need not
-    unled: bool = False
+    # those of several contacts that are not felt, even if they need not be
+    unfelt: tuple[int, ...] = ()
     losses: ContactLosses | None = None
     still: StallWatch | None = None  # where the object was when it last moved
     replanned: float = 0.0  # [s] of the last replan
@@ -377,7 +377,7 @@ def enter_phase(
         )
         for m, c in zip(state.phase.tips, contacts, strict=True)
     )
-    watches = state.watches._replace(looked=None, mistaken=None, unled=False)
+    watches = state.watches._replace(looked=None, mistaken=None, unfelt=())
     if name != "touch":
         watches = watches._replace(lost=None)
     phase = PhaseState(name, now.time, memories, failure=failure)
