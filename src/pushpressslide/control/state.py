@@ -385,8 +385,8 @@ def enter_phase(
 
 
 def _carried(memory: TipMemory, tip: TipState) -> Point:
-    """Velocity [m/s] along the support of a commanded ``tip``, as far as it really has
-    it: what holds it back is not pushed on.
+    """Velocity [m/s] along the support that a ``tip`` was commanded and has. What holds
+    it back is not pushed on.
     """
     if memory.velocity is None:
         return (0.0, 0.0)
