@@ -14,6 +14,7 @@ from pushpressslide.control.limits import (
     MEAN_TIME,
     PEAK,
     POSITION_MARGIN,
+    STOPPING_TIME,
     TORQUE_TIME,
     ArmLimits,
     ArmReading,
@@ -122,6 +123,21 @@ def test_a_joint_keeps_a_margin_to_its_end(side: float) -> None:
     assert "joint 2 is 0.009 rad from its limit" in ending.text
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_joint_may_not_approach_its_end_too_fast_to_stop(side: float) -> None:
+    """Slower, or on its way back, it may be as near."""
+    room = POSITION_MARGIN + 0.02
+    near = replace(REST, q=np.array([0.0, side * (2.0 - room)]))
+    speed = 0.02 / STOPPING_TIME
+    fast = replace(near, v=np.array([0.0, side * 1.05 * speed]))
+    ending = judged(guard(), reading=fast)
+    assert ending is not None
+    assert ending.code == "joint_limit"
+    assert "joint 2 approaches its limit at 0.70 rad/s, 0.030 rad" in ending.text
+    for v in (0.95 * side * speed, -1.5 * side * speed):
+        assert judged(guard(), reading=replace(near, v=np.array([0.0, v]))) is None
+
+
 @pytest.mark.parametrize("what", ["torque_share", "rate_share"])
 def test_too_much_torque_may_be_asked_for_a_short_time_only(what: str) -> None:
     period = 0.002
@@ -214,7 +230,7 @@ def test_what_is_just_allowed_breaks_no_limit() -> None:
     """A force, a speed, a torque, a place or a step that is the limit itself."""
     arm = replace(ARM, lower=np.zeros(2), upper=np.full(2, 9.0))
     judge = Guard(LIMIT, 0.002, (arm,))
-    edge = ArmReading(np.array([POSITION_MARGIN, 5.0]), np.array([-2.0, 3.0]), 1.0, 1.0)
+    edge = ArmReading(np.array([POSITION_MARGIN, 5.0]), np.array([2.0, 3.0]), 1.0, 1.0)
     fast = JointCommand(np.zeros(2), np.zeros(2))
     step = JointCommand(JOINT_JUMP * 0.002 * arm.velocity, np.zeros(2))
     for command in (fast, step) * 100:

@@ -452,6 +452,30 @@ def test_an_object_may_be_off_its_path_by_what_is_allowed(side: float) -> None:
     assert supervisor.astray(beyond)
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_pushed_object_may_be_turned_from_its_path_by_what_is_allowed(
+    side: float,
+) -> None:
+    """A pressed one trails its tip, and comes round by itself."""
+    allowed = side * margins.ARM.turned_away
+    for turned, ends in ((0.99 * allowed, False), (1.01 * allowed, True)):
+        for name, pushed in ((PUSH, True), (BOTH, True), (PRESS, False)):
+            well = moment(name)
+            error = (0.0, 0.0, turned)
+            turning = well._replace(guidance=well.guidance._replace(error=error))
+            supervisor = controller(name).supervisor
+            assert supervisor.turned_away(turning) == (ends and pushed)
+    well = moment(PUSH)
+    error = (0.0, 0.0, 1.01 * allowed)
+    turning = well._replace(guidance=well.guidance._replace(error=error))
+    event, state = after(PUSH, turning)
+    assert event == "turned away"
+    assert state.phase.failure == (
+        "goal_missed",
+        "turned 61 deg from its path, allowed 60 deg",
+    )
+
+
 def test_an_object_may_stand_still_for_what_is_allowed() -> None:
     supervisor = controller(PUSH).supervisor
     well = moment(PUSH)

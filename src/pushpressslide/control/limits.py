@@ -27,6 +27,9 @@ from pushpressslide.core.record import Ending
 
 POSITION_MARGIN = 0.01  # [rad] or [m] of a joint to its limit: half of what plans keep
 POSITION_PLAY = 0.005  # [rad] or [m] by which a joint may come nearer to it again
+# [s] in which a joint may not reach the margin at its speed. Planned motions that brake at
+# 15 rad/s2 before the margin of plans stay below
+STOPPING_TIME = 0.03
 TORQUE_TIME = 0.1  # [s] without a pause that an arm may ask for more than its torque
 MEAN_TIME = 0.02  # [s] over which limits.normal_force bounds the mean contact force
 NOISY = 0.95  # smallest share of the limit that is allowed because of noise
@@ -194,12 +197,33 @@ class Guard:
             memory.limit_distance = margin if self.anew else math.inf
         allowed = min(POSITION_MARGIN, memory.limit_distance - POSITION_PLAY)
         memory.limit_distance = max(memory.limit_distance, margin)
-        if margin >= allowed:
+        if margin < allowed:
+            return Ending(
+                "joint_limit",
+                f"arm {arm}: joint {worst + 1} is {margin:.3f} rad from its limit, "
+                f"allowed from {POSITION_MARGIN:g} rad",
+            )
+        return self._approach(arm, reading, left, allowed)
+
+    def _approach(
+        self, arm: int, reading: ArmReading, left: Array, allowed: float
+    ) -> Ending | None:
+        """Ending if a joint, now ``left`` (n,) [rad] from its limit, moves too fast to stop
+        at the ``allowed`` distance [rad].
+        """
+        if left.min() > allowed + STOPPING_TIME * np.abs(reading.v).max():
+            return None
+        limits = self.arms[arm]
+        lower_is_nearer = reading.q - limits.lower < limits.upper - reading.q
+        speed = np.where(lower_is_nearer, -reading.v, reading.v)
+        ahead = left - STOPPING_TIME * speed
+        worst = int(ahead.argmin())
+        if ahead[worst] >= allowed:
             return None
         return Ending(
             "joint_limit",
-            f"arm {arm}: joint {worst + 1} is {margin:.3f} rad from its limit, allowed "
-            f"from {POSITION_MARGIN:g} rad",
+            f"arm {arm}: joint {worst + 1} approaches its limit at {speed[worst]:.2f} "
+            f"rad/s, {left[worst]:.3f} rad before it",
         )
 
     def _torque(self, arm: int, reading: ArmReading) -> Ending | None:

@@ -159,6 +159,20 @@ class Supervisor:
         text = f"{astray * 1e3:.0f} mm off its path, allowed {allowed * 1e3:.0f} mm"
         return _stopped(moment, ("goal_missed", text))
 
+    def turned_away(self, moment: Moment) -> bool:
+        """A pushed object is turned too far from its path."""
+        turned = abs(moment.guidance.error[2])
+        contacts = moment.state.following.binding.segment.contacts
+        pushed = all(contact.kind == "side" for contact in contacts)
+        return pushed and turned > margins.ARM.turned_away
+
+    def stop_turned_away(self, moment: Moment) -> ControllerState:
+        """Stop: goal missed."""
+        turned = math.degrees(abs(moment.guidance.error[2]))
+        allowed = math.degrees(margins.ARM.turned_away)
+        text = f"turned {turned:.0f} deg from its path, allowed {allowed:.0f} deg"
+        return _stopped(moment, ("goal_missed", text))
+
     def stalled(self, moment: Moment) -> bool:
         """The object stands still although it should move."""
         return self._rested(moment) > margins.ARM.stall_time
@@ -874,6 +888,7 @@ class Transition(NamedTuple):
 
 TRANSITIONS: tuple[Transition, ...] = (
     Transition(Supervisor.astray, Supervisor.stop_astray),
+    Transition(Supervisor.turned_away, Supervisor.stop_turned_away),
     Transition(Supervisor.stalled, Supervisor.stop_stalled),
     Transition(Supervisor.arrived_midway, Supervisor.go_on, plans=True),
     Transition(Supervisor.arrived, Supervisor.end, plans=True),

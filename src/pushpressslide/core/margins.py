@@ -530,6 +530,10 @@ class ArmMargins:
     """Distance of the tracking point from its path above which the run is abandoned.
     The planned joint path is then no longer valid.
     """
+    turned_away: float = field(default=math.radians(60.0), metadata={"unit": "1"})
+    """Heading error [rad] of a pushed object above which the motion ends: the push would
+    lead it in circles.
+    """
     via: float = field(default=0.02, metadata={"unit": "m"})
     """Position error allowed at a via pose. Within it, the arms still find their next
     contacts.
