@@ -40,6 +40,7 @@ from pushpressslide.control.joint_pace import JointPace
 from pushpressslide.control.last_look import LastLook
 from pushpressslide.control.law import Decision, Law
 from pushpressslide.control.placement import Placement
+from pushpressslide.control.pressed_body import Drag
 from pushpressslide.control.state import (
     SLOWING_TIME,
     ControllerState,
@@ -398,6 +399,22 @@ class Controller:
         filtered = estimator.filtered
         seen = None if filtered is None else filtered.seen_tip
         return None if seen is None else (contacts[0].arm, seen)
+
+    def drags(self, state: ControllerState) -> tuple[Drag, ...]:
+        """Drags of this placement by its only contact, a press. Empty without one, and
+        where more than the support's friction turns the object.
+        """
+        estimator = state.estimator
+        query = self.placement.query
+        alone = query.resisted_by_friction_alone and self.placement.entry is None
+        if not isinstance(estimator, EstimatorState) or not alone:
+            return ()
+        scene = query.scene
+        (contact, *_) = state.following.binding.segment.contacts
+        drag = state.estimate.parameters.drag or scene.max_friction(contact.load)
+        share = drag / scene.max_friction(contact.load)
+        travels = estimator.sightings.pressed.telling
+        return tuple(Drag(t, share * scene.max_friction(t.load)) for t in travels)
 
     def filtered_pose(self, state: ControllerState) -> Pose2:
         """Filtered X_WG at the last tick."""

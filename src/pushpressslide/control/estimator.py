@@ -19,7 +19,7 @@ from pushpressslide.control.felt_center import felt_center, with_felt_center
 from pushpressslide.control.following import BoundLaws, Prediction
 from pushpressslide.control.hand_eye import HandEye
 from pushpressslide.control.pose_filter import ARM, Advance, FilterState, PoseFilter
-from pushpressslide.control.sightings import PictureComparison, Sightings
+from pushpressslide.control.sightings import PictureComparison, Seen, Sightings
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Measurement, TipState
@@ -327,9 +327,14 @@ class Filtered(NamedTuple):
         scale = abs(_ahead(self.segment, self.place) / _ahead(segment, self.place))
         return self.filter.rescaled(self.state, drive.skew - was.skew, scale)
 
-    def center(self, before: CenterState, segment: Segment, X_BG: Pose2) -> CenterState:
+    def center(
+        self, before: CenterState, segment: Segment, X_BG: Pose2, belief: CenterBelief
+    ) -> CenterState:
         """``before`` with the centre of mass where the turns of the object show it,
         across the line from the origin of B to the only contact.
+
+        A line that is skewed is that of the model as much as of the centre: each has the
+        share of its variance, that of the centre according to the ``belief``.
         """
         contacts = segment.contacts
         drive = segment.drive
@@ -338,10 +343,16 @@ class Filtered(NamedTuple):
         x, y = contacts[0].point
         angle, deviation = self.filter.line(self.state)
         off = wrap_angle(angle + X_BG.yaw - math.atan2(y, x) - drive.skew)
-        share = -math.tan(min(max(off, -STEEPEST), STEEPEST))
-        center = (-share * y, share * x)
-        off = math.hypot(deviation, SKEWED * drive.skew)
-        return before._replace(center=center, off=off, filtered=True)
+        lever = math.hypot(x, y)
+        across = X_BG.unrotate((-y / lever, x / lever))
+        believed = (belief.deviation(across) / lever) ** 2
+        skewed = (SKEWED * drive.skew) ** 2
+        share = believed / (believed + skewed) if skewed > 0.0 else 1.0
+        off *= share
+        turned = -math.tan(min(max(off, -STEEPEST), STEEPEST))
+        center = (-turned * y, turned * x)
+        deviation = math.sqrt(deviation * deviation + share * skewed)
+        return before._replace(center=center, off=deviation, filtered=True)
 
     def with_reach(
         self, estimates: ParameterEstimates, segment: Segment
@@ -436,7 +447,8 @@ class ObjectEstimator:
         # walls and bodies turn an object, too: a centre that is sure is not learnt
         learning = filtered if self._center_error > 0.0 else None
         if learning is not None:
-            center = learning.center(center, observation.binding.segment, self._X_BG)
+            segment = observation.binding.segment
+            center = learning.center(center, segment, self._X_BG, self._center)
         anew = filtered is not None and filtered.touches_anew(state.filtered)
         if observation.driven or anew or predicted is not state.prediction:
             found = _estimates(predicted, axle, center)
@@ -485,14 +497,15 @@ class ObjectEstimator:
         if not self._pictures.due(sightings, picture):
             return sightings
         places: tuple[Point, ...] = ()
-        yaw = picture.X_WG.yaw
+        seen = Seen(picture.X_WG)
         if filtered is None:
             places = _tips(observation) if observation.driven else ()
         elif state.filtered is not None and filtered.state.used == picture.time:
             places = filtered.tips_seen(state.filtered)
-            yaw = filtered.state.mean.yaw
+            X_WG = filtered.filter.pose(filtered.state.mean)
+            seen = Seen(X_WG, filtered.spread[1], filtered.hand_eye.offset)
         return self._pictures.step(
-            sightings, picture, yaw, places, observation.binding, observation.tips
+            sightings, picture, seen, places, observation.binding, observation.tips
         )
 
     def _filtered(self, state: EstimatorState, observation: Observation) -> Filtered:

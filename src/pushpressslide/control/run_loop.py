@@ -40,6 +40,7 @@ from pushpressslide.control.last_look import LastLook
 from pushpressslide.control.limits import ArmReading, Guard
 from pushpressslide.control.looking import RestingPose
 from pushpressslide.control.placement import leads_on, share_of_tolerance
+from pushpressslide.control.pressed_body import Drag, PressedBody, PressedFit
 from pushpressslide.control.recording import Recorder, Tick
 from pushpressslide.control.recovery import (
     OF_ARMS,
@@ -220,6 +221,9 @@ class RunLoop:
         self.center: CenterBelief | None = None  # the same; None: it is sure
         if self.believed.center_error > 0.0:
             self.center = CenterBelief.before_run(self.believed)
+        self.told_center = self.center  # the same, without what presses have told
+        self.drags: tuple[Drag, ...] = ()  # by single presses, before this placement
+        self.pressed_fit = PressedFit(self.believed)
         self.hand_eyes: dict[int, HandEye] = {}  # by arm, as seen before
         self.lost: list[FailedPlacement] = []  # whose contacts were lost before
         self.failed: list[FailedPlacement] = []  # which are not repeated
@@ -344,6 +348,8 @@ class RunLoop:
         if self.state is not None:
             self.identified = self.identified.better(self._identified_now(self.state))
             self.center = self._known_center()
+            self.told_center = self._told_center()
+            self.drags = self._drags_now()
             seen = None
             if isinstance(self.controller, Controller):
                 seen = self.controller.seen_tip(self.state)
@@ -389,8 +395,27 @@ class RunLoop:
         """
         if self.center is None or self.state is None:
             return self.center
+        body = self._pressed_body()
+        return self._told_center() if body is None else body.center
+
+    def _told_center(self) -> CenterBelief | None:
+        """The same without what the turns under presses have told."""
+        if self.told_center is None or self.state is None:
+            return self.told_center
+        if self._drags_now() != self.drags:
+            return self.told_center
         found = self._identified_now(self.state).parameters
-        return self.center.knowing(found.get("center_of_mass"))
+        return self.told_center.knowing(found.get("center_of_mass"))
+
+    def _drags_now(self) -> tuple[Drag, ...]:
+        """Drags by single presses that did not slide, up to now."""
+        if self.state is None or self._presses_slid:
+            return self.drags
+        return (*self.drags, *self.controller.drags(self.state))
+
+    def _pressed_body(self) -> PressedBody | None:
+        """What the turns under presses have told of the object. None if nothing."""
+        return self.pressed_fit.body(self._told_center(), self._drags_now())
 
     def _identified_now(self, state: ControllerState) -> Identified:
         """What the present placement has identified: no centre of mass from presses that
@@ -897,6 +922,10 @@ class RunLoop:
         friction = start.support_friction
         if found.drag is None:
             friction = self._dragged_friction() or friction
+        body = self._pressed_body()
+        if body is not None:
+            start = replace(start, mass=body.mass, mass_error=body.mass_error)
+            friction = body.friction
         start = replace(
             start,
             support_friction=friction,

@@ -13,9 +13,10 @@ from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import TipState
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
+from pushpressslide.identification.pressed_travel import PressedTravels
 from pushpressslide.identification.running_mean import RunningMean
 from pushpressslide.identification.turning import Sight, TurnState
-from pushpressslide.rom.drives import RearSteerDrive, UnicycleDrive
+from pushpressslide.rom.drives import PressedDrive, RearSteerDrive, UnicycleDrive
 
 NO_MEAN = RunningMean()
 BETWEEN = 0.09  # [s] least time between two pictures compared with tips: it costs time
@@ -33,11 +34,20 @@ class Sightings(NamedTuple):
     # tip is measured and the face seen
     depths: tuple[RunningMean, ...] = ()
     turns: TurnState = TurnState()  # of an object that a single tip moves
+    pressed: PressedTravels = PressedTravels()  # of an object that a single press drags
     compared: float = -math.inf  # [s] stamp of the last one compared with tips
 
     def arrived(self, stamp: float, time: float) -> Sightings:
         """With a new picture of the ``stamp`` [s] that arrived at ``time`` [s]."""
         return self._replace(delay=self.delay.including(time - stamp))
+
+
+class Seen(NamedTuple):
+    """What is estimated at the stamp of a picture."""
+
+    X_WG: Pose2
+    deviation: float = 0.0  # [rad] standard deviation of its yaw
+    tip_error: Point = (0.0, 0.0)  # [m] from where a single tip is measured to it, world
 
 
 class PictureComparison:
@@ -60,26 +70,36 @@ class PictureComparison:
         self,
         before: Sightings,
         picture: StampedPose,
-        yaw: float,
+        seen: Seen,
         places: Sequence[Point],
         binding: BoundLaws,
         tips: Sequence[TipState],
     ) -> Sightings:
-        """``before`` and a ``picture`` of an object whose estimated ``yaw`` [rad] was
-        that.
+        """``before`` and a ``picture`` of an object that was ``seen`` there.
 
         ``places`` [m] are those of the contacts' tips at that time, empty if they did
         not drive the object.
         """
         if not places:
-            return before._replace(turns=before.turns.paused())
+            return before._replace(
+                turns=before.turns.paused(), pressed=before.pressed.paused()
+            )
         turns = before.turns.paused()
-        if isinstance(binding.segment.drive, TURNS_TELL):
-            sight = Sight(places[0], yaw, picture.X_WG.yaw)
+        drive = binding.segment.drive
+        if isinstance(drive, TURNS_TELL):
+            sight = Sight(places[0], seen.X_WG.yaw, picture.X_WG.yaw)
             turns = before.turns.including(sight)
+        pressed = before.pressed
+        if isinstance(drive, PressedDrive):
+            (x, y), (off_x, off_y) = places[0], seen.tip_error
+            load = binding.segment.contacts[0].load
+            tip = (x + off_x, y + off_y)
+            pressed = pressed.including(seen.X_WG, tip, load, seen.deviation)
         depths = before.depths or (NO_MEAN,) * len(places)
         depths = self._depths(depths, picture.X_WG, places, binding, tips)
-        return before._replace(depths=depths, turns=turns, compared=picture.time)
+        return before._replace(
+            depths=depths, turns=turns, pressed=pressed, compared=picture.time
+        )
 
     def _depths(
         self,

@@ -95,6 +95,8 @@ class Restart:
     # legs found for the rest; None: those of the task
     legs: tuple[Leg, ...] | None = None
     center_error: float | None = None  # [m]; None: that of the task
+    mass: float | None = None  # [kg]; None: that of the task
+    mass_error: float | None = None  # None: that of the task
     contact_friction: float | None = None  # None: that of the task
     planned_share: float | None = None  # of the force limit; None: that of the task
     # lower bound of the support's friction, from forces that the object withstood
@@ -320,6 +322,10 @@ class Task:
         )
         if restart.center_error is not None:
             belief = replace(belief, center_error=restart.center_error)
+        if restart.mass is not None:
+            belief = replace(belief, mass=restart.mass)
+        if restart.mass_error is not None:
+            belief = replace(belief, mass_error=restart.mass_error)
         if restart.contact_friction is not None:
             belief = replace(belief, contact_friction=restart.contact_friction)
         limits = self.limits

@@ -80,6 +80,24 @@ class TurnTable:
     tipping_margin: Array
 
 
+def turns_along(presses: Sequence[Press], directions: Array) -> Array:
+    """Turns (m,) [rad/m] of one object per travel of the contacts of m ``presses`` in
+    ``directions`` (m,) [rad] in B. NaN where the object would tip.
+    """
+    a, b, w = _slides(presses, RESOLUTION).motion
+    levers = np.array([[press.lever] for press in presses])
+    axes = np.array([math.atan2(*reversed(press.axis)) for press in presses])
+    across = b + w * levers
+    off = _wrapped(np.arctan2(across, a) + (axes - directions)[:, None])
+    turns = w / np.hypot(a, across)
+    out = np.full(len(presses), np.nan)
+    for i, known in enumerate(np.isfinite(turns)):
+        if known.any():
+            columns = (off[i, known], turns[i, known])
+            out[i] = np.interp(0.0, *columns, period=2.0 * math.pi)
+    return out
+
+
 @dataclass(frozen=True, slots=True)
 class _Slides:
     """Sliding motions under forces at all angles STEP i, for m presses.
