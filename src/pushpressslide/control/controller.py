@@ -40,7 +40,6 @@ from pushpressslide.control.joint_pace import JointPace
 from pushpressslide.control.last_look import LastLook
 from pushpressslide.control.law import Decision, Law
 from pushpressslide.control.placement import Placement
-from pushpressslide.control.pressed_body import Drag
 from pushpressslide.control.state import (
     SLOWING_TIME,
     ControllerState,
@@ -84,6 +83,7 @@ from pushpressslide.core.scene import Scene
 from pushpressslide.core.wrench import Wrench
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 from pushpressslide.identification.parameter_estimates import withstood_friction
+from pushpressslide.identification.pressed_travel import PressedTravel
 from pushpressslide.modes.base import Tracker
 from pushpressslide.planning.side_contacts import room_before
 
@@ -400,21 +400,15 @@ class Controller:
         seen = None if filtered is None else filtered.seen_tip
         return None if seen is None else (contacts[0].arm, seen)
 
-    def drags(self, state: ControllerState) -> tuple[Drag, ...]:
-        """Drags of this placement by its only contact, a press. Empty without one, and
-        where more than the support's friction turns the object.
+    def pressed_travels(self, state: ControllerState) -> tuple[PressedTravel, ...]:
+        """What this placement has told of how an object turns under its only contact, a
+        press. Empty where more than the support's friction turns it.
         """
         estimator = state.estimator
-        query = self.placement.query
-        alone = query.resisted_by_friction_alone and self.placement.entry is None
+        alone = self.placement.query.resisted_by_friction_alone
         if not isinstance(estimator, EstimatorState) or not alone:
             return ()
-        scene = query.scene
-        (contact, *_) = state.following.binding.segment.contacts
-        drag = state.estimate.parameters.drag or scene.max_friction(contact.load)
-        share = drag / scene.max_friction(contact.load)
-        travels = estimator.sightings.pressed.telling
-        return tuple(Drag(t, share * scene.max_friction(t.load)) for t in travels)
+        return () if self.placement.entry else estimator.sightings.pressed.telling
 
     def filtered_pose(self, state: ControllerState) -> Pose2:
         """Filtered X_WG at the last tick."""

@@ -40,7 +40,7 @@ from pushpressslide.control.last_look import LastLook
 from pushpressslide.control.limits import ArmReading, Guard
 from pushpressslide.control.looking import RestingPose
 from pushpressslide.control.placement import leads_on, share_of_tolerance
-from pushpressslide.control.pressed_body import Drag, PressedBody, PressedFit
+from pushpressslide.control.pressed_body import PressedBody, PressedFit
 from pushpressslide.control.recording import Recorder, Tick
 from pushpressslide.control.recovery import (
     OF_ARMS,
@@ -85,6 +85,7 @@ from pushpressslide.core.state import WorldState
 from pushpressslide.core.task import Restart
 from pushpressslide.core.truth import EXACT, refuse_truth
 from pushpressslide.identification.parameter_estimates import NOTHING
+from pushpressslide.identification.pressed_travel import PressedTravel
 from pushpressslide.identification.tip_friction import TipFriction
 from pushpressslide.planning.side_contacts import before_contacts
 from pushpressslide.selection.placement_planner import FailedPlacement
@@ -222,8 +223,9 @@ class RunLoop:
         if self.believed.center_error > 0.0:
             self.center = CenterBelief.before_run(self.believed)
         self.told_center = self.center  # the same, without what presses have told
-        self.drags: tuple[Drag, ...] = ()  # by single presses, before this placement
-        self.pressed_fit = PressedFit(self.believed)
+        # under single presses, before this placement
+        self.travels: tuple[PressedTravel, ...] = ()
+        self.pressed_fit = PressedFit(self.believed, noise)
         self.hand_eyes: dict[int, HandEye] = {}  # by arm, as seen before
         self.lost: list[FailedPlacement] = []  # whose contacts were lost before
         self.failed: list[FailedPlacement] = []  # which are not repeated
@@ -349,7 +351,7 @@ class RunLoop:
             self.identified = self.identified.better(self._identified_now(self.state))
             self.center = self._known_center()
             self.told_center = self._told_center()
-            self.drags = self._drags_now()
+            self.travels = self._travels_now()
             seen = None
             if isinstance(self.controller, Controller):
                 seen = self.controller.seen_tip(self.state)
@@ -402,20 +404,21 @@ class RunLoop:
         """The same without what the turns under presses have told."""
         if self.told_center is None or self.state is None:
             return self.told_center
-        if self._drags_now() != self.drags:
+        travels = self._travels_now()
+        if len(travels) > len(self.travels):
             return self.told_center
         found = self._identified_now(self.state).parameters
         return self.told_center.knowing(found.get("center_of_mass"))
 
-    def _drags_now(self) -> tuple[Drag, ...]:
-        """Drags by single presses that did not slide, up to now."""
-        if self.state is None or self._presses_slid:
-            return self.drags
-        return (*self.drags, *self.controller.drags(self.state))
+    def _travels_now(self) -> tuple[PressedTravel, ...]:
+        """Travels under single presses up to now."""
+        if self.state is None:
+            return self.travels
+        return (*self.travels, *self.controller.pressed_travels(self.state))
 
     def _pressed_body(self) -> PressedBody | None:
         """What the turns under presses have told of the object. None if nothing."""
-        return self.pressed_fit.body(self._told_center(), self._drags_now())
+        return self.pressed_fit.body(self._told_center(), self._travels_now())
 
     def _identified_now(self, state: ControllerState) -> Identified:
         """What the present placement has identified: no centre of mass from presses that

@@ -13,7 +13,10 @@ from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import TipState
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.query import MotionQuery
-from pushpressslide.identification.pressed_travel import PressedTravels
+from pushpressslide.identification.pressed_travel import (
+    PressedPicture,
+    PressedTravels,
+)
 from pushpressslide.identification.running_mean import RunningMean
 from pushpressslide.identification.turning import Sight, TurnState
 from pushpressslide.rom.drives import PressedDrive, RearSteerDrive, UnicycleDrive
@@ -91,10 +94,14 @@ class PictureComparison:
             turns = before.turns.including(sight)
         pressed = before.pressed
         if isinstance(drive, PressedDrive):
+            (contact,) = binding.segment.contacts
             (x, y), (off_x, off_y) = places[0], seen.tip_error
-            load = binding.segment.contacts[0].load
             tip = (x + off_x, y + off_y)
-            pressed = pressed.including(seen.X_WG, tip, load, seen.deviation)
+            fx, fy, _ = tips[contact.arm].force
+            force = math.hypot(fx, fy)
+            pressed = pressed.including(
+                PressedPicture(seen.X_WG, seen.deviation, tip, contact.load, force)
+            )
         depths = before.depths or (NO_MEAN,) * len(places)
         depths = self._depths(depths, picture.X_WG, places, binding, tips)
         return before._replace(

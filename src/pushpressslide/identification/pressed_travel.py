@@ -13,75 +13,106 @@ STRAIGHT = 0.25
 """Largest angle [rad] between the directions of two parts of one travel."""
 LONGEST = 0.05  # [m] of one travel
 LEAST = 0.008  # [m] of a travel that tells anything
+SLID = 0.25
+"""Share of its way by which the tip of a travel that tells anything slides at most."""
 MOST = 60  # number of travels that are remembered
 
 
 class PressedTravel(NamedTuple):
     """Travel of a tip and turn of the object under it, both along the object's axes."""
 
-    place: Point  # [m] of the tip in G, the mean of its ends
+    began: Point  # [m] of the tip in G
+    ended: Point  # [m]
     load: float  # [N]
-    way: Point  # [m] in the object's axes
+    way: Point  # [m] of the tip in the object's axes
     turn: float  # [rad]
     deviation: float  # [rad] standard deviation of the turn
+    force: float  # [N] mean of the drag that the tip feels
+    pictures: int = 1
+
+    @property
+    def place(self) -> Point:
+        """Middle [m] of the tip's places in G."""
+        (x0, y0), (x1, y1) = self.began, self.ended
+        return 0.5 * (x0 + x1), 0.5 * (y0 + y1)
 
     @property
     def length(self) -> float:
         """Length of the way [m]."""
         return math.hypot(*self.way)
 
+    @property
+    def tells(self) -> bool:
+        """Whether the travel tells how a tip that sticks turns the object."""
+        slid = math.dist(self.began, self.ended)
+        return self.length > LEAST and slid < SLID * self.length
+
     def joined(self, other: PressedTravel) -> PressedTravel | None:
         """Both as one travel. None if they lead elsewhere, or are too long."""
         (ax, ay), (bx, by) = self.way, other.way
         between = abs(math.atan2(ax * by - ay * bx, ax * bx + ay * by))
-        size, added = self.length, other.length
-        if size + added > LONGEST or self.load != other.load or between > STRAIGHT:
+        length = self.length + other.length
+        if length > LONGEST or self.load != other.load or between > STRAIGHT:
             return None
-        share = added / (size + added) if size + added > 0.0 else 0.5
-        (px, py), (qx, qy) = self.place, other.place
+        pictures = self.pictures + other.pictures
         return PressedTravel(
-            (px + share * (qx - px), py + share * (qy - py)),
+            self.began,
+            other.ended,
             self.load,
             (ax + bx, ay + by),
             self.turn + other.turn,
             max(self.deviation, other.deviation),
+            (self.pictures * self.force + other.pictures * other.force) / pictures,
+            pictures,
         )
+
+
+class PressedPicture(NamedTuple):
+    """An object under a press in a picture."""
+
+    X_WG: Pose2
+    deviation: float  # [rad] standard deviation of the yaw
+    tip: Point  # [m]
+    load: float  # [N]
+    force: float  # [N] along the support
 
 
 class PressedTravels(NamedTuple):
     """Travels of a placement, and the last picture of an uninterrupted drag."""
 
     travels: tuple[PressedTravel, ...] = ()
-    X_WG: Pose2 | None = None
-    tip: Point = (0.0, 0.0)  # [m]
+    last: PressedPicture | None = None
 
     def paused(self) -> PressedTravels:
         """The same while the tip does not drag the object."""
-        return self if self.X_WG is None else self._replace(X_WG=None)
+        return self if self.last is None else self._replace(last=None)
 
-    def including(
-        self, X_WG: Pose2, tip: Point, load: float, deviation: float
-    ) -> PressedTravels:
-        """The same with one more picture, of an object at ``X_WG`` whose yaw has the
-        standard ``deviation`` [rad], dragged by a ``tip`` [m] with a ``load`` [N].
-        """
-        before = self.X_WG
+    def including(self, picture: PressedPicture) -> PressedTravels:
+        """The same with one more ``picture``."""
+        before = self.last
         if before is None:
-            return self._replace(X_WG=X_WG, tip=tip)
-        turn = wrap_angle(X_WG.yaw - before.yaw)
-        middle = Pose2(0.0, 0.0, before.yaw + 0.5 * turn)
-        way = middle.unrotate((tip[0] - self.tip[0], tip[1] - self.tip[1]))
-        place = X_WG.unapply(tip)
-        fresh = PressedTravel(place, load, way, turn, math.sqrt(2.0) * deviation)
+            return self._replace(last=picture)
+        turn = wrap_angle(picture.X_WG.yaw - before.X_WG.yaw)
+        middle = Pose2(0.0, 0.0, before.X_WG.yaw + 0.5 * turn)
+        (x, y), (before_x, before_y) = picture.tip, before.tip
+        fresh = PressedTravel(
+            before.X_WG.unapply(before.tip),
+            picture.X_WG.unapply(picture.tip),
+            picture.load,
+            middle.unrotate((x - before_x, y - before_y)),
+            turn,
+            math.sqrt(2.0) * picture.deviation,
+            picture.force,
+        )
         travels = self.travels
         joined = travels[-1].joined(fresh) if travels else None
         if joined is None:
             travels = (*travels[1 - MOST :], fresh)
         else:
             travels = (*travels[:-1], joined)
-        return PressedTravels(travels, X_WG, tip)
+        return PressedTravels(travels, picture)
 
     @property
     def telling(self) -> tuple[PressedTravel, ...]:
-        """Travels that are long enough to tell how the object turns."""
-        return tuple(one for one in self.travels if one.length > LEAST)
+        """Travels that tell how the object turns."""
+        return tuple(one for one in self.travels if one.tells)

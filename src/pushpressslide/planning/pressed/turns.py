@@ -80,22 +80,27 @@ class TurnTable:
     tipping_margin: Array
 
 
-def turns_along(presses: Sequence[Press], directions: Array) -> Array:
-    """Turns (m,) [rad/m] of one object per travel of the contacts of m ``presses`` in
-    ``directions`` (m,) [rad] in B. NaN where the object would tip.
+def dragged_along(
+    presses: Sequence[Press], directions: Array
+) -> tuple[Array, Array]:
+    """Motion of one object under m ``presses`` whose contacts travel in ``directions``
+    (m,) [rad] in B: turns (m,) [rad/m] per travel, and forces (m,) as shares of mu_s N.
+    NaN where the object would tip.
     """
-    a, b, w = _slides(presses, RESOLUTION).motion
+    slides = _slides(presses, RESOLUTION)
+    a, b, w = slides.motion
     levers = np.array([[press.lever] for press in presses])
     axes = np.array([math.atan2(*reversed(press.axis)) for press in presses])
     across = b + w * levers
     off = _wrapped(np.arctan2(across, a) + (axes - directions)[:, None])
     turns = w / np.hypot(a, across)
-    out = np.full(len(presses), np.nan)
+    out = np.full((2, len(presses)), np.nan)
     for i, known in enumerate(np.isfinite(turns)):
         if known.any():
-            columns = (off[i, known], turns[i, known])
-            out[i] = np.interp(0.0, *columns, period=2.0 * math.pi)
-    return out
+            at = off[i, known]
+            for row, values in enumerate((turns, slides.shares)):
+                out[row, i] = np.interp(0.0, at, values[i, known], period=2.0 * math.pi)
+    return out[0], out[1]
 
 
 @dataclass(frozen=True, slots=True)
