@@ -105,7 +105,9 @@ def pressed_body(
         return np.concatenate([parameters - 1.0, errors])
 
     # about one: a difference quotient has a step relative to the parameter
-    fit = least_squares(residuals, np.ones(4), diff_step=STEP, max_nfev=EVALUATIONS)
+    fit = least_squares(
+        residuals, np.ones(4), diff_step=STEP, max_nfev=EVALUATIONS, loss="soft_l1"
+    )
     P = np.linalg.inv(fit.jac.T @ fit.jac)
     mass, x, y, friction = body(fit.x)
     (xx, xy), (_, yy) = (spread @ P[1:3, 1:3] @ spread.T).tolist()

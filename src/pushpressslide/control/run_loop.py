@@ -411,8 +411,8 @@ class RunLoop:
         return self.told_center.knowing(found.get("center_of_mass"))
 
     def _travels_now(self) -> tuple[PressedTravel, ...]:
-        """Travels under single presses up to now."""
-        if self.state is None:
+        """Travels under single presses up to now, where they did not slide."""
+        if self.state is None or self._presses_slid:
             return self.travels
         return (*self.travels, *self.controller.pressed_travels(self.state))
 
