@@ -24,7 +24,9 @@ PLACES = ((0.2, 0.0), (-0.1, 0.06))
 ANGLES = (0.0, 0.5, -0.9, 1.4, 2.5)
 
 
-def believed(mass: float = 1.0, friction: float = 1.0, center: Point = (0.0, 0.0)) -> Scene:
+def believed(
+    mass: float = 1.0, friction: float = 1.0, center: Point = (0.0, 0.0)
+) -> Scene:
     """Scene with wrong factors of mass and friction and a centre elsewhere."""
     x, y = BODY.center_of_mass
     body = replace(
@@ -56,10 +58,14 @@ def travels(noise: float = 0.0, seed: int = 0) -> tuple[PressedTravel, ...]:
             size = 0.05 / math.hypot(twist.vx, twist.vy)
             way = (size * twist.vx, size * twist.vy)
             turn = size * twist.w + noise * float(random.normal())
-            (_,), (share,) = dragged_along([press], np.array([math.atan2(way[1], way[0])]))
+            (_,), (share,) = dragged_along(
+                [press], np.array([math.atan2(way[1], way[0])])
+            )
             force = float(share) * TRUE.max_friction(LOAD)
             deviation = max(noise, 1e-3)
-            out.append(PressedTravel(place, place, LOAD, way, turn, deviation, force, 9))
+            out.append(
+                PressedTravel(place, place, LOAD, way, turn, deviation, force, 9)
+            )
     return tuple(out)
 
 

@@ -8,7 +8,12 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.control.controller import Controller
-from pushpressslide.control.sightings import BETWEEN, PictureComparison, Seen, Sightings
+from pushpressslide.control.sightings import (
+    BETWEEN,
+    Estimated,
+    PictureComparison,
+    Sightings,
+)
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.control import Measurement, TipState
 from pushpressslide.core.pose import Point, Pose2
@@ -35,7 +40,7 @@ def compared(
     place = X_WB.apply((CENTER[0] + offset[0], CENTER[1] + offset[1]))
     picture = StampedPose(1.0, X_WG)
     return PictureComparison(QUERY).step(
-        before or Sightings(), picture, Seen(X_WG), (place,), BINDING, (tip,)
+        before or Sightings(), picture, Estimated(X_WG), (place,), BINDING, (tip,)
     )
 
 
@@ -70,8 +75,10 @@ def test_a_picture_of_an_object_that_nothing_drives_ends_the_drive() -> None:
     before = compared((0.0, 0.0))
     assert before.turns.last is not None
     picture = StampedPose(2.0, X_WG)
-    seen = Seen(Pose2())
-    after = PictureComparison(QUERY).step(before, picture, seen, (), BINDING, (AWAY,))
+    estimated = Estimated(Pose2())
+    after = PictureComparison(QUERY).step(
+        before, picture, estimated, (), BINDING, (AWAY,)
+    )
     assert after.turns.last is None
     assert after.depths == before.depths
 

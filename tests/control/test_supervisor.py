@@ -637,6 +637,30 @@ def test_a_contact_is_touched_anew_while_way_and_touches_are_left(
     assert 1 <= RETOUCHES <= 10
 
 
+def test_a_press_of_unsure_friction_slides_from_where_it_was_seen_to_touch() -> None:
+    """A tip that is seen beside its planned place from the beginning has not slid."""
+    task = pps.load_task(PRESS, ["belief.friction_error=0.3"])
+    unsure = Controller(pps.plan(task)).supervisor
+    well = moment(PRESS)
+    (planned,) = well.contact_points
+    (tip,) = well.instant.tips
+    (x, y, z), far = tip.position, 0.08
+    dx, dy = well.instant.X_WB.rotate((0.0, far))
+    tips = (replace(tip, position=(x + dx, y + dy, z)),)
+    beside = slipped(well, far)._replace(instant=well.instant._replace(tips=tips))
+    (seen,) = beside.contact_points
+    assert unsure.crept(watching(beside, touched=planned))
+    assert not unsure.crept(watching(beside, touched=seen))
+    # as a touch at the planned place forgets
+    again = unsure.touch_harder(watching(beside, touched=planned))
+    assert again.watches.touched is None
+    state = well.state._replace(phase=well.state.phase._replace(name="touch"))
+    begun = unsure.step(Settled(state, beside.instant))
+    assert begun.watches.touched == pytest.approx(seen)
+    sure = controller(PRESS).supervisor.step(Settled(state, beside.instant))
+    assert sure.watches.touched is None
+
+
 def test_a_press_that_crept_is_pressed_harder_up_to_what_is_planned() -> None:
     made = controller(PRESS)
     far = slipped(moment(PRESS), 0.08)

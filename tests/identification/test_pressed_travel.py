@@ -39,9 +39,9 @@ def test_a_travel_is_along_the_axes_of_the_object(yaw: float) -> None:
     before, after = Pose2(0.5, 0.1, yaw), Pose2(0.51, 0.12, yaw + 0.1)
     (travel,) = told(picture(before), picture(after, force=7.0)).travels
     first, last = before.apply(PLACE), after.apply(PLACE)
-    moved = (last[0] - first[0], last[1] - first[1])
-    assert travel.way == pytest.approx(Pose2(0.0, 0.0, yaw + 0.05).unrotate(moved))
-    assert travel.length == pytest.approx(math.hypot(*moved))
+    off = (last[0] - first[0], last[1] - first[1])
+    assert travel.moved == pytest.approx(Pose2(0.0, 0.0, yaw + 0.05).unrotate(off))
+    assert travel.length == pytest.approx(math.hypot(*off))
     assert travel.turn == pytest.approx(0.1)
     assert travel.place == pytest.approx(PLACE)
     assert travel.deviation == pytest.approx(math.sqrt(2.0) * DEVIATION)

@@ -19,7 +19,7 @@ from pushpressslide.control.felt_center import felt_center, with_felt_center
 from pushpressslide.control.following import BoundLaws, Prediction
 from pushpressslide.control.hand_eye import HandEye
 from pushpressslide.control.pose_filter import ARM, Advance, FilterState, PoseFilter
-from pushpressslide.control.sightings import PictureComparison, Seen, Sightings
+from pushpressslide.control.sightings import Estimated, PictureComparison, Sightings
 from pushpressslide.control.tracker import StampedPose
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Measurement, TipState
@@ -497,15 +497,15 @@ class ObjectEstimator:
         if not self._pictures.due(sightings, picture):
             return sightings
         places: tuple[Point, ...] = ()
-        seen = Seen(picture.X_WG)
+        estimated = Estimated(picture.X_WG)
         if filtered is None:
             places = _tips(observation) if observation.driven else ()
         elif state.filtered is not None and filtered.state.used == picture.time:
             places = filtered.tips_seen(state.filtered)
             X_WG = filtered.filter.pose(filtered.state.mean)
-            seen = Seen(X_WG, filtered.spread[1], filtered.hand_eye.offset)
+            estimated = Estimated(X_WG, filtered.spread[1], filtered.hand_eye.offset)
         return self._pictures.step(
-            sightings, picture, seen, places, observation.binding, observation.tips
+            sightings, picture, estimated, places, observation.binding, observation.tips
         )
 
     def _filtered(self, state: EstimatorState, observation: Observation) -> Filtered:

@@ -45,12 +45,15 @@ class Sightings(NamedTuple):
         return self._replace(delay=self.delay.including(time - stamp))
 
 
-class Seen(NamedTuple):
+class Estimated(NamedTuple):
     """What is estimated at the stamp of a picture."""
 
     X_WG: Pose2
     deviation: float = 0.0  # [rad] standard deviation of its yaw
-    tip_error: Point = (0.0, 0.0)  # [m] from where a single tip is measured to it, world
+    tip_error: Point = (
+        0.0,
+        0.0,
+    )  # [m] from where a single tip is measured to it, world
 
 
 class PictureComparison:
@@ -73,12 +76,12 @@ class PictureComparison:
         self,
         before: Sightings,
         picture: StampedPose,
-        seen: Seen,
+        estimated: Estimated,
         places: Sequence[Point],
         binding: BoundLaws,
         tips: Sequence[TipState],
     ) -> Sightings:
-        """``before`` and a ``picture`` of an object that was ``seen`` there.
+        """``before`` and a ``picture`` of an object that was ``estimated`` there.
 
         ``places`` [m] are those of the contacts' tips at that time, empty if they did
         not drive the object.
@@ -90,17 +93,19 @@ class PictureComparison:
         turns = before.turns.paused()
         drive = binding.segment.drive
         if isinstance(drive, TURNS_TELL):
-            sight = Sight(places[0], seen.X_WG.yaw, picture.X_WG.yaw)
+            sight = Sight(places[0], estimated.X_WG.yaw, picture.X_WG.yaw)
             turns = before.turns.including(sight)
         pressed = before.pressed
         if isinstance(drive, PressedDrive):
             (contact,) = binding.segment.contacts
-            (x, y), (off_x, off_y) = places[0], seen.tip_error
+            (x, y), (off_x, off_y) = places[0], estimated.tip_error
             tip = (x + off_x, y + off_y)
             fx, fy, _ = tips[contact.arm].force
             force = math.hypot(fx, fy)
             pressed = pressed.including(
-                PressedPicture(seen.X_WG, seen.deviation, tip, contact.load, force)
+                PressedPicture(
+                    estimated.X_WG, estimated.deviation, tip, contact.load, force
+                )
             )
         depths = before.depths or (NO_MEAN,) * len(places)
         depths = self._depths(depths, picture.X_WG, places, binding, tips)

@@ -141,6 +141,8 @@ class Watches(NamedTuple):
     resisted: float | None = None  # [s] since when another body pushes back
     # [s] since when no path leads on from an object that turns otherwise than planned
     mistaken: float | None = None
+    # [m] in B, where a press of unsure friction was seen to touch the object
+    touched: Point | None = None
     retouches: int = 0
     resistances: int = 0  # times that another body pushed back
     tip_friction: TipFriction | None = None  # of presses that slid

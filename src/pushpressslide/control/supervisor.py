@@ -353,9 +353,29 @@ class Supervisor:
 
     def _creeps(self, moment: Moment) -> bool:
         """Whether a press has slid from its planned place."""
+        return self._creep(moment) > margins.CREPT or self._dragged_off(moment)
+
+    def _creep(self, moment: Moment) -> float:
+        """``press_creep`` of a press. Where its friction is unsure, it has to leave the
+        place at which it was seen to touch: a tip that is seen beside its planned place
+        from the beginning has not slid.
+        """
         planned = self.placement.segments[0].contacts
-        crept = press_creep(planned, moment.contact_points) > margins.CREPT
-        return crept or self._dragged_off(moment)
+        creep = press_creep(planned, moment.contact_points)
+        touched = moment.state.watches.touched
+        if creep == 0.0 or touched is None:
+            return creep
+        place, _ = moment.state.estimate.spread
+        (now,) = self._seen_contacts(moment.state, moment.instant)
+        slid = max(0.0, math.dist(now, touched) - margins.DOUBT * place)
+        return min(creep, slid / math.hypot(*planned[0].point))
+
+    def _seen_contacts(
+        self, state: ControllerState, instant: Instant
+    ) -> tuple[Point, ...]:
+        """Points [m] in B at which the tips are seen to touch the object."""
+        seen = state.estimate.from_tip(instant.X_WB)
+        return state.following.binding.contact_points(seen, instant.tips)
 
     def _dragged_off(self, moment: Moment) -> bool:
         """Whether two presses have slid over the top, under an object that may have
@@ -561,7 +581,7 @@ class Supervisor:
                 binding=self.placement.bound_laws(segment), prediction=prediction
             ),
             watches=watches._replace(
-                lost=instant.time, retouches=watches.retouches + 1
+                lost=instant.time, retouches=watches.retouches + 1, touched=None
             ),
         )
         return enter_phase(self._forgetting(again, segment), "touch", instant)
@@ -683,7 +703,13 @@ class Supervisor:
             pause = time - (state.watches.lost or time)
             following = following._replace(clock_start=following.clock_start + pause)
         following = following.begun(time)
-        return enter_phase(state._replace(following=following), "move", instant)
+        watches = state.watches
+        alone = len(following.binding.segment.contacts) == 1
+        if alone and watches.touched is None and self._unsure_of_friction:
+            (place_now,) = self._seen_contacts(state, instant)
+            watches = watches._replace(touched=place_now)
+        begun = state._replace(following=following, watches=watches)
+        return enter_phase(begun, "move", instant)
 
     def _arrived(self, following: Following, instant: Instant) -> bool:
         """Whether a segment is over.

@@ -14,7 +14,7 @@ STRAIGHT = 0.25
 LONGEST = 0.05  # [m] of one travel
 LEAST = 0.008  # [m] of a travel that tells anything
 SLID = 0.25
-"""Share of its way by which the tip of a travel that tells anything slides at most."""
+"""Share of its length by which the tip of a travel that tells anything slides at most."""
 MOST = 60  # number of travels that are remembered
 
 
@@ -24,7 +24,7 @@ class PressedTravel(NamedTuple):
     began: Point  # [m] of the tip in G
     ended: Point  # [m]
     load: float  # [N]
-    way: Point  # [m] of the tip in the object's axes
+    moved: Point  # [m] of the tip in the object's axes
     turn: float  # [rad]
     deviation: float  # [rad] standard deviation of the turn
     force: float  # [N] mean of the drag that the tip feels
@@ -38,8 +38,8 @@ class PressedTravel(NamedTuple):
 
     @property
     def length(self) -> float:
-        """Length of the way [m]."""
-        return math.hypot(*self.way)
+        """Length [m]."""
+        return math.hypot(*self.moved)
 
     @property
     def tells(self) -> bool:
@@ -49,7 +49,7 @@ class PressedTravel(NamedTuple):
 
     def joined(self, other: PressedTravel) -> PressedTravel | None:
         """Both as one travel. None if they lead elsewhere, or are too long."""
-        (ax, ay), (bx, by) = self.way, other.way
+        (ax, ay), (bx, by) = self.moved, other.moved
         between = abs(math.atan2(ax * by - ay * bx, ax * bx + ay * by))
         length = self.length + other.length
         if length > LONGEST or self.load != other.load or between > STRAIGHT:

@@ -80,9 +80,7 @@ class TurnTable:
     tipping_margin: Array
 
 
-def dragged_along(
-    presses: Sequence[Press], directions: Array
-) -> tuple[Array, Array]:
+def dragged_along(presses: Sequence[Press], directions: Array) -> tuple[Array, Array]:
     """Motion of one object under m ``presses`` whose contacts travel in ``directions``
     (m,) [rad] in B: turns (m,) [rad/m] per travel, and forces (m,) as shares of mu_s N.
     NaN where the object would tip.
