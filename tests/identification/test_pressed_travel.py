@@ -40,7 +40,9 @@ def test_a_travel_is_along_the_axes_of_the_object(yaw: float) -> None:
     (travel,) = told(picture(before), picture(after, force=7.0)).travels
     first, last = before.apply(PLACE), after.apply(PLACE)
     off = (last[0] - first[0], last[1] - first[1])
-    assert travel.moved == pytest.approx(Pose2(0.0, 0.0, yaw + 0.05).unrotate(off))
+    assert travel.displacement == pytest.approx(
+        Pose2(0.0, 0.0, yaw + 0.05).unrotate(off)
+    )
     assert travel.length == pytest.approx(math.hypot(*off))
     assert travel.turn == pytest.approx(0.1)
     assert travel.place == pytest.approx(PLACE)

@@ -134,7 +134,7 @@ def _errors(
     for travel in travels:
         place = (travel.place[0] - x, travel.place[1] - y)
         presses.append(Press(body, friction, place, travel.load, scene.rho))
-    directions = [math.atan2(*reversed(travel.moved)) for travel in travels]
+    directions = [math.atan2(*reversed(travel.displacement)) for travel in travels]
     lengths = np.array([travel.length for travel in travels])
     turns = np.array([travel.turn for travel in travels])
     unsure = np.array([travel.deviation for travel in travels])

@@ -24,7 +24,7 @@ class PressedTravel(NamedTuple):
     began: Point  # [m] of the tip in G
     ended: Point  # [m]
     load: float  # [N]
-    moved: Point  # [m] of the tip in the object's axes
+    displacement: Point  # [m] of the tip in the object's axes
     turn: float  # [rad]
     deviation: float  # [rad] standard deviation of the turn
     force: float  # [N] mean of the drag that the tip feels
@@ -39,7 +39,7 @@ class PressedTravel(NamedTuple):
     @property
     def length(self) -> float:
         """Length [m]."""
-        return math.hypot(*self.moved)
+        return math.hypot(*self.displacement)
 
     @property
     def tells(self) -> bool:
@@ -49,7 +49,7 @@ class PressedTravel(NamedTuple):
 
     def joined(self, other: PressedTravel) -> PressedTravel | None:
         """Both as one travel. None if they lead elsewhere, or are too long."""
-        (ax, ay), (bx, by) = self.moved, other.moved
+        (ax, ay), (bx, by) = self.displacement, other.displacement
         between = abs(math.atan2(ax * by - ay * bx, ax * bx + ay * by))
         length = self.length + other.length
         if length > LONGEST or self.load != other.load or between > STRAIGHT:
