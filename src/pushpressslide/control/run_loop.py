@@ -412,7 +412,8 @@ class RunLoop:
 
     def _travels_now(self) -> tuple[PressedTravel, ...]:
         """Travels under single presses up to now, where they did not slide."""
-        if self.state is None or self._presses_slid:
+        own = isinstance(self.controller, Controller)
+        if not own or self.state is None or self._presses_slid:
             return self.travels
         return (*self.travels, *self.controller.pressed_travels(self.state))
 
