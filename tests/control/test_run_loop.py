@@ -348,8 +348,7 @@ def test_presses_that_slid_tell_no_centre_of_mass(
     cell = cell_of(Diary(arms=1), 1)
     loop = module.RunLoop(cell, one, RunOptions(controller=Script))
     believed = replace(loop.believed, center_error=0.02)
-    before = CenterBelief.before_run(believed)
-    loop.center = loop.told_center = before
+    loop.center = before = CenterBelief.before_run(believed)
     with cell.connected():
         record = loop.run()
     kept = {"rho"} if slid else set(found)

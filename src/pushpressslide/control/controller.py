@@ -405,10 +405,11 @@ class Controller:
         press. Empty where more than the support's friction turns it.
         """
         estimator = state.estimator
-        alone = self.placement.query.resisted_by_friction_alone
+        query = self.placement.query
+        alone = query.resisted_by_friction_alone and self.placement.entry is None
         if not isinstance(estimator, EstimatorState) or not alone:
             return ()
-        return () if self.placement.entry else estimator.sightings.pressed.telling
+        return estimator.sightings.pressed.telling
 
     def filtered_pose(self, state: ControllerState) -> Pose2:
         """Filtered X_WG at the last tick."""

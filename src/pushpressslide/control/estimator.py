@@ -343,15 +343,16 @@ class Filtered(NamedTuple):
         x, y = contacts[0].point
         angle, deviation = self.filter.line(self.state)
         off = wrap_angle(angle + X_BG.yaw - math.atan2(y, x) - drive.skew)
-        lever = math.hypot(x, y)
-        across = X_BG.unrotate((-y / lever, x / lever))
-        believed = (belief.deviation(across) / lever) ** 2
-        skewed = (SKEWED * drive.skew) ** 2
-        share = believed / (believed + skewed) if skewed > 0.0 else 1.0
-        off *= share
+        if drive.skew != 0.0:
+            lever = math.hypot(x, y)
+            across = X_BG.unrotate((-y / lever, x / lever))
+            believed = (belief.deviation(across) / lever) ** 2
+            skewed = (SKEWED * drive.skew) ** 2
+            share = believed / (believed + skewed)
+            off *= share
+            deviation = math.sqrt(deviation * deviation + share * skewed)
         turned = -math.tan(min(max(off, -STEEPEST), STEEPEST))
         center = (-turned * y, turned * x)
-        deviation = math.sqrt(deviation * deviation + share * skewed)
         return before._replace(center=center, off=deviation, filtered=True)
 
     def with_reach(

@@ -43,6 +43,15 @@ class PressedBody(NamedTuple):
     friction: float  # of the support
 
 
+class _Body(NamedTuple):
+    """An object that might have turned like that."""
+
+    mass: float  # [kg]
+    x: float  # [m] of its centre, in G
+    y: float  # [m]
+    friction: float  # of its support
+
+
 class PressedFit:
     """The last fit of a run: what it is asked for several times after a placement."""
 
@@ -86,22 +95,18 @@ def pressed_body(
     unsure_friction = math.log(1.0 + scene.friction_error)
     spread = _square_root(center)
 
-    def body(parameters: Array) -> tuple[float, float, float, float]:
-        """Mass [kg], centre of mass [m] in G and friction of ``parameters`` (4,)."""
-        first, x, y, last = parameters - 1.0
-        off_x, off_y = (spread @ (x, y)).tolist()
+    def body(parameters: Array) -> _Body:
+        """Body of ``parameters`` (4,)."""
+        first, *others, last = parameters - 1.0
+        off_x, off_y = (spread @ others).tolist()
         mass = scene.body.mass * math.exp(unsure * float(first))
         friction = scene.support.friction * math.exp(unsure_friction * float(last))
-        return (
-            mass,
-            center.x + off_x,
-            center.y + off_y,
-            min(friction, MOST_FRICTION),
-        )
+        x, y = center.x + off_x, center.y + off_y
+        return _Body(mass, x, y, min(friction, MOST_FRICTION))
 
     def residuals(parameters: Array) -> Array:
         """Errors of belief, turns and forces, each over its standard deviation."""
-        errors = _errors(scene, *body(parameters), travels, force_noise)
+        errors = _errors(scene, body(parameters), travels, force_noise)
         return np.concatenate([parameters - 1.0, errors])
 
     # about one: a difference quotient has a step relative to the parameter
@@ -109,43 +114,40 @@ def pressed_body(
         residuals, np.ones(4), diff_step=STEP, max_nfev=EVALUATIONS, loss="soft_l1"
     )
     P = np.linalg.inv(fit.jac.T @ fit.jac)
-    mass, x, y, friction = body(fit.x)
+    best = body(fit.x)
     (xx, xy), (_, yy) = (spread @ P[1:3, 1:3] @ spread.T).tolist()
     error = min(scene.mass_error, max(LEAST_ERROR, 2.0 * unsure * math.sqrt(P[0, 0])))
-    place = CenterBelief(x, y, xx, xy, yy, center.before)
-    return PressedBody(mass, error, place, friction)
+    place = CenterBelief(best.x, best.y, xx, xy, yy, center.before)
+    return PressedBody(best.mass, error, place, best.friction)
 
 
 def _errors(
     scene: Scene,
-    mass: float,
-    x: float,
-    y: float,
-    friction: float,
+    body: _Body,
     travels: Sequence[PressedTravel],
     force_noise: float,
 ) -> Array:
-    """Errors (2 n,) of turns and forces of a body with its ``mass`` [kg], its centre at
-    ``x`` and ``y`` [m] in G and a ``friction`` of its support, each over its standard
-    deviation.
+    """Errors (2 n,) of the turns and forces that a ``body`` would have had in
+    ``travels``, each over its standard deviation.
     """
-    body = replace(scene.body, mass=mass, center_of_mass=(x, y))
+    model = replace(scene.body, mass=body.mass, center_of_mass=(body.x, body.y))
     presses = []
     for travel in travels:
-        place = (travel.place[0] - x, travel.place[1] - y)
-        presses.append(Press(body, friction, place, travel.load, scene.rho))
-    directions = [math.atan2(*reversed(travel.displacement)) for travel in travels]
+        x, y = travel.place
+        contact = (x - body.x, y - body.y)
+        presses.append(Press(model, body.friction, contact, travel.load, scene.rho))
+    directions = np.array([travel.direction for travel in travels])
     lengths = np.array([travel.length for travel in travels])
     turns = np.array([travel.turn for travel in travels])
     unsure = np.array([travel.deviation for travel in travels])
     forces = np.array([travel.force for travel in travels])
     pictures = np.array([travel.pictures for travel in travels])
     loads = np.array([press.weight + press.load for press in presses])
-    expected, shares = dragged_along(presses, np.array(directions))
+    expected, shares = dragged_along(presses, directions)
     off = (turns - expected * lengths) / np.sqrt(
         unsure**2 + (MODEL_SHARE * turns) ** 2 + (MODEL_TURN * lengths) ** 2
     )
-    off_force = (forces - shares * friction * loads) / np.hypot(
+    off_force = (forces - shares * body.friction * loads) / np.hypot(
         MODEL_FORCE * forces, force_noise / np.sqrt(pictures)
     )
     out: Array = np.nan_to_num(np.concatenate([off, off_force]), nan=TIPPED)

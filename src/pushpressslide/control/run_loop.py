@@ -222,8 +222,7 @@ class RunLoop:
         self.center: CenterBelief | None = None  # the same; None: it is sure
         if self.believed.center_error > 0.0:
             self.center = CenterBelief.before_run(self.believed)
-        self.told_center = self.center  # the same, without what presses have told
-        # under single presses, before this placement
+        # under single presses, before this placement; ``center`` is without them
         self.travels: tuple[PressedTravel, ...] = ()
         self.pressed_fit = PressedFit(self.believed, noise)
         self.hand_eyes: dict[int, HandEye] = {}  # by arm, as seen before
@@ -349,8 +348,7 @@ class RunLoop:
         """Add what the present placement has identified."""
         if self.state is not None:
             self.identified = self.identified.better(self._identified_now(self.state))
-            self.center = self._known_center()
-            self.told_center = self._told_center()
+            self.center = self._told_center()
             self.travels = self._travels_now()
             seen = None
             if isinstance(self.controller, Controller):
@@ -395,20 +393,18 @@ class RunLoop:
         """What is believed of the centre of mass after the present placement. None if
         it is sure.
         """
-        if self.center is None or self.state is None:
-            return self.center
         body = self._pressed_body()
         return self._told_center() if body is None else body.center
 
     def _told_center(self) -> CenterBelief | None:
         """The same without what the turns under presses have told."""
-        if self.told_center is None or self.state is None:
-            return self.told_center
+        if self.center is None or self.state is None:
+            return self.center
         travels = self._travels_now()
         if len(travels) > len(self.travels):
-            return self.told_center
+            return self.center
         found = self._identified_now(self.state).parameters
-        return self.told_center.knowing(found.get("center_of_mass"))
+        return self.center.knowing(found.get("center_of_mass"))
 
     def _travels_now(self) -> tuple[PressedTravel, ...]:
         """Travels under single presses up to now, where they did not slide."""
@@ -659,16 +655,17 @@ class RunLoop:
             self.options.estimator,
         )
         limits = self.arm_limits
+        self.state = None
         own = isinstance(self.controller, Controller)
         if own and paths and len(limits) == len(paths):
             self.controller.keep_pace(joint_pace(paths, limits))
         if own:
             self.controller.know_tips(self.hand_eyes)
-            if self.center is not None:
-                self.controller.know_center(self.center)
+            center = self._known_center()
+            if center is not None:
+                self.controller.know_center(center)
         if own and self.recoveries == 0:
             self.controller.supervisor.gives_up = False
-        self.state = None
         if self.spacing is not None:
             self.spacing.forget()
         self.resting = RestingPose()

@@ -50,10 +50,8 @@ class Estimated(NamedTuple):
 
     X_WG: Pose2
     deviation: float = 0.0  # [rad] standard deviation of its yaw
-    tip_error: Point = (
-        0.0,
-        0.0,
-    )  # [m] from where a single tip is measured to it, world
+    # [m] from where a single tip is measured to where it is seen to be, world
+    tip_error: Point = (0.0, 0.0)
 
 
 class PictureComparison:

@@ -745,8 +745,7 @@ class Supervisor:
         if off < above or state.watches.retries == RETRIES:
             return ()
         segment = following.binding.segment
-        seen = state.estimate.from_tip(instant.X_WB)
-        touched = following.binding.contact_points(seen, instant.tips)
+        touched = self._seen_contacts(state, instant)
         replanner = self.placement.replanner.believing(following.rho)
         measured = Measured.touching(
             instant.X_WB, segment.contacts, touched, estimates=estimates(state)

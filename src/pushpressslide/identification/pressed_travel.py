@@ -8,6 +8,7 @@ import math
 from typing import NamedTuple
 
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
+from pushpressslide.identification.turning import along_object
 
 STRAIGHT = 0.25
 """Largest angle [rad] between the directions of two parts of one travel."""
@@ -38,8 +39,14 @@ class PressedTravel(NamedTuple):
 
     @property
     def length(self) -> float:
-        """Length [m]."""
+        """Length [m] of the tip's displacement."""
         return math.hypot(*self.displacement)
+
+    @property
+    def direction(self) -> float:
+        """Direction [rad] of the tip's displacement, in the object's axes."""
+        x, y = self.displacement
+        return math.atan2(y, x)
 
     @property
     def tells(self) -> bool:
@@ -93,13 +100,13 @@ class PressedTravels(NamedTuple):
         if before is None:
             return self._replace(last=picture)
         turn = wrap_angle(picture.X_WG.yaw - before.X_WG.yaw)
-        middle = Pose2(0.0, 0.0, before.X_WG.yaw + 0.5 * turn)
         (x, y), (before_x, before_y) = picture.tip, before.tip
+        step = (x - before_x, y - before_y)
         fresh = PressedTravel(
             before.X_WG.unapply(before.tip),
             picture.X_WG.unapply(picture.tip),
             picture.load,
-            middle.unrotate((x - before_x, y - before_y)),
+            along_object(step, before.X_WG.yaw, turn),
             turn,
             math.sqrt(2.0) * picture.deviation,
             picture.force,

@@ -13,6 +13,13 @@ from typing import NamedTuple
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
 
 
+def along_object(step: Point, yaw: float, turn: float) -> Point:
+    """A ``step`` [m] along the axes of an object that turns from ``yaw`` [rad] by
+    ``turn`` [rad] meanwhile.
+    """
+    return Pose2(0.0, 0.0, yaw + 0.5 * turn).unrotate(step)
+
+
 class Reach(NamedTuple):
     """Identified distance of a tip's centre from the virtual axle."""
 
@@ -59,8 +66,7 @@ class TurnState(NamedTuple):
             return self._replace(last=sight, pictures=1, travel=(0.0, 0.0), means=means)
         turned = last.picture_yaw + wrap_angle(sight.picture_yaw - last.picture_yaw)
         moved = (sight.place[0] - last.place[0], sight.place[1] - last.place[1])
-        middle = last.yaw + 0.5 * wrap_angle(sight.yaw - last.yaw)
-        dx, dy = Pose2(0.0, 0.0, middle).unrotate(moved)
+        dx, dy = along_object(moved, last.yaw, wrap_angle(sight.yaw - last.yaw))
         travel = (self.travel[0] + dx, self.travel[1] + dy)
         return self._with(travel, sight._replace(picture_yaw=turned))
 

@@ -88,9 +88,9 @@ def dragged_along(presses: Sequence[Press], directions: Array) -> tuple[Array, A
     slides = _slides(presses, RESOLUTION)
     a, b, w = slides.motion
     levers = np.array([[press.lever] for press in presses])
-    axes = np.array([math.atan2(*reversed(press.axis)) for press in presses])
+    ex, ey = np.array([press.axis for press in presses]).T
     across = b + w * levers
-    off = _wrapped(np.arctan2(across, a) + (axes - directions)[:, None])
+    off = _wrapped(np.arctan2(across, a) + (np.arctan2(ey, ex) - directions)[:, None])
     turns = w / np.hypot(a, across)
     out = np.full((2, len(presses)), np.nan)
     for i, known in enumerate(np.isfinite(turns)):
