@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.control.center_belief import CenterBelief
 from pushpressslide.control.correction import (
     Replan,
     Replanner,
@@ -16,6 +17,7 @@ from pushpressslide.control.correction import (
     slide,
     touched_point,
 )
+from pushpressslide.control.pressed_body import PressedBody
 from pushpressslide.core import margins
 from pushpressslide.core.control import TipState
 from pushpressslide.core.guidance import Guidance
@@ -342,3 +344,14 @@ def test_a_motion_begun_anew_has_the_run_up_of_its_speed() -> None:
     speed = profile.speed
     assert made.progress == pytest.approx(speed * made.clock / 2.0)
     assert made.clock == pytest.approx(speed / profile.acceleration)
+
+
+def test_a_replanner_believes_what_presses_have_told() -> None:
+    """Mass and friction. The centre of mass, from which B is placed, stays."""
+    replanner = Replanner(pps.load_task("press-slide").queries())
+    scene = replanner.queries[0].scene
+    assert replanner.believing(None) is replanner
+    told = PressedBody(0.7, 0.1, CenterBelief(0.01, 0.02, 1e-6), 0.44)
+    (query,) = replanner.believing(None, told).queries
+    assert query.scene.body == replace(scene.body, mass=0.7)
+    assert query.scene.support == replace(scene.support, friction=0.44)

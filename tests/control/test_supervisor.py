@@ -11,14 +11,17 @@ from pathlib import Path
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.control.center_belief import CenterBelief
 from pushpressslide.control.controller import Controller
 from pushpressslide.control.insertion import HOLD_TIME, SEAT_TIME, Insertion
 from pushpressslide.control.placement import Placement
+from pushpressslide.control.pressed_body import PressedBody
 from pushpressslide.control.state import (
     ContactLosses,
     ControllerState,
     Instant,
     StallWatch,
+    Touched,
     Watches,
     enter_phase,
     tip_position,
@@ -396,6 +399,7 @@ def test_only_events_that_plan_let_the_tips_hold_meanwhile() -> None:
         "lost": (PUSH, watching(push, lost=BEGAN), False),
         "slid": (PUSH, slipped(push, 0.08), False),
         "astray": (PUSH, astray, False),
+        "mistaken": (PRESS, watching(moment(PRESS), mistaken=BEGAN), True),
     }
     for event, (name, of, plans) in events.items():
         assert after(name, of)[0] == event
@@ -642,23 +646,83 @@ def test_a_press_of_unsure_friction_slides_from_where_it_was_seen_to_touch() -> 
     task = pps.load_task(PRESS, ["belief.friction_error=0.3"])
     unsure = Controller(pps.plan(task)).supervisor
     well = moment(PRESS)
-    (planned,) = well.contact_points
     (tip,) = well.instant.tips
     (x, y, z), far = tip.position, 0.08
     dx, dy = well.instant.X_WB.rotate((0.0, far))
     tips = (replace(tip, position=(x + dx, y + dy, z)),)
     beside = slipped(well, far)._replace(instant=well.instant._replace(tips=tips))
-    (seen,) = beside.contact_points
-    assert unsure.crept(watching(beside, touched=planned))
-    assert not unsure.crept(watching(beside, touched=seen))
+    X_WB = well.instant.X_WB
+    at_plan = Touched(X_WB, well.instant.tips, 0.0)
+    assert unsure.crept(watching(beside, touched=at_plan))
+    assert not unsure.crept(watching(beside, touched=Touched(X_WB, tips, 0.0)))
+    # what the pose was known to, then and now, is no slide
+    doubtful = at_plan._replace(place=far)
+    assert not unsure.crept(watching(beside, touched=doubtful))
     # as a touch at the planned place forgets
-    again = unsure.touch_harder(watching(beside, touched=planned))
+    again = unsure.touch_harder(watching(beside, touched=at_plan))
     assert again.watches.touched is None
     state = well.state._replace(phase=well.state.phase._replace(name="touch"))
     begun = unsure.step(Settled(state, beside.instant))
-    assert begun.watches.touched == pytest.approx(seen)
+    assert begun.watches.touched == Touched(X_WB, tips, 0.0)
     sure = controller(PRESS).supervisor.step(Settled(state, beside.instant))
     assert sure.watches.touched is None
+
+
+def test_a_tip_that_is_seen_elsewhere_later_has_not_slid() -> None:
+    """What is learnt of where the tip is, is true of its touch as well."""
+    task = pps.load_task(PRESS, ["belief.friction_error=0.3"])
+    unsure = Controller(pps.plan(task)).supervisor
+    well = moment(PRESS)
+    touched = Touched(well.instant.X_WB, well.instant.tips, 0.0)
+    estimate = well.state.estimate._replace(tip_error=(0.05, 0.06))
+    learnt = slipped(well, 0.08)._replace(state=well.state._replace(estimate=estimate))
+    assert not unsure.crept(watching(learnt, touched=touched))
+
+
+def test_an_object_that_turns_otherwise_is_led_to_its_goal_by_the_same_contacts() -> (
+    None
+):
+    """As if it had arrived beside its goal. Without a retry the attempt ends."""
+    since = TIME - 2.0 * margins.ARM.mistaken_time
+    goal = controller(PRESS).placement.last.goal
+    off = 1.5 * controller(PRESS).placement.last.tolerance.position
+    beside = moment(PRESS, Pose2(goal.x, goal.y + off, goal.yaw))
+    event, state = after(PRESS, watching(beside, mistaken=since))
+    assert event == "mistaken"
+    assert state.phase.name == "move"
+    assert state.watches.retries == 1
+    assert state.watches.mistaken is None
+    # one with turns ahead counts as well: it does not begin for ever
+    following = beside.state.following
+    turning = following._replace(ahead=(following.binding.segment,))
+    again = watching(beside, mistaken=since, retries=1)
+    again = again._replace(state=again.state._replace(following=turning))
+    assert controller(PRESS).supervisor.lead_again(again).watches.retries == 2
+    tried = watching(beside, mistaken=since, retries=RETRIES)
+    _, state = after(PRESS, tried)
+    assert state.phase.name == "release"
+    assert state.phase.failure is not None
+    assert state.phase.failure[0] == "goal_missed"
+
+
+def test_the_next_segment_is_planned_with_what_presses_have_told() -> None:
+    """Of mass, friction and centre, from then on."""
+    made = Controller(pps.plan(pps.load_task(TWO, ["limits.time=600"])))
+    scene = made.placement.scene
+    x, y = scene.body.center_of_mass
+    center = CenterBelief(x + 0.004, y - 0.003, 1e-6, 0.0, 1e-6)
+    told = PressedBody(1.3 * scene.body.mass, 0.1, center, 1.2 * scene.support.friction)
+    made.supervisor.pressed_body = lambda: told
+    begun = at_the_end(moment(TWO), last=False)
+    state = made.supervisor.go_on(begun)
+    assert state.following.body == told
+    assert state.following.prediction.followed_center == pytest.approx((0.004, -0.003))
+    (query, *_) = made.supervisor._replanner(state.following).queries
+    assert query.scene.body.mass == told.mass
+    assert query.scene.support.friction == told.friction
+    assert query.X_GB == made.placement.query.X_GB
+    # nothing told, nothing changed
+    assert after(TWO, begun)[1].following.body is None
 
 
 def test_a_press_that_crept_is_pressed_harder_up_to_what_is_planned() -> None:

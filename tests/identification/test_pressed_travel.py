@@ -13,6 +13,7 @@ from pushpressslide.identification.pressed_travel import (
     MOST,
     PressedPicture,
     PressedTravels,
+    travels_alike,
 )
 
 PLACE = (0.03, -0.02)  # of the tip in G
@@ -96,3 +97,32 @@ def test_the_last_travels_are_remembered() -> None:
     for i in range(2 * MOST):
         out = out.including(picture(Pose2(0.5 + 0.02 * (i % 2), 0.1, 0.0)))
     assert len(out.travels) == MOST
+
+
+def test_a_tip_at_rest_leaves_what_was_told_before() -> None:
+    """Pictures of an object at rest are shorter than a travel, and end none."""
+    out = told(picture(Pose2(0.5, 0.1, 0.0)), picture(Pose2(0.52, 0.1, 0.1)))
+    (before,) = out.telling
+    for i in range(2 * MOST):
+        out = out.including(picture(Pose2(0.52, 0.1 + 1e-3 * (i % 2), 0.1)))
+    (after,) = out.telling
+    assert after.turn == pytest.approx(before.turn)
+    assert after.length == pytest.approx(before.length)
+    assert len(out.travels) <= 3
+
+
+def test_travels_that_tell_the_same_are_one() -> None:
+    out = told(*(picture(Pose2(0.5 + 0.04 * i, 0.1, 0.1 * i)) for i in range(6)))
+    assert len(out.telling) > 1
+    (together,) = travels_alike(out.telling)
+    assert together.turn == pytest.approx(0.5)
+    assert together.length == pytest.approx(0.2, rel=0.05)
+    deviations = [travel.deviation for travel in out.telling]
+    assert together.deviation == pytest.approx(math.hypot(*deviations))
+    # not under another load, elsewhere on the object, or in another direction
+    other = out.telling[0]._replace(load=LOAD + 1.0)
+    assert len(travels_alike((*out.telling, other))) == 2
+    far = other._replace(load=LOAD, began=(0.1, 0.0), ended=(0.1, 0.0))
+    assert len(travels_alike((*out.telling, far))) == 2
+    across = other._replace(load=LOAD, displacement=(0.0, 0.04))
+    assert len(travels_alike((*out.telling, across))) == 2

@@ -10,6 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from pushpressslide.control.pressed_body import PressedBody
 from pushpressslide.core import margins
 from pushpressslide.core.control import TipState
 from pushpressslide.core.guidance import Guidance
@@ -51,14 +52,20 @@ class Replanner:
         """Store the queries by leg."""
         self.queries = queries
 
-    def believing(self, rho: float | None) -> Replanner:
-        """Replanner with the identified ``rho`` [m] in its scenes.
-
-        The replanner itself if ``rho`` is None, or if the scenes prescribe no rho.
+    def believing(
+        self, rho: float | None, body: PressedBody | None = None
+    ) -> Replanner:
+        """Replanner with the identified ``rho`` [m] and ``body`` in its scenes. None: as
+        they are. A rho that the scenes do not prescribe is left out.
         """
-        if rho is None or self.queries[0].scene.rho is None:
+        scenes = [query.scene for query in self.queries]
+        rho = None if scenes[0].rho is None else rho
+        if rho is None and body is None:
             return self
-        scenes = (replace(query.scene, rho=rho) for query in self.queries)
+        if rho is not None:
+            scenes = [replace(scene, rho=rho) for scene in scenes]
+        if body is not None:
+            scenes = [body.within(scene) for scene in scenes]
         pairs = zip(self.queries, scenes, strict=True)
         return Replanner([replace(query, scene=scene) for query, scene in pairs])
 

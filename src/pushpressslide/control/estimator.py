@@ -328,10 +328,16 @@ class Filtered(NamedTuple):
         return self.filter.rescaled(self.state, drive.skew - was.skew, scale)
 
     def center(
-        self, before: CenterState, segment: Segment, X_BG: Pose2, belief: CenterBelief
+        self,
+        before: CenterState,
+        segment: Segment,
+        X_BG: Pose2,
+        belief: CenterBelief,
+        followed: Point,
     ) -> CenterState:
         """``before`` with the centre of mass where the turns of the object show it,
-        across the line from the origin of B to the only contact.
+        across the line from the origin of B to the only contact. Along it, it is that of
+        the ``followed`` plan [m] in B.
 
         A line that is skewed is that of the model as much as of the centre: each has the
         share of its variance, that of the centre according to the ``belief``.
@@ -352,7 +358,9 @@ class Filtered(NamedTuple):
             off *= share
             deviation = math.sqrt(deviation * deviation + share * skewed)
         turned = -math.tan(min(max(off, -STEEPEST), STEEPEST))
-        center = (-turned * y, turned * x)
+        along = (followed[0] * x + followed[1] * y) / (x * x + y * y)
+        turned *= 1.0 - along
+        center = (along * x - turned * y, along * y + turned * x)
         return before._replace(center=center, off=deviation, filtered=True)
 
     def with_reach(
@@ -449,7 +457,10 @@ class ObjectEstimator:
         learning = filtered if self._center_error > 0.0 else None
         if learning is not None:
             segment = observation.binding.segment
-            center = learning.center(center, segment, self._X_BG, self._center)
+            followed = predicted.followed_center
+            center = learning.center(
+                center, segment, self._X_BG, self._center, followed
+            )
         anew = filtered is not None and filtered.touches_anew(state.filtered)
         if observation.driven or anew or predicted is not state.prediction:
             found = _estimates(predicted, axle, center)

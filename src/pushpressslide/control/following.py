@@ -13,6 +13,7 @@ from pushpressslide.control.correction import (
     surely_touched,
     touched_points,
 )
+from pushpressslide.control.pressed_body import PressedBody
 from pushpressslide.core.control import TipState
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Segment
@@ -105,6 +106,7 @@ class Following(NamedTuple):
     joint_offset: float = 0.0
     path_offset: float = 0.0
     rho: float | None = None  # [m] used in replans; None: that of the task
+    body: PressedBody | None = None  # the same; None: as believed
 
     @property
     def left(self) -> float:

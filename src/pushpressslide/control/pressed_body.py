@@ -18,20 +18,24 @@ import numpy as np
 
 from pushpressslide.control.center_belief import CenterBelief
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.scene import Scene
 from pushpressslide.identification.parameter_estimates import MOST_FRICTION
-from pushpressslide.identification.pressed_travel import PressedTravel
+from pushpressslide.identification.pressed_travel import (
+    PressedTravel,
+    travels_alike,
+)
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.planning.pressed.turns import dragged_along
 
-# standard deviations of the model: of a turn, as a share of it, and of one that is small
+# standard deviations of the model: of a turn and of a drag, as shares of them
 MODEL_SHARE = 0.06
-MODEL_TURN = 0.1  # [rad/m]
-MODEL_FORCE = 0.06  # of a drag, as a share of it
+MODEL_FORCE = 0.06
+TIP_PLACE = 2e-3  # [m] standard deviation of a tip's place on the object
 LEAST_ERROR = 0.05  # of the mass that is known best
-STEP = 0.1  # of the difference quotients, in standard deviations of the belief
-EVALUATIONS = 8  # of the fit, at most
-TIPPED = 3.0  # residual of a travel in which the model tips
+MEMBERS = 20  # of the ensemble
+STEPS = 3  # in which it is updated
+OUTLYING = 2.0  # standard deviations above which what is measured counts less
 
 
 class PressedBody(NamedTuple):
@@ -41,6 +45,14 @@ class PressedBody(NamedTuple):
     mass_error: float  # as a ``belief.mass_error``
     center: CenterBelief
     friction: float  # of the support
+
+    def within(self, scene: Scene) -> Scene:
+        """The ``scene`` with mass and friction of the body."""
+        return replace(
+            scene,
+            body=replace(scene.body, mass=self.mass),
+            support=replace(scene.support, friction=self.friction),
+        )
 
 
 class _Body(NamedTuple):
@@ -87,71 +99,136 @@ def pressed_body(
     deviation ``force_noise`` [N]. ``scene`` and ``center`` are believed without them.
     None if there are none.
     """
-    from scipy.optimize import least_squares
-
     if not travels:
         return None
-    unsure = math.log(1.0 + scene.mass_error)
-    unsure_friction = math.log(1.0 + scene.friction_error)
-    spread = _square_root(center)
+    fit = _Fit(scene, center, travels_alike(travels), force_noise)
+    rng = np.random.default_rng(0)
+    members = fit.believed(rng)
+    for _ in range(STEPS):
+        members = fit.updated(members, rng)
+    return fit.pressed_body(members)
 
-    def body(parameters: Array) -> _Body:
-        """Body of ``parameters`` (4,)."""
-        first, *others, last = parameters - 1.0
-        off_x, off_y = (spread @ others).tolist()
-        mass = scene.body.mass * math.exp(unsure * float(first))
-        friction = scene.support.friction * math.exp(unsure_friction * float(last))
-        x, y = center.x + off_x, center.y + off_y
+
+class _Fit:
+    """Ensemble smoother (Emerick and Reynolds, Computers & Geosciences 55, 2013) of mass,
+    centre and drag. It needs no derivatives of the model, which is rough.
+
+    Members (K, 4) are logarithms of the mass and of the drag over the believed ones, and
+    between them the centre in standard deviations of its belief.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        center: CenterBelief,
+        travels: Sequence[PressedTravel],
+        force_noise: float,
+    ) -> None:
+        """Bind to what is believed, and to ``travels`` with forces of a standard
+        deviation ``force_noise`` [N].
+        """
+        self._scene = scene
+        self._center = center
+        self._travels = travels
+        self._spread = _square_root(center)
+        self._load = math.fsum(travel.load for travel in travels) / len(travels)
+        self._directions = np.array([travel.direction for travel in travels])
+        self._lengths = np.array([travel.length for travel in travels])
+        turns = np.array([travel.turn for travel in travels])
+        forces = np.array([travel.force for travel in travels])
+        unsure = np.array([travel.deviation for travel in travels])
+        pictures = np.array([travel.pictures for travel in travels])
+        levers = np.array([math.dist(one.place, center.place) for one in travels])
+        aside = np.hypot(TIP_PLACE / np.maximum(levers, TIP_PLACE), unsure)
+        believed = self._body(np.zeros(4))
+        straight, _ = self._moved(believed, self._directions)
+        beside, _ = self._moved(believed, self._directions + aside)
+        sensitive = np.nan_to_num((beside - straight) * self._lengths)
+        turn_errors = np.sqrt(unsure**2 + (MODEL_SHARE * turns) ** 2 + sensitive**2)
+        force_errors = np.hypot(MODEL_FORCE * forces, force_noise / np.sqrt(pictures))
+        self._errors = np.concatenate([turn_errors, force_errors])
+        self._measured = np.concatenate([turns, forces]) / self._errors
+
+    def believed(self, rng: np.random.Generator) -> Array:
+        """Members (K, 4) as believed."""
+        scene = self._scene
+        # what is hoped for is at the edge of what is believed
+        wide = 2.0 if scene.dares else 1.0
+        unsure = wide * math.log(1.0 + scene.mass_error)
+        unsure_friction = wide * math.log(1.0 + scene.friction_error)
+        drawn = rng.normal(size=(MEMBERS, 4))
+        drawn -= drawn.mean(0)
+        drawn = np.linalg.solve(np.linalg.cholesky(np.cov(drawn.T)), drawn.T).T
+        mass = unsure * drawn[:, 0]
+        weight = GRAVITY * scene.body.mass
+        loaded = np.log((weight * np.exp(mass) + self._load) / (weight + self._load))
+        drag = unsure_friction * drawn[:, 3] + loaded
+        return np.column_stack([mass, drawn[:, 1:3], drag])
+
+    def updated(self, members: Array, rng: np.random.Generator) -> Array:
+        """Members (K, 4) after one of STEPS updates by all that is measured."""
+        expected = np.array([self._expected(member) for member in members])
+        middle = np.nan_to_num(np.nanmean(expected, axis=0))
+        expected = np.where(np.isnan(expected), middle, expected)
+        off = self._measured - expected
+        A = members - members.mean(0)
+        G = expected - expected.mean(0)
+        C = G.T @ G / MEMBERS
+        beyond = off.mean(0) / np.sqrt(1.0 + np.diag(C)) / OUTLYING
+        noise = STEPS * np.maximum(1.0, beyond * beyond)
+        gain = np.linalg.solve(C + np.diag(noise), G.T @ A / MEMBERS)
+        off += np.sqrt(noise) * rng.normal(size=off.shape)
+        updated: Array = members + off @ gain
+        return updated
+
+    def pressed_body(self, members: Array) -> PressedBody:
+        """Mean of the ``members`` (K, 4), and how they spread."""
+        body = self._body(members.mean(0))
+        P = np.cov(members.T)
+        spread = self._spread
+        (xx, xy), (_, yy) = (spread @ P[1:3, 1:3] @ spread.T).tolist()
+        common = TIP_PLACE * TIP_PLACE  # the same in all travels
+        error = max(LEAST_ERROR, 2.0 * math.sqrt(P[0, 0]))
+        place = CenterBelief(
+            body.x, body.y, xx + common, xy, yy + common, self._center.before
+        )
+        return PressedBody(
+            body.mass, min(self._scene.mass_error, error), place, body.friction
+        )
+
+    def _body(self, member: Array) -> _Body:
+        """Body of a ``member`` (4,)."""
+        off_x, off_y = (self._spread @ member[1:3]).tolist()
+        scene = self._scene
+        mass = scene.body.mass * math.exp(float(member[0]))
+        # the drag tells friction and mass together
+        believed, now = (GRAVITY * m + self._load for m in (scene.body.mass, mass))
+        friction = scene.support.friction * math.exp(float(member[3])) * believed / now
+        x, y = self._center.x + off_x, self._center.y + off_y
         return _Body(mass, x, y, min(friction, MOST_FRICTION))
 
-    def residuals(parameters: Array) -> Array:
-        """Errors of belief, turns and forces, each over its standard deviation."""
-        errors = _errors(scene, body(parameters), travels, force_noise)
-        return np.concatenate([parameters - 1.0, errors])
+    def _expected(self, member: Array) -> Array:
+        """Turns and forces (2 n,) of a ``member``, over their errors. Turns are NaN where
+        it would tip.
+        """
+        body = self._body(member)
+        turns, shares = self._moved(body, self._directions)
+        weight = GRAVITY * body.mass
+        loads = np.array([weight + travel.load for travel in self._travels])
+        forces = np.nan_to_num(shares, nan=1.0) * body.friction * loads
+        out: Array = np.concatenate([turns * self._lengths, forces]) / self._errors
+        return out
 
-    # about one: a difference quotient has a step relative to the parameter
-    fit = least_squares(
-        residuals, np.ones(4), diff_step=STEP, max_nfev=EVALUATIONS, loss="soft_l1"
-    )
-    P = np.linalg.inv(fit.jac.T @ fit.jac)
-    best = body(fit.x)
-    (xx, xy), (_, yy) = (spread @ P[1:3, 1:3] @ spread.T).tolist()
-    error = min(scene.mass_error, max(LEAST_ERROR, 2.0 * unsure * math.sqrt(P[0, 0])))
-    place = CenterBelief(best.x, best.y, xx, xy, yy, center.before)
-    return PressedBody(best.mass, error, place, best.friction)
-
-
-def _errors(
-    scene: Scene,
-    body: _Body,
-    travels: Sequence[PressedTravel],
-    force_noise: float,
-) -> Array:
-    """Errors (2 n,) of the turns and forces that a ``body`` would have had in
-    ``travels``, each over its standard deviation.
-    """
-    model = replace(scene.body, mass=body.mass, center_of_mass=(body.x, body.y))
-    presses = []
-    for travel in travels:
-        x, y = travel.place
-        contact = (x - body.x, y - body.y)
-        presses.append(Press(model, body.friction, contact, travel.load, scene.rho))
-    directions = np.array([travel.direction for travel in travels])
-    lengths = np.array([travel.length for travel in travels])
-    turns = np.array([travel.turn for travel in travels])
-    unsure = np.array([travel.deviation for travel in travels])
-    forces = np.array([travel.force for travel in travels])
-    pictures = np.array([travel.pictures for travel in travels])
-    loads = np.array([press.weight + press.load for press in presses])
-    expected, shares = dragged_along(presses, directions)
-    off = (turns - expected * lengths) / np.sqrt(
-        unsure**2 + (MODEL_SHARE * turns) ** 2 + (MODEL_TURN * lengths) ** 2
-    )
-    off_force = (forces - shares * body.friction * loads) / np.hypot(
-        MODEL_FORCE * forces, force_noise / np.sqrt(pictures)
-    )
-    out: Array = np.nan_to_num(np.concatenate([off, off_force]), nan=TIPPED)
-    return out
+    def _moved(self, body: _Body, directions: Array) -> tuple[Array, Array]:
+        """``dragged_along`` of a ``body``, in ``directions`` (n,) [rad]."""
+        scene = self._scene
+        model = replace(scene.body, mass=body.mass, center_of_mass=(body.x, body.y))
+        presses = []
+        for travel in self._travels:
+            x, y = travel.place
+            contact = (x - body.x, y - body.y)
+            presses.append(Press(model, body.friction, contact, travel.load, scene.rho))
+        return dragged_along(presses, directions)
 
 
 def _square_root(center: CenterBelief) -> Array:

@@ -664,8 +664,9 @@ class RunLoop:
             center = self._known_center()
             if center is not None:
                 self.controller.know_center(center)
-        if own and self.recoveries == 0:
-            self.controller.supervisor.gives_up = False
+        if own:
+            self.controller.supervisor.pressed_body = self._pressed_body
+            self.controller.supervisor.gives_up = self.recoveries > 0
         if self.spacing is not None:
             self.spacing.forget()
         self.resting = RestingPose()

@@ -121,6 +121,14 @@ class StallWatch:
     since: float  # [s]
 
 
+class Touched(NamedTuple):
+    """Object and tips, as estimated and measured, when a motion began."""
+
+    X_WB: Pose2
+    tips: tuple[TipState, ...]
+    place: float  # [m] standard deviation of the object's place
+
+
 @dataclass(frozen=True, slots=True)
 class ContactLosses:
     """Number of contact losses near one place of the path."""
@@ -141,8 +149,8 @@ class Watches(NamedTuple):
     resisted: float | None = None  # [s] since when another body pushes back
     # [s] since when no path leads on from an object that turns otherwise than planned
     mistaken: float | None = None
-    # [m] in B, where a press of unsure friction was seen to touch the object
-    touched: Point | None = None
+    # of a press of unsure friction, since its last touch
+    touched: Touched | None = None
     retouches: int = 0
     resistances: int = 0  # times that another body pushed back
     tip_friction: TipFriction | None = None  # of presses that slid

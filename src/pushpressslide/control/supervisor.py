@@ -14,6 +14,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from pushpressslide.control.correction import (
+    Replanner,
     axle_error,
     press_creep,
     rest_of,
@@ -25,12 +26,14 @@ from pushpressslide.control.correction import (
 from pushpressslide.control.following import Following, Prediction
 from pushpressslide.control.insertion import HOLD_TIME, SEAT_TIME
 from pushpressslide.control.placement import Placement, share_of_tolerance
+from pushpressslide.control.pressed_body import PressedBody
 from pushpressslide.control.state import (
     ContactLosses,
     ControllerState,
     Failure,
     Instant,
     StallWatch,
+    Touched,
     enter_phase,
     estimates,
     ramp_time,
@@ -99,6 +102,11 @@ class Supervisor:
         self.servo = servo
         self.patience = patience
         self.gives_up = True  # a motion whose goal will be missed: a recovery is left
+        # what the turns under presses have told up to now; None: nothing
+        self.pressed_body: Callable[[], PressedBody | None] = _nothing
+        # of the body that was last followed: it is asked for at every tick
+        self._believing: tuple[PressedBody | None, Replanner]
+        self._believing = (None, placement.replanner)
 
     def step(self, event: Moment | Settled) -> ControllerState:
         """State after an event. During the motion, the first row that holds decides."""
@@ -216,12 +224,19 @@ class Supervisor:
         """Retry if the goal is missed. Otherwise let go, unless the arms carry the
         object: then hold it.
         """
-        state = moment.state
-        instant = moment.instant
-        retry = self._retry(state, instant)
-        if retry:
-            return self._next_segment(state, retry, instant)
-        return self._let_go(moment)
+        retried = self._retried(moment)
+        return self._let_go(moment) if retried is None else retried
+
+    def _retried(self, moment: Moment) -> ControllerState | None:
+        """State in which the object is led to its goal once more, by the same contacts.
+        None if it is there, or if nothing leads there.
+        """
+        state = self._learning(moment.state)
+        retry = self._retry(state, moment.instant)
+        if not retry:
+            return None
+        last = state._replace(following=state.following._replace(ahead=()))
+        return self._next_segment(last, retry, moment.instant)
 
     def _let_go(self, moment: Moment) -> ControllerState:
         """State in which the tips draw back, or hold an object that nothing carries."""
@@ -365,9 +380,14 @@ class Supervisor:
         touched = moment.state.watches.touched
         if creep == 0.0 or touched is None:
             return creep
-        place, _ = moment.state.estimate.spread
+        estimate = moment.state.estimate
         (now,) = self._seen_contacts(moment.state, moment.instant)
-        slid = max(0.0, math.dist(now, touched) - margins.DOUBT * place)
+        # both with what is known now of the tip: it has not slid by being seen
+        binding = moment.state.following.binding
+        before = estimate.from_tip(touched.X_WB)
+        (then,) = binding.contact_points(before, touched.tips)
+        unsure = margins.DOUBT * math.hypot(estimate.spread[0], touched.place)
+        slid = max(0.0, math.dist(now, then) - unsure)
         return min(creep, slid / math.hypot(*planned[0].point))
 
     def _seen_contacts(
@@ -450,8 +470,11 @@ class Supervisor:
             moment.instant.time - since > margins.ARM.mistaken_time
         )
 
-    def stop_mistaken(self, moment: Moment) -> ControllerState:
-        """Stop: goal missed."""
+    def lead_again(self, moment: Moment) -> ControllerState:
+        """Retry. Otherwise stop: goal missed."""
+        retried = self._retried(moment)
+        if retried is not None:
+            return retried
         found = estimates(moment.state)
         followed = moment.state.following.prediction.followed_center
         aside = math.dist(found.center, followed)
@@ -609,7 +632,7 @@ class Supervisor:
             found = found._replace(axle=planned_axle)
         segments = (following.binding.segment, *following.ahead)
         since = time - state.watches.replanned
-        better = self.placement.replanner.improve(
+        better = self._replanner(following).improve(
             segments,
             instant.X_WB,
             touched,
@@ -686,9 +709,7 @@ class Supervisor:
         touched = following.binding.sure_contact_points(seen, instant.tips, place)
         found = estimates(state)
         measured = Measured.touching(X_WB, rest.contacts, touched, longest, found)
-        fresh = self.placement.replanner.believing(following.rho).replan(
-            (rest, *following.ahead), measured
-        )
+        fresh = self._replanner(following).replan((rest, *following.ahead), measured)
         if fresh:
             prediction = following.prediction._replace(
                 center=self.placement.center_identifier(fresh[0], found.center),
@@ -706,8 +727,8 @@ class Supervisor:
         watches = state.watches
         alone = len(following.binding.segment.contacts) == 1
         if alone and watches.touched is None and self._unsure_of_friction:
-            (place_now,) = self._seen_contacts(state, instant)
-            watches = watches._replace(touched=place_now)
+            touched_now = Touched(X_WB, instant.tips, place)
+            watches = watches._replace(touched=touched_now)
         begun = state._replace(following=following, watches=watches)
         return enter_phase(begun, "move", instant)
 
@@ -746,12 +767,37 @@ class Supervisor:
             return ()
         segment = following.binding.segment
         touched = self._seen_contacts(state, instant)
-        replanner = self.placement.replanner.believing(following.rho)
+        found = self._with_center(estimates(state), following)
         measured = Measured.touching(
-            instant.X_WB, segment.contacts, touched, estimates=estimates(state)
+            instant.X_WB, segment.contacts, touched, estimates=found
         )
-        fresh = replanner.retry(segment, measured)
+        fresh = self._replanner(following).retry(segment, measured)
         return fresh if self._can_follow(fresh, instant.time) else ()
+
+    def _replanner(self, following: Following) -> Replanner:
+        """Replanner with what is identified of the object."""
+        body, replanner = self._believing
+        if following.body is not body:
+            body = following.body
+            replanner = self.placement.replanner.believing(None, body)
+            self._believing = (body, replanner)
+        return replanner.believing(following.rho)
+
+    def _learning(self, state: ControllerState) -> ControllerState:
+        """``state`` with what the turns under presses have told up to now."""
+        body = self.pressed_body()
+        if body is None:
+            return state
+        return state._replace(following=state.following._replace(body=body))
+
+    def _with_center(
+        self, found: ParameterEstimates, following: Following
+    ) -> ParameterEstimates:
+        """Estimates with the centre of mass of the body that is followed."""
+        if following.body is None:
+            return found
+        center = self.placement.query.X_GB.inverse().apply(following.body.center.place)
+        return found._replace(center=center)
 
     def _can_follow(self, segments: Sequence[Segment], time: float) -> bool:
         """Whether ``segments`` started at ``time`` [s] end in time and stay near the
@@ -791,9 +837,11 @@ class Supervisor:
         """Continue with the first segment of ``ahead``, from the object's pose, without
         letting go.
         """
+        state = self._learning(state)
         before = state.following
         planned = ahead[0]
         found = estimates(state)._replace(axle=None, rho=before.rho)
+        found = self._with_center(found, before)
         fresh, center, retries = self._led_on(state, ahead, instant, found)
         joint_start = before.joint_progress(instant.X_WB)
         if before.replanned_as_arcs(planned):
@@ -820,9 +868,10 @@ class Supervisor:
             reference_start=instant.time,
             joint_start=joint_start,
             rho=before.rho,
+            body=before.body,
         )
         watches = state.watches._replace(
-            replanned=instant.time, retries=retries, looked=None
+            replanned=instant.time, retries=retries, looked=None, mistaken=None
         )
         return state._replace(following=following, watches=watches)
 
@@ -848,7 +897,7 @@ class Supervisor:
         longest = margins.longest(
             margins.TOUCH_DETOUR, planned.path.length, self.placement.object.radius
         )
-        replanner = self.placement.replanner.believing(following.rho)
+        replanner = self._replanner(following)
         measured = Measured.touching(
             X_WB, planned.contacts, touched, longest, estimates
         )
@@ -866,6 +915,10 @@ class Supervisor:
             if anew and self._can_follow(anew, instant.time):
                 return anew, estimates.center, retries + 1
         return fresh, center, retries
+
+
+def _nothing() -> None:
+    """Told of the object by presses that have not moved it."""
 
 
 def _planned_axle(following: Following) -> AxleEstimate | None:
@@ -920,7 +973,7 @@ TRANSITIONS: tuple[Transition, ...] = (
     Transition(Supervisor.lost_for_good, Supervisor.stop_lost),
     Transition(Supervisor.lost, Supervisor.touch_again),
     Transition(Supervisor.resisted, Supervisor.hold),
-    Transition(Supervisor.mistaken, Supervisor.stop_mistaken),
+    Transition(Supervisor.mistaken, Supervisor.lead_again, plans=True),
     Transition(Supervisor.slid_off, Supervisor.stop_slid_off),
     Transition(Supervisor.crept, Supervisor.touch_harder),
     Transition(Supervisor.slid, Supervisor.touch_planned),

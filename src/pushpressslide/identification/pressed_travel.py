@@ -5,6 +5,7 @@ by pictures.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
@@ -17,6 +18,7 @@ LEAST = 0.008  # [m] of a travel that tells anything
 SLID = 0.25
 """Share of its length by which the tip of a travel that tells anything slides at most."""
 MOST = 60  # number of travels that are remembered
+ALIKE = 5e-3  # [m] between the places of travels that tell the same
 
 
 class PressedTravel(NamedTuple):
@@ -56,22 +58,47 @@ class PressedTravel(NamedTuple):
 
     def joined(self, other: PressedTravel) -> PressedTravel | None:
         """Both as one travel. None if they lead elsewhere, or are too long."""
-        (ax, ay), (bx, by) = self.displacement, other.displacement
-        between = abs(math.atan2(ax * by - ay * bx, ax * bx + ay * by))
         length = self.length + other.length
+        between = abs(wrap_angle(other.direction - self.direction))
         if length > LONGEST or self.load != other.load or between > STRAIGHT:
             return None
+        joined = self.with_more(other)
+        unsure = max(self.deviation, other.deviation)
+        return joined._replace(ended=other.ended, deviation=unsure)
+
+    def alike(self, other: PressedTravel) -> bool:
+        """Whether the ``other`` travel tells the same."""
+        between = abs(wrap_angle(other.direction - self.direction))
+        near = math.dist(self.place, other.place) < ALIKE
+        return near and between < STRAIGHT and self.load == other.load
+
+    def with_more(self, other: PressedTravel) -> PressedTravel:
+        """Both as one travel from where this one began. Their errors are independent."""
+        (ax, ay), (bx, by) = self.displacement, other.displacement
         pictures = self.pictures + other.pictures
         return PressedTravel(
             self.began,
-            other.ended,
+            self.ended,
             self.load,
             (ax + bx, ay + by),
             self.turn + other.turn,
-            max(self.deviation, other.deviation),
+            math.hypot(self.deviation, other.deviation),
             (self.pictures * self.force + other.pictures * other.force) / pictures,
             pictures,
         )
+
+
+def travels_alike(travels: Sequence[PressedTravel]) -> list[PressedTravel]:
+    """The ``travels``, with those that tell the same as one."""
+    out: list[PressedTravel] = []
+    for travel in travels:
+        for i, other in enumerate(out):
+            if other.alike(travel):
+                out[i] = other.with_more(travel)
+                break
+        else:
+            out.append(travel)
+    return out
 
 
 class PressedPicture(NamedTuple):
@@ -114,6 +141,8 @@ class PressedTravels(NamedTuple):
         travels = self.travels
         joined = travels[-1].joined(fresh) if travels else None
         if joined is None:
+            if travels and not travels[-1].tells:
+                travels = travels[:-1]  # as of a tip at rest
             travels = (*travels[1 - MOST :], fresh)
         else:
             travels = (*travels[:-1], joined)

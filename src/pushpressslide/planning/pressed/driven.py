@@ -306,16 +306,23 @@ def steered_path(
     """Path of ``drive`` with the gentlest turns between its ``ends``.
 
     It is at most ``longest`` [m] long and turns by about ``turning`` [rad]. It is
-    straight if steering along a run-in suffices.
+    straight if steering along a run-in suffices, or does all that can be done.
     """
-    aside = margins.CORRECTED * body.radius
     start, goal = ends
     ahead, left = goal.unapply(start.position)
-    if isinstance(drive, TurnDrive) and ahead < 0.0 and abs(left) < aside:
-        return ArcPath(advance(goal, 0.0, ahead), ((0.0, -ahead),))
+    straight = None
+    if isinstance(drive, TurnDrive) and ahead < 0.0:
+        straight = ArcPath(advance(goal, 0.0, ahead), ((0.0, -ahead),))
+        if abs(left) < margins.CORRECTED * body.radius:
+            return straight
     car = drive.car
     tightest = math.tan(margins.PLANNED_STEERING * drive.steepest) / abs(
         car.effective_wheelbase
     )
     run_ins = [k * drive.look_ahead for k in (*margins.VEHICLE_RUN_INS, 0.5, 0.0)]
-    return gentlest(ends, turns(car, tightest), run_ins, longest, turning)[2]
+    path = gentlest(ends, turns(car, tightest), run_ins, longest, turning)[2]
+    # a short way is steered along as far as it goes
+    near = abs(left) < margins.MISSED * body.radius
+    if straight is not None and near and path.length > longest:
+        return straight
+    return path

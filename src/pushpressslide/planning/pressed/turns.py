@@ -40,6 +40,7 @@ STEP = 2.0 * math.pi / COUNT
 EVERY = 2  # every second angle is used for planned turns
 STEERING = 4  # steps that a force may be turned from its planned angle
 LEAST = 1  # steps that it must be free to
+FORWARD = 1.4  # [rad] from the motion of a contact, within which its force is
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,19 +86,23 @@ def dragged_along(presses: Sequence[Press], directions: Array) -> tuple[Array, A
     (m,) [rad] in B: turns (m,) [rad/m] per travel, and forces (m,) as shares of mu_s N.
     NaN where the object would tip.
     """
-    slides = _slides(presses, RESOLUTION)
+    ex, ey = np.array([press.axis for press in presses]).T
+    ahead = directions - np.arctan2(ey, ex)
+    near = np.abs(_wrapped(STEP * np.arange(COUNT) - ahead[:, None])) < FORWARD
+    near[:, 1::EVERY] = False
+    slides = _slides(presses, RESOLUTION, near)
     a, b, w = slides.motion
     levers = np.array([[press.lever] for press in presses])
-    ex, ey = np.array([press.axis for press in presses]).T
     across = b + w * levers
-    off = _wrapped(np.arctan2(across, a) + (np.arctan2(ey, ex) - directions)[:, None])
+    off = _wrapped(np.arctan2(across, a) - ahead[:, None])
     turns = w / np.hypot(a, across)
     out = np.full((2, len(presses)), np.nan)
     for i, known in enumerate(np.isfinite(turns)):
+        at = off[i, known]
         if known.any():
-            at = off[i, known]
+            order = np.argsort(at)
             for row, values in enumerate((turns, slides.shares)):
-                out[row, i] = np.interp(0.0, at, values[i, known], period=2.0 * math.pi)
+                out[row, i] = np.interp(0.0, at[order], values[i, known][order])
     return out[0], out[1]
 
 
@@ -161,7 +166,11 @@ def turn_table(
     )
 
 
-def _slides(presses: Sequence[Press], resolution: int) -> _Slides:
+def _slides(
+    presses: Sequence[Press],
+    resolution: int,
+    wanted: NDArray[np.bool_] | bool = True,
+) -> _Slides:
     """Sliding motion of the object under all forces that do not tip it."""
     m = len(presses)
     body = presses[0].body
@@ -176,7 +185,7 @@ def _slides(presses: Sequence[Press], resolution: int) -> _Slides:
     forces = c * axes[:, None] + s * across[:, None]
     moved = cops[:, None] + shift * forces
     spaces = rooms_inside(body, moved.reshape(-1, 2)).reshape(m, COUNT)
-    rows, columns = np.nonzero(spaces >= margins.TIPPING_MARGIN)
+    rows, columns = np.nonzero(wanted & (spaces >= margins.TIPPING_MARGIN))
     rho = presses[0].rho
     base: DraggedBase | DraggedEllipsoid = DraggedBase(body, shift, resolution)
     if rho is not None:
