@@ -13,7 +13,7 @@ from pushpressslide.identification.pressed_travel import (
     MOST,
     PressedPicture,
     PressedTravels,
-    travels_alike,
+    without_repeats,
 )
 
 PLACE = (0.03, -0.02)  # of the tip in G
@@ -114,15 +114,15 @@ def test_a_tip_at_rest_leaves_what_was_told_before() -> None:
 def test_travels_that_tell_the_same_are_one() -> None:
     out = told(*(picture(Pose2(0.5 + 0.04 * i, 0.1, 0.1 * i)) for i in range(6)))
     assert len(out.telling) > 1
-    (together,) = travels_alike(out.telling)
+    (together,) = without_repeats(out.telling)
     assert together.turn == pytest.approx(0.5)
     assert together.length == pytest.approx(0.2, rel=0.05)
     deviations = [travel.deviation for travel in out.telling]
     assert together.deviation == pytest.approx(math.hypot(*deviations))
     # not under another load, elsewhere on the object, or in another direction
     other = out.telling[0]._replace(load=LOAD + 1.0)
-    assert len(travels_alike((*out.telling, other))) == 2
+    assert len(without_repeats((*out.telling, other))) == 2
     far = other._replace(load=LOAD, began=(0.1, 0.0), ended=(0.1, 0.0))
-    assert len(travels_alike((*out.telling, far))) == 2
+    assert len(without_repeats((*out.telling, far))) == 2
     across = other._replace(load=LOAD, displacement=(0.0, 0.04))
-    assert len(travels_alike((*out.telling, across))) == 2
+    assert len(without_repeats((*out.telling, across))) == 2

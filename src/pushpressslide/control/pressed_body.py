@@ -23,7 +23,7 @@ from pushpressslide.core.scene import Scene
 from pushpressslide.identification.parameter_estimates import MOST_FRICTION
 from pushpressslide.identification.pressed_travel import (
     PressedTravel,
-    travels_alike,
+    without_repeats,
 )
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.planning.pressed.turns import dragged_along
@@ -101,9 +101,9 @@ def pressed_body(
     """
     if not travels:
         return None
-    fit = _Fit(scene, center, travels_alike(travels), force_noise)
+    fit = _Fit(scene, center, without_repeats(travels), force_noise)
     rng = np.random.default_rng(0)
-    members = fit.believed(rng)
+    members = fit.prior(rng)
     for _ in range(STEPS):
         members = fit.updated(members, rng)
     return fit.pressed_body(members)
@@ -140,30 +140,30 @@ class _Fit:
         pictures = np.array([travel.pictures for travel in travels])
         levers = np.array([math.dist(one.place, center.place) for one in travels])
         aside = np.hypot(TIP_PLACE / np.maximum(levers, TIP_PLACE), unsure)
-        believed = self._body(np.zeros(4))
-        straight, _ = self._moved(believed, self._directions)
-        beside, _ = self._moved(believed, self._directions + aside)
+        likeliest = self._body(np.zeros(4))
+        straight, _ = self._dragged(likeliest, self._directions)
+        beside, _ = self._dragged(likeliest, self._directions + aside)
         sensitive = np.nan_to_num((beside - straight) * self._lengths)
         turn_errors = np.sqrt(unsure**2 + (MODEL_SHARE * turns) ** 2 + sensitive**2)
         force_errors = np.hypot(MODEL_FORCE * forces, force_noise / np.sqrt(pictures))
         self._errors = np.concatenate([turn_errors, force_errors])
         self._measured = np.concatenate([turns, forces]) / self._errors
 
-    def believed(self, rng: np.random.Generator) -> Array:
+    def prior(self, rng: np.random.Generator) -> Array:
         """Members (K, 4) as believed."""
         scene = self._scene
         # what is hoped for is at the edge of what is believed
         wide = 2.0 if scene.dares else 1.0
         unsure = wide * math.log(1.0 + scene.mass_error)
         unsure_friction = wide * math.log(1.0 + scene.friction_error)
-        drawn = rng.normal(size=(MEMBERS, 4))
-        drawn -= drawn.mean(0)
-        drawn = np.linalg.solve(np.linalg.cholesky(np.cov(drawn.T)), drawn.T).T
-        mass = unsure * drawn[:, 0]
+        normal = rng.normal(size=(MEMBERS, 4))
+        normal -= normal.mean(0)
+        normal = np.linalg.solve(np.linalg.cholesky(np.cov(normal.T)), normal.T).T
+        mass = unsure * normal[:, 0]
         weight = GRAVITY * scene.body.mass
         loaded = np.log((weight * np.exp(mass) + self._load) / (weight + self._load))
-        drag = unsure_friction * drawn[:, 3] + loaded
-        return np.column_stack([mass, drawn[:, 1:3], drag])
+        drag = unsure_friction * normal[:, 3] + loaded
+        return np.column_stack([mass, normal[:, 1:3], drag])
 
     def updated(self, members: Array, rng: np.random.Generator) -> Array:
         """Members (K, 4) after one of STEPS updates by all that is measured."""
@@ -202,8 +202,8 @@ class _Fit:
         scene = self._scene
         mass = scene.body.mass * math.exp(float(member[0]))
         # the drag tells friction and mass together
-        believed, now = (GRAVITY * m + self._load for m in (scene.body.mass, mass))
-        friction = scene.support.friction * math.exp(float(member[3])) * believed / now
+        before, now = (GRAVITY * m + self._load for m in (scene.body.mass, mass))
+        friction = scene.support.friction * math.exp(float(member[3])) * before / now
         x, y = self._center.x + off_x, self._center.y + off_y
         return _Body(mass, x, y, min(friction, MOST_FRICTION))
 
@@ -212,14 +212,14 @@ class _Fit:
         it would tip.
         """
         body = self._body(member)
-        turns, shares = self._moved(body, self._directions)
+        turns, shares = self._dragged(body, self._directions)
         weight = GRAVITY * body.mass
         loads = np.array([weight + travel.load for travel in self._travels])
         forces = np.nan_to_num(shares, nan=1.0) * body.friction * loads
         out: Array = np.concatenate([turns * self._lengths, forces]) / self._errors
         return out
 
-    def _moved(self, body: _Body, directions: Array) -> tuple[Array, Array]:
+    def _dragged(self, body: _Body, directions: Array) -> tuple[Array, Array]:
         """``dragged_along`` of a ``body``, in ``directions`` (n,) [rad]."""
         scene = self._scene
         model = replace(scene.body, mass=body.mass, center_of_mass=(body.x, body.y))

@@ -791,13 +791,13 @@ class Supervisor:
         return state._replace(following=state.following._replace(body=body))
 
     def _with_center(
-        self, found: ParameterEstimates, following: Following
+        self, estimates: ParameterEstimates, following: Following
     ) -> ParameterEstimates:
-        """Estimates with the centre of mass of the body that is followed."""
+        """The ``estimates`` with the centre of mass of the body that is followed."""
         if following.body is None:
-            return found
+            return estimates
         center = self.placement.query.X_GB.inverse().apply(following.body.center.place)
-        return found._replace(center=center)
+        return estimates._replace(center=center)
 
     def _can_follow(self, segments: Sequence[Segment], time: float) -> bool:
         """Whether ``segments`` started at ``time`` [s] end in time and stay near the

@@ -66,8 +66,8 @@ class PressedTravel(NamedTuple):
         unsure = max(self.deviation, other.deviation)
         return joined._replace(ended=other.ended, deviation=unsure)
 
-    def alike(self, other: PressedTravel) -> bool:
-        """Whether the ``other`` travel tells the same."""
+    def repeats(self, other: PressedTravel) -> bool:
+        """Whether the travel tells the same as an ``other`` one."""
         between = abs(wrap_angle(other.direction - self.direction))
         near = math.dist(self.place, other.place) < ALIKE
         return near and between < STRAIGHT and self.load == other.load
@@ -88,12 +88,12 @@ class PressedTravel(NamedTuple):
         )
 
 
-def travels_alike(travels: Sequence[PressedTravel]) -> list[PressedTravel]:
+def without_repeats(travels: Sequence[PressedTravel]) -> list[PressedTravel]:
     """The ``travels``, with those that tell the same as one."""
     out: list[PressedTravel] = []
     for travel in travels:
         for i, other in enumerate(out):
-            if other.alike(travel):
+            if other.repeats(travel):
                 out[i] = other.with_more(travel)
                 break
         else:
