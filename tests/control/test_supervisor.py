@@ -24,12 +24,14 @@ from pushpressslide.control.state import (
     Touched,
     Watches,
     enter_phase,
+    ramp_time,
     tip_position,
 )
 from pushpressslide.control.supervisor import (
     LOSSES,
     RETOUCHES,
     RETRIES,
+    SLOWED,
     TRANSITIONS,
     Moment,
     Settled,
@@ -38,6 +40,7 @@ from pushpressslide.control.supervisor import (
 from pushpressslide.core import margins
 from pushpressslide.core.control import Measurement, TipState
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.sensing import Sensing
 from pushpressslide.modes import MODES
 
 PAGE = Path(__file__).parents[2] / "docs" / "architecture.md"
@@ -801,6 +804,17 @@ def test_a_retry_ends_in_time_or_is_not_begun() -> None:
         late = watching(late, still=StallWatch(beside.instant.X_WB, time))
         state = controller(PRESS).supervisor.step(late)
         assert (state.phase.name == "move") == begun
+
+
+def test_a_retry_has_time_to_slow_down_where_the_object_is_looked_at() -> None:
+    task = pps.load_task(PRESS, ["limits.time=600"])
+    seen = Controller(pps.plan(replace(task, sensing=Sensing(pose_rate=10.0))))
+    lasts = math.fsum(segment.profile.duration for segment in seen.segments)
+    for made, share in ((controller(PRESS), 1.0), (seen, SLOWED)):
+        ready = 600.0 - ramp_time(margins.ARM.retreat)
+        for late in (-0.01, 0.01):
+            begun = ready - share * lasts + late
+            assert made.supervisor._in_time(made.segments, begun) == (late < 0.0)
 
 
 def test_a_run_that_has_just_begun_looks_for_a_better_plan_after_one_pause() -> None:

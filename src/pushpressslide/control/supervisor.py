@@ -56,6 +56,7 @@ from pushpressslide.planning.workspace import poses_along
 RETOUCHES = 3
 LOSSES = 6  # losses of contact at one point above which the attempt ends
 RETRIES = 4
+SLOWED = 1.5  # duration of a motion that slows down to be seen, over the planned one
 
 
 class Moment(NamedTuple):
@@ -827,7 +828,8 @@ class Supervisor:
         """Whether ``segments`` started at ``time`` [s] end before the time limit of the
         run.
         """
-        ends = time + math.fsum(segment.profile.duration for segment in segments)
+        lasts = math.fsum(segment.profile.duration for segment in segments)
+        ends = time + (SLOWED * lasts if self.placement.looks else lasts)
         part = self.placement.queries[self.placement.segments[0].leg]
         return ends < part.limits.time - ramp_time(margins.ARM.retreat)
 
