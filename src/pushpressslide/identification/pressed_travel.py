@@ -56,11 +56,14 @@ class PressedTravel(NamedTuple):
         slid = math.dist(self.began, self.ended)
         return self.length > LEAST and slid < SLID * self.length
 
+    def straight_on(self, other: PressedTravel) -> bool:
+        """Whether the ``other`` travel has the same direction."""
+        return abs(wrap_angle(other.direction - self.direction)) <= STRAIGHT
+
     def joined(self, other: PressedTravel) -> PressedTravel | None:
         """Both as one travel. None if they lead elsewhere, or are too long."""
         length = self.length + other.length
-        between = abs(wrap_angle(other.direction - self.direction))
-        if length > LONGEST or self.load != other.load or between > STRAIGHT:
+        if length > LONGEST or self.load != other.load or not self.straight_on(other):
             return None
         joined = self.with_more(other)
         unsure = max(self.deviation, other.deviation)
@@ -68,9 +71,8 @@ class PressedTravel(NamedTuple):
 
     def repeats(self, other: PressedTravel) -> bool:
         """Whether the travel tells the same as an ``other`` one."""
-        between = abs(wrap_angle(other.direction - self.direction))
         near = math.dist(self.place, other.place) < ALIKE
-        return near and between < STRAIGHT and self.load == other.load
+        return near and self.load == other.load and self.straight_on(other)
 
     def with_more(self, other: PressedTravel) -> PressedTravel:
         """Both as one travel from where this one began. Their errors are independent."""

@@ -84,12 +84,12 @@ class TurnTable:
 def dragged_along(presses: Sequence[Press], directions: Array) -> tuple[Array, Array]:
     """Motion of one object under m ``presses`` whose contacts travel in ``directions``
     (m,) [rad] in B: turns (m,) [rad/m] per travel, and forces (m,) as shares of mu_s N.
-    NaN where the object would tip.
+    NaN where every force near that direction would tip the object.
     """
     ex, ey = np.array([press.axis for press in presses]).T
     ahead = directions - np.arctan2(ey, ex)
     near = np.abs(_wrapped(STEP * np.arange(COUNT) - ahead[:, None])) < FORWARD
-    near[:, 1::EVERY] = False
+    near &= np.arange(COUNT) % EVERY == 0
     slides = _slides(presses, RESOLUTION, near)
     a, b, w = slides.motion
     levers = np.array([[press.lever] for press in presses])
